@@ -1,0 +1,105 @@
+//! A rectangle of values in row-major order.
+
+use crate::error::{Error, Result};
+
+/// A `width`×`height` image, row 0 first, tightly packed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plane<T> {
+    width: u32,
+    height: u32,
+    data: Vec<T>,
+}
+
+/// Linear scene-referred Rec. 709 colour, one `[r, g, b]` a pixel.
+pub type ColorPlane = Plane<[f32; 3]>;
+/// Depth in metres, or `f32::INFINITY` where there is nothing.
+pub type DepthPlane = Plane<f32>;
+/// Reflection weight, refraction weight, index of refraction, one triple a pixel.
+pub type MaterialPlane = Plane<[f32; 3]>;
+
+impl<T> Plane<T> {
+    /// Wraps `data`, whose length must be `width * height`.
+    pub fn new(width: u32, height: u32, data: Vec<T>) -> Result<Self> {
+        if data.len() as u64 != u64::from(width) * u64::from(height) {
+            return Err(Error::invalid(format!("an image of {width}x{height} pixels was given {} values", data.len())));
+        }
+        Ok(Plane { width, height, data })
+    }
+
+    /// Builds a plane by asking for the value at every `(x, y)`.
+    pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
+        let mut data = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            for x in 0..width {
+                data.push(value(x, y));
+            }
+        }
+        Plane { width, height, data }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All values, row-major.
+    pub fn data(&self) -> &[T] {
+        &self.data
+    }
+
+    /// All values, row-major, to be written.
+    pub fn data_mut(&mut self) -> &mut [T] {
+        &mut self.data
+    }
+
+    /// The values alone.
+    pub fn into_data(self) -> Vec<T> {
+        self.data
+    }
+
+    /// Row `y`.
+    ///
+    /// # Panics
+    /// If `y` is not below the height.
+    pub fn row(&self, y: u32) -> &[T] {
+        let start = y as usize * self.width as usize;
+        &self.data[start..start + self.width as usize]
+    }
+
+    /// Row `y`, to be written.
+    ///
+    /// # Panics
+    /// If `y` is not below the height.
+    pub fn row_mut(&mut self, y: u32) -> &mut [T] {
+        let start = y as usize * self.width as usize;
+        &mut self.data[start..start + self.width as usize]
+    }
+
+    /// The same rectangle with every value mapped.
+    pub fn map<U>(&self, value: impl FnMut(&T) -> U) -> Plane<U> {
+        Plane { width: self.width, height: self.height, data: self.data.iter().map(value).collect() }
+    }
+}
+
+impl<T: Clone> Plane<T> {
+    /// A plane of one value.
+    pub fn filled(width: u32, height: u32, value: T) -> Self {
+        Plane { width, height, data: vec![value; width as usize * height as usize] }
+    }
+}
+
+impl<T: Copy> Plane<T> {
+    /// The value at `(x, y)`.
+    ///
+    /// # Panics
+    /// If the pixel lies outside.
+    pub fn get(&self, x: u32, y: u32) -> T {
+        assert!(x < self.width && y < self.height);
+        self.data[y as usize * self.width as usize + x as usize]
+    }
+}

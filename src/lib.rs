@@ -1,0 +1,9 @@
+//! lightfold: a codec toolkit for animated light fields.
+//!
+//! The rooms and the direction in which they may import each other are in `ARCHITECTURE.md`; the
+//! meaning of every byte is in `formats/`.
+
+pub mod error;
+pub mod image;
+
+pub use error::{Error, Result};
