@@ -3,7 +3,10 @@
 //! The rooms and the direction in which they may import each other are in `ARCHITECTURE.md`; the
 //! meaning of every byte is in `formats/`.
 
+pub mod dataset;
 pub mod error;
 pub mod image;
+pub mod metrics;
+pub mod scene;
 
 pub use error::{Error, Result};

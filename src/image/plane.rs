@@ -1,5 +1,7 @@
 //! A rectangle of values in row-major order.
 
+use half::f16;
+
 use crate::error::{Error, Result};
 
 /// A `width`×`height` image, row 0 first, tightly packed.
@@ -10,8 +12,9 @@ pub struct Plane<T> {
     data: Vec<T>,
 }
 
-/// Linear scene-referred Rec. 709 colour, one `[r, g, b]` a pixel.
-pub type ColorPlane = Plane<[f32; 3]>;
+/// Linear scene-referred Rec. 709 colour, one `[r, g, b]` a pixel. Half floats: what renderers write, and few
+/// enough values (65,536) that every transfer function and metric is a table.
+pub type ColorPlane = Plane<[f16; 3]>;
 /// Depth in metres, or `f32::INFINITY` where there is nothing.
 pub type DepthPlane = Plane<f32>;
 /// Reflection weight, refraction weight, index of refraction, one triple a pixel.
