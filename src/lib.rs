@@ -3,7 +3,9 @@
 //! The rooms and the direction in which they may import each other are in `ARCHITECTURE.md`; the
 //! meaning of every byte is in `formats/`.
 
+pub mod container;
 pub mod dataset;
+pub mod depth;
 pub mod error;
 pub mod image;
 pub mod metrics;

@@ -1,0 +1,203 @@
+//! Little-endian fields read from a byte slice, with the place of the first one that is wrong.
+
+use byteorder::{ByteOrder, LittleEndian};
+
+use crate::error::{Error, Result};
+
+/// Reads fields one after the other and never beyond the end.
+#[derive(Debug, Clone)]
+pub struct Fields<'a> {
+    bytes: &'a [u8],
+    position: usize,
+    base: u64,
+    section: &'static str,
+}
+
+impl<'a> Fields<'a> {
+    /// Starts at the first of `bytes`, which lies at offset `base` of what errors count from; `section` of
+    /// `formats/` describes them.
+    pub fn new(bytes: &'a [u8], base: u64, section: &'static str) -> Self {
+        Fields { bytes, position: 0, base, section }
+    }
+
+    /// Names the section that describes the fields from here on.
+    pub fn enter(&mut self, section: &'static str) {
+        self.section = section;
+    }
+
+    /// Offset of the next field, counted as errors count it.
+    pub fn offset(&self) -> u64 {
+        self.base + self.position as u64
+    }
+
+    /// Bytes consumed so far.
+    pub fn position(&self) -> usize {
+        self.position
+    }
+
+    /// Bytes not yet consumed.
+    pub fn remaining(&self) -> usize {
+        self.bytes.len() - self.position
+    }
+
+    /// An error at the next field.
+    pub fn error(&self, message: impl Into<String>) -> Error {
+        Error::invalid_at(self.section, self.offset(), message)
+    }
+
+    /// The next `count` bytes.
+    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8]> {
+        if count > self.remaining() {
+            return Err(self.error(format!("{count} more bytes expected, {} left", self.remaining())));
+        }
+        let start = self.position;
+        self.position += count;
+        Ok(&self.bytes[start..self.position])
+    }
+
+    /// An unsigned byte.
+    pub fn u8(&mut self) -> Result<u8> {
+        Ok(self.bytes(1)?[0])
+    }
+
+    /// A 16-bit unsigned integer.
+    pub fn u16(&mut self) -> Result<u16> {
+        Ok(LittleEndian::read_u16(self.bytes(2)?))
+    }
+
+    /// A 32-bit unsigned integer.
+    pub fn u32(&mut self) -> Result<u32> {
+        Ok(LittleEndian::read_u32(self.bytes(4)?))
+    }
+
+    /// A 64-bit unsigned integer.
+    pub fn u64(&mut self) -> Result<u64> {
+        Ok(LittleEndian::read_u64(self.bytes(8)?))
+    }
+
+    /// A 32-bit IEEE float, any bit pattern.
+    pub fn f32(&mut self) -> Result<f32> {
+        Ok(LittleEndian::read_f32(self.bytes(4)?))
+    }
+
+    /// A finite 64-bit IEEE float.
+    pub fn finite_f64(&mut self, what: &str) -> Result<f64> {
+        let offset = self.offset();
+        let value = LittleEndian::read_f64(self.bytes(8)?);
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Error::invalid_at(self.section, offset, format!("{what} is {value}, a finite number was expected")))
+        }
+    }
+
+    /// A length-prefixed (u16) UTF-8 string.
+    pub fn string(&mut self, what: &str) -> Result<String> {
+        let length = self.u16()? as usize;
+        let offset = self.offset();
+        let bytes = self.bytes(length)?;
+        std::str::from_utf8(bytes)
+            .map(str::to_owned)
+            .map_err(|_| Error::invalid_at(self.section, offset, format!("{what} is not UTF-8")))
+    }
+
+    /// `count` reserved bytes, which must be zero.
+    pub fn zeros(&mut self, count: usize) -> Result<()> {
+        let offset = self.offset();
+        match self.bytes(count)?.iter().position(|&byte| byte != 0) {
+            None => Ok(()),
+            Some(at) => Err(Error::invalid_at(
+                self.section,
+                offset + at as u64,
+                "a reserved byte is not zero: the file was written by a later version or is damaged",
+            )),
+        }
+    }
+
+    /// Fails unless everything was consumed.
+    pub fn finish(&self) -> Result<()> {
+        match self.remaining() {
+            0 => Ok(()),
+            left => Err(self.error(format!("{left} bytes after the last field"))),
+        }
+    }
+}
+
+/// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
+pub trait PutFields {
+    /// A 16-bit unsigned integer.
+    fn put_u16(&mut self, value: u16);
+    /// A 32-bit unsigned integer.
+    fn put_u32(&mut self, value: u32);
+    /// A 64-bit unsigned integer.
+    fn put_u64(&mut self, value: u64);
+    /// A 32-bit IEEE float.
+    fn put_f32(&mut self, value: f32);
+    /// A 64-bit IEEE float.
+    fn put_f64(&mut self, value: f64);
+    /// A u16 length and the UTF-8 bytes.
+    fn put_string(&mut self, what: &str, value: &str) -> Result<()>;
+}
+
+impl PutFields for Vec<u8> {
+    fn put_u16(&mut self, value: u16) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_u32(&mut self, value: u32) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_u64(&mut self, value: u64) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_f32(&mut self, value: f32) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_f64(&mut self, value: f64) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_string(&mut self, what: &str, value: &str) -> Result<()> {
+        let length = u16::try_from(value.len())
+            .map_err(|_| Error::Usage(format!("{what} has {} bytes; a container holds at most 65535", value.len())))?;
+        self.put_u16(length);
+        self.extend_from_slice(value.as_bytes());
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_come_back_and_the_end_is_an_error() {
+        let mut bytes = Vec::new();
+        bytes.push(7);
+        bytes.put_u16(0x0102);
+        bytes.put_u32(0x0304_0506);
+        bytes.put_u64(u64::MAX - 1);
+        bytes.put_f32(-0.5);
+        bytes.put_f64(1e300);
+        bytes.put_string("name", "πrobe").unwrap();
+        bytes.extend_from_slice(&[0, 0, 9]);
+        let mut fields = Fields::new(&bytes, 100, "container.md 3");
+        assert_eq!(fields.u8().unwrap(), 7);
+        assert_eq!(fields.u16().unwrap(), 0x0102);
+        assert_eq!(fields.u32().unwrap(), 0x0304_0506);
+        assert_eq!(fields.u64().unwrap(), u64::MAX - 1);
+        assert_eq!(fields.f32().unwrap(), -0.5);
+        assert_eq!(fields.finite_f64("x").unwrap(), 1e300);
+        assert_eq!(fields.string("name").unwrap(), "πrobe");
+        fields.zeros(2).unwrap();
+        assert!(fields.finish().is_err());
+        let at = fields.offset();
+        let error = fields.zeros(1).unwrap_err().to_string();
+        assert!(error.contains(&format!("at byte {at}")), "{error}");
+        assert!(error.contains("formats/container.md 3"), "{error}");
+        assert!(fields.u8().is_err());
+    }
+}

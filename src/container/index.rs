@@ -1,0 +1,404 @@
+//! The index (container.md 4 to 6): the dataset, its probes, its streams, and the table of chunks.
+//!
+//! Enters: bytes that have passed their CRC-32 and are still not believed. Leaves: tables in which every number has
+//! been checked against the others, so that a decoder may index with them.
+
+use std::collections::HashSet;
+
+use crate::container::chunk::{self, ChunkEntry};
+use crate::container::fields::{Fields, PutFields};
+use crate::error::{Error, Result};
+
+/// Largest width or height of a stream.
+pub const MAX_SIZE: u32 = 16_384;
+/// Frame numbers stay below this.
+pub const MAX_FRAME: u32 = 1 << 31;
+const PROBE_MIN_BYTES: usize = 2 + 7 * 8 + 8 + 4 * 8;
+const STREAM_MIN_BYTES: usize = 4 + 4 + 6 * 4 + 4;
+
+/// A probe: where the streams that name it were captured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbeEntry {
+    /// Name, unique in the file.
+    pub name: String,
+    /// Position in metres.
+    pub position: [f64; 3],
+    /// Orientation as a unit quaternion x, y, z, w; 0, 0, 0, 1 for none.
+    pub orientation: [f64; 4],
+    /// First and last frame in which the probe is active.
+    pub frames: [u32; 2],
+    /// fx, fy, cx, cy in pixels for a perspective probe, zeros where there are none.
+    pub intrinsics: [f64; 4],
+}
+
+/// A stream: one kind of image, of one face of one probe, over a range of frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamEntry {
+    /// 0 colour, 1 depth, 2 material.
+    pub kind: u8,
+    /// 0 to 5 px nx py ny pz nz, 6 the view of a perspective probe.
+    pub face: u8,
+    /// Index in the probe table.
+    pub probe: u16,
+    /// Four characters that name the codec.
+    pub codec: [u8; 4],
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// First frame.
+    pub first_frame: u32,
+    /// Number of frames, at least 1.
+    pub frame_count: u32,
+    /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
+    pub unit_width: u32,
+    /// Height of a unit.
+    pub unit_height: u32,
+    /// What the codec needs to know about the whole stream.
+    pub codec_header: Vec<u8>,
+}
+
+impl StreamEntry {
+    /// Columns and rows of the unit grid.
+    pub fn grid(&self) -> [u32; 2] {
+        [self.width.div_ceil(self.unit_width), self.height.div_ceil(self.unit_height)]
+    }
+
+    /// Number of units.
+    pub fn unit_count(&self) -> u32 {
+        let [columns, rows] = self.grid();
+        columns * rows
+    }
+
+    /// Left, top, width and height of a unit in pixels.
+    pub fn unit_rect(&self, unit: u32) -> [u32; 4] {
+        let [columns, _] = self.grid();
+        let (x, y) = (unit % columns * self.unit_width, unit / columns * self.unit_height);
+        [x, y, self.unit_width.min(self.width - x), self.unit_height.min(self.height - y)]
+    }
+
+    /// The frame after the last.
+    pub fn end_frame(&self) -> u32 {
+        self.first_frame + self.frame_count
+    }
+}
+
+/// Everything that a container says about its chunks.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Index {
+    /// Name of the dataset.
+    pub name: String,
+    /// Frames per second.
+    pub fps: f64,
+    /// 0 cube maps, 1 perspective.
+    pub projection: u8,
+    /// Probes.
+    pub probes: Vec<ProbeEntry>,
+    /// Streams, no two of the same kind, probe and face.
+    pub streams: Vec<StreamEntry>,
+    /// Chunks, ordered by stream, unit and first frame.
+    pub chunks: Vec<ChunkEntry>,
+}
+
+impl Index {
+    /// The index as bytes.
+    pub fn write(&self) -> Result<Vec<u8>> {
+        let mut out = Vec::new();
+        let count = |what: &str, n: usize| {
+            u32::try_from(n).map_err(|_| Error::unsupported(format!("a container of {n} {what}: at most 2^32 - 1 fit")))
+        };
+        out.put_u32(count("probes", self.probes.len())?);
+        out.put_u32(count("streams", self.streams.len())?);
+        out.put_u32(count("chunks", self.chunks.len())?);
+        out.push(self.projection);
+        out.extend_from_slice(&[0; 3]);
+        out.put_f64(self.fps);
+        out.put_string("the dataset's name", &self.name)?;
+        for probe in &self.probes {
+            out.put_string("a probe's name", &probe.name)?;
+            probe.position.iter().chain(&probe.orientation).for_each(|&value| out.put_f64(value));
+            probe.frames.iter().for_each(|&frame| out.put_u32(frame));
+            probe.intrinsics.iter().for_each(|&value| out.put_f64(value));
+        }
+        for stream in &self.streams {
+            out.extend_from_slice(&[stream.kind, stream.face]);
+            out.put_u16(stream.probe);
+            out.extend_from_slice(&stream.codec);
+            for value in [
+                stream.width,
+                stream.height,
+                stream.first_frame,
+                stream.frame_count,
+                stream.unit_width,
+                stream.unit_height,
+                count("codec header bytes", stream.codec_header.len())?,
+            ] {
+                out.put_u32(value);
+            }
+            out.extend_from_slice(&stream.codec_header);
+        }
+        self.chunks.iter().for_each(|chunk| chunk.write(&mut out));
+        Ok(out)
+    }
+
+    /// Reads an index that starts at `offset` of its file, which is also where the chunks end.
+    pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
+        let mut fields = Fields::new(bytes, offset, "container.md 4");
+        let (probe_count, stream_count, chunk_count) = (fields.u32()?, fields.u32()?, fields.u32()?);
+        let projection = fields.u8()?;
+        fields.zeros(3)?;
+        if projection > 1 {
+            return Err(fields.error(format!("projection {projection} is unknown")));
+        }
+        let fps = fields.finite_f64("the frame rate")?;
+        if fps <= 0.0 {
+            return Err(fields.error(format!("a frame rate of {fps} is not positive")));
+        }
+        let name = fields.string("the dataset's name")?;
+        let fits = |fields: &Fields<'_>, what: &str, count: u32, least: usize| {
+            if u64::from(count) * least as u64 > fields.remaining() as u64 {
+                return Err(fields.error(format!("{count} {what} do not fit into the rest of the index")));
+            }
+            Ok(())
+        };
+        fits(&fields, "probes", probe_count, PROBE_MIN_BYTES)?;
+        let probes = (0..probe_count).map(|_| read_probe(&mut fields)).collect::<Result<Vec<_>>>()?;
+        fields.enter("container.md 5");
+        fits(&fields, "streams", stream_count, STREAM_MIN_BYTES)?;
+        let streams = (0..stream_count).map(|_| read_stream(&mut fields, &probes)).collect::<Result<Vec<_>>>()?;
+        fields.enter("container.md 6");
+        fits(&fields, "chunks", chunk_count, chunk::ENTRY_BYTES)?;
+        let chunks = (0..chunk_count).map(|_| ChunkEntry::read(&mut fields, offset)).collect::<Result<Vec<_>>>()?;
+        fields.finish()?;
+        let index = Index { name, fps, projection, probes, streams, chunks };
+        index.check_unique()?;
+        index.check_coverage()?;
+        Ok(index)
+    }
+
+    /// The chunks of one unit of one stream, by frame.
+    pub fn unit_chunks(&self, stream: u32, unit: u32) -> &[ChunkEntry] {
+        let of = |chunk: &ChunkEntry| (chunk.key.stream, chunk.key.unit);
+        let start = self.chunks.partition_point(|chunk| of(chunk) < (stream, unit));
+        let length = self.chunks[start..].partition_point(|chunk| of(chunk) == (stream, unit));
+        &self.chunks[start..start + length]
+    }
+
+    /// The chunks of one stream.
+    pub fn stream_chunks(&self, stream: u32) -> &[ChunkEntry] {
+        let start = self.chunks.partition_point(|chunk| chunk.key.stream < stream);
+        let length = self.chunks[start..].partition_point(|chunk| chunk.key.stream == stream);
+        &self.chunks[start..start + length]
+    }
+
+    /// No two probes of one name, no two streams of one kind, probe and face.
+    pub fn check_unique(&self) -> Result<()> {
+        let mut names = HashSet::new();
+        if let Some(probe) = self.probes.iter().find(|probe| !names.insert(&probe.name)) {
+            return Err(Error::invalid(format!("two probes are named '{}'", probe.name)));
+        }
+        let mut seen = HashSet::new();
+        match self.streams.iter().position(|stream| !seen.insert((stream.kind, stream.probe, stream.face))) {
+            None => Ok(()),
+            Some(at) => Err(Error::invalid(format!("stream {at} has the kind, probe and face of an earlier one"))),
+        }
+    }
+
+    /// Every unit of every stream has chunks that cover its frames, each once, in order; nothing else has.
+    pub fn check_coverage(&self) -> Result<()> {
+        let broken = |stream: usize, unit: u32, frame: u64| {
+            Error::invalid(format!(
+                "the chunk table breaks off at stream {stream}, unit {unit}, frame {frame}: each unit's chunks must \
+                 cover its frames, in order"
+            ))
+        };
+        let mut chunks = self.chunks.iter().peekable();
+        for (at, stream) in self.streams.iter().enumerate() {
+            for unit in 0..stream.unit_count() {
+                let (mut frame, end) = (u64::from(stream.first_frame), u64::from(stream.end_frame()));
+                while frame < end {
+                    let chunk = chunks.next().map(|chunk| chunk.key).filter(|key| {
+                        (key.stream as usize, key.unit, u64::from(key.first_frame)) == (at, unit, frame)
+                            && key.frame_count > 0
+                            && frame + u64::from(key.frame_count) <= end
+                    });
+                    let Some(key) = chunk else { return Err(broken(at, unit, frame)) };
+                    frame += u64::from(key.frame_count);
+                }
+            }
+        }
+        match chunks.next() {
+            None => Ok(()),
+            Some(chunk) => Err(broken(chunk.key.stream as usize, chunk.key.unit, u64::from(chunk.key.first_frame))),
+        }
+    }
+}
+
+fn read_probe(fields: &mut Fields<'_>) -> Result<ProbeEntry> {
+    let name = fields.string("a probe's name")?;
+    // Names become parts of file names when a container is decoded.
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
+        return Err(fields.error(format!("the probe name {name:?} holds more than letters, digits, '.', '_' and '-'")));
+    }
+    let mut numbers = |what| -> Result<[f64; 4]> {
+        Ok([fields.finite_f64(what)?, fields.finite_f64(what)?, fields.finite_f64(what)?, fields.finite_f64(what)?])
+    };
+    let [x, y, z, qx] = numbers("a probe's position or orientation")?;
+    let [qy, qz, qw] = [
+        fields.finite_f64("a probe's orientation")?,
+        fields.finite_f64("a probe's orientation")?,
+        fields.finite_f64("a probe's orientation")?,
+    ];
+    let frames = [fields.u32()?, fields.u32()?];
+    if frames[0] > frames[1] || frames[1] >= MAX_FRAME {
+        return Err(fields.error(format!("probe '{name}' is active from frame {} to {}", frames[0], frames[1])));
+    }
+    let mut intrinsics = [0.0; 4];
+    for value in &mut intrinsics {
+        *value = fields.finite_f64("a probe's intrinsics")?;
+    }
+    Ok(ProbeEntry { name, position: [x, y, z], orientation: [qx, qy, qz, qw], frames, intrinsics })
+}
+
+fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamEntry> {
+    let start = fields.offset();
+    let wrong = |message: String| Error::invalid_at("container.md 5", start, message);
+    let (kind, face, probe) = (fields.u8()?, fields.u8()?, fields.u16()?);
+    let mut codec = [0; 4];
+    codec.copy_from_slice(fields.bytes(4)?);
+    let mut next = || fields.u32();
+    let (width, height, first_frame, frame_count) = (next()?, next()?, next()?, next()?);
+    let (unit_width, unit_height, header_bytes) = (next()?, next()?, next()?);
+    if kind > 2 || face > 6 {
+        return Err(wrong(format!("a stream of kind {kind} and face {face} is unknown")));
+    }
+    if probe as usize >= probes.len() {
+        return Err(wrong(format!("a stream names probe {probe}, the file has {}", probes.len())));
+    }
+    if [width, height, unit_width, unit_height].iter().any(|&size| size == 0 || size > MAX_SIZE) {
+        return Err(wrong(format!(
+            "a stream of {width}x{height} in units of {unit_width}x{unit_height}: each must be 1 to {MAX_SIZE}"
+        )));
+    }
+    if frame_count == 0 || u64::from(first_frame) + u64::from(frame_count) > u64::from(MAX_FRAME) {
+        return Err(wrong(format!("a stream of {frame_count} frames from frame {first_frame} on is impossible")));
+    }
+    let codec_header = fields.bytes(header_bytes as usize)?.to_vec();
+    Ok(StreamEntry {
+        kind,
+        face,
+        probe,
+        codec,
+        width,
+        height,
+        first_frame,
+        frame_count,
+        unit_width,
+        unit_height,
+        codec_header,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::container::chunk::{ChunkKey, Storage};
+
+    fn sample() -> Index {
+        let stream = |kind, face| StreamEntry {
+            kind,
+            face,
+            probe: 0,
+            codec: *b"TEST",
+            width: 5,
+            height: 3,
+            first_frame: 10,
+            frame_count: 7,
+            unit_width: 4,
+            unit_height: 4,
+            codec_header: vec![1, 2, 3],
+        };
+        let mut index = Index {
+            name: "sample".into(),
+            fps: 24.0,
+            projection: 0,
+            probes: vec![ProbeEntry {
+                name: "00".into(),
+                position: [1.0, -2.0, 3.5],
+                orientation: [0.0, 0.0, 0.0, 1.0],
+                frames: [10, 16],
+                intrinsics: [0.0; 4],
+            }],
+            streams: vec![stream(0, 0), stream(1, 0)],
+            chunks: vec![],
+        };
+        for stream in 0..2 {
+            for unit in 0..2 {
+                for (first_frame, frame_count) in [(10, 4), (14, 3)] {
+                    index.chunks.push(ChunkEntry {
+                        key: ChunkKey { stream, unit, first_frame, frame_count },
+                        offset: 16,
+                        stored_bytes: 100,
+                        raw_bytes: 100,
+                        crc32: 5,
+                        storage: Storage::Raw,
+                    });
+                }
+            }
+        }
+        index
+    }
+
+    #[test]
+    fn an_index_round_trips_and_finds_its_chunks() {
+        let index = sample();
+        let bytes = index.write().unwrap();
+        assert_eq!(Index::read(&bytes, 1000).unwrap(), index);
+        assert_eq!(index.unit_chunks(1, 1).iter().map(|c| c.key.first_frame).collect::<Vec<_>>(), [10, 14]);
+        assert_eq!(index.unit_chunks(2, 0), []);
+        assert_eq!(index.stream_chunks(1).len(), 4);
+        assert_eq!(index.streams[0].unit_rect(1), [4, 0, 1, 3]);
+    }
+
+    #[test]
+    fn tables_that_contradict_themselves_are_refused() {
+        type Spoil = fn(&mut Index);
+        let spoils: [Spoil; 15] = [
+            |i| i.chunks[1].key.first_frame = 13,
+            |i| i.chunks.truncate(7),
+            |i| i.chunks.swap(0, 1),
+            |i| i.chunks[7].key.frame_count = 4,
+            |i| i.chunks[0].offset = 950,
+            |i| i.chunks[0].offset = 3,
+            |i| i.chunks[0].raw_bytes = 101,
+            |i| i.streams[1].kind = 0,
+            |i| i.streams[0].width = 0,
+            |i| i.streams[0].unit_width = MAX_SIZE + 1,
+            |i| i.streams[0].frame_count = u32::MAX,
+            |i| i.streams[0].probe = 1,
+            |i| i.probes[0].name = "../x".into(),
+            |i| i.fps = f64::NAN,
+            |i| i.probes[0].frames = [4, 3],
+        ];
+        for (at, spoil) in spoils.iter().enumerate() {
+            let mut index = sample();
+            spoil(&mut index);
+            let bytes = index.write().unwrap();
+            assert!(Index::read(&bytes, 1000).is_err(), "spoil {at}");
+        }
+    }
+
+    #[test]
+    fn counts_that_do_not_fit_are_refused_before_memory_is_asked_for() {
+        let bytes = sample().write().unwrap();
+        for at in [0, 4, 8] {
+            let mut damaged = bytes.clone();
+            damaged[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+            assert!(Index::read(&damaged, 1000).is_err());
+        }
+        for length in 0..bytes.len() {
+            assert!(Index::read(&bytes[..length], 1000).is_err());
+        }
+    }
+}

@@ -1,0 +1,18 @@
+//! The `.lfold` container (formats/container.md): streams of opaque chunks, and the index that finds them.
+//!
+//! Enters: descriptions of probes and streams, and chunk payloads as bytes. Leaves: the same. This room knows
+//! probes, faces and frame ranges, but no codec: what a payload means is said in formats/depth.md and color.md.
+
+pub mod chunk;
+pub mod fields;
+pub mod header;
+pub mod index;
+pub mod lzma2;
+pub mod reader;
+pub mod writer;
+
+pub use chunk::{ChunkEntry, ChunkKey, Storage};
+pub use fields::Fields;
+pub use index::{Index, ProbeEntry, StreamEntry};
+pub use reader::{OpenLimits, Reader};
+pub use writer::{PackedChunk, Writer};

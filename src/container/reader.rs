@@ -1,0 +1,199 @@
+//! Opens a container and fetches single chunks from it.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::container::chunk::{ChunkEntry, Storage};
+use crate::container::header::{self, FOOT_BYTES, Foot, HEAD_BYTES};
+use crate::container::index::Index;
+use crate::container::lzma2;
+use crate::error::{Error, Result};
+
+/// What a reader may spend on a file that is not trusted.
+#[derive(Debug, Clone, Copy)]
+pub struct OpenLimits {
+    /// Memory for one decoded image may always reach this many bytes.
+    pub image_floor_bytes: u64,
+    /// Beyond the floor, it may reach this many times the file's size.
+    pub image_ratio: u64,
+}
+
+impl Default for OpenLimits {
+    fn default() -> Self {
+        OpenLimits { image_floor_bytes: 256 << 20, image_ratio: 1024 }
+    }
+}
+
+#[derive(Debug)]
+enum Bytes {
+    File(File),
+    Memory(Vec<u8>),
+}
+
+/// An open container. Shared between threads; every fetch reads just the chunk's own bytes.
+#[derive(Debug)]
+pub struct Reader {
+    path: PathBuf,
+    bytes: Bytes,
+    file_bytes: u64,
+    index: Index,
+}
+
+impl Reader {
+    /// Opens a file, or standard input for `-`, which is read whole.
+    pub fn open(path: impl AsRef<Path>) -> Result<Reader> {
+        Self::open_with(path, OpenLimits::default())
+    }
+
+    /// Opens a file with other limits than the default.
+    pub fn open_with(path: impl AsRef<Path>, limits: OpenLimits) -> Result<Reader> {
+        let path = path.as_ref();
+        let io = |error| Error::io(path, error);
+        if path == Path::new("-") {
+            let mut memory = Vec::new();
+            std::io::stdin().lock().read_to_end(&mut memory).map_err(io)?;
+            return Self::new(path, Bytes::Memory(memory), limits);
+        }
+        let file = File::open(path).map_err(io)?;
+        if file.metadata().map_err(io)?.is_dir() {
+            return Err(Error::Usage(format!("{}: a folder, where a .lfold container was expected", path.display())));
+        }
+        Self::new(path, Bytes::File(file), limits)
+    }
+
+    /// Opens a container that lies in memory.
+    pub fn from_memory(memory: Vec<u8>) -> Result<Reader> {
+        Self::new(Path::new(""), Bytes::Memory(memory), OpenLimits::default())
+    }
+
+    fn new(path: &Path, bytes: Bytes, limits: OpenLimits) -> Result<Reader> {
+        let file_bytes = match &bytes {
+            Bytes::File(file) => file.metadata().map_err(|error| Error::io(path, error))?.len(),
+            Bytes::Memory(memory) => memory.len() as u64,
+        };
+        let mut reader = Reader { path: path.to_path_buf(), bytes, file_bytes, index: Index::default() };
+        reader.index = reader.read_index(limits).map_err(|error| error.in_file(path))?;
+        Ok(reader)
+    }
+
+    fn read_index(&self, limits: OpenLimits) -> Result<Index> {
+        let head = self.read_at(0, self.file_bytes.min(HEAD_BYTES as u64))?;
+        header::read_head(&head)?;
+        if self.file_bytes < (HEAD_BYTES + FOOT_BYTES) as u64 {
+            return Err(Error::invalid_at("container.md 7", self.file_bytes, "the container ends after its head"));
+        }
+        let foot = self.read_at(self.file_bytes - FOOT_BYTES as u64, FOOT_BYTES as u64)?;
+        let foot = Foot::read(&foot, self.file_bytes)?;
+        let bytes = self.read_at(foot.index_offset, foot.index_bytes)?;
+        if crc32fast::hash(&bytes) != foot.index_crc32 {
+            return Err(Error::invalid_at(
+                "container.md 4",
+                foot.index_offset,
+                "the index's CRC-32 does not match: the file is damaged",
+            ));
+        }
+        let index = Index::read(&bytes, foot.index_offset)?;
+        let allowed = limits.image_floor_bytes.max(limits.image_ratio.saturating_mul(self.file_bytes));
+        for (at, stream) in index.streams.iter().enumerate() {
+            // Six bytes a pixel is the most that any stream of version 1 decodes to.
+            let wanted = u64::from(stream.width) * u64::from(stream.height) * 6;
+            if wanted > allowed {
+                return Err(Error::invalid(format!(
+                    "stream {at} claims {}x{} pixels, more than a file of {} bytes justifies",
+                    stream.width, stream.height, self.file_bytes
+                )));
+            }
+        }
+        Ok(index)
+    }
+
+    /// The path it was opened from, `-` for standard input, empty for memory.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The index.
+    pub fn index(&self) -> &Index {
+        &self.index
+    }
+
+    /// The file's size.
+    pub fn file_bytes(&self) -> u64 {
+        self.file_bytes
+    }
+
+    /// Bytes of the file that belong to no chunk: head, index and foot.
+    pub fn overhead_bytes(&self) -> u64 {
+        let end = self.index.chunks.iter().map(|chunk| chunk.offset + u64::from(chunk.stored_bytes)).max();
+        HEAD_BYTES as u64 + self.file_bytes - end.unwrap_or(HEAD_BYTES as u64)
+    }
+
+    /// The stored bytes of a chunk, which match its CRC-32.
+    pub fn fetch_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
+        let stored = self.read_at(chunk.offset, u64::from(chunk.stored_bytes))?;
+        if crc32fast::hash(&stored) != chunk.crc32 {
+            return Err(self.blame(chunk, Error::invalid("its CRC-32 does not match: the file is damaged")));
+        }
+        Ok(stored)
+    }
+
+    /// A chunk's payload.
+    pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
+        let stored = self.fetch_stored(chunk)?;
+        match chunk.storage {
+            Storage::Raw => Ok(stored),
+            Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map_err(|error| self.blame(chunk, error)),
+        }
+    }
+
+    /// Says which chunk of which file an error came from.
+    pub fn blame(&self, chunk: &ChunkEntry, error: Error) -> Error {
+        let key = chunk.key;
+        let last = key.first_frame + (key.frame_count - 1);
+        error
+            .context(format!(
+                "stream {}, unit {}, frames {}-{last}, chunk at byte {}",
+                key.stream, key.unit, key.first_frame, chunk.offset
+            ))
+            .in_file(&self.path)
+    }
+
+    fn read_at(&self, offset: u64, count: u64) -> Result<Vec<u8>> {
+        let past_end = || {
+            Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
+        };
+        if offset.checked_add(count).is_none_or(|end| end > self.file_bytes) {
+            return Err(past_end());
+        }
+        let length = usize::try_from(count).map_err(|_| past_end())?;
+        match &self.bytes {
+            Bytes::Memory(memory) => Ok(memory[offset as usize..offset as usize + length].to_vec()),
+            Bytes::File(file) => {
+                let mut bytes = vec![0; length];
+                read_exact_at(file, &mut bytes, offset).map_err(|error| Error::io(&self.path, error))?;
+                Ok(bytes)
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> std::io::Result<()> {
+    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
+}
+
+#[cfg(windows)]
+fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> std::io::Result<()> {
+    use std::os::windows::fs::FileExt;
+    while !bytes.is_empty() {
+        match file.seek_read(bytes, offset)? {
+            0 => return Err(std::io::ErrorKind::UnexpectedEof.into()),
+            count => {
+                bytes = &mut bytes[count..];
+                offset += count as u64;
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,131 @@
+//! Writes a container front to back, never seeking, so that it can go into a pipe.
+
+use std::collections::HashMap;
+use std::hash::{DefaultHasher, Hasher};
+use std::io::Write;
+
+use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
+use crate::container::header::{self, Foot};
+use crate::container::index::{Index, ProbeEntry, StreamEntry};
+use crate::container::lzma2;
+use crate::error::{Error, Result};
+
+/// A payload made ready for storing: compressing it is the slow part, and needs no writer.
+#[derive(Debug, Clone)]
+pub struct PackedChunk {
+    /// What it holds.
+    pub key: ChunkKey,
+    storage: Storage,
+    raw_bytes: u32,
+    crc32: u32,
+    stored: Vec<u8>,
+}
+
+impl PackedChunk {
+    /// Compresses at LZMA2 preset `level` where one is given and it helps.
+    pub fn new(key: ChunkKey, payload: Vec<u8>, level: Option<u32>) -> Result<PackedChunk> {
+        let raw_bytes = u32::try_from(payload.len()).ok().filter(|&bytes| bytes <= MAX_CHUNK_BYTES);
+        let Some(raw_bytes) = raw_bytes else {
+            return Err(Error::unsupported(format!(
+                "a chunk of {} bytes: at most {MAX_CHUNK_BYTES} fit, so use a shorter keyframe interval or more tiles",
+                payload.len()
+            )));
+        };
+        let compressed = level.map(|level| lzma2::compress(&payload, level)).transpose()?;
+        let (storage, stored) = match compressed {
+            Some(compressed) if compressed.len() < payload.len() => (Storage::Lzma2, compressed),
+            _ => (Storage::Raw, payload),
+        };
+        Ok(PackedChunk { key, storage, raw_bytes, crc32: crc32fast::hash(&stored), stored })
+    }
+
+    /// Bytes that the file will hold for it.
+    pub fn stored_bytes(&self) -> usize {
+        self.stored.len()
+    }
+}
+
+/// Writes chunks as they come and the index at the end.
+///
+/// Chunks with equal bytes are stored once. The order in which chunks are pushed is the order of the file.
+#[derive(Debug)]
+pub struct Writer<W: Write> {
+    out: W,
+    position: u64,
+    index: Index,
+    stored: HashMap<[u64; 3], u64>,
+}
+
+impl<W: Write> Writer<W> {
+    /// Writes the head. Streams and probes are declared before their chunks.
+    pub fn new(mut out: W, name: &str, fps: f64, projection: u8) -> Result<Self> {
+        let head = header::write_head();
+        out.write_all(&head).map_err(|error| Error::io("", error))?;
+        Ok(Writer {
+            out,
+            position: head.len() as u64,
+            index: Index { name: name.to_owned(), fps, projection, ..Index::default() },
+            stored: HashMap::new(),
+        })
+    }
+
+    /// Declares a probe; its index is returned.
+    pub fn add_probe(&mut self, probe: ProbeEntry) -> Result<u16> {
+        self.index.probes.push(probe);
+        u16::try_from(self.index.probes.len() - 1)
+            .map_err(|_| Error::unsupported("a container holds at most 65536 probes: split the dataset"))
+    }
+
+    /// Declares a stream; its index is returned.
+    pub fn add_stream(&mut self, stream: StreamEntry) -> u32 {
+        self.index.streams.push(stream);
+        self.index.streams.len() as u32 - 1
+    }
+
+    /// Appends a chunk.
+    pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
+        let hash = |salt: u8| {
+            let mut hasher = DefaultHasher::new();
+            hasher.write_u8(salt);
+            hasher.write(&chunk.stored);
+            hasher.finish()
+        };
+        // 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
+        let identity = [hash(1), hash(2), u64::from(chunk.crc32) << 32 | chunk.stored.len() as u64];
+        let offset = match self.stored.get(&identity) {
+            Some(&offset) => offset,
+            None => {
+                self.out.write_all(&chunk.stored).map_err(|error| Error::io("", error))?;
+                let offset = self.position;
+                self.position += chunk.stored.len() as u64;
+                self.stored.insert(identity, offset);
+                offset
+            }
+        };
+        self.index.chunks.push(ChunkEntry {
+            key: chunk.key,
+            offset,
+            stored_bytes: chunk.stored.len() as u32,
+            raw_bytes: chunk.raw_bytes,
+            crc32: chunk.crc32,
+            storage: chunk.storage,
+        });
+        Ok(())
+    }
+
+    /// Writes index and foot, flushes, and gives back the sink and the file's size.
+    pub fn finish(mut self) -> Result<(W, u64)> {
+        self.index.chunks.sort_by_key(|chunk| chunk.key);
+        self.index.check_unique()?;
+        self.index.check_coverage()?;
+        let index = self.index.write()?;
+        let foot =
+            Foot { index_offset: self.position, index_bytes: index.len() as u64, index_crc32: crc32fast::hash(&index) };
+        let foot = foot.write();
+        let written =
+            self.out.write_all(&index).and_then(|()| self.out.write_all(&foot)).and_then(|()| self.out.flush());
+        written.map_err(|error| Error::io("", error))?;
+        let bytes = self.position + index.len() as u64 + foot.len() as u64;
+        Ok((self.out, bytes))
+    }
+}

@@ -1,0 +1,267 @@
+//! Metres to 16-bit log codes and back (depth.md 2).
+//!
+//! Based on: CALF 5.3, equation 13. The paper spreads 2^16 − 1 steps from near to far; here the last code stands for
+//! "nothing there", so that a background is exact, and 65,534 steps are left for surfaces.
+
+use crate::error::{Error, Result};
+
+/// The code of a pixel where there is nothing.
+pub const BACKGROUND_CODE: u16 = u16::MAX;
+/// The code of the far distance, and the number of steps from near to far.
+pub const FAR_CODE: u16 = u16::MAX - 1;
+
+/// Nearest and farthest surface of a probe, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    near_m: f32,
+    far_m: f32,
+}
+
+impl DepthRange {
+    /// A range with 0 < `near_m` ≤ `far_m` < ∞. They may be equal; then there is one code for all surfaces.
+    pub fn new(near_m: f32, far_m: f32) -> Result<DepthRange> {
+        if near_m > 0.0 && near_m <= far_m && far_m.is_finite() {
+            Ok(DepthRange { near_m, far_m })
+        } else {
+            Err(Error::invalid(format!("depths from {near_m} m to {far_m} m: 0 < near <= far < inf was expected")))
+        }
+    }
+
+    /// The range of a probe that sees no surface at all.
+    pub fn empty() -> DepthRange {
+        DepthRange { near_m: 1.0, far_m: 1.0 }
+    }
+
+    /// The nearest surface in metres.
+    pub fn near_m(self) -> f32 {
+        self.near_m
+    }
+
+    /// The farthest surface in metres.
+    pub fn far_m(self) -> f32 {
+        self.far_m
+    }
+
+    /// Widens the range to hold `other` too.
+    #[must_use]
+    pub fn union(self, other: DepthRange) -> DepthRange {
+        DepthRange { near_m: self.near_m.min(other.near_m), far_m: self.far_m.max(other.far_m) }
+    }
+
+    /// ln(far/near), exact to a few ulp also where far and near are neighbouring floats.
+    fn log_span(self) -> f64 {
+        let (near, far) = (f64::from(self.near_m), f64::from(self.far_m));
+        ((far - near) / near).ln_1p()
+    }
+
+    /// The code of a surface at `z_m` metres, as depth.md 2 defines it: round(65534 · ln(z/near) / ln(far/near)).
+    ///
+    /// `+inf` is the background; below near answers 0 and beyond far the far code; NaN answers 0. Where far is near,
+    /// every surface is code 0. The plain form; [`Quantiser`] is the fast one.
+    pub fn code(self, z_m: f32) -> u16 {
+        if z_m == f32::INFINITY {
+            return BACKGROUND_CODE;
+        }
+        let span = self.log_span();
+        if z_m <= self.near_m || z_m.is_nan() || span == 0.0 {
+            return 0;
+        }
+        let near = f64::from(self.near_m);
+        let log = ((f64::from(z_m) - near) / near).ln_1p();
+        (log / span * f64::from(FAR_CODE) + 0.5).min(f64::from(FAR_CODE)) as u16
+    }
+
+    /// The distance in metres that a surface's code means: near · (far/near)^(code/65534), exact at both ends.
+    pub fn metres(self, code: u16) -> f32 {
+        match code {
+            BACKGROUND_CODE => f32::INFINITY,
+            0 => self.near_m,
+            FAR_CODE => self.far_m,
+            _ => {
+                let log = self.log_span() * f64::from(code) / f64::from(FAR_CODE);
+                (f64::from(self.near_m) * log.exp()) as f32
+            }
+        }
+    }
+
+    /// The widest gap between two neighbouring codes, as a ratio: (far/near)^(1/65534) − 1.
+    pub fn step_ratio(self) -> f64 {
+        (self.log_span() / f64::from(FAR_CODE)).exp_m1()
+    }
+}
+
+/// Metres for all 65,536 codes.
+#[derive(Debug, Clone)]
+pub struct CodeTable {
+    metres: Vec<f32>,
+}
+
+impl CodeTable {
+    /// The table of a range, with `background` for code 65535.
+    pub fn new(range: DepthRange, background: f32) -> CodeTable {
+        let mut metres: Vec<f32> = (0..=u16::MAX).map(|code| range.metres(code)).collect();
+        metres[usize::from(BACKGROUND_CODE)] = background;
+        CodeTable { metres }
+    }
+
+    /// Metres of a code.
+    pub fn metres(&self, code: u16) -> f32 {
+        self.metres[usize::from(code)]
+    }
+
+    /// All 65,536 entries.
+    pub fn as_slice(&self) -> &[f32] {
+        &self.metres
+    }
+}
+
+/// The fast form of [`DepthRange::code`]: the same codes by table.
+///
+/// The float's bit pattern, which grows with the float, selects a bucket; the bucket knows the code of its smallest
+/// float; the first float of each code settles the rest in a step or two.
+#[derive(Debug, Clone)]
+pub struct Quantiser {
+    range: DepthRange,
+    near_bits: u32,
+    far_bits: u32,
+    shift: u32,
+    bucket_codes: Vec<u16>,
+    /// Bit pattern of the first float of each code, and a stop at the end.
+    first_bits: Vec<u32>,
+}
+
+impl Quantiser {
+    /// Builds the tables (a few milliseconds).
+    pub fn new(range: DepthRange) -> Quantiser {
+        let (near_bits, far_bits) = (range.near_m.to_bits(), range.far_m.to_bits());
+        let span = far_bits - near_bits;
+        let mut first_bits = Vec::with_capacity(usize::from(u16::MAX) + 1);
+        first_bits.push(near_bits);
+        for code in 1..=FAR_CODE {
+            // Aim at the boundary below the code, then walk to the first float that reaches it.
+            let log = range.log_span() * (f64::from(code) - 0.5) / f64::from(FAR_CODE);
+            let aim = (f64::from(range.near_m) * log.exp()) as f32;
+            let mut bits = aim.clamp(range.near_m, range.far_m).to_bits();
+            while bits > near_bits && range.code(f32::from_bits(bits)) >= code {
+                bits -= 1;
+            }
+            while bits <= far_bits && range.code(f32::from_bits(bits)) < code {
+                bits += 1;
+            }
+            first_bits.push(bits);
+        }
+        first_bits.push(u32::MAX);
+        let shift = (32 - span.leading_zeros()).saturating_sub(16);
+        let bucket_codes =
+            (0..=span >> shift).map(|bucket| range.code(f32::from_bits(near_bits + (bucket << shift)))).collect();
+        Quantiser { range, near_bits, far_bits, shift, bucket_codes, first_bits }
+    }
+
+    /// The range it was built for.
+    pub fn range(&self) -> DepthRange {
+        self.range
+    }
+
+    /// The code of a depth: `+inf` is the background, `0.0` (an invalid reading taken as near) is code 0; `None` for
+    /// anything outside near to far.
+    #[inline]
+    pub fn code(&self, z_m: f32) -> Option<u16> {
+        let bits = z_m.to_bits();
+        if bits.wrapping_sub(self.near_bits) <= self.far_bits - self.near_bits {
+            let mut code = self.bucket_codes[((bits - self.near_bits) >> self.shift) as usize];
+            while bits >= self.first_bits[usize::from(code) + 1] {
+                code += 1;
+            }
+            return Some(code);
+        }
+        if z_m == f32::INFINITY {
+            Some(BACKGROUND_CODE)
+        } else if z_m == 0.0 {
+            Some(0)
+        } else {
+            None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ranges() -> Vec<DepthRange> {
+        let next = |z: f32| f32::from_bits(z.to_bits() + 1);
+        [
+            (1.0, 1.0),
+            (1.0, next(1.0)),
+            (1.0, 1.0 + 1e-5),
+            (0.5, 37.25),
+            (0.001, 1000.0),
+            (1e-6, 1e6),
+            (1e-45, 1e-40),
+            (1e-45, 3e38),
+            (f32::MIN_POSITIVE, 1.0),
+        ]
+        .map(|(near, far)| DepthRange::new(near, far).unwrap())
+        .to_vec()
+    }
+
+    #[test]
+    fn the_fast_form_gives_the_codes_of_the_plain_form() {
+        for range in ranges() {
+            let fast = Quantiser::new(range);
+            let (low, high) = (range.near_m.to_bits(), range.far_m.to_bits());
+            let stride = ((high - low) / 300_000).max(1);
+            let boundaries = fast.first_bits[..65535].iter().flat_map(|&bits| [bits.max(low + 1) - 1, bits.min(high)]);
+            for bits in (low..=high).step_by(stride as usize).chain(boundaries).chain([low, high]) {
+                let z = f32::from_bits(bits.min(high));
+                assert_eq!(fast.code(z), Some(range.code(z)), "{z:e} in {range:?}");
+            }
+            assert_eq!(fast.code(f32::INFINITY), Some(BACKGROUND_CODE));
+            assert_eq!(fast.code(f32::NAN), None);
+            assert_eq!(fast.code(-1.0), None);
+            assert_eq!(fast.code(f32::from_bits(high + 1)).filter(|&code| code != BACKGROUND_CODE), None);
+        }
+    }
+
+    #[test]
+    fn every_code_comes_back_from_its_own_metres_where_floats_are_fine_enough() {
+        for range in ranges() {
+            let mut last = 0.0;
+            for code in 0..=FAR_CODE {
+                let metres = range.metres(code);
+                assert!(metres >= last && metres >= range.near_m && metres <= range.far_m, "{code} in {range:?}");
+                last = metres;
+            }
+            assert_eq!(range.metres(0), range.near_m);
+            assert_eq!(range.metres(FAR_CODE), range.far_m);
+        }
+        let range = DepthRange::new(0.5, 37.25).unwrap();
+        for code in 0..=FAR_CODE {
+            assert_eq!(range.code(range.metres(code)), code);
+        }
+    }
+
+    #[test]
+    fn every_float_comes_back_within_half_a_step() {
+        for range in ranges() {
+            let half = (range.log_span() / 65534.0 / 2.0).exp_m1() * (1.0 + 1e-6) + 1.2e-7;
+            let (low, high) = (range.near_m.to_bits(), range.far_m.to_bits());
+            for bits in (low..=high).step_by(((high - low) / 50_000).max(1) as usize) {
+                let z = f32::from_bits(bits);
+                let back = range.metres(range.code(z));
+                // A float cannot be nearer than its own spacing, which matters below 1e-38.
+                let spacing = f64::from(f32::from_bits(bits + 1)) - f64::from(z);
+                let error = (f64::from(back) - f64::from(z)).abs();
+                assert!(error <= f64::from(z) * half + spacing, "{z:e} became {back:e} in {range:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_that_are_none_are_refused() {
+        for (near, far) in [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (1.0, f32::INFINITY), (f32::NAN, 1.0), (1.0, f32::NAN)]
+        {
+            assert!(DepthRange::new(near, far).is_err());
+        }
+    }
+}

@@ -1,0 +1,329 @@
+//! The payload of a temporally coded chunk: a keyframe and what changes after it (depth.md 4).
+//!
+//! Decoder first: [`TemporalChunk`]. The encoder's side, [`ChunkBuilder`], is below it.
+
+use std::marker::PhantomData;
+
+use crate::container::fields::{Fields, PutFields};
+use crate::depth::boxes::{MAX_BOXES, PixelBox};
+use crate::depth::texel::Texel;
+use crate::error::{Error, Result};
+
+/// The whole unit follows, row-major.
+const WHOLE: u8 = 0;
+/// One value follows, which the whole unit has.
+const CONSTANT: u8 = 1;
+/// Boxes follow, then their pixels.
+const BOXES: u8 = 2;
+const SECTION: &str = "depth.md 4";
+/// Bytes of a row of the record table.
+const RECORD_ROW_BYTES: usize = 8;
+
+/// What one record does to the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Body {
+    /// Every pixel, at this offset of the payload.
+    Whole(usize),
+    /// Every pixel, the same value, at this offset.
+    Constant(usize),
+    /// These of the chunk's boxes.
+    Boxes {
+        /// Index of the first in [`TemporalChunk::boxes`].
+        first: usize,
+        /// Their number.
+        count: usize,
+    },
+}
+
+/// A record: the frame, counted from the chunk's first, and what it changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Record {
+    /// Frames since the keyframe.
+    pub frame: u32,
+    /// What changes.
+    pub body: Body,
+}
+
+/// A payload that has been checked, ready to be applied.
+#[derive(Debug, Clone)]
+pub struct TemporalChunk<T> {
+    payload: Vec<u8>,
+    records: Vec<Record>,
+    boxes: Vec<(PixelBox, usize)>,
+    size: [u32; 2],
+    texel: PhantomData<T>,
+}
+
+impl<T: Texel> TemporalChunk<T> {
+    /// Checks a payload for a unit of `size` (width, height) pixels and `frame_count` frames.
+    ///
+    /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record
+    /// overlap, frames ascend, and the first record is a keyframe.
+    pub fn parse(payload: Vec<u8>, size: [u32; 2], frame_count: u32) -> Result<Self> {
+        let mut fields = Fields::new(&payload, 0, SECTION);
+        let count = fields.u32()?;
+        if u64::from(count) * RECORD_ROW_BYTES as u64 > fields.remaining() as u64 || count > frame_count || count == 0 {
+            return Err(fields.error(format!("{count} records for {frame_count} frames do not fit")));
+        }
+        let table = (0..count).map(|_| Ok((fields.u32()?, fields.u32()?))).collect::<Result<Vec<_>>>()?;
+        let mut chunk = TemporalChunk {
+            payload: Vec::new(),
+            records: Vec::with_capacity(table.len()),
+            boxes: Vec::new(),
+            size,
+            texel: PhantomData,
+        };
+        for (at, &(frame, offset)) in table.iter().enumerate() {
+            let ascends = if at == 0 { frame == 0 } else { frame > table[at - 1].0 };
+            if !ascends || frame >= frame_count {
+                return Err(fields.error(format!("record {at} is for frame {frame}, out of order or out of range")));
+            }
+            if u64::from(offset) != fields.offset() {
+                return Err(fields.error(format!("record {at} was announced at offset {offset}")));
+            }
+            let body = chunk.parse_body(&mut fields)?;
+            if at == 0 && matches!(body, Body::Boxes { .. }) {
+                return Err(fields.error("a chunk's first record must be a whole picture"));
+            }
+            chunk.records.push(Record { frame, body });
+        }
+        fields.finish()?;
+        chunk.payload = payload;
+        Ok(chunk)
+    }
+
+    fn parse_body(&mut self, fields: &mut Fields<'_>) -> Result<Body> {
+        let [width, height] = self.size;
+        let kind = fields.u8()?;
+        fields.zeros(1)?;
+        let count = fields.u16()?;
+        if kind != BOXES && count != 0 {
+            return Err(fields.error("a whole picture announces boxes"));
+        }
+        match kind {
+            WHOLE => {
+                let start = fields.position();
+                let bytes = u64::from(width) * u64::from(height) * T::BYTES as u64;
+                fields.bytes(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+                Ok(Body::Whole(start))
+            }
+            CONSTANT => {
+                let start = fields.position();
+                fields.bytes(T::BYTES)?;
+                Ok(Body::Constant(start))
+            }
+            BOXES if count == 0 || count > MAX_BOXES => Err(fields.error(format!("a record of {count} boxes"))),
+            BOXES => {
+                let first = self.boxes.len();
+                for _ in 0..count {
+                    let [x, y, w, h] = [fields.u16()?, fields.u16()?, fields.u16()?, fields.u16()?];
+                    let inside =
+                        |start: u16, size: u16, limit: u32| size > 0 && u32::from(start) + u32::from(size) <= limit;
+                    if !inside(x, w, width) || !inside(y, h, height) {
+                        return Err(fields.error(format!("a box of {w}x{h} at {x},{y} is not inside {width}x{height}")));
+                    }
+                    let new = PixelBox { x, y, width: w, height: h };
+                    if self.boxes[first..].iter().any(|(other, _)| other.overlaps(new)) {
+                        return Err(fields.error("two boxes of a record overlap"));
+                    }
+                    self.boxes.push((new, 0));
+                }
+                for at in first..self.boxes.len() {
+                    self.boxes[at].1 = fields.position();
+                    fields.bytes(self.boxes[at].0.area() as usize * T::BYTES)?;
+                }
+                Ok(Body::Boxes { first, count: usize::from(count) })
+            }
+            other => Err(fields.error(format!("a record of kind {other}, which is unknown"))),
+        }
+    }
+
+    /// All records in order of their frames; frames without one change nothing.
+    pub fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// The boxes of a record, with the payload offset of their pixels.
+    pub fn boxes(&self, body: Body) -> &[(PixelBox, usize)] {
+        match body {
+            Body::Boxes { first, count } => &self.boxes[first..first + count],
+            _ => &[],
+        }
+    }
+
+    /// Pixels that a record writes.
+    pub fn updated_pixels(&self, body: Body) -> u64 {
+        match body {
+            Body::Boxes { .. } => self.boxes(body).iter().map(|(b, _)| u64::from(b.area())).sum(),
+            _ => u64::from(self.size[0]) * u64::from(self.size[1]),
+        }
+    }
+
+    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
+    /// most `window` frames; answers how many pixels were written.
+    ///
+    /// Both frames count from the chunk's first. Going back starts over at the keyframe.
+    pub fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
+        let mut updated = 0;
+        let mut frame = match at {
+            Some(frame) if frame <= target => frame,
+            _ => {
+                updated += self.apply(picture, self.records[0].body);
+                0
+            }
+        };
+        while frame < target {
+            frame = target.min(frame + u32::from(window.max(1)));
+            if let Ok(found) = self.records.binary_search_by_key(&frame, |record| record.frame) {
+                updated += self.apply(picture, self.records[found].body);
+            }
+        }
+        updated
+    }
+
+    /// Writes what one record holds into `picture`; answers how many pixels that were.
+    pub fn apply(&self, picture: &mut [T], body: Body) -> u64 {
+        let width = self.size[0] as usize;
+        match body {
+            Body::Whole(start) => T::get_row(picture, &self.payload[start..start + picture.len() * T::BYTES]),
+            Body::Constant(start) => {
+                let mut value = [T::default()];
+                T::get_row(&mut value, &self.payload[start..start + T::BYTES]);
+                picture.fill(value[0]);
+            }
+            Body::Boxes { .. } => {
+                for &(b, start) in self.boxes(body) {
+                    let row_bytes = usize::from(b.width) * T::BYTES;
+                    let rows = picture[usize::from(b.y) * width..].chunks_mut(width).take(usize::from(b.height));
+                    for (row, bytes) in rows.zip(self.payload[start..].chunks(row_bytes)) {
+                        T::get_row(&mut row[usize::from(b.x)..usize::from(b.x) + usize::from(b.width)], bytes);
+                    }
+                }
+            }
+        }
+        self.updated_pixels(body)
+    }
+}
+
+/// Builds a payload record by record.
+#[derive(Debug)]
+pub struct ChunkBuilder<T> {
+    table: Vec<(u32, u32)>,
+    data: Vec<u8>,
+    texel: PhantomData<T>,
+}
+
+impl<T: Texel> ChunkBuilder<T> {
+    /// Starts with the keyframe.
+    pub fn new(keyframe: &[T]) -> Self {
+        let mut builder = ChunkBuilder { table: Vec::new(), data: Vec::new(), texel: PhantomData };
+        let constant = keyframe.iter().all(|value| *value == keyframe[0]);
+        let (kind, values) = if constant { (CONSTANT, &keyframe[..1]) } else { (WHOLE, keyframe) };
+        builder.begin(0, kind, 0);
+        values.iter().for_each(|value| value.put(&mut builder.data));
+        builder
+    }
+
+    fn begin(&mut self, frame: u32, kind: u8, count: u16) {
+        self.table.push((frame, self.data.len() as u32));
+        self.data.extend_from_slice(&[kind, 0]);
+        self.data.put_u16(count);
+    }
+
+    /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
+    pub fn push_boxes(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
+        self.begin(frame, BOXES, boxes.len() as u16);
+        for b in boxes {
+            [b.x, b.y, b.width, b.height].iter().for_each(|&value| self.data.put_u16(value));
+        }
+        for b in boxes {
+            for y in usize::from(b.y)..usize::from(b.y) + usize::from(b.height) {
+                let start = y * width + usize::from(b.x);
+                picture[start..start + usize::from(b.width)].iter().for_each(|value| value.put(&mut self.data));
+            }
+        }
+    }
+
+    /// Bytes gathered so far.
+    pub fn bytes(&self) -> usize {
+        4 + self.table.len() * RECORD_ROW_BYTES + self.data.len()
+    }
+
+    /// The payload.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        let start = 4 + self.table.len() * RECORD_ROW_BYTES;
+        if u32::try_from(start + self.data.len()).is_err() {
+            return Err(Error::unsupported(
+                "a chunk of more than 4 GiB: use a shorter keyframe interval or more tiles",
+            ));
+        }
+        let mut payload = Vec::with_capacity(start + self.data.len());
+        payload.put_u32(self.table.len() as u32);
+        for (frame, offset) in self.table {
+            payload.put_u32(frame);
+            payload.put_u32(start as u32 + offset);
+        }
+        payload.extend_from_slice(&self.data);
+        Ok(payload)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Vec<u8> {
+        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3, 4, 5, 6]);
+        let picture = [1, 20, 30, 4, 50, 60];
+        let b = PixelBox { x: 1, y: 0, width: 2, height: 2 };
+        builder.push_boxes(3, &[b], &picture, 3);
+        assert_eq!(builder.bytes(), 4 + 16 + 4 + 12 + 4 + 8 + 8);
+        builder.finish().unwrap()
+    }
+
+    #[test]
+    fn records_are_applied_at_their_frames() {
+        let chunk = TemporalChunk::<u16>::parse(sample(), [3, 2], 5).unwrap();
+        let mut picture = [0; 6];
+        assert_eq!(chunk.advance(&mut picture, None, 2, 1), 6);
+        assert_eq!(picture, [1, 2, 3, 4, 5, 6]);
+        assert_eq!(chunk.advance(&mut picture, Some(2), 4, 1), 4);
+        assert_eq!(picture, [1, 20, 30, 4, 50, 60]);
+        assert_eq!(chunk.advance(&mut picture, Some(4), 4, 1), 0);
+        assert_eq!(chunk.advance(&mut picture, Some(4), 0, 1), 6);
+        assert_eq!(picture, [1, 2, 3, 4, 5, 6]);
+    }
+
+    #[test]
+    fn one_value_is_stored_once() {
+        let payload = ChunkBuilder::<[u8; 3]>::new(&[[1, 2, 3]; 100]).finish().unwrap();
+        assert_eq!(payload.len(), 4 + 8 + 4 + 3);
+        let chunk = TemporalChunk::<[u8; 3]>::parse(payload, [10, 10], 1).unwrap();
+        let mut picture = [[0; 3]; 100];
+        assert_eq!(chunk.advance(&mut picture, None, 0, 2), 100);
+        assert!(picture.iter().all(|value| *value == [1, 2, 3]));
+    }
+
+    #[test]
+    fn damaged_payloads_are_refused_or_stay_inside_the_picture() {
+        let good = sample();
+        for length in 0..good.len() {
+            assert!(TemporalChunk::<u16>::parse(good[..length].to_vec(), [3, 2], 5).is_err());
+        }
+        for at in 0..good.len() {
+            for bit in 0..8 {
+                let mut damaged = good.clone();
+                damaged[at] ^= 1 << bit;
+                if let Ok(chunk) = TemporalChunk::<u16>::parse(damaged, [3, 2], 5) {
+                    let mut picture = [0; 6];
+                    chunk.advance(&mut picture, None, 4, 1);
+                }
+            }
+        }
+        assert!(TemporalChunk::<u16>::parse(good.clone(), [3, 2], 3).is_err());
+        assert!(TemporalChunk::<u16>::parse(good.clone(), [2, 2], 5).is_err());
+        let mut longer = good;
+        longer.push(0);
+        assert!(TemporalChunk::<u16>::parse(longer, [3, 2], 5).is_err());
+    }
+}
