@@ -1,1 +1,16 @@
-//! (this room is being furnished)
+//! Scenes that can be seen from anywhere: analytic shapes, a procedural courtyard, ray casting, cube-map capture.
+//!
+//! Enters: a time and a camera position. Leaves: colour and depth planes whose every value has a known reason, which
+//! is what `lightfold demo` and the tests of a codec need.
+
+pub mod capture;
+pub mod material;
+pub mod primitive;
+pub mod procedural;
+pub mod raycast;
+
+pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
+pub use material::{Material, Texture};
+pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
+pub use procedural::{DemoKind, DemoScene};
+pub use raycast::{CastsShadow, Hit, Lamp, Object, SceneAtTime, Sky, Sun, trace};

@@ -1,0 +1,121 @@
+//! What a surface is painted with: textures that are functions of the point alone.
+//!
+//! Enters: a point in the object's own coordinates, metres, and its normal. Leaves: linear Rec. 709 albedo.
+
+use glam::DVec3;
+
+/// A pattern of albedos (linear, 0..=1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Texture {
+    /// One colour.
+    Solid(DVec3),
+    /// Cubes of two colours.
+    Checker {
+        /// The two colours.
+        colors: [DVec3; 2],
+        /// Edge of a cube, metres.
+        size: f64,
+    },
+    /// Slices of two colours across an axis.
+    Stripes {
+        /// The two colours.
+        colors: [DVec3; 2],
+        /// Direction across the slices, its length the slices per metre.
+        wave: DVec3,
+    },
+    /// Rows of bricks or slabs, each a little lighter or darker, in mortar. Follows the two axes across the normal.
+    Bricks {
+        /// Mean brick colour and mortar colour.
+        colors: [DVec3; 2],
+        /// Length and height of a brick with its mortar, metres.
+        size: [f64; 2],
+        /// Width of the mortar, metres.
+        joint: f64,
+    },
+}
+
+impl Texture {
+    /// The albedo at `point`, on a surface with that `normal` (both in the object's own axes).
+    pub fn albedo(&self, point: DVec3, normal: DVec3) -> DVec3 {
+        match *self {
+            Texture::Solid(color) => color,
+            Texture::Checker { colors, size } => {
+                // Half a cube off, so that faces at multiples of the size do not fall on the border between two.
+                let cell = (point / size + 0.5).floor();
+                colors[usize::from((cell.x + cell.y + cell.z).rem_euclid(2.0) >= 1.0)]
+            }
+            Texture::Stripes { colors, wave } => colors[usize::from(point.dot(wave).floor().rem_euclid(2.0) >= 1.0)],
+            Texture::Bricks { colors, size, joint } => {
+                let (along, up) = across(point, normal);
+                let row = (up / size[1]).floor();
+                let shifted = along / size[0] + 0.5 * row.rem_euclid(2.0);
+                let column = shifted.floor();
+                let in_mortar = (shifted - column) * size[0] < joint || up - row * size[1] < joint;
+                if in_mortar { colors[1] } else { colors[0] * (0.75 + 0.5 * cell_noise(column, row)) }
+            }
+        }
+    }
+}
+
+/// The two coordinates across the axis that the normal follows most: (horizontal, vertical) on walls, (x, z) on floors.
+fn across(point: DVec3, normal: DVec3) -> (f64, f64) {
+    let n = normal.abs();
+    if n.y >= n.x && n.y >= n.z {
+        (point.x, point.z)
+    } else if n.x >= n.z {
+        (point.z, point.y)
+    } else {
+        (point.x, point.y)
+    }
+}
+
+/// A fixed number in 0..1 for each brick: an integer hash, so that it is the same on every machine.
+fn cell_noise(column: f64, row: f64) -> f64 {
+    // Casts saturate; bricks lie within a few thousand of the origin.
+    let mut h = (column as i32 as u32).wrapping_mul(0x9e37_79b1) ^ (row as i32 as u32).wrapping_mul(0x85eb_ca77);
+    h = (h ^ (h >> 15)).wrapping_mul(0xc2b2_ae3d);
+    h ^= h >> 13;
+    f64::from(h >> 8) / f64::from(1_u32 << 24)
+}
+
+/// How a surface answers light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Diffuse albedo.
+    pub texture: Texture,
+    /// Radiance that the surface gives off by itself, linear, scene-referred.
+    pub emission: DVec3,
+}
+
+impl Material {
+    /// A surface that only reflects.
+    pub fn diffuse(texture: Texture) -> Self {
+        Material { texture, emission: DVec3::ZERO }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_repeat() {
+        let checker = Texture::Checker { colors: [DVec3::ZERO, DVec3::ONE], size: 0.5 };
+        let at = |x: f64| checker.albedo(DVec3::new(x, 0.0, 0.0), DVec3::Y);
+        assert_eq!((at(0.0), at(0.5), at(1.0), at(-0.5)), (DVec3::ZERO, DVec3::ONE, DVec3::ZERO, DVec3::ONE));
+        let stripes = Texture::Stripes { colors: [DVec3::ZERO, DVec3::ONE], wave: DVec3::X * 2.0 };
+        let at = |x: f64| stripes.albedo(DVec3::new(x, 0.0, 0.0), DVec3::Y);
+        assert_eq!((at(0.1), at(0.6), at(1.1), at(-0.1)), (DVec3::ZERO, DVec3::ONE, DVec3::ZERO, DVec3::ONE));
+    }
+
+    #[test]
+    fn bricks_have_mortar_and_vary() {
+        let wall = Texture::Bricks { colors: [DVec3::splat(0.4), DVec3::ONE], size: [0.4, 0.2], joint: 0.02 };
+        let at = |z: f64, y: f64| wall.albedo(DVec3::new(-4.0, y, z), DVec3::X);
+        assert_eq!(at(0.2, 0.01), DVec3::ONE);
+        assert_eq!(at(0.01, 0.1), DVec3::ONE);
+        let bricks: Vec<f64> = (0..50).map(|i| at(0.2 + 0.4 * f64::from(i), 0.1).x).collect();
+        assert!(bricks.iter().all(|&b| (0.3..=0.5).contains(&b)));
+        assert!(bricks.windows(2).filter(|pair| pair[0] != pair[1]).count() > 40);
+    }
+}

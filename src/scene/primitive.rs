@@ -1,0 +1,431 @@
+//! Analytic shapes and where a ray meets them.
+//!
+//! Enters: a ray in world space, metres. Leaves: the nearest [`Intersection`] beyond a smallest distance. All in f64,
+//! so that depth is exact to far below what a 16-bit code resolves.
+
+use glam::{DVec2, DVec3};
+
+/// A half line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Start, in metres.
+    pub origin: DVec3,
+    /// Direction of length 1.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// A ray in `direction`, which need not have length 1.
+    ///
+    /// `None` when the origin is not finite or the direction has no length.
+    pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
+        let direction = direction.try_normalize()?;
+        origin.is_finite().then_some(Ray { origin, direction })
+    }
+
+    /// The point at `distance` metres.
+    pub fn at(&self, distance: f64) -> DVec3 {
+        self.origin + distance * self.direction
+    }
+}
+
+/// Where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intersection {
+    /// Metres along the ray.
+    pub distance: f64,
+    /// Normal of the surface, length 1, pointing out of the solid (for a [`Quad`], to the side of `u × v`).
+    pub normal: DVec3,
+}
+
+/// A ball.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sphere {
+    /// Centre, metres.
+    pub center: DVec3,
+    /// Radius, metres, above 0.
+    pub radius: f64,
+}
+
+impl Sphere {
+    /// The nearest surface point beyond `min_distance`, also from inside.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        let to_center = self.center - ray.origin;
+        let closest = to_center.dot(ray.direction);
+        // The offset of the ray from the centre, squared directly: b² − c would cancel for small far spheres.
+        let offset = to_center - closest * ray.direction;
+        let inside = self.radius * self.radius - offset.length_squared();
+        if inside < 0.0 {
+            return None;
+        }
+        let half = inside.sqrt();
+        let distance = [closest - half, closest + half].into_iter().find(|&distance| distance > min_distance)?;
+        Some(Intersection { distance, normal: (ray.at(distance) - self.center) / self.radius })
+    }
+}
+
+/// A box whose edges follow the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisBox {
+    /// Smallest corner, metres.
+    pub min: DVec3,
+    /// Largest corner, metres.
+    pub max: DVec3,
+}
+
+/// The stretch of a ray inside a box, and the axes of the faces where it enters and leaves.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    enter: f64,
+    leave: f64,
+    enter_axis: usize,
+    leave_axis: usize,
+}
+
+impl AxisBox {
+    /// The nearest surface point beyond `min_distance`, also from inside.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        let span = self.span(ray)?;
+        let (distance, axis, side) = if span.enter > min_distance {
+            (span.enter, span.enter_axis, -1.0)
+        } else if span.leave > min_distance {
+            (span.leave, span.leave_axis, 1.0)
+        } else {
+            return None;
+        };
+        let mut normal = DVec3::ZERO;
+        normal[axis] = side * ray.direction[axis].signum();
+        Some(Intersection { distance, normal })
+    }
+
+    /// Slab by slab. A ray parallel to a slab is inside it for ever or never; dividing by its 0 would give NaN on the
+    /// slab's own plane.
+    fn span(&self, ray: &Ray) -> Option<Span> {
+        let mut span = Span { enter: f64::NEG_INFINITY, leave: f64::INFINITY, enter_axis: 0, leave_axis: 0 };
+        for axis in 0..3 {
+            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
+            let (min, max) = (self.min[axis], self.max[axis]);
+            if direction == 0.0 {
+                if origin < min || origin > max {
+                    return None;
+                }
+                continue;
+            }
+            let inverse = 1.0 / direction;
+            let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
+            let (near, far) = if a < b { (a, b) } else { (b, a) };
+            if near > span.enter {
+                (span.enter, span.enter_axis) = (near, axis);
+            }
+            if far < span.leave {
+                (span.leave, span.leave_axis) = (far, axis);
+            }
+        }
+        (span.enter <= span.leave).then_some(span)
+    }
+}
+
+/// A box turned about the vertical.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurnedBox {
+    /// Centre, metres.
+    pub center: DVec3,
+    /// Half the length of each edge, metres.
+    pub half: DVec3,
+    /// Cosine and sine of the turn about +Y (from +Z towards +X).
+    pub turn: DVec2,
+}
+
+impl TurnedBox {
+    /// A world direction in the box's own axes.
+    pub fn to_local(&self, v: DVec3) -> DVec3 {
+        let (cos, sin) = (self.turn.x, self.turn.y);
+        DVec3::new(cos * v.x - sin * v.z, v.y, sin * v.x + cos * v.z)
+    }
+
+    /// A direction in the box's own axes in the world's.
+    pub fn to_world(&self, v: DVec3) -> DVec3 {
+        let (cos, sin) = (self.turn.x, self.turn.y);
+        DVec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
+    }
+
+    /// The nearest surface point beyond `min_distance`, also from inside.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        let local = Ray { origin: self.to_local(ray.origin - self.center), direction: self.to_local(ray.direction) };
+        let hit = AxisBox { min: -self.half, max: self.half }.intersect(&local, min_distance)?;
+        Some(Intersection { distance: hit.distance, normal: self.to_world(hit.normal) })
+    }
+}
+
+/// A flat rectangle, seen from both sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quad {
+    /// A corner, metres.
+    pub corner: DVec3,
+    /// Edge from that corner, metres.
+    pub u: DVec3,
+    /// The other edge from that corner, metres, at a right angle to `u`.
+    pub v: DVec3,
+}
+
+impl Quad {
+    /// The surface point, if it lies beyond `min_distance`. A ray in the plane itself misses.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        let normal = self.u.cross(self.v).try_normalize()?;
+        let slope = normal.dot(ray.direction);
+        if slope == 0.0 {
+            return None;
+        }
+        let distance = normal.dot(self.corner - ray.origin) / slope;
+        if distance <= min_distance || !distance.is_finite() {
+            return None;
+        }
+        let inside = |edge: DVec3| {
+            let along = (ray.at(distance) - self.corner).dot(edge);
+            along >= 0.0 && along <= edge.length_squared()
+        };
+        (inside(self.u) && inside(self.v)).then_some(Intersection { distance, normal })
+    }
+}
+
+/// A row of equal thin posts along +X, joined by rails: what a depth codec finds hardest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fence {
+    /// Foot of the first post's centre, metres.
+    pub foot: DVec3,
+    /// Number of posts, at least 1.
+    pub posts: u32,
+    /// Distance from one post's centre to the next, metres, above `width`.
+    pub spacing: f64,
+    /// Width of a post in x and z, metres.
+    pub width: f64,
+    /// Height of the posts, metres.
+    pub height: f64,
+    /// Heights of the centres of the two rails above the foot, metres; rails are as thick as posts are wide.
+    pub rails: [f64; 2],
+}
+
+impl Fence {
+    /// The smallest box around it.
+    pub fn bounds(&self) -> AxisBox {
+        let half = 0.5 * self.width;
+        let length = f64::from(self.posts.saturating_sub(1)) * self.spacing;
+        AxisBox {
+            min: self.foot - DVec3::new(half, 0.0, half),
+            max: self.foot + DVec3::new(length + half, self.height, half),
+        }
+    }
+
+    /// The nearest surface point beyond `min_distance`. Only the posts beside which the ray passes are tried.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        let bounds = self.bounds();
+        let span = bounds.span(ray)?;
+        if span.leave <= min_distance || self.posts == 0 {
+            return None;
+        }
+        let half = 0.5 * self.width;
+        let mut best: Option<Intersection> = None;
+        let mut offer = |solid: AxisBox| {
+            if let Some(hit) = solid.intersect(ray, min_distance)
+                && best.is_none_or(|best| hit.distance < best.distance)
+            {
+                best = Some(hit);
+            }
+        };
+        for rail in self.rails {
+            let y = self.foot.y + rail;
+            offer(AxisBox {
+                min: DVec3::new(bounds.min.x, y - half, bounds.min.z),
+                max: DVec3::new(bounds.max.x, y + half, bounds.max.z),
+            });
+        }
+        let post_at = |x: f64| (x - self.foot.x) / self.spacing;
+        let ends = [ray.at(span.enter.max(min_distance)).x, ray.at(span.leave).x];
+        // Half a post and a little rounding on each side.
+        let reach = half + 1e-9;
+        // Casts saturate, and the posts are clamped to those that exist.
+        let first = (post_at(ends[0].min(ends[1]) - reach).ceil() as u32).min(self.posts - 1);
+        let last = (post_at(ends[0].max(ends[1]) + reach).floor() as u32).min(self.posts - 1);
+        for post in first..=last {
+            let foot = self.foot + DVec3::new(f64::from(post) * self.spacing, 0.0, 0.0);
+            offer(AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, self.height, half) });
+        }
+        best
+    }
+}
+
+/// Any of the shapes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// A ball.
+    Sphere(Sphere),
+    /// A box along the axes.
+    AxisBox(AxisBox),
+    /// A box turned about the vertical.
+    TurnedBox(TurnedBox),
+    /// A rectangle.
+    Quad(Quad),
+    /// A row of posts.
+    Fence(Fence),
+}
+
+impl Shape {
+    /// The nearest surface point beyond `min_distance` metres.
+    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
+        match self {
+            Shape::Sphere(shape) => shape.intersect(ray, min_distance),
+            Shape::AxisBox(shape) => shape.intersect(ray, min_distance),
+            Shape::TurnedBox(shape) => shape.intersect(ray, min_distance),
+            Shape::Quad(shape) => shape.intersect(ray, min_distance),
+            Shape::Fence(shape) => shape.intersect(ray, min_distance),
+        }
+    }
+
+    /// A ball that contains the shape.
+    pub fn bounding_sphere(&self) -> Sphere {
+        let around = |min: DVec3, max: DVec3| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() };
+        match self {
+            Shape::Sphere(shape) => *shape,
+            Shape::AxisBox(shape) => around(shape.min, shape.max),
+            Shape::TurnedBox(shape) => Sphere { center: shape.center, radius: shape.half.length() },
+            Shape::Quad(shape) => Sphere {
+                center: shape.corner + 0.5 * (shape.u + shape.v),
+                radius: 0.5 * (shape.u.length_squared() + shape.v.length_squared()).sqrt(),
+            },
+            Shape::Fence(shape) => around(shape.bounds().min, shape.bounds().max),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+        Ray::new(DVec3::from(origin), DVec3::from(direction)).unwrap()
+    }
+
+    const UNIT: AxisBox = AxisBox { min: DVec3::NEG_ONE, max: DVec3::ONE };
+
+    #[test]
+    fn sphere_from_outside_inside_and_beside() {
+        let ball = Sphere { center: DVec3::new(0.0, 0.0, -5.0), radius: 2.0 };
+        let hit = ball.intersect(&ray([0.0; 3], [0.0, 0.0, -3.0]), 0.0).unwrap();
+        assert_eq!((hit.distance, hit.normal), (3.0, DVec3::Z));
+        let hit = ball.intersect(&ray([0.0, 0.0, -5.0], [0.0, 1.0, 0.0]), 0.0).unwrap();
+        assert_eq!((hit.distance, hit.normal), (2.0, DVec3::Y));
+        assert_eq!(ball.intersect(&ray([0.0, 2.1, 0.0], [0.0, 0.0, -1.0]), 0.0), None);
+        assert_eq!(ball.intersect(&ray([0.0; 3], [0.0, 0.0, 1.0]), 0.0), None);
+        // A millimetre ball a kilometre away is still a ball.
+        let speck = Sphere { center: DVec3::new(1000.0, 0.0, 0.0), radius: 0.001 };
+        let hit = speck.intersect(&ray([0.0; 3], [1.0, 0.0, 0.0]), 0.0).unwrap();
+        assert!((hit.distance - 999.999).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_surface_does_not_hit_itself() {
+        let ball = Sphere { center: DVec3::new(0.3, -0.2, 0.1), radius: 0.7 };
+        for i in 0..500 {
+            let angle = f64::from(i) * 0.37;
+            let from = ray([5.0 * angle.cos(), 0.3, 5.0 * angle.sin()], [-angle.cos(), -0.07, -angle.sin()]);
+            let hit = ball.intersect(&from, 0.0).unwrap();
+            let away = Ray::new(from.at(hit.distance) + 1e-6 * hit.normal, hit.normal).unwrap();
+            assert_eq!(ball.intersect(&away, 0.0), None);
+        }
+    }
+
+    #[test]
+    fn box_faces_axis_parallel_and_inside() {
+        let hit = UNIT.intersect(&ray([0.3, 0.2, 4.0], [0.0, 0.0, -1.0]), 0.0).unwrap();
+        assert_eq!((hit.distance, hit.normal), (3.0, DVec3::Z));
+        let hit = UNIT.intersect(&ray([-4.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 0.0).unwrap();
+        assert_eq!((hit.distance, hit.normal), (3.0, DVec3::NEG_X));
+        let hit = UNIT.intersect(&ray([0.0; 3], [0.0, -1.0, 0.0]), 0.0).unwrap();
+        assert_eq!((hit.distance, hit.normal), (1.0, DVec3::NEG_Y));
+        // Parallel to a face: in its plane it still grazes, outside it never does, and nothing is NaN.
+        assert!(UNIT.intersect(&ray([1.0, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0).is_some());
+        assert_eq!(UNIT.intersect(&ray([1.000_001, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0), None);
+        assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 4.0], [0.0, 0.0, 1.0]), 0.0), None);
+    }
+
+    #[test]
+    fn turned_box_is_the_box_turned() {
+        let (sin, cos) = std::f64::consts::FRAC_PI_4.sin_cos();
+        let turned = TurnedBox { center: DVec3::ZERO, half: DVec3::ONE, turn: DVec2::new(cos, sin) };
+        // An edge points at the camera: √2 from the centre.
+        let hit = turned.intersect(&ray([0.001, 0.0, 5.0], [0.0, 0.0, -1.0]), 0.0).unwrap();
+        assert!((hit.distance - (5.0 - 2.0_f64.sqrt() + 0.001)).abs() < 1e-9, "{}", hit.distance);
+        assert!((hit.normal - DVec3::new(cos, 0.0, sin)).length() < 1e-12);
+        let v = DVec3::new(0.2, 0.4, -0.9);
+        assert!((turned.to_world(turned.to_local(v)) - v).length() < 1e-15);
+    }
+
+    #[test]
+    fn quad_ends_at_its_edges() {
+        let floor = Quad { corner: DVec3::ZERO, u: DVec3::Z * 2.0, v: DVec3::X * 4.0 };
+        let down = |x: f64, z: f64| floor.intersect(&ray([x, 3.0, z], [0.0, -1.0, 0.0]), 0.0);
+        assert_eq!(down(3.9, 1.9), Some(Intersection { distance: 3.0, normal: DVec3::Y }));
+        assert_eq!(down(4.1, 1.0), None);
+        assert_eq!(down(-0.1, 1.0), None);
+        assert_eq!(floor.intersect(&ray([-1.0, 0.0, 1.0], [1.0, 0.0, 0.0]), 0.0), None);
+    }
+
+    #[test]
+    fn fence_equals_its_parts() {
+        let fence = Fence {
+            foot: DVec3::new(-1.0, 0.0, 1.0),
+            posts: 11,
+            spacing: 0.2,
+            width: 0.02,
+            height: 1.0,
+            rails: [0.2, 0.8],
+        };
+        let mut parts = vec![];
+        for post in 0..11 {
+            let foot = fence.foot + DVec3::X * 0.2 * f64::from(post);
+            parts.push(AxisBox { min: foot - DVec3::new(0.01, 0.0, 0.01), max: foot + DVec3::new(0.01, 1.0, 0.01) });
+        }
+        for rail in fence.rails {
+            parts.push(AxisBox { min: DVec3::new(-1.01, rail - 0.01, 0.99), max: DVec3::new(1.01, rail + 0.01, 1.01) });
+        }
+        let mut hits = 0;
+        for i in 0..20_000_u32 {
+            let (a, b) = (f64::from(i) * 0.618_034 % 1.0, f64::from(i) * 0.754_878 % 1.0);
+            // From beside, from the end and from between the posts.
+            let origin = [[0.1, 0.5, 0.0], [-3.0, 0.4, 0.9], [0.11, 0.5, 1.0]][i as usize % 3];
+            let from = ray(origin, [a * 4.0 - 2.0, b - 0.5, 1.0 - 2.0 * f64::from(i % 2)]);
+            let nearest = parts
+                .iter()
+                .filter_map(|part| part.intersect(&from, 0.0))
+                .map(|hit| hit.distance)
+                .fold(f64::INFINITY, f64::min);
+            let found = fence.intersect(&from, 0.0).map_or(f64::INFINITY, |hit| hit.distance);
+            assert!(found == nearest || (found - nearest).abs() < 1e-9, "{i}: {found} {nearest}");
+            hits += u32::from(found.is_finite());
+        }
+        assert!(hits > 500, "{hits}");
+    }
+
+    #[test]
+    fn bounding_spheres_contain() {
+        let fence = Fence {
+            foot: DVec3::new(-1.0, 0.0, 1.0),
+            posts: 3,
+            spacing: 0.5,
+            width: 0.1,
+            height: 2.0,
+            rails: [0.5, 1.5],
+        };
+        let bounds = Shape::Fence(fence).bounding_sphere();
+        assert!((DVec3::new(-1.05, 2.0, 0.95) - bounds.center).length() <= bounds.radius + 1e-12);
+        let quad = Shape::Quad(Quad { corner: DVec3::ONE, u: DVec3::X, v: DVec3::Y }).bounding_sphere();
+        assert!((DVec3::ONE - quad.center).length() <= quad.radius + 1e-12);
+    }
+
+    #[test]
+    fn bad_rays_are_refused() {
+        assert_eq!(Ray::new(DVec3::ZERO, DVec3::ZERO), None);
+        assert_eq!(Ray::new(DVec3::NAN, DVec3::X), None);
+        assert_eq!(Ray::new(DVec3::ZERO, DVec3::NAN), None);
+    }
+}

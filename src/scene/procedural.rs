@@ -1,0 +1,231 @@
+//! Small scenes made of formulas: footage for anyone, without a renderer and without a download.
+//!
+//! Enters: a time in seconds. Leaves: [`SceneAtTime`]. What moves is a function of the time alone and repeats after
+//! [`DemoScene::PERIOD_S`]; what does not move is the same objects in the same order at every time.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec2, DVec3};
+
+use super::material::{Material, Texture};
+use super::primitive::{AxisBox, Fence, Quad, Shape, Sphere, TurnedBox};
+use super::raycast::{CastsShadow, Lamp, Object, SceneAtTime, Sky, Sun};
+
+/// The scenes there are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum DemoKind {
+    /// A paved terrace under an open sky: brick wall to −X, striped wall with a lamp to −Z, pergola above, fence to +Z,
+    /// nothing at all to +X. Three balls and a box move.
+    Courtyard,
+}
+
+impl DemoKind {
+    /// All scenes.
+    pub const ALL: [DemoKind; 1] = [DemoKind::Courtyard];
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            DemoKind::Courtyard => "courtyard",
+        }
+    }
+
+    /// The scene of that name, if there is one.
+    pub fn from_name(name: &str) -> Option<DemoKind> {
+        DemoKind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+/// A scene over time.
+#[derive(Debug, Clone)]
+pub struct DemoScene {
+    kind: DemoKind,
+    /// What never moves, the first objects of every moment.
+    fixed: Vec<Object>,
+}
+
+impl DemoScene {
+    /// Seconds after which everything is as it was.
+    pub const PERIOD_S: f64 = 4.0;
+
+    /// Sets the scene up.
+    pub fn new(kind: DemoKind) -> Self {
+        let fixed = match kind {
+            DemoKind::Courtyard => courtyard_fixed(),
+        };
+        DemoScene { kind, fixed }
+    }
+
+    /// Which scene it is.
+    pub fn kind(&self) -> DemoKind {
+        self.kind
+    }
+
+    /// Where probes belong, in metres: the middle, and how far from it along each axis. From anywhere within, no
+    /// surface is nearer than 0.25 m, and in the courtyard the face +X sees nothing.
+    pub fn probe_region(&self) -> (DVec3, DVec3) {
+        match self.kind {
+            DemoKind::Courtyard => (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)),
+        }
+    }
+
+    /// The scene at a time in seconds, which may be negative; a time that is not finite is taken as 0.
+    pub fn at(&self, time_s: f64) -> SceneAtTime {
+        let time_s = if time_s.is_finite() { time_s } else { 0.0 };
+        // 0..1 through the period.
+        let phase = (time_s / Self::PERIOD_S).rem_euclid(1.0);
+        match self.kind {
+            DemoKind::Courtyard => courtyard_at(phase, self.fixed.clone()),
+        }
+    }
+}
+
+// The plan of the courtyard, in metres. The terrace ends, and the walls with it, before the +X face begins: that face
+// is empty from the whole probe region.
+const FENCE_Z: f64 = 1.3;
+const TERRACE_EDGE_X: f64 = 0.9;
+const WALL: f64 = -4.0;
+const PERGOLA_Y: f64 = 2.9;
+const LAMP: DVec3 = DVec3::new(-0.9, 1.75, -3.55);
+
+fn rgb(r: f64, g: f64, b: f64) -> DVec3 {
+    DVec3::new(r, g, b)
+}
+
+/// A box by its smallest and largest corner.
+fn block(min: [f64; 3], max: [f64; 3], texture: Texture) -> Object {
+    Object::new(Shape::AxisBox(AxisBox { min: min.into(), max: max.into() }), Material::diffuse(texture))
+}
+
+/// A ball, textured in its own coordinates.
+fn ball(center: DVec3, radius: f64, texture: Texture) -> Object {
+    let mut object = Object::new(Shape::Sphere(Sphere { center, radius }), Material::diffuse(texture));
+    object.anchor = center;
+    object
+}
+
+fn courtyard_fixed() -> Vec<Object> {
+    let wood = Texture::Solid(rgb(0.36, 0.22, 0.12));
+    let iron = Texture::Solid(rgb(0.05, 0.055, 0.06));
+
+    let mut ground = Object::new(
+        Shape::Quad(Quad {
+            corner: DVec3::new(WALL - 0.2, 0.0, WALL - 0.2),
+            u: DVec3::Z * 13.0,
+            v: DVec3::X * (TERRACE_EDGE_X - WALL + 0.2),
+        }),
+        Material::diffuse(Texture::Bricks {
+            colors: [rgb(0.46, 0.43, 0.38), rgb(0.24, 0.23, 0.21)],
+            size: [0.8, 0.6],
+            joint: 0.025,
+        }),
+    );
+    // Nothing lies below it, so it never holds up light, and nearly every shadow ray starts on it.
+    ground.casts_shadow = CastsShadow::No;
+
+    let mut objects = vec![
+        ground,
+        block(
+            [WALL - 0.2, 0.0, WALL - 0.2],
+            [WALL, 2.6, 4.0],
+            Texture::Bricks { colors: [rgb(0.48, 0.2, 0.13), rgb(0.5, 0.47, 0.42)], size: [0.5, 0.16], joint: 0.02 },
+        ),
+        block(
+            [WALL, 0.0, WALL - 0.2],
+            [TERRACE_EDGE_X, 2.4, WALL],
+            Texture::Stripes { colors: [rgb(0.72, 0.66, 0.52), rgb(0.3, 0.42, 0.4)], wave: DVec3::X * 2.5 },
+        ),
+        // A coping on each wall.
+        block([WALL - 0.28, 2.6, WALL - 0.28], [WALL + 0.08, 2.7, 4.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
+        block([WALL, 2.4, WALL - 0.28], [TERRACE_EDGE_X, 2.5, WALL + 0.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
+        // The bracket that holds the lamp.
+        block([LAMP.x - 0.02, LAMP.y + 0.12, WALL], [LAMP.x + 0.02, LAMP.y + 0.15, LAMP.z + 0.02], iron),
+        // A tower and a tree beyond the fence.
+        block(
+            [-3.4, 0.0, 5.6],
+            [-2.2, 4.6, 6.8],
+            Texture::Bricks { colors: [rgb(0.5, 0.46, 0.4), rgb(0.33, 0.31, 0.28)], size: [0.45, 0.3], joint: 0.03 },
+        ),
+        block([-3.55, 4.6, 5.45], [-2.05, 4.8, 6.95], Texture::Solid(rgb(0.42, 0.16, 0.11))),
+        block([-0.08, 0.0, 5.92], [0.08, 1.5, 6.08], wood),
+        ball(DVec3::new(0.0, 2.3, 6.0), 0.85, Texture::Solid(rgb(0.12, 0.3, 0.08))),
+        ball(DVec3::new(-0.55, 1.85, 5.8), 0.5, Texture::Solid(rgb(0.15, 0.36, 0.09))),
+        // A crate and a planter on the terrace.
+        block(
+            [-3.5, 0.0, 0.9],
+            [-2.8, 0.7, 1.6],
+            Texture::Stripes { colors: [rgb(0.5, 0.34, 0.18), rgb(0.38, 0.24, 0.12)], wave: DVec3::Y * 7.0 },
+        ),
+        block([-0.2, 0.0, -3.3], [0.5, 0.45, -2.6], Texture::Solid(rgb(0.5, 0.26, 0.16))),
+        ball(DVec3::new(0.15, 0.75, -2.95), 0.42, Texture::Solid(rgb(0.1, 0.26, 0.1))),
+        Object::new(
+            Shape::Fence(Fence {
+                foot: DVec3::new(-3.8, 0.0, FENCE_Z),
+                posts: 37,
+                spacing: 0.12,
+                width: 0.022,
+                height: 1.1,
+                rails: [0.2, 0.98],
+            }),
+            Material::diffuse(iron),
+        ),
+    ];
+    // The pergola: two beams on posts, five slats across.
+    for z in [-1.5, 1.5] {
+        objects.push(block([WALL, PERGOLA_Y - 0.12, z - 0.05], [0.35, PERGOLA_Y, z + 0.05], wood));
+        objects.push(block([0.1, 0.0, z - 0.05], [0.2, PERGOLA_Y - 0.12, z + 0.05], wood));
+    }
+    for slat in 0..5 {
+        let x = -2.6 + 0.68 * f64::from(slat);
+        objects.push(block([x - 0.04, PERGOLA_Y, -1.75], [x + 0.04, PERGOLA_Y + 0.1, 1.75], wood));
+    }
+    objects
+}
+
+/// Adds what moves, and the light.
+fn courtyard_at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
+    let (sin, cos) = (TAU * phase).sin_cos();
+
+    // A beach ball runs round a circle and bounces four times: parabolas, as gravity has it.
+    let hop = (4.0 * phase).fract();
+    let bounce = DVec3::new(-2.1 + 0.5 * cos, 0.32 + 2.6 * hop * (1.0 - hop), -0.1 + 0.8 * sin);
+    let stripes = Texture::Stripes { colors: [rgb(0.75, 0.08, 0.05), rgb(0.8, 0.78, 0.7)], wave: DVec3::X * 6.0 };
+    let mut beach_ball = ball(bounce, 0.32, stripes);
+    beach_ball.texture_from_world = DQuat::from_rotation_z(-TAU * phase);
+    objects.push(beach_ball);
+
+    // A blue ball rolls to and fro before the striped wall without slipping.
+    let roll_x = -1.1 + 0.9 * sin;
+    let checker = Texture::Checker { colors: [rgb(0.06, 0.16, 0.6), rgb(0.7, 0.72, 0.75)], size: 0.25 };
+    let mut blue_ball = ball(DVec3::new(roll_x, 0.28, -2.0), 0.28, checker);
+    blue_ball.texture_from_world = DQuat::from_rotation_z(roll_x / 0.28);
+    objects.push(blue_ball);
+
+    // A golden one hovers beyond the fence, seen between the posts and above them.
+    let hover = DVec3::new(-0.9 + 0.8 * cos, 1.15 + 0.45 * (2.0 * TAU * phase).sin(), 2.5 + 0.4 * sin);
+    objects.push(ball(hover, 0.2, Texture::Solid(rgb(0.8, 0.52, 0.1))));
+
+    // A box turns on the spot, once in a period.
+    let cube = TurnedBox { center: DVec3::new(-2.7, 0.4, -2.5), half: DVec3::splat(0.4), turn: DVec2::new(cos, sin) };
+    let tiles = Texture::Checker { colors: [rgb(0.7, 0.6, 0.1), rgb(0.16, 0.1, 0.2)], size: 0.27 };
+    let mut turning = Object::new(Shape::TurnedBox(cube), Material::diffuse(tiles));
+    turning.anchor = cube.center;
+    turning.texture_from_world = DQuat::from_rotation_y(-TAU * phase);
+    objects.push(turning);
+
+    // The lamp rises and falls in straight lines: between two frames of a side, what it lights is their linear blend.
+    let pulse = 1.0 - (2.0 * phase - 1.0).abs();
+    let glow = 6.0 + 14.0 * pulse;
+    let warm = rgb(1.0, 0.78, 0.45);
+    let mut bulb = ball(LAMP, 0.12, Texture::Solid(DVec3::ZERO));
+    bulb.material.emission = glow * warm;
+    bulb.casts_shadow = CastsShadow::No;
+    objects.push(bulb);
+
+    SceneAtTime {
+        objects,
+        sun: Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: rgb(1.75, 1.6, 1.35) },
+        lamp: Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0 },
+        sky: Sky { horizon: rgb(0.5, 0.66, 0.86), zenith: rgb(0.16, 0.32, 0.68), ambient: rgb(0.3, 0.36, 0.46) },
+    }
+}
