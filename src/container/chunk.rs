@@ -99,3 +99,14 @@ impl ChunkEntry {
         Ok(ChunkEntry { key, offset, stored_bytes, raw_bytes, crc32, storage })
     }
 }
+
+/// A finished group of frames of one unit, as an encoder hands it over.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EncodedChunk {
+    /// Frames since the unit's first.
+    pub first_frame: u32,
+    /// Number of frames.
+    pub frame_count: u32,
+    /// The payload.
+    pub payload: Vec<u8>,
+}

@@ -11,7 +11,7 @@ pub mod lzma2;
 pub mod reader;
 pub mod writer;
 
-pub use chunk::{ChunkEntry, ChunkKey, Storage};
+pub use chunk::{ChunkEntry, ChunkKey, EncodedChunk, Storage};
 pub use fields::Fields;
 pub use index::{Index, ProbeEntry, StreamEntry};
 pub use reader::{OpenLimits, Reader};

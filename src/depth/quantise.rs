@@ -5,8 +5,8 @@
 
 use crate::error::{Error, Result};
 
-/// The code of a pixel where there is nothing.
-pub const BACKGROUND_CODE: u16 = u16::MAX;
+pub use crate::metrics::depth_error::BACKGROUND_CODE;
+
 /// The code of the far distance, and the number of steps from near to far.
 pub const FAR_CODE: u16 = u16::MAX - 1;
 

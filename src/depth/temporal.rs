@@ -3,6 +3,7 @@
 //! Enters: the unit's pixels, frame by frame. Leaves: payloads of [`crate::depth::records`], one for each group of
 //! frames. Memory: two pictures and the open chunk.
 
+use crate::container::EncodedChunk;
 use crate::depth::boxes::{self, BoxBudget, MAX_BOXES, Mask};
 use crate::depth::records::ChunkBuilder;
 use crate::depth::texel::Texel;
@@ -44,17 +45,6 @@ impl TemporalSettings {
             _ => Ok(()),
         }
     }
-}
-
-/// A finished group of frames.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct EncodedChunk {
-    /// Frames since the unit's first.
-    pub first_frame: u32,
-    /// Number of frames.
-    pub frame_count: u32,
-    /// The payload.
-    pub payload: Vec<u8>,
 }
 
 /// Encodes one unit.

@@ -1,0 +1,217 @@
+//! The payload of a chunk of one colour cell: keyframes and weights (color.md 4).
+//!
+//! Decoder first: [`CellChunk`]. The encoder's side, [`CellBuilder`], is below it.
+
+use std::marker::PhantomData;
+
+use crate::color::blend::Sample;
+use crate::container::fields::{Fields, PutFields};
+use crate::error::{Error, Result};
+
+const SECTION: &str = "color.md 4";
+/// Flag: the last keyframe's successor is the first keyframe of the cell's next chunk.
+const CLOSED_BY_NEXT: u8 = 1;
+/// Bytes of a cell payload before its table of keyframes.
+const FIXED_BYTES: usize = 8;
+
+/// How a frame is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Blend {
+    /// The keyframe at or before the frame, by its index in the chunk.
+    pub keyframe: usize,
+    /// The weight of the keyframe after it, in 255ths; 0 shows the keyframe itself.
+    pub weight: u8,
+}
+
+/// A payload that has been checked, ready to be decoded.
+#[derive(Debug, Clone)]
+pub struct CellChunk<S> {
+    payload: Vec<u8>,
+    keyframes: Vec<u32>,
+    weights: std::ops::Range<usize>,
+    pixels: usize,
+    samples: usize,
+    sample: PhantomData<S>,
+}
+
+impl<S: Sample> CellChunk<S> {
+    /// Checks a payload for a cell of `pixels` pixels and `frame_count` frames.
+    ///
+    /// Afterwards all keyframes lie inside the payload, their frames ascend from 0, and every weight that is not
+    /// zero stands between two keyframes of the chunk or is announced as closed by the next chunk.
+    pub fn parse(payload: Vec<u8>, pixels: usize, frame_count: u32) -> Result<Self> {
+        let mut fields = Fields::new(&payload, 0, SECTION);
+        let (count, flags) = (fields.u16()?, fields.u8()?);
+        fields.zeros(1)?;
+        let weight_count = fields.u32()?;
+        if count == 0 || u32::from(count) > frame_count || flags > CLOSED_BY_NEXT || weight_count > frame_count {
+            return Err(fields.error(format!(
+                "{count} keyframes, {weight_count} weights and flags {flags} for {frame_count} frames are impossible"
+            )));
+        }
+        let mut keyframes = Vec::with_capacity(usize::from(count));
+        for at in 0..usize::from(count) {
+            let frame = fields.u32()?;
+            let ascends = if at == 0 { frame == 0 } else { frame > keyframes[at - 1] };
+            if !ascends || frame >= frame_count {
+                return Err(fields.error(format!("keyframe {at} at frame {frame} is out of order or out of range")));
+            }
+            keyframes.push(frame);
+        }
+        let start = fields.position();
+        let weights = fields.bytes(weight_count as usize)?;
+        let at_keyframe = keyframes.iter().any(|&frame| weights.get(frame as usize).is_some_and(|&weight| weight != 0));
+        let after_last = keyframes[keyframes.len() - 1] as usize + 1;
+        let unclosed = flags & CLOSED_BY_NEXT == 0 && weights.iter().skip(after_last).any(|&weight| weight != 0);
+        if at_keyframe || unclosed {
+            return Err(fields.error("a weight stands where no two keyframes enclose it"));
+        }
+        let samples = fields.position();
+        let wanted = u64::from(count) * pixels as u64 * 3 * S::BYTES as u64;
+        if wanted != fields.remaining() as u64 {
+            return Err(fields.error(format!("keyframes of {wanted} bytes expected, {} there", fields.remaining())));
+        }
+        let weights = start..samples;
+        Ok(CellChunk { payload, keyframes, weights, pixels, samples, sample: PhantomData })
+    }
+
+    /// Frames of the keyframes, counted from the chunk's first.
+    pub fn keyframes(&self) -> &[u32] {
+        &self.keyframes
+    }
+
+    /// How a frame (counted from the chunk's first) is made.
+    pub fn blend(&self, frame: u32) -> Blend {
+        let keyframe = self.keyframes.partition_point(|&first| first <= frame) - 1;
+        let weight = self.payload[self.weights.clone()].get(frame as usize).copied().unwrap_or(0);
+        Blend { keyframe, weight }
+    }
+
+    /// Whether `keyframe` is the chunk's last, so that a weight leads to the next chunk.
+    pub fn is_last(&self, keyframe: usize) -> bool {
+        keyframe + 1 == self.keyframes.len()
+    }
+
+    /// Reads the samples of a keyframe: three for each pixel, as many as `out` holds.
+    pub fn read_keyframe(&self, keyframe: usize, out: &mut [S]) {
+        let bytes = self.pixels * 3 * S::BYTES;
+        let start = self.samples + keyframe * bytes;
+        S::get_row(out, &self.payload[start..start + bytes]);
+    }
+}
+
+/// Builds a payload keyframe by keyframe.
+#[derive(Debug, Default)]
+pub struct CellBuilder {
+    keyframes: Vec<u32>,
+    weights: Vec<u8>,
+    samples: Vec<u8>,
+}
+
+impl CellBuilder {
+    /// Adds a keyframe at the next frame.
+    pub fn push_keyframe<S: Sample>(&mut self, samples: &[S]) {
+        self.keyframes.push(self.weights.len() as u32);
+        self.weights.push(0);
+        self.samples.reserve(samples.len() * S::BYTES);
+        samples.iter().for_each(|sample| sample.put(&mut self.samples));
+    }
+
+    /// Adds `run` frames of one weight.
+    pub fn push_weight(&mut self, weight: u8, run: u32) {
+        self.weights.resize(self.weights.len() + run as usize, weight);
+    }
+
+    /// Frames gathered so far.
+    pub fn frame_count(&self) -> u32 {
+        self.weights.len() as u32
+    }
+
+    /// Keyframes gathered so far.
+    pub fn keyframe_count(&self) -> usize {
+        self.keyframes.len()
+    }
+
+    /// Bytes gathered so far.
+    pub fn bytes(&self) -> usize {
+        FIXED_BYTES + 4 * self.keyframes.len() + self.weights.len() + self.samples.len()
+    }
+
+    /// The payload. Weights after the last keyframe that are not zero lead to the next chunk.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        let Ok(count) = u16::try_from(self.keyframes.len()) else {
+            return Err(Error::unsupported(format!("a chunk of {} keyframes", self.keyframes.len())));
+        };
+        let used = self.weights.iter().rposition(|&weight| weight != 0).map_or(0, |last| last + 1);
+        let last = self.keyframes.last().map_or(0, |&frame| frame as usize);
+        let mut payload = Vec::with_capacity(self.bytes());
+        payload.put_u16(count);
+        payload.push(if used > last { CLOSED_BY_NEXT } else { 0 });
+        payload.push(0);
+        payload.put_u32(used as u32);
+        self.keyframes.iter().for_each(|&frame| payload.put_u32(frame));
+        payload.extend_from_slice(&self.weights[..used]);
+        payload.extend_from_slice(&self.samples);
+        Ok(payload)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Vec<u8> {
+        let mut builder = CellBuilder::default();
+        builder.push_keyframe::<u8>(&[10, 20, 30, 40, 50, 60]);
+        builder.push_weight(100, 1);
+        builder.push_weight(200, 2);
+        builder.push_keyframe::<u8>(&[1, 2, 3, 4, 5, 6]);
+        builder.push_weight(0, 3);
+        builder.finish().unwrap()
+    }
+
+    #[test]
+    fn keyframes_and_weights_come_back() {
+        let chunk = CellChunk::<u8>::parse(sample(), 2, 8).unwrap();
+        assert_eq!(chunk.keyframes(), [0, 4]);
+        let blends: Vec<_> = (0..8).map(|frame| chunk.blend(frame)).map(|b| (b.keyframe, b.weight)).collect();
+        assert_eq!(blends, [(0, 0), (0, 100), (0, 200), (0, 200), (1, 0), (1, 0), (1, 0), (1, 0)]);
+        let mut samples = [0; 6];
+        chunk.read_keyframe(1, &mut samples);
+        assert_eq!(samples, [1, 2, 3, 4, 5, 6]);
+        assert!(chunk.is_last(1) && !chunk.is_last(0));
+    }
+
+    #[test]
+    fn damaged_payloads_are_refused() {
+        let good = sample();
+        for length in 0..good.len() {
+            assert!(CellChunk::<u8>::parse(good[..length].to_vec(), 2, 8).is_err());
+        }
+        for at in 0..good.len() {
+            for bit in 0..8 {
+                let mut damaged = good.clone();
+                damaged[at] ^= 1 << bit;
+                if let Ok(chunk) = CellChunk::<u8>::parse(damaged, 2, 8) {
+                    let mut samples = [0; 6];
+                    for frame in 0..8 {
+                        chunk.read_keyframe(chunk.blend(frame).keyframe, &mut samples);
+                    }
+                }
+            }
+        }
+        assert!(CellChunk::<u8>::parse(good.clone(), 3, 8).is_err());
+        assert!(CellChunk::<u8>::parse(good, 2, 4).is_err());
+    }
+
+    #[test]
+    fn a_weight_with_nothing_to_lead_to_is_refused() {
+        let mut builder = CellBuilder::default();
+        builder.push_keyframe::<u8>(&[1, 2, 3]);
+        builder.push_weight(7, 1);
+        let mut payload = builder.finish().unwrap();
+        assert!(CellChunk::<u8>::parse(payload.clone(), 1, 2).is_ok());
+        payload[2] = 0;
+        assert!(CellChunk::<u8>::parse(payload, 1, 2).is_err());
+    }
+}

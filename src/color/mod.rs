@@ -1,0 +1,16 @@
+//! Colour: cells of an image, coded in time as keyframes and weights (CALF 5.1; formats/color.md).
+//!
+//! Enters: 8-bit samples or half floats. Leaves: chunk payloads in which every frame of every cell reaches the PSNR
+//! asked for, as measured on what the decoder makes of them.
+
+pub mod blend;
+pub mod cells;
+pub mod keyframes;
+pub mod quality;
+pub mod temporal;
+
+pub use blend::{HalfKey, Sample};
+pub use cells::CellChunk;
+pub use keyframes::{Effort, SearchSettings};
+pub use quality::Quality;
+pub use temporal::CellEncoder;
