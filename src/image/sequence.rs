@@ -1,6 +1,11 @@
 //! Frame numbers, and file names that carry them.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
 
 /// Frames `first..=last`. Never empty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -38,5 +43,383 @@ impl FrameRange {
 impl fmt::Display for FrameRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}-{}", self.first, self.last)
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = Error;
+
+    /// `A-B` (both inclusive) or `A` for a single frame.
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = || Error::Usage(format!("\"{text}\" is not a frame range: write it as 0-99, or 7 for one frame"));
+        let number = |part: &str| part.trim().parse::<u32>().map_err(|_| wrong());
+        let (first, last) = match text.split_once('-') {
+            Some((first, last)) => (number(first)?, number(last)?),
+            None => (number(text)?, number(text)?),
+        };
+        if first > last {
+            return Err(Error::Usage(format!("frame range {text} ends before it begins")));
+        }
+        Ok(FrameRange { first, last })
+    }
+}
+
+/// A file name with a place for the frame number.
+///
+/// Only the file name may hold the place, once: `%d`, `%04d`; a run of n `#` for n digits (a single `#` stands for
+/// four); a run of n `@` for n digits. `%%` is a percent sign. Numbers with more digits than asked for are written
+/// in full.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pattern {
+    directory: PathBuf,
+    before: String,
+    /// Least number of digits; `None` for a plain file name.
+    digits: Option<usize>,
+    after: String,
+}
+
+impl Pattern {
+    /// Reads a pattern; a name without a place for a number is a pattern that means one file.
+    ///
+    /// # Errors
+    /// When there is no file name, it holds two places, or a `%` that is neither `%%` nor `%0Nd`.
+    pub fn parse(text: &str) -> Result<Pattern> {
+        let path = Path::new(text);
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .filter(|_| !text.ends_with(['/', std::path::MAIN_SEPARATOR]));
+        let Some(name) = name else {
+            return Err(Error::Usage(format!("\"{text}\" names no file")));
+        };
+        let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let mut pattern = Pattern { directory, before: String::new(), digits: None, after: String::new() };
+        let mut rest = name;
+        while let Some(first) = rest.chars().next() {
+            let (digits, used) = match first {
+                '#' | '@' => {
+                    let run = rest.len() - rest.trim_start_matches(first).len();
+                    (Some(if first == '#' && run == 1 { 4 } else { run }), run)
+                }
+                '%' if rest.starts_with("%%") => (None, 2),
+                '%' => {
+                    let (digits, used) = percent_field(rest).ok_or_else(|| {
+                        Error::Usage(format!("\"{text}\": a frame number is written %d or %04d, a percent sign %%"))
+                    })?;
+                    (Some(digits), used)
+                }
+                _ => (None, first.len_utf8()),
+            };
+            match digits {
+                Some(_) if pattern.digits.is_some() => {
+                    return Err(Error::Usage(format!("\"{text}\" has more than one place for the frame number")));
+                }
+                Some(digits) if digits > 20 => {
+                    return Err(Error::Usage(format!("\"{text}\" asks for a frame number of {digits} digits")));
+                }
+                Some(digits) => pattern.digits = Some(digits),
+                None => {
+                    let side = if pattern.digits.is_some() { &mut pattern.after } else { &mut pattern.before };
+                    side.push(first);
+                }
+            }
+            rest = &rest[used..];
+        }
+        Ok(pattern)
+    }
+
+    /// Whether the name has a place for the frame number.
+    pub fn has_field(&self) -> bool {
+        self.digits.is_some()
+    }
+
+    /// The file of a frame; without a place for the number, the one file.
+    pub fn path(&self, frame: u32) -> PathBuf {
+        let name = match self.digits {
+            Some(digits) => format!("{}{frame:0digits$}{}", self.before, self.after),
+            None => self.before.clone(),
+        };
+        self.directory.join(name)
+    }
+
+    /// The same pattern below another folder.
+    #[must_use]
+    pub fn below(mut self, folder: &Path) -> Pattern {
+        self.directory = folder.join(&self.directory);
+        self
+    }
+
+    /// The frame number in a file name, if the name is one that [`Pattern::path`] would write.
+    fn frame_of(&self, name: &str) -> Option<u32> {
+        let digits = self.digits?;
+        let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;
+        let padded = number.len() == digits || (number.len() > digits && !number.starts_with('0'));
+        let plain = padded && number.bytes().all(|byte| byte.is_ascii_digit());
+        if plain { number.parse().ok() } else { None }
+    }
+}
+
+impl fmt::Display for Pattern {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let escape = |text: &str| text.replace('%', "%%");
+        let name = match self.digits {
+            Some(1) => format!("{}%d{}", escape(&self.before), escape(&self.after)),
+            Some(digits) => format!("{}%0{digits}d{}", escape(&self.before), escape(&self.after)),
+            None => escape(&self.before),
+        };
+        write!(f, "{}", self.directory.join(name).display())
+    }
+}
+
+/// Digits and length of a `%d` or `%0Nd` at the start of the text.
+fn percent_field(text: &str) -> Option<(usize, usize)> {
+    let inner = &text[1..text.find('d')?];
+    match inner.strip_prefix('0') {
+        None if inner.is_empty() => Some((1, 2)),
+        Some(digits) if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
+            Some((digits.parse::<usize>().ok()?.max(1), inner.len() + 2))
+        }
+        _ => None,
+    }
+}
+
+/// A pattern and the frames of it that are on disk, without a hole.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sequence {
+    pattern: Pattern,
+    frames: FrameRange,
+}
+
+impl Sequence {
+    /// Finds the files that `spec` names: a pattern, a folder that holds one sequence of .exr or .png files, or one
+    /// file. Without `frames` the first and last file on disk are the range.
+    ///
+    /// # Errors
+    /// When no file matches, a frame of the range is missing (the first one is named), or a folder holds none or
+    /// several sequences.
+    pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
+        let path = Path::new(spec);
+        if path.is_dir() {
+            return Sequence::of_pattern(only_sequence(path)?, frames);
+        }
+        // A file that is there is meant as it is, even when its name looks like a pattern.
+        if path.is_file() {
+            return Sequence::of_file(path, frames);
+        }
+        let pattern = Pattern::parse(spec)?;
+        if !pattern.has_field() {
+            return Err(Error::invalid("there is no such file or folder").in_file(spec));
+        }
+        Sequence::of_pattern(pattern, frames)
+    }
+
+    /// The sequence of a pattern whose range is known; each file must exist.
+    ///
+    /// # Errors
+    /// Names the first missing file and its frame.
+    pub fn known(pattern: Pattern, frames: FrameRange) -> Result<Sequence> {
+        for frame in frames.iter() {
+            let path = pattern.path(frame);
+            if !path.is_file() {
+                return Err(Error::invalid(format!("frame {frame} is missing: there is no such file")).in_file(path));
+            }
+        }
+        Ok(Sequence { pattern, frames })
+    }
+
+    fn of_file(path: &Path, frames: Option<FrameRange>) -> Result<Sequence> {
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .ok_or_else(|| Error::Usage(format!("the file name {} is not valid UTF-8", path.display())))?;
+        let frame = split_number(name).and_then(|(_, number, _)| number.parse().ok()).unwrap_or(0);
+        if let Some(range) = frames
+            && range != (FrameRange { first: frame, last: frame })
+        {
+            let message = format!("frames {range} were asked for, but this single file is frame {frame}");
+            return Err(Error::invalid(message).in_file(path));
+        }
+        let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        let pattern = Pattern { directory, before: name.to_string(), digits: None, after: String::new() };
+        Ok(Sequence { pattern, frames: FrameRange { first: frame, last: frame } })
+    }
+
+    fn of_pattern(pattern: Pattern, frames: Option<FrameRange>) -> Result<Sequence> {
+        if !pattern.has_field() {
+            return Sequence::of_file(&pattern.path(0), frames);
+        }
+        if let Some(frames) = frames {
+            return Sequence::known(pattern, frames);
+        }
+        let folder = if pattern.directory.as_os_str().is_empty() { Path::new(".") } else { &pattern.directory };
+        let numbers: BTreeSet<u32> = file_names(folder)?.iter().filter_map(|name| pattern.frame_of(name)).collect();
+        let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
+            return Err(Error::invalid("no file matches this pattern").in_file(pattern.to_string()));
+        };
+        // Ordered and distinct: the first number that is not the expected one follows the hole.
+        if let Some((missing, _)) = (first..=last).zip(&numbers).find(|(expected, found)| expected != *found) {
+            let message =
+                format!("frame {missing} is missing between frames {first} and {last}: there is no such file");
+            return Err(Error::invalid(message).in_file(pattern.path(missing)));
+        }
+        Ok(Sequence { pattern, frames: FrameRange { first, last } })
+    }
+
+    /// The file of a frame. Frames outside [`Sequence::frames`] answer with a name that may not exist.
+    pub fn path(&self, frame: u32) -> PathBuf {
+        self.pattern.path(frame)
+    }
+
+    /// First and last frame; all between are there.
+    pub fn frames(&self) -> FrameRange {
+        self.frames
+    }
+
+    /// The pattern of the files.
+    pub fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    /// The same files, but only the frames of `range`; `None` when none is left.
+    #[must_use]
+    pub fn limited(&self, range: FrameRange) -> Option<Sequence> {
+        self.frames.intersect(range).map(|frames| Sequence { pattern: self.pattern.clone(), frames })
+    }
+}
+
+/// Names, as far as they are UTF-8, of the files in a folder.
+fn file_names(folder: &Path) -> Result<Vec<String>> {
+    let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
+    let mut names = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(|error| Error::io(folder, error))?;
+        names.extend(entry.file_name().into_string().ok());
+    }
+    Ok(names)
+}
+
+/// Splits a file name at the last run of digits before its extension: what is before, the digits, what is after.
+fn split_number(name: &str) -> Option<(&str, &str, &str)> {
+    let stem = name.rfind('.').map_or(name, |dot| &name[..dot]);
+    let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
+    let start = stem[..end]
+        .rfind(|c: char| !c.is_ascii_digit())
+        .map_or(0, |at| at + stem[at..].chars().next().map_or(1, char::len_utf8));
+    Some((&name[..start], &name[start..end], &name[end..]))
+}
+
+/// The pattern of the only image sequence in a folder.
+fn only_sequence(folder: &Path) -> Result<Pattern> {
+    let mut found: BTreeMap<(String, String), Option<usize>> = BTreeMap::new();
+    for name in file_names(folder)? {
+        let lower = name.to_ascii_lowercase();
+        if name.starts_with('.') || !(lower.ends_with(".exr") || lower.ends_with(".png")) {
+            continue;
+        }
+        match split_number(&name) {
+            Some((before, number, after)) => {
+                // The shortest number tells the padding: 08, 09, 10, 100 are %02d.
+                let digits = found.entry((before.into(), after.into())).or_insert(Some(number.len()));
+                *digits = digits.map(|least| least.min(number.len()));
+            }
+            None => {
+                found.insert((name, String::new()), None);
+            }
+        }
+    }
+    let patterns: Vec<Pattern> = found
+        .into_iter()
+        .map(|((before, after), digits)| Pattern { directory: folder.to_path_buf(), before, digits, after })
+        .collect();
+    match patterns.as_slice() {
+        [] => Err(Error::invalid("the folder holds no .exr or .png files").in_file(folder)),
+        [one] => Ok(one.clone()),
+        many => {
+            let mut names: Vec<String> = many.iter().take(8).map(ToString::to_string).collect();
+            if many.len() > names.len() {
+                names.push(format!("and {} more", many.len() - names.len()));
+            }
+            let message = format!("the folder holds several sequences, name one of them: {}", names.join(", "));
+            Err(Error::invalid(message).in_file(folder))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touch(folder: &Path, names: &[&str]) {
+        for name in names {
+            std::fs::write(folder.join(name), b"").unwrap();
+        }
+    }
+
+    fn spec(folder: &Path, name: &str) -> String {
+        folder.join(name).to_str().unwrap().to_string()
+    }
+
+    #[test]
+    fn ranges() {
+        assert_eq!("3-9".parse::<FrameRange>().unwrap(), FrameRange { first: 3, last: 9 });
+        assert_eq!("7".parse::<FrameRange>().unwrap(), FrameRange { first: 7, last: 7 });
+        for bad in ["", "-", "9-3", "a", "1-", "-1", "4294967296", "1-2-3"] {
+            assert!(bad.parse::<FrameRange>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn fields() {
+        for (text, expected) in [
+            ("a/b.%04d.exr", "a/b.0012.exr"),
+            ("b%d.exr", "b12.exr"),
+            ("b.#.exr", "b.0012.exr"),
+            ("b.##.exr", "b.12.exr"),
+            ("b.######.exr", "b.000012.exr"),
+            ("b@@@.exr", "b012.exr"),
+            ("b@.exr", "b12.exr"),
+            ("b%%%01d.exr", "b%12.exr"),
+            ("shot#1/b.exr", "shot#1/b.exr"),
+            ("é#.png", "é0012.png"),
+        ] {
+            assert_eq!(Pattern::parse(text).unwrap().path(12), Path::new(expected), "{text}");
+        }
+        for bad in ["", "a/", "#.#.exr", "%d@.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d"] {
+            assert!(Pattern::parse(bad).is_err(), "{bad}");
+        }
+        assert_eq!(Pattern::parse("a/x%%.####.exr").unwrap().to_string(), "a/x%%.%04d.exr");
+    }
+
+    #[test]
+    fn finds_and_names_holes() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        touch(at, &["c.0003.exr", "c.0004.exr", "c.0006.exr", "c.00005.exr", "c.x.exr"]);
+        let message = Sequence::find(&spec(at, "c.%04d.exr"), None).unwrap_err().to_string();
+        assert!(message.contains("c.0005.exr") && message.contains("frame 5"), "{message}");
+        let some = Some(FrameRange { first: 3, last: 4 });
+        let sequence = Sequence::find(&spec(at, "c.####.exr"), some).unwrap();
+        assert_eq!((sequence.frames(), sequence.path(4)), (some.unwrap(), at.join("c.0004.exr")));
+        let message = Sequence::find(&spec(at, "c.%04d.exr"), Some(FrameRange { first: 2, last: 3 })).unwrap_err();
+        assert!(message.to_string().contains("c.0002.exr"), "{message}");
+        assert!(Sequence::find(&spec(at, "d.%04d.exr"), None).is_err());
+        assert!(Sequence::find(&spec(at, "nowhere/d.%04d.exr"), None).is_err());
+        let single = Sequence::find(&spec(at, "c.0006.exr"), None).unwrap();
+        assert_eq!(single.frames(), FrameRange { first: 6, last: 6 });
+        assert_eq!(single.path(6), at.join("c.0006.exr"));
+        assert!(Sequence::find(&spec(at, "c.0006.exr"), some).is_err());
+    }
+
+    #[test]
+    fn folders() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        let here = at.to_str().unwrap().to_string();
+        assert!(Sequence::find(&here, None).is_err(), "empty");
+        touch(at, &["z8.exr", "z9.exr", "z10.exr", "notes.txt"]);
+        assert_eq!(Sequence::find(&here, None).unwrap().frames(), FrameRange { first: 8, last: 10 });
+        touch(at, &["c.0001.png"]);
+        let message = Sequence::find(&here, None).unwrap_err().to_string();
+        assert!(message.contains("z%d.exr") && message.contains("c.%04d.png"), "{message}");
     }
 }

@@ -1,0 +1,294 @@
+//! Which channels of a file are colour and which is depth: the usual names, or the one asked for.
+//!
+//! A channel is known by its own name and, in a file of several layers (parts), by `layer.name` too. Looking goes
+//! through the tables in order, first by full name, then by the channel's own name; a name that several layers
+//! share is an error that lists them, never a guess.
+
+use std::collections::BTreeSet;
+
+use crate::error::{Error, Result};
+
+/// Names under which depth is looked for, in this order: first as written, then with case ignored.
+pub const DEPTH_CHANNELS: &[&str] = &[
+    "Z",
+    "depth.Z",
+    "depth.V",
+    "depth.Y",
+    "Depth.Z",
+    "Depth.V",
+    "Depth.Y",
+    "Depth",
+    "depth",
+    "ViewLayer.Depth.Z",
+    "ViewLayer.Depth.V",
+    "View Layer.Depth.Z",
+    "View Layer.Depth.V",
+    "RenderLayer.Depth.Z",
+    "RenderLayer.Z",
+    "distance",
+    "distance.Y",
+    "distance.V",
+];
+
+/// Endings that make any other channel a depth channel, when exactly one channel of the file has one of them.
+pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth"];
+
+/// Layers (prefixes of channel names) under which colour is looked for, in this order; the first is no prefix.
+pub const COLOR_LAYERS: &[&str] = &[
+    "",
+    "rgba",
+    "rgb",
+    "color",
+    "beauty",
+    "C",
+    "Combined",
+    "ViewLayer.Combined",
+    "View Layer.Combined",
+    "RenderLayer.Combined",
+    "Composite.Combined",
+    "Image",
+];
+
+/// Names of the three colour components inside a layer.
+pub const COLOR_COMPONENTS: &[[&str; 3]] = &[["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
+
+/// Names of a single channel that is read as gray when there are no three.
+pub const GRAY_CHANNELS: &[&str] = &["Y", "L", "luminance", "gray"];
+
+/// Which channel, or channels, of a file to read.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum ChannelSelect {
+    /// The usual names: [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
+    #[default]
+    Auto,
+    /// For depth the name of the channel. For colour the name of a layer that has R, G and B, three names with
+    /// commas between them, or the name of one channel that is read as gray.
+    Named(String),
+}
+
+impl From<Option<String>> for ChannelSelect {
+    fn from(name: Option<String>) -> Self {
+        name.map_or(ChannelSelect::Auto, ChannelSelect::Named)
+    }
+}
+
+/// What a file calls one of its channels.
+#[derive(Debug, Clone)]
+pub(crate) struct ChannelName {
+    /// Name of the layer (part) it is in; empty where the file gives none.
+    pub layer: String,
+    /// Number of that layer.
+    pub part: usize,
+    /// Name of the channel inside the layer.
+    pub name: String,
+}
+
+impl ChannelName {
+    /// `layer.name`, or the name alone where the layer has no name or the name already starts with it.
+    fn full(&self) -> String {
+        let repeats = self.name.strip_prefix(&self.layer).is_some_and(|rest| rest.starts_with('.'));
+        if self.layer.is_empty() || repeats { self.name.clone() } else { format!("{}.{}", self.layer, self.name) }
+    }
+}
+
+/// At most this many channels are listed in a message.
+const LISTED: usize = 24;
+
+fn list(names: &[ChannelName]) -> String {
+    if names.is_empty() {
+        return "none".into();
+    }
+    let mut text: Vec<String> = names.iter().take(LISTED).map(ChannelName::full).collect();
+    if names.len() > LISTED {
+        text.push(format!("and {} more", names.len() - LISTED));
+    }
+    text.join(", ")
+}
+
+/// Index of the channel of that name; `None` when there is none, an error when several layers have it.
+fn lookup(names: &[ChannelName], wanted: &str, same: fn(&str, &str) -> bool) -> Result<Option<usize>> {
+    if let Some(found) = names.iter().position(|channel| same(&channel.full(), wanted)) {
+        return Ok(Some(found));
+    }
+    let plain: Vec<usize> = (0..names.len()).filter(|&i| same(&names[i].name, wanted)).collect();
+    match plain.as_slice() {
+        [] => Ok(None),
+        [one] => Ok(Some(*one)),
+        _ => Err(Error::invalid(format!(
+            "several layers have a channel {wanted}: name one of {} with --channel",
+            plain.iter().map(|&i| names[i].full()).collect::<Vec<_>>().join(", ")
+        ))),
+    }
+}
+
+fn exact(a: &str, b: &str) -> bool {
+    a == b
+}
+
+fn ignoring_case(a: &str, b: &str) -> bool {
+    a.eq_ignore_ascii_case(b)
+}
+
+/// Index of the channel that has exactly this name.
+pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
+    lookup(names, wanted, exact)?
+        .ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
+}
+
+/// Whether the channel is one of three coordinates, as the Z of a normal or a position is.
+fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
+    let channel = &names[index];
+    let Some(stem) = channel.name.strip_suffix(['Z', 'z']) else { return false };
+    ["X", "Y"].iter().all(|axis| {
+        let sibling = format!("{stem}{axis}");
+        names.iter().any(|other| other.part == channel.part && other.name.eq_ignore_ascii_case(&sibling))
+    })
+}
+
+/// Index of the depth channel.
+pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
+    if let ChannelSelect::Named(wanted) = select {
+        return find_named(names, wanted);
+    }
+    // A normal's Z would win over the depth beside it; such triples are set aside first.
+    let candidates: Vec<usize> = (0..names.len()).filter(|&i| !is_coordinate(names, i)).collect();
+    let kept: Vec<ChannelName> = candidates.iter().map(|&i| names[i].clone()).collect();
+    for same in [exact, ignoring_case] {
+        for wanted in DEPTH_CHANNELS {
+            if let Some(found) = lookup(&kept, wanted, same)? {
+                return Ok(candidates[found]);
+            }
+        }
+    }
+    let ending = |channel: &ChannelName| {
+        let full = channel.full().to_ascii_lowercase();
+        DEPTH_ENDINGS.iter().any(|ending| full.ends_with(ending))
+    };
+    let found: Vec<usize> = candidates.iter().copied().filter(|&i| ending(&names[i])).collect();
+    match (found.as_slice(), names) {
+        ([one], _) => Ok(*one),
+        ([], [_only]) => Ok(0),
+        _ => Err(Error::invalid(format!(
+            "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with --channel; the channels are: {}",
+            list(names)
+        ))),
+    }
+}
+
+/// Indices of the three colour channels of one layer, if they are there.
+fn find_layer(names: &[ChannelName], layer: &str, same: fn(&str, &str) -> bool) -> Result<Option<[usize; 3]>> {
+    for components in COLOR_COMPONENTS {
+        let mut found = [None; 3];
+        for (slot, component) in found.iter_mut().zip(components) {
+            let wanted = if layer.is_empty() { (*component).to_string() } else { format!("{layer}.{component}") };
+            *slot = lookup(names, &wanted, same)?;
+        }
+        if let [Some(r), Some(g), Some(b)] = found {
+            return Ok(Some([r, g, b]));
+        }
+    }
+    Ok(None)
+}
+
+/// Indices of red, green and blue; the same index three times for gray.
+pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Result<[usize; 3]> {
+    if let ChannelSelect::Named(wanted) = select {
+        if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
+            return Ok([find_named(names, r)?, find_named(names, g)?, find_named(names, b)?]);
+        }
+        return match find_layer(names, wanted, exact)? {
+            Some(found) => Ok(found),
+            None => find_named(names, wanted).map(|gray| [gray; 3]),
+        };
+    }
+    for same in [exact, ignoring_case] {
+        for layer in COLOR_LAYERS {
+            if let Some(found) = find_layer(names, layer, same)? {
+                return Ok(found);
+            }
+        }
+    }
+    let layers: BTreeSet<String> = names
+        .iter()
+        .filter_map(|channel| channel.full().rsplit_once('.').map(|(layer, _)| layer.to_string()))
+        .collect();
+    let mut found = Vec::new();
+    for layer in &layers {
+        found.extend(find_layer(names, layer, exact)?);
+    }
+    if let [one] = found.as_slice() {
+        return Ok(*one);
+    }
+    if found.is_empty() {
+        if names.iter().any(|channel| matches!(channel.name.as_str(), "RY" | "BY")) {
+            return Err(Error::unsupported(
+                "the colour is stored as luminance and chroma (Y, RY, BY), which is not read: save it as R, G, B",
+            ));
+        }
+        for wanted in GRAY_CHANNELS {
+            if let Some(gray) = lookup(names, wanted, ignoring_case)? {
+                return Ok([gray; 3]);
+            }
+        }
+    }
+    Err(Error::invalid(format!(
+        "no usual names of colour (R, G, B): name a layer or three channels with --channel; the channels are: {}",
+        list(names)
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(all: &[&str]) -> Vec<ChannelName> {
+        all.iter()
+            .map(|text| match text.split_once('|') {
+                Some((layer, name)) => {
+                    let part = layer.len();
+                    ChannelName { layer: layer.into(), part, name: name.into() }
+                }
+                None => ChannelName { layer: String::new(), part: 0, name: (*text).into() },
+            })
+            .collect()
+    }
+
+    fn depth(all: &[&str]) -> Result<usize> {
+        find_depth(&names(all), &ChannelSelect::Auto)
+    }
+
+    fn color(all: &[&str], select: &str) -> Result<[usize; 3]> {
+        let select = if select.is_empty() { ChannelSelect::Auto } else { ChannelSelect::Named(select.into()) };
+        find_color(&names(all), &select)
+    }
+
+    #[test]
+    fn usual_names_of_depth() {
+        assert_eq!(depth(&["B", "G", "R", "Z"]).unwrap(), 3);
+        assert_eq!(depth(&["ViewLayer.Combined.R", "ViewLayer.Depth.Z"]).unwrap(), 1);
+        assert_eq!(depth(&["Scene.Depth.V", "x.R"]).unwrap(), 0);
+        assert_eq!(depth(&["anything"]).unwrap(), 0);
+        assert_eq!(depth(&["DEPTH.z", "a"]).unwrap(), 0);
+        assert_eq!(depth(&["ViewLayer.Combined|R", "ViewLayer.Depth|Z"]).unwrap(), 1);
+        assert_eq!(depth(&["N|X", "N|Y", "N|Z", "Deep|Z"]).unwrap(), 3, "the Z of a normal is not depth");
+        assert!(depth(&["N.X", "N.Y", "N.Z"]).is_err());
+        let message = depth(&["left|Z", "right!|Z"]).unwrap_err().to_string();
+        assert!(message.contains("left.Z") && message.contains("right!.Z"), "{message}");
+    }
+
+    #[test]
+    fn usual_names_of_color() {
+        assert_eq!(color(&["A", "B", "G", "R"], "").unwrap(), [3, 2, 1]);
+        assert_eq!(color(&["a.B", "a.G", "a.R", "Z"], "").unwrap(), [2, 1, 0]);
+        assert_eq!(
+            color(&["ViewLayer.Combined.B", "ViewLayer.Combined.G", "ViewLayer.Combined.R"], "").unwrap(),
+            [2, 1, 0]
+        );
+        assert_eq!(color(&["Y"], "").unwrap(), [0, 0, 0]);
+        assert!(color(&["Y", "RY", "BY"], "").is_err());
+        assert!(color(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"], "").is_err());
+        assert_eq!(color(&["a.R", "a.G", "a.B", "b.R", "b.G", "b.B"], "b").unwrap(), [3, 4, 5]);
+        assert_eq!(color(&["p", "q", "s"], "s, p,q").unwrap(), [2, 0, 1]);
+        assert_eq!(color(&["p", "q"], "q").unwrap(), [1, 1, 1]);
+    }
+}

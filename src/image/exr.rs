@@ -1,0 +1,383 @@
+//! OpenEXR files: in, chosen channels as planes; out, planes as half or float ZIP files.
+//!
+//! A header is believed only as far as its file could hold what it claims: the sum of all pixels is checked before
+//! anything of that size is allocated. Chunks of layers that are not asked for are neither read nor decompressed.
+//! Files are decoded on the calling thread; callers read several at once.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use exr::block::UncompressedBlock;
+use exr::block::reader::ChunksReader;
+use exr::math::Vec2;
+use exr::meta::BlockDescription;
+use exr::meta::attribute::{LevelMode, SampleType};
+use exr::meta::header::Header;
+use exr::prelude::{
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
+    WritableImage,
+};
+use half::f16;
+
+use super::channels::{ChannelName, ChannelSelect, find_color, find_depth, find_named};
+use super::limits::ReadLimits;
+use super::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::error::{Error, Result};
+
+/// Any file may claim this much; see [`ReadLimits`].
+const PIXEL_FLOOR: u64 = 16 << 20;
+/// A display window may be larger than its data (an autocropped render), so it may claim more.
+const DISPLAY_FLOOR: u64 = 64 << 20;
+/// No side of an image or tile may be longer; keeps all products of sides and sample sizes inside 64 bits.
+const MAX_SIDE: usize = 1 << 24;
+
+/// Colour of a file, rounded to half floats to nearest, ties to even. A single luminance channel is read as gray.
+///
+/// # Errors
+/// When the file cannot be read, is damaged, claims more than `limits` allow, or has no such channels.
+pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<ColorPlane> {
+    read_planes(path, limits, f16::ZERO, |names| find_color(names, select))
+}
+
+/// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window.
+///
+/// # Errors
+/// As for [`read_color`].
+pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<DepthPlane> {
+    let plane = read_planes(path, limits, f32::INFINITY, |names| find_depth(names, select).map(|index| [index]))?;
+    let (width, height) = (plane.width(), plane.height());
+    Plane::new(width, height, plane.into_data().into_flattened())
+}
+
+/// Reflection weight, refraction weight and index of refraction from the channels of the three `names`.
+///
+/// # Errors
+/// As for [`read_color`].
+pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Result<MaterialPlane> {
+    read_planes(path, limits, 0.0, |all| {
+        let [a, b, c] = names;
+        Ok([find_named(all, a)?, find_named(all, b)?, find_named(all, c)?])
+    })
+}
+
+/// Width and height of a file's display window, in pixels.
+///
+/// # Errors
+/// When the file cannot be read, is damaged or claims more than `limits` allow.
+pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
+    let (reader, file_len) = open(path)?;
+    guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
+    let window = reader.headers()[0].shared_attributes.display_window.size;
+    Ok((window.width() as u32, window.height() as u32))
+}
+
+/// A number type that pixels are converted to.
+trait Sample: Copy {
+    fn from_half(value: f16) -> Self;
+    fn from_float(value: f32) -> Self;
+    fn from_uint(value: u32) -> Self;
+}
+
+impl Sample for f16 {
+    fn from_half(value: f16) -> Self {
+        value
+    }
+    fn from_float(value: f32) -> Self {
+        f16::from_f32(value)
+    }
+    fn from_uint(value: u32) -> Self {
+        // Through f64: rounding to f32 first would round twice.
+        f16::from_f64(f64::from(value))
+    }
+}
+
+impl Sample for f32 {
+    fn from_half(value: f16) -> Self {
+        value.to_f32()
+    }
+    fn from_float(value: f32) -> Self {
+        value
+    }
+    fn from_uint(value: u32) -> Self {
+        value as f32
+    }
+}
+
+type Reader = exr::block::reader::Reader<BufReader<File>>;
+
+fn open(path: &Path) -> Result<(Reader, u64)> {
+    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    let meta = file.metadata().map_err(|error| Error::io(path, error))?;
+    if meta.is_dir() {
+        return Err(Error::invalid("this is a folder, not an EXR file").in_file(path));
+    }
+    let reader = exr::block::read(BufReader::with_capacity(1 << 16, file), false)
+        .map_err(|error| translate(error).in_file(path))?;
+    Ok((reader, meta.len()))
+}
+
+/// Puts an error of the `exr` crate into our words.
+fn translate(error: exr::error::Error) -> Error {
+    match error {
+        exr::error::Error::NotSupported(what) => Error::unsupported(format!("the EXR file cannot be read: {what}")),
+        exr::error::Error::Invalid(what) => Error::invalid(format!("the EXR file is damaged: {what}")),
+        exr::error::Error::Io(source) => Error::io("", source),
+        exr::error::Error::Aborted => Error::Interrupted,
+    }
+}
+
+/// Refuses headers that claim more than a file of `file_len` bytes could hold or the caller allows.
+fn guard(headers: &[Header], wanted_bytes: u64, limits: &ReadLimits, file_len: u64) -> Result<()> {
+    let refuse = |bytes: u64| {
+        Error::invalid(format!(
+            "the header claims {bytes} bytes of pixels, more than a file of {file_len} bytes may ({} bytes)",
+            limits.believable(file_len, PIXEL_FLOOR)
+        ))
+    };
+    let mut total = 0u64;
+    for header in headers {
+        if header.deep {
+            return Err(Error::unsupported("deep EXR images are not read: flatten the image first"));
+        }
+        let tile = header.max_block_pixel_size();
+        let display = header.shared_attributes.display_window.size;
+        for side in [header.layer_size, tile, display] {
+            if side.width() > MAX_SIDE || side.height() > MAX_SIDE {
+                return Err(Error::invalid(format!(
+                    "the header claims a window or tile of {}x{} pixels",
+                    side.width(),
+                    side.height()
+                )));
+            }
+        }
+        if header.layer_size.area() == 0 || display.area() == 0 || tile.area() == 0 {
+            return Err(Error::invalid("the header has an empty window or tile"));
+        }
+        // Mip maps take at most a third more, rip maps four times as much.
+        let levels = match header.blocks {
+            BlockDescription::Tiles(tiles) if tiles.level_mode != LevelMode::Singular => 4,
+            _ => 1,
+        };
+        let bytes = (header.layer_size.area() as u64)
+            .saturating_mul(header.channels.bytes_per_pixel as u64)
+            .saturating_mul(levels);
+        total = total.saturating_add(bytes);
+    }
+    if total > limits.believable(file_len, PIXEL_FLOOR) {
+        return Err(refuse(total));
+    }
+    let display = headers.first().map_or(0, |header| header.shared_attributes.display_window.size.area() as u64);
+    let bytes = display.saturating_mul(wanted_bytes);
+    if bytes > limits.believable(file_len, DISPLAY_FLOOR) {
+        return Err(refuse(bytes));
+    }
+    Ok(())
+}
+
+/// One channel that is read, and which component of the result it fills.
+struct Wanted {
+    part: usize,
+    sample_type: SampleType,
+    /// Bytes of all channels before this one, for one pixel.
+    bytes_before: usize,
+    slot: usize,
+}
+
+fn read_planes<T: Sample, const N: usize>(
+    path: &Path,
+    limits: &ReadLimits,
+    fill: T,
+    choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
+) -> Result<Plane<[T; N]>> {
+    let (reader, file_len) = open(path)?;
+    decode(reader, file_len, limits, fill, choose).map_err(|error| match error {
+        Error::Io { source, .. } => Error::io(path, source),
+        other => other.in_file(path),
+    })
+}
+
+fn decode<T: Sample, const N: usize>(
+    reader: Reader,
+    file_len: u64,
+    limits: &ReadLimits,
+    fill: T,
+    choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
+) -> Result<Plane<[T; N]>> {
+    guard(reader.headers(), size_of::<[T; N]>() as u64, limits, file_len)?;
+    let wanted = select(reader.headers(), choose)?;
+    let display = reader.headers()[0].shared_attributes.display_window;
+    let (width, height) = (display.size.width() as u32, display.size.height() as u32);
+
+    let is_wanted = |part: usize| wanted.iter().any(|channel| channel.part == part);
+    let chunks = reader
+        .filter_chunks(false, |_, _, block| block.level == Vec2(0, 0) && is_wanted(block.layer))
+        .map_err(translate)?;
+    let headers = chunks.meta_data().headers.clone();
+
+    let mut plane = Plane::filled(width, height, [fill; N]);
+    let mut seen = Vec::with_capacity(chunks.len());
+    for block in chunks.sequential_decompressor(false) {
+        let block = block.map_err(translate)?;
+        let index = block.index;
+        // A damaged offset table may lead to a chunk that was not asked for, or to the same chunk twice.
+        let header = headers
+            .get(index.layer)
+            .filter(|_| is_wanted(index.layer) && index.level == Vec2(0, 0))
+            .ok_or_else(|| Error::invalid("the EXR file is damaged: a chunk belongs to another layer"))?;
+        seen.push((index.layer, index.pixel_position.0, index.pixel_position.1));
+        let origin = [
+            i64::from(header.own_attributes.layer_position.x()) - i64::from(display.position.x()),
+            i64::from(header.own_attributes.layer_position.y()) - i64::from(display.position.y()),
+        ];
+        for channel in wanted.iter().filter(|channel| channel.part == index.layer) {
+            paste(&block, header, channel, origin, &mut plane)?;
+        }
+    }
+    let count = seen.len();
+    seen.sort_unstable();
+    seen.dedup();
+    if seen.len() != count {
+        return Err(Error::invalid("the EXR file is damaged: a chunk occurs twice"));
+    }
+    Ok(plane)
+}
+
+fn select<const N: usize>(
+    headers: &[Header],
+    choose: impl FnOnce(&[ChannelName]) -> Result<[usize; N]>,
+) -> Result<Vec<Wanted>> {
+    let mut names = Vec::new();
+    let mut places = Vec::new();
+    for (part, header) in headers.iter().enumerate() {
+        let layer = header.own_attributes.layer_name.as_ref().map(ToString::to_string).unwrap_or_default();
+        let mut bytes_before = 0;
+        for channel in &header.channels.list {
+            names.push(ChannelName { layer: layer.clone(), part, name: channel.name.to_string() });
+            places.push((part, channel.sample_type, bytes_before));
+            bytes_before += channel.sample_type.bytes_per_sample();
+        }
+    }
+    let chosen = choose(&names)?;
+    let mut wanted = Vec::with_capacity(N);
+    for (slot, index) in chosen.into_iter().enumerate() {
+        let (part, sample_type, bytes_before) = places[index];
+        // One subsampled channel shifts the bytes of all channels of its layer.
+        if headers[part].channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+            return Err(Error::unsupported("EXR layers with subsampled channels are not read: save all at full size"));
+        }
+        wanted.push(Wanted { part, sample_type, bytes_before, slot });
+    }
+    Ok(wanted)
+}
+
+/// Copies what a block has of one channel into the plane, leaving out what lies outside.
+///
+/// `origin` is the corner of the data window, seen from the corner of the display window.
+fn paste<T: Sample, const N: usize>(
+    block: &UncompressedBlock,
+    header: &Header,
+    channel: &Wanted,
+    origin: [i64; 2],
+    plane: &mut Plane<[T; N]>,
+) -> Result<()> {
+    let Vec2(columns, rows) = block.index.pixel_size;
+    let line_bytes = columns * header.channels.bytes_per_pixel;
+    let sample_bytes = channel.sample_type.bytes_per_sample();
+    if block.data.len() != line_bytes * rows {
+        return Err(Error::invalid("the EXR file is damaged: a chunk has the wrong size"));
+    }
+    let left = origin[0] + block.index.pixel_position.x() as i64;
+    let top = origin[1] + block.index.pixel_position.y() as i64;
+    let skip = left.min(0).unsigned_abs() as usize;
+    let start = left.max(0) as usize;
+    let end = (left + columns as i64).min(i64::from(plane.width()));
+    if end <= start as i64 {
+        return Ok(());
+    }
+    let count = end as usize - start;
+    for row in 0..rows {
+        let y = top + row as i64;
+        if y < 0 || y >= i64::from(plane.height()) {
+            continue;
+        }
+        let line = &block.data[row * line_bytes + columns * channel.bytes_before..][..columns * sample_bytes];
+        let target = &mut plane.row_mut(y as u32)[start..start + count];
+        convert(&line[skip * sample_bytes..], channel, target);
+    }
+    Ok(())
+}
+
+/// Converts samples, native-endian as the `exr` crate hands them over, into one component of the pixels.
+fn convert<T: Sample, const N: usize>(bytes: &[u8], channel: &Wanted, target: &mut [[T; N]]) {
+    let slot = channel.slot;
+    match channel.sample_type {
+        SampleType::F16 => {
+            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
+                pixel[slot] = T::from_half(f16::from_ne_bytes(sample));
+            }
+        }
+        SampleType::F32 => {
+            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
+                pixel[slot] = T::from_float(f32::from_ne_bytes(sample));
+            }
+        }
+        SampleType::U32 => {
+            for (pixel, &sample) in target.iter_mut().zip(bytes.as_chunks().0) {
+                pixel[slot] = T::from_uint(u32::from_ne_bytes(sample));
+            }
+        }
+    }
+}
+
+/// Writes channels R, G, B as halves, ZIP compressed. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// When the file cannot be written or the plane has no pixels.
+pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
+    let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
+    write(path, plane.width(), plane.height(), vec![("R", component(0)), ("G", component(1)), ("B", component(2))])
+}
+
+/// Writes channel Z as 32-bit floats, ZIP compressed. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// As for [`write_color`].
+pub fn write_depth(path: &Path, plane: &DepthPlane) -> Result<()> {
+    write(path, plane.width(), plane.height(), vec![("Z", FlatSamples::F32(plane.data().to_vec()))])
+}
+
+/// Writes three channels of the given names as halves (rounded to nearest), ZIP compressed.
+///
+/// # Errors
+/// As for [`write_color`]; also when two names are equal or one is empty.
+pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> Result<()> {
+    let [a, b, c] = names;
+    if a == b || a == c || b == c || names.contains(&"") {
+        return Err(Error::Usage(format!("material channels need three different names, not {}", names.join(", "))));
+    }
+    let component =
+        |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| f16::from_f32(pixel[index])).collect());
+    write(path, plane.width(), plane.height(), vec![(a, component(0)), (b, component(1)), (c, component(2))])
+}
+
+fn write(path: &Path, width: u32, height: u32, channels: Vec<(&str, FlatSamples)>) -> Result<()> {
+    if width == 0 || height == 0 {
+        return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
+    }
+    let list = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: exr::image::Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer =
+        Layer::new((width as usize, height as usize), LayerAttributes::default(), encoding, AnyChannels::sort(list));
+    let file = File::create(path).map_err(|error| Error::io(path, error))?;
+    let mut writer = BufWriter::new(file);
+    Image::from_layer(layer).write().non_parallel().to_buffered(&mut writer).map_err(|error| match error {
+        exr::error::Error::Io(source) => Error::io(path, source),
+        other => translate(other).in_file(path),
+    })?;
+    writer.flush().map_err(|error| Error::io(path, error))
+}

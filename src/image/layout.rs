@@ -1,0 +1,168 @@
+//! One image that holds all six faces of a cube: crosses and strips.
+//!
+//! ```text
+//! cross 4:3          cross 3:4           strips 6:1, 1:6
+//!     py                 py              px nx py ny pz nz
+//!  nx pz px nz        nx pz px           (left to right, or top to bottom)
+//!     ny                 ny
+//!                        nz, turned by 180°
+//! ```
+//! Every face but that last one has the orientation of [`Face::axes`], so that neighbours in a cross join seamlessly.
+
+use super::cube::Face;
+use super::plane::Plane;
+use crate::error::{Error, Result};
+
+/// How the faces are arranged; lying or standing follows from the image's shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaceLayout {
+    /// An unfolded cube, 4:3 or 3:4.
+    Cross,
+    /// A row or column in the order px, nx, py, ny, pz, nz.
+    Strip,
+}
+
+/// Whether a face is stored upright.
+#[derive(Clone, Copy, PartialEq)]
+enum Turn {
+    None,
+    Half,
+}
+
+/// Column, row and turn of each face in the order of [`Face::CUBE`], and the number of columns and rows.
+type Cells = ([(u32, u32, Turn); 6], u32, u32);
+
+const CROSS_LYING: Cells = (
+    [
+        (2, 1, Turn::None),
+        (0, 1, Turn::None),
+        (1, 0, Turn::None),
+        (1, 2, Turn::None),
+        (1, 1, Turn::None),
+        (3, 1, Turn::None),
+    ],
+    4,
+    3,
+);
+const CROSS_STANDING: Cells = (
+    [
+        (2, 1, Turn::None),
+        (0, 1, Turn::None),
+        (1, 0, Turn::None),
+        (1, 2, Turn::None),
+        (1, 1, Turn::None),
+        (1, 3, Turn::Half),
+    ],
+    3,
+    4,
+);
+
+fn cells(layout: FaceLayout, width: u32, height: u32) -> Cells {
+    let lying = width > height;
+    match layout {
+        FaceLayout::Cross if lying => CROSS_LYING,
+        FaceLayout::Cross => CROSS_STANDING,
+        FaceLayout::Strip => {
+            let cell = |index: u32| if lying { (index, 0, Turn::None) } else { (0, index, Turn::None) };
+            let (columns, rows) = if lying { (6, 1) } else { (1, 6) };
+            (std::array::from_fn(|index| cell(index as u32)), columns, rows)
+        }
+    }
+}
+
+/// Side in pixels of the faces in an image of that shape.
+///
+/// # Errors
+/// When the shape is not that of the layout.
+pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
+    let (_, columns, rows) = cells(layout, width, height);
+    let size = width / columns;
+    if size > 0
+        && u64::from(size) * u64::from(columns) == u64::from(width)
+        && u64::from(size) * u64::from(rows) == u64::from(height)
+    {
+        return Ok(size);
+    }
+    let shapes = match layout {
+        FaceLayout::Cross => "a cube cross is 4:3 or 3:4",
+        FaceLayout::Strip => "a cube strip is 6:1 or 1:6",
+    };
+    Err(Error::invalid(format!("{shapes}, this image is {width}x{height}")))
+}
+
+/// Cuts the six faces out, in the order of [`Face::CUBE`].
+///
+/// # Errors
+/// When the image does not have the shape of the layout.
+pub fn cut_faces<T: Copy>(image: &Plane<T>, layout: FaceLayout) -> Result<Vec<Plane<T>>> {
+    let size = face_size(layout, image.width(), image.height())?;
+    let (places, ..) = cells(layout, image.width(), image.height());
+    let cut = |face: Face| {
+        let (column, row, turn) = places[face as usize];
+        Plane::from_fn(size, size, |x, y| {
+            let (x, y) = if turn == Turn::Half { (size - 1 - x, size - 1 - y) } else { (x, y) };
+            image.get(column * size + x, row * size + y)
+        })
+    };
+    Ok(Face::CUBE.into_iter().map(cut).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_in_a_cross_join() {
+        // Paint each pixel with its direction; inside a cross neighbouring directions differ by little, also where
+        // two faces meet.
+        let size = 8;
+        for (layout, columns, rows) in [(FaceLayout::Cross, 4, 3), (FaceLayout::Cross, 3, 4)] {
+            let mut image = Plane::filled(columns * size, rows * size, None);
+            let (places, ..) = cells(layout, image.width(), image.height());
+            for face in Face::CUBE {
+                let (column, row, turn) = places[face as usize];
+                for (y, x) in (0..size).flat_map(|y| (0..size).map(move |x| (y, x))) {
+                    let (px, py) = if turn == Turn::Half { (size - 1 - x, size - 1 - y) } else { (x, y) };
+                    let at = ((row * size + py) * columns * size + column * size + px) as usize;
+                    image.data_mut()[at] = Some(face.direction(x, y, size).normalize());
+                }
+            }
+            let mut joined = 0;
+            for y in 0..image.height() {
+                for x in 1..image.width() {
+                    // nz (lower) touches no face sideways; all others that touch must join.
+                    if let (Some(a), Some(b)) = (image.get(x - 1, y), image.get(x, y)) {
+                        assert!(a.distance(b) < 0.3, "{columns}: {x},{y}");
+                        joined += 1;
+                    }
+                }
+            }
+            for y in 1..image.height() {
+                for x in 0..image.width() {
+                    if let (Some(a), Some(b)) = (image.get(x, y - 1), image.get(x, y)) {
+                        assert!(a.distance(b) < 0.3, "{columns}: {x},{y}");
+                        joined += 1;
+                    }
+                }
+            }
+            assert!(joined > 0);
+            let faces = cut_faces(&image, layout).unwrap();
+            for (face, plane) in Face::CUBE.into_iter().zip(&faces) {
+                assert_eq!(plane.get(3, 5), Some(face.direction(3, 5, size).normalize()), "{face:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn strips_and_shapes() {
+        for (width, height) in [(6, 1), (1, 6)] {
+            let faces = cut_faces(&Plane::from_fn(width, height, |x, y| x + y), FaceLayout::Strip).unwrap();
+            assert_eq!(faces.iter().map(|face| face.get(0, 0)).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+        }
+        for (width, height) in [(0, 0), (1, 1), (4, 4), (8, 3), (5, 4), (1 << 31, 3)] {
+            assert!(face_size(FaceLayout::Cross, width, height).is_err());
+        }
+        assert!(face_size(FaceLayout::Strip, 12, 1).is_err());
+        assert_eq!(face_size(FaceLayout::Cross, 9, 12).unwrap(), 3);
+    }
+}

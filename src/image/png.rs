@@ -1,0 +1,199 @@
+//! PNG files: 8- and 16-bit colour, integer depth.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Write};
+use std::path::Path;
+
+use ::image::codecs::png::{PngDecoder, PngEncoder};
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use half::f16;
+
+use super::limits::ReadLimits;
+use super::plane::{ColorPlane, DepthPlane, Plane};
+use super::transfer::{DecodeTable, ToneMap, Transfer, srgb16};
+use crate::error::{Error, Result};
+
+/// Any file may claim this much; see [`ReadLimits`].
+const PIXEL_FLOOR: u64 = 16 << 20;
+
+/// What the code values of an image mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColorSpace {
+    /// Linear Rec. 709 light; the largest code of a PNG is 1.0.
+    LinearRec709,
+    /// sRGB codes with the primaries of Rec. 709.
+    Srgb,
+}
+
+/// Colour as linear light. Gray is repeated in all three components; alpha is ignored.
+///
+/// # Errors
+/// When the file cannot be read, is damaged or claims more than `limits` allow.
+pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result<ColorPlane> {
+    let transfer = match space {
+        ColorSpace::LinearRec709 => Transfer::Linear,
+        ColorSpace::Srgb => Transfer::Srgb,
+    };
+    let image = decode(path, limits)?;
+    let (width, height) = (image.width(), image.height());
+    let deep = image.color().bytes_per_pixel() > image.color().channel_count();
+    let data = if deep {
+        let srgb = srgb16();
+        let value = |code: u16| match transfer {
+            Transfer::Srgb => srgb[code as usize],
+            Transfer::Linear => f16::from_f64(f64::from(code) / 65535.0),
+        };
+        image.into_rgb16().pixels().map(|pixel| pixel.0.map(value)).collect()
+    } else {
+        let table = DecodeTable::new(&ToneMap { transfer, exposure_ev: 0.0 });
+        image.into_rgb8().pixels().map(|pixel| pixel.0.map(|code| table.value(code))).collect()
+    };
+    Plane::new(width, height, data)
+}
+
+/// Depth from a gray image of 8 or 16 bits: code × `scale` (metres per unit), so that code 0 is 0.0. What 0 means is
+/// up to the caller.
+///
+/// # Errors
+/// As for [`read_color`]; also when the image has colours or alpha.
+pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {
+    let image = decode(path, limits)?;
+    let (width, height) = (image.width(), image.height());
+    let metres = |code: u16| (f64::from(code) * scale) as f32;
+    let data = match image {
+        DynamicImage::ImageLuma8(codes) => codes.into_raw().into_iter().map(|code| metres(u16::from(code))).collect(),
+        DynamicImage::ImageLuma16(codes) => codes.into_raw().into_iter().map(metres).collect(),
+        other => {
+            let message = format!("depth must be one gray channel of 8 or 16 bits, this image is {:?}", other.color());
+            return Err(Error::unsupported(message).in_file(path));
+        }
+    };
+    Plane::new(width, height, data)
+}
+
+/// Width and height in pixels.
+///
+/// # Errors
+/// As for [`read_color`].
+pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
+    Ok(open(path, limits)?.dimensions())
+}
+
+/// Writes 8-bit R, G, B. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// When the file cannot be written or the plane has no pixels.
+pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
+    write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
+}
+
+/// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// As for [`write_color8`].
+pub fn write_depth16(path: &Path, plane: &Plane<u16>) -> Result<()> {
+    // The encoder takes native-endian samples and swaps them itself.
+    let bytes: Vec<u8> = plane.data().iter().flat_map(|code| code.to_ne_bytes()).collect();
+    write(path, plane, &bytes, ExtendedColorType::L16)
+}
+
+fn write<T>(path: &Path, plane: &Plane<T>, bytes: &[u8], color: ExtendedColorType) -> Result<()> {
+    if plane.width() == 0 || plane.height() == 0 {
+        return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
+    }
+    let file = File::create(path).map_err(|error| Error::io(path, error))?;
+    let mut writer = BufWriter::new(file);
+    PngEncoder::new(&mut writer)
+        .write_image(bytes, plane.width(), plane.height(), color)
+        .map_err(|error| translate(error, path))?;
+    writer.flush().map_err(|error| Error::io(path, error))
+}
+
+fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
+    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    let meta = file.metadata().map_err(|error| Error::io(path, error))?;
+    if meta.is_dir() {
+        return Err(Error::invalid("this is a folder, not a PNG file").in_file(path));
+    }
+    let cap = limits.believable(meta.len(), PIXEL_FLOOR);
+    let mut decoder_limits = Limits::default();
+    decoder_limits.max_alloc = Some(cap);
+    let decoder =
+        PngDecoder::with_limits(BufReader::new(file), decoder_limits).map_err(|error| translate(error, path))?;
+    if decoder.total_bytes() > cap {
+        let message = format!(
+            "the header claims {} bytes of pixels, more than a file of {} bytes may ({cap} bytes)",
+            decoder.total_bytes(),
+            meta.len()
+        );
+        return Err(Error::invalid(message).in_file(path));
+    }
+    Ok(decoder)
+}
+
+fn decode(path: &Path, limits: &ReadLimits) -> Result<DynamicImage> {
+    DynamicImage::from_decoder(open(path, limits)?).map_err(|error| translate(error, path))
+}
+
+fn translate(error: ImageError, path: &Path) -> Error {
+    match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => Error::io(path, source),
+        ImageError::Unsupported(what) => {
+            Error::unsupported(format!("the PNG file cannot be read: {what}")).in_file(path)
+        }
+        other => Error::invalid(format!("the PNG file is damaged: {other}")).in_file(path),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colour_and_depth_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let limits = ReadLimits::default();
+        for (width, height) in [(1, 1), (3, 2), (17, 5)] {
+            let path = folder.path().join("c.png");
+            let codes = Plane::from_fn(width, height, |x, y| [(x * 50) as u8, (y * 60) as u8, 255]);
+            write_color8(&path, &codes).unwrap();
+            for (space, transfer) in [(ColorSpace::Srgb, Transfer::Srgb), (ColorSpace::LinearRec709, Transfer::Linear)]
+            {
+                let read = read_color(&path, space, &limits).unwrap();
+                let table = DecodeTable::new(&ToneMap { transfer, exposure_ev: 0.0 });
+                assert_eq!(read, codes.map(|pixel| pixel.map(|code| table.value(code))));
+            }
+            assert_eq!(read_size(&path, &limits).unwrap(), (width, height));
+            assert!(read_depth(&path, 1.0, &limits).is_err(), "colour is not depth");
+
+            let path = folder.path().join("d.png");
+            let codes = Plane::from_fn(width, height, |x, y| (x * 3001 + y * 257) as u16);
+            write_depth16(&path, &codes).unwrap();
+            let read = read_depth(&path, 0.001, &limits).unwrap();
+            assert_eq!(read, codes.map(|&code| (f64::from(code) * 0.001) as f32));
+            let gray = read_color(&path, ColorSpace::LinearRec709, &limits).unwrap();
+            assert_eq!(gray.get(0, 0), [f16::ZERO; 3]);
+        }
+    }
+
+    #[test]
+    fn damage_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("d.png");
+        write_depth16(&path, &Plane::from_fn(9, 7, |x, y| (x * y) as u16)).unwrap();
+        let good = std::fs::read(&path).unwrap();
+        for at in 0..good.len() {
+            let mut bad = good.clone();
+            bad[at] ^= 0xff;
+            std::fs::write(&path, &bad).unwrap();
+            // Every chunk has a checksum; only what lies behind the last needed byte may change unseen.
+            let _ = read_depth(&path, 1.0, &ReadLimits::default());
+        }
+        std::fs::write(&path, &good[..40]).unwrap();
+        let message = read_depth(&path, 1.0, &ReadLimits::default()).unwrap_err().to_string();
+        assert!(message.contains("d.png"), "{message}");
+        std::fs::write(&path, &good).unwrap();
+        assert!(read_depth(&path, 1.0, &ReadLimits { max_image_bytes: 125 }).is_err());
+        assert!(write_depth16(&path, &Plane::filled(0, 0, 0)).is_err());
+    }
+}

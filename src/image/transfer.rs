@@ -1,0 +1,163 @@
+//! Between scene-referred half floats and 8-bit display codes, as tables.
+//!
+//! Encoding: value × 2^exposure, transfer curve, × 255, rounded to nearest, clamped to 0..255. Decoding undoes it.
+//! Every code comes back to itself for exposures in −8..8 EV.
+
+use std::sync::OnceLock;
+
+use half::f16;
+
+/// How light becomes code values.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+pub enum Transfer {
+    /// The piecewise curve of IEC 61966-2-1.
+    #[default]
+    Srgb,
+    /// Code = 255 × light.
+    Linear,
+}
+
+impl Transfer {
+    /// Linear light, where 1 is the brightest code, to a code in 0..1. Odd-symmetric below 0; NaN stays NaN.
+    pub fn encode(self, linear: f64) -> f64 {
+        match self {
+            Transfer::Linear => linear,
+            Transfer::Srgb if linear.abs() <= 0.003_130_8 => linear * 12.92,
+            Transfer::Srgb => (1.055 * linear.abs().powf(1.0 / 2.4) - 0.055).copysign(linear),
+        }
+    }
+
+    /// A code in 0..1 to linear light.
+    pub fn decode(self, code: f64) -> f64 {
+        match self {
+            Transfer::Linear => code,
+            Transfer::Srgb if code.abs() <= 0.040_45 => code / 12.92,
+            Transfer::Srgb => ((code.abs() + 0.055) / 1.055).powf(2.4).copysign(code),
+        }
+    }
+}
+
+/// Everything between scene light and display codes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ToneMap {
+    /// The curve.
+    pub transfer: Transfer,
+    /// Stops by which light is brightened before the curve, −8..8; 0 keeps 1.0 as the brightest code.
+    pub exposure_ev: f32,
+}
+
+impl ToneMap {
+    fn gain(self) -> f64 {
+        f64::from(self.exposure_ev).exp2()
+    }
+}
+
+/// Bit of an entry of [`EncodeTable`]: the value did not fit.
+const CLIPPED: u16 = 0x100;
+/// Bit of an entry of [`EncodeTable`]: the value is not a number.
+const NAN: u16 = 0x200;
+
+/// The 8-bit code of each of the 65,536 half floats.
+#[derive(Debug, Clone)]
+pub struct EncodeTable {
+    entries: Vec<u16>,
+}
+
+impl EncodeTable {
+    /// Computes the table.
+    pub fn new(tone: &ToneMap) -> EncodeTable {
+        let gain = tone.gain();
+        let entry = |bits: u16| {
+            let value = f16::from_bits(bits).to_f64() * gain;
+            if value.is_nan() {
+                return NAN;
+            }
+            let code = tone.transfer.encode(value) * 255.0;
+            // Above 1 by no more than a half float rounds is still the brightest code, which decoding may have made.
+            let clipped = value > 1.0 + 1.0 / 2048.0 || code <= -0.5;
+            code.round().clamp(0.0, 255.0) as u16 | if clipped { CLIPPED } else { 0 }
+        };
+        EncodeTable { entries: (0..=u16::MAX).map(entry).collect() }
+    }
+
+    /// The code; 0 for what is not a number.
+    pub fn code(&self, value: f16) -> u8 {
+        self.entries[value.to_bits() as usize] as u8
+    }
+
+    /// Whether the value is brighter than the brightest code or darker than black, by more than rounding.
+    pub fn is_clipped(&self, value: f16) -> bool {
+        self.entries[value.to_bits() as usize] & CLIPPED != 0
+    }
+
+    /// Whether the value is not a number. Callers refuse such pixels.
+    pub fn is_nan(&self, value: f16) -> bool {
+        self.entries[value.to_bits() as usize] & NAN != 0
+    }
+}
+
+/// The linear light of each of the 256 codes.
+#[derive(Debug, Clone)]
+pub struct DecodeTable {
+    entries: [f16; 256],
+}
+
+impl DecodeTable {
+    /// Computes the table.
+    pub fn new(tone: &ToneMap) -> DecodeTable {
+        let gain = tone.gain();
+        let entry = |code: usize| f16::from_f64(tone.transfer.decode(code as f64 / 255.0) / gain);
+        DecodeTable { entries: std::array::from_fn(entry) }
+    }
+
+    /// Scene light of a code.
+    pub fn value(&self, code: u8) -> f16 {
+        self.entries[code as usize]
+    }
+}
+
+/// Linear light of every 16-bit sRGB code, computed once.
+pub(crate) fn srgb16() -> &'static [f16] {
+    static TABLE: OnceLock<Vec<f16>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        (0..=u16::MAX).map(|code| f16::from_f64(Transfer::Srgb.decode(f64::from(code) / 65535.0))).collect()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_comes_back() {
+        for transfer in [Transfer::Srgb, Transfer::Linear] {
+            for step in -64..=64 {
+                let tone = ToneMap { transfer, exposure_ev: step as f32 / 8.0 };
+                let (encode, decode) = (EncodeTable::new(&tone), DecodeTable::new(&tone));
+                for code in 0..=255 {
+                    let value = decode.value(code);
+                    assert_eq!(encode.code(value), code, "{tone:?}");
+                    assert!(!encode.is_clipped(value) && !encode.is_nan(value), "{tone:?} {code}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn out_of_range_is_flagged() {
+        let table = EncodeTable::new(&ToneMap::default());
+        let flags = |value: f32| {
+            let value = f16::from_f32(value);
+            (table.code(value), table.is_clipped(value), table.is_nan(value))
+        };
+        assert_eq!(flags(1.0), (255, false, false));
+        assert_eq!(flags(1.01), (255, true, false));
+        assert_eq!(flags(f32::INFINITY), (255, true, false));
+        assert_eq!(flags(-1e-5), (0, false, false));
+        assert_eq!(flags(-0.01), (0, true, false));
+        assert_eq!(flags(f32::NAN), (0, false, true));
+        assert_eq!(flags(0.0), (0, false, false));
+        // The known midpoint of the curve.
+        assert_eq!(flags(0.214_04), (127 + 1, false, false));
+    }
+}
