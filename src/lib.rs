@@ -10,6 +10,8 @@ pub mod depth;
 pub mod error;
 pub mod image;
 pub mod metrics;
+pub mod monitor;
 pub mod scene;
+pub mod video;
 
 pub use error::{Error, Result};

@@ -7,7 +7,7 @@
 use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_PEAK, PuTable};
 
@@ -72,9 +72,19 @@ pub struct Pu21 {
 impl Pu21 {
     /// The metric for footage whose value 1.0 is shown at `white_cd_m2`.
     pub fn new(white_cd_m2: f64) -> Result<Pu21> {
+        Self::check_white(white_cd_m2)?;
         let table = PuTable::new(white_cd_m2)?;
         let step = |key| (f64::from(table.encode(HalfKey(key).to_half())) * PU_STEPS).round() as u16;
         Ok(Pu21 { steps: (0..=u16::MAX).map(step).collect() })
+    }
+
+    /// Refuses a luminance of white that means nothing.
+    pub fn check_white(white_cd_m2: f64) -> Result<()> {
+        if white_cd_m2.is_finite() && white_cd_m2 > 0.0 {
+            Ok(())
+        } else {
+            Err(Error::invalid(format!("a white of {white_cd_m2} cd/m² is not positive and finite")))
+        }
     }
 
     fn step(&self, key: HalfKey) -> i32 {

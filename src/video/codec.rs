@@ -1,0 +1,275 @@
+//! What a stream's codec needs to know once (depth.md 3, color.md 2): typed here, bytes in the container.
+
+use crate::color::keyframes::SearchSettings;
+use crate::color::quality::Pu21;
+use crate::container::StreamEntry;
+use crate::container::fields::{Fields, PutFields};
+use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::quantise::DepthRange;
+use crate::depth::temporal::TemporalSettings;
+use crate::error::{Error, Result};
+use crate::image::transfer::{ToneMap, Transfer};
+
+/// Depth codes in boxes.
+pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
+/// Material triples in boxes.
+pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
+/// 8-bit colour cells.
+pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
+/// Half-float colour cells.
+pub const COLOR_CELLS_HALF: [u8; 4] = *b"CCLH";
+
+/// Header of a depth stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthHeader {
+    /// What codes 0 and 65534 mean.
+    pub range: DepthRange,
+    /// The value that stood for "nothing there" in the source, and does so again when decoded.
+    pub background: f32,
+    /// What the metres measure.
+    pub kind: DepthKind,
+    /// How it was coded; only the window matters to a decoder.
+    pub temporal: TemporalSettings,
+}
+
+/// Header of a material stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MaterialHeader {
+    /// How it was coded; only the window matters to a decoder.
+    pub temporal: TemporalSettings,
+}
+
+/// The domain that colour is coded and measured in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ColorFormat {
+    /// 8 bits a sample behind a transfer function.
+    EightBit(ToneMap),
+    /// Half floats; the metric takes 1.0 for this many cd/m².
+    Half {
+        /// Luminance of 1.0, in cd/m².
+        white_cd_m2: f64,
+    },
+}
+
+/// Header of a colour stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ColorHeader {
+    /// The domain.
+    pub format: ColorFormat,
+    /// The PSNR that every frame of every cell reaches.
+    pub min_psnr_db: f64,
+}
+
+/// Header of a stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CodecHeader {
+    /// Depth.
+    Depth(DepthHeader),
+    /// Colour.
+    Color(ColorHeader),
+    /// Material.
+    Material(MaterialHeader),
+}
+
+impl ColorHeader {
+    /// A header that speaks of what the search was asked for.
+    pub fn new(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
+        ColorHeader { format, min_psnr_db: search.min_psnr_db }
+    }
+}
+
+impl CodecHeader {
+    /// The kind of stream.
+    pub fn kind(&self) -> StreamKind {
+        match self {
+            CodecHeader::Depth(_) => StreamKind::Depth,
+            CodecHeader::Color(_) => StreamKind::Color,
+            CodecHeader::Material(_) => StreamKind::Material,
+        }
+    }
+
+    /// The four characters of the codec.
+    pub fn codec(&self) -> [u8; 4] {
+        match self {
+            CodecHeader::Depth(_) => DEPTH_AABB,
+            CodecHeader::Material(_) => MATERIAL_AABB,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => COLOR_CELLS_8,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => COLOR_CELLS_HALF,
+        }
+    }
+
+    /// The word for the codec in reports.
+    pub fn codec_name(&self) -> &'static str {
+        match self.codec() {
+            COLOR_CELLS_8 => "cells-8bit",
+            COLOR_CELLS_HALF => "cells-half",
+            _ => "aabb",
+        }
+    }
+
+    /// The header as bytes.
+    pub fn write(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        match self {
+            CodecHeader::Depth(header) => {
+                out.put_f32(header.range.near_m());
+                out.put_f32(header.range.far_m());
+                out.put_f32(header.background);
+                out.put_u32(match header.kind {
+                    DepthKind::Distance => 0,
+                    DepthKind::Planar => 1,
+                });
+                write_temporal(&header.temporal, &mut out);
+            }
+            CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
+            CodecHeader::Color(header) => {
+                out.put_f64(header.min_psnr_db);
+                match header.format {
+                    ColorFormat::EightBit(tone) => {
+                        out.put_f32(tone.exposure_ev);
+                        out.put_u32(match tone.transfer {
+                            Transfer::Srgb => 0,
+                            Transfer::Linear => 1,
+                        });
+                    }
+                    ColorFormat::Half { white_cd_m2 } => out.put_f64(white_cd_m2),
+                }
+            }
+        }
+        out
+    }
+
+    /// Reads the header of a stream of the container.
+    pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
+        let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
+        let mut fields = Fields::new(&stream.codec_header, 0, section);
+        let header = match (StreamKind::from_index(stream.kind), stream.codec) {
+            (Some(StreamKind::Depth), DEPTH_AABB) => CodecHeader::Depth(read_depth(&mut fields)?),
+            (Some(StreamKind::Material), MATERIAL_AABB) => {
+                CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)? })
+            }
+            (Some(StreamKind::Color), COLOR_CELLS_8 | COLOR_CELLS_HALF) => {
+                CodecHeader::Color(read_color(&mut fields, stream.codec)?)
+            }
+            _ => {
+                return Err(Error::unsupported(format!(
+                    "a stream of kind {} uses codec '{}', which this lightfold does not know",
+                    stream.kind,
+                    stream.codec.escape_ascii()
+                )));
+            }
+        };
+        fields.finish()?;
+        Ok(header)
+    }
+}
+
+fn read_depth(fields: &mut Fields<'_>) -> Result<DepthHeader> {
+    let range = DepthRange::new(fields.f32()?, fields.f32()?)?;
+    let background = fields.f32()?;
+    if background.is_nan() {
+        return Err(fields.error("the background value is not a number"));
+    }
+    let kind = match fields.u32()? {
+        0 => DepthKind::Distance,
+        1 => DepthKind::Planar,
+        other => return Err(fields.error(format!("depth of kind {other} is unknown"))),
+    };
+    Ok(DepthHeader { range, background, kind, temporal: read_temporal(fields)? })
+}
+
+fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
+    let min_psnr_db = fields.finite_f64("the quality")?;
+    let format = if codec == COLOR_CELLS_8 {
+        let exposure_ev = fields.f32()?;
+        if !(-32.0..=32.0).contains(&exposure_ev) {
+            return Err(fields.error(format!("an exposure of {exposure_ev} stops is not within -32 to 32")));
+        }
+        let transfer = match fields.u32()? {
+            0 => Transfer::Srgb,
+            1 => Transfer::Linear,
+            other => return Err(fields.error(format!("transfer function {other} is unknown"))),
+        };
+        ColorFormat::EightBit(ToneMap { transfer, exposure_ev })
+    } else {
+        let white_cd_m2 = fields.finite_f64("the luminance of white")?;
+        Pu21::check_white(white_cd_m2)?;
+        ColorFormat::Half { white_cd_m2 }
+    };
+    Ok(ColorHeader { format, min_psnr_db })
+}
+
+fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
+    out.put_u16(u16::from(settings.window));
+    out.put_u16(settings.max_aabbs);
+    out.put_u16(settings.epsilon);
+    out.put_u16(0);
+    out.put_u32(settings.keyframe_interval);
+}
+
+fn read_temporal(fields: &mut Fields<'_>) -> Result<TemporalSettings> {
+    let (window, max_aabbs, epsilon) = (fields.u16()?, fields.u16()?, fields.u16()?);
+    fields.zeros(2)?;
+    let keyframe_interval = fields.u32()?;
+    let window = u8::try_from(window).map_err(|_| fields.error(format!("a depth window of {window} frames")))?;
+    let settings = TemporalSettings { window, epsilon, max_aabbs, keyframe_interval };
+    settings.check().map_err(|error| fields.error(error.to_string()))?;
+    Ok(settings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(header: &CodecHeader) -> StreamEntry {
+        StreamEntry {
+            kind: header.kind() as u8,
+            face: 0,
+            probe: 0,
+            codec: header.codec(),
+            width: 8,
+            height: 8,
+            first_frame: 0,
+            frame_count: 1,
+            unit_width: 8,
+            unit_height: 8,
+            codec_header: header.write(),
+        }
+    }
+
+    fn samples() -> Vec<CodecHeader> {
+        let temporal = TemporalSettings { window: 3, epsilon: 7, max_aabbs: 9, keyframe_interval: 11 };
+        let range = DepthRange::new(0.25, 100.0).unwrap();
+        let tone = ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 };
+        vec![
+            CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, temporal }),
+            CodecHeader::Material(MaterialHeader { temporal }),
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), min_psnr_db: 50.0 }),
+            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2: 80.0 }, min_psnr_db: 40.0 }),
+        ]
+    }
+
+    #[test]
+    fn headers_round_trip() {
+        for header in samples() {
+            assert_eq!(CodecHeader::read(&entry(&header)).unwrap(), header);
+        }
+    }
+
+    #[test]
+    fn headers_of_another_size_kind_or_codec_are_refused() {
+        for header in samples() {
+            let good = entry(&header);
+            for spoil in 0..4 {
+                let mut bad = good.clone();
+                match spoil {
+                    0 => bad.codec_header.push(0),
+                    1 => bad.codec_header.truncate(bad.codec_header.len() - 1),
+                    2 => bad.codec = *b"XXXX",
+                    _ => bad.kind = (bad.kind + 1) % 3,
+                }
+                assert!(CodecHeader::read(&bad).is_err());
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Between what files hold and what codecs code: metres and codes, light and 8 bits, weights and bytes.
+
+use half::f16;
+
+use crate::dataset::source::{Source, SourceGroup};
+use crate::depth::quantise::Quantiser;
+use crate::error::{Error, Result};
+use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::transfer::{DecodeTable, EncodeTable};
+
+/// Indices of refraction that 8 bits reach (CALF 7.1): 1 to 3.
+pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
+
+/// The codes of a depth image; an error names the first pixel outside the range.
+pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
+    let mut outside = None;
+    let codes = plane.data().iter().enumerate().map(|(at, &z)| {
+        quantiser.code(z).unwrap_or_else(|| {
+            outside.get_or_insert((at, z));
+            0
+        })
+    });
+    let codes = codes.collect();
+    if let Some((at, z)) = outside {
+        let (x, y) = (at % plane.width() as usize, at / plane.width() as usize);
+        let range = quantiser.range();
+        return Err(Error::invalid(format!(
+            "pixel ({x}, {y}) lies at {z} m, outside the given range of {} m to {} m: widen --near and --far, or leave \
+             them to be found",
+            range.near_m(),
+            range.far_m()
+        )));
+    }
+    Plane::new(plane.width(), plane.height(), codes)
+}
+
+/// 8-bit colour and the number of its pixels that were clipped.
+pub fn color_codes(plane: &ColorPlane, table: &EncodeTable) -> (Plane<[u8; 3]>, u64) {
+    let mut clipped = 0;
+    let codes = plane.map(|pixel| {
+        clipped += u64::from(pixel.iter().any(|&value| table.is_clipped(value)));
+        pixel.map(|value| table.code(value))
+    });
+    (codes, clipped)
+}
+
+/// Light from 8-bit colour.
+pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
+    codes.map(|pixel| pixel.map(|code| table.value(code)))
+}
+
+/// 8-bit reflection weight, refraction weight and index of refraction; an error names the first pixel that 8 bits
+/// cannot express.
+pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
+    let [low, high] = IOR_RANGE;
+    let mut outside = None;
+    let codes = plane.data().iter().enumerate().map(|(at, &[reflect, refract, ior])| {
+        let unit = [reflect, refract, (ior - low) / (high - low)];
+        // Half floats a hair outside still mean the end of the range.
+        if unit.iter().any(|value| !(-0.002..=1.002).contains(value)) {
+            outside.get_or_insert((at, [reflect, refract, ior]));
+        }
+        unit.map(|value| (value * 255.0).round() as u8)
+    });
+    let codes = codes.collect();
+    if let Some((at, [reflect, refract, ior])) = outside {
+        let (x, y) = (at % plane.width() as usize, at / plane.width() as usize);
+        return Err(Error::invalid(format!(
+            "pixel ({x}, {y}) has material weights {reflect} and {refract} and index {ior}: weights of 0 to 1 and an \
+             index of {low} to {high} were expected"
+        )));
+    }
+    Plane::new(plane.width(), plane.height(), codes)
+}
+
+/// Weights and index of refraction from 8 bits each.
+pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
+    let [low, high] = IOR_RANGE;
+    codes.map(|&[reflect, refract, ior]| {
+        let unit = |code: u8| f32::from(code) / 255.0;
+        [unit(reflect), unit(refract), low + unit(ior) * (high - low)]
+    })
+}
+
+/// The samples of a colour image, one after the other.
+pub fn samples_of<T: Copy>(plane: &Plane<[T; 3]>) -> &[T] {
+    plane.data().as_flattened()
+}
+
+/// Half floats of a colour image as bit patterns.
+pub fn half_bits(samples: &[f16]) -> impl Iterator<Item = u16> {
+    samples.iter().map(|sample| sample.to_bits())
+}
+
+/// Says which frame of which stream an error came from.
+pub fn name_frame(source: &Source, group: &SourceGroup, frame: u32) -> String {
+    let probe = &source.probes()[group.probe].name;
+    let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();
+    format!("{} of probe {probe}, face {}, frame {frame}", group.kind.name(), faces.join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn material_round_trips_to_half_a_step_and_refuses_what_does_not_fit() {
+        let plane = Plane::from_fn(4, 1, |x, _| [x as f32 / 3.0, 1.0 - x as f32 / 3.0, 1.0 + x as f32 / 2.0]);
+        let back = material_values(&material_codes(&plane).unwrap());
+        for (a, b) in plane.data().iter().flatten().zip(back.data().iter().flatten()) {
+            assert!((a - b).abs() <= 1.0 / 255.0 + 1e-6);
+        }
+        for bad in [[2.0, 0.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 0.0], [f32::NAN, 0.0, 1.0], [0.0, 0.0, f32::INFINITY]] {
+            let message = material_codes(&Plane::filled(1, 1, bad)).unwrap_err().to_string();
+            assert!(message.contains("pixel (0, 0)"), "{message}");
+        }
+    }
+}
