@@ -1,1 +1,13 @@
-//! (this room is being furnished)
+//! Datasets: the manifest beside a set of EXR or PNG sequences, and the reader that turns either into planes of
+//! metres and linear light.
+
+pub mod manifest;
+mod pixels;
+pub mod source;
+pub mod stream;
+
+pub use manifest::Manifest;
+pub use source::{
+    Arrangement, InvalidColor, InvalidDepth, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
+};
+pub use stream::{DepthKind, Projection, StreamKind};

@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(flags(-0.01), (0, true, false));
         assert_eq!(flags(f32::NAN), (0, false, true));
         assert_eq!(flags(0.0), (0, false, false));
-        // The known midpoint of the curve.
-        assert_eq!(flags(0.214_04), (127 + 1, false, false));
+        // Code 128 of the curve, from its published table.
+        assert_eq!(flags(0.215_86), (128, false, false));
     }
 }

@@ -1,0 +1,135 @@
+//! The rules for single values on the way in: what is background, what is refused, what is clamped.
+
+use half::f16;
+
+use super::source::{InvalidColor, InvalidDepth};
+use crate::error::{Error, Result};
+use crate::image::cube::{distance_from_planar, distance_from_planar_view};
+use crate::image::{ColorPlane, DepthPlane, Face, MaterialPlane, Plane, Transfer};
+
+/// How depth values of a source are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct DepthRules {
+    /// Value in the file that means "nothing there", besides +inf.
+    pub background: f32,
+    /// Metres per unit of the file.
+    pub scale: f64,
+    /// What becomes of values that are no depth.
+    pub invalid: InvalidDepth,
+}
+
+fn pixel(index: usize, width: u32) -> String {
+    format!("pixel ({}, {})", index as u64 % u64::from(width.max(1)), index as u64 / u64::from(width.max(1)))
+}
+
+/// A positive depth in metres times a factor, kept inside the positive finite floats: +inf and 0 have a meaning.
+fn metres(value: f32, factor: f64) -> f32 {
+    let product = (f64::from(value) * factor) as f32;
+    product.clamp(f32::from_bits(1), f32::MAX)
+}
+
+/// Applies the rules: +inf where nothing is, 0.0 where [`InvalidDepth::Near`] put it, else a finite value above 0.
+pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<()> {
+    let width = plane.width();
+    for (index, value) in plane.data_mut().iter_mut().enumerate() {
+        let depth = *value;
+        *value = if depth == f32::INFINITY || depth == rules.background {
+            f32::INFINITY
+        } else if depth > 0.0 {
+            if rules.scale == 1.0 { depth } else { metres(depth, rules.scale) }
+        } else {
+            match rules.invalid {
+                InvalidDepth::Far => f32::INFINITY,
+                InvalidDepth::Near => 0.0,
+                InvalidDepth::Refuse => {
+                    let what = match depth {
+                        depth if depth.is_nan() => "not a number".to_string(),
+                        0.0 => "zero".to_string(),
+                        depth => format!("negative ({depth})"),
+                    };
+                    return Err(Error::invalid(format!(
+                        "depth at {} is {what}; name it as the background, or say what to make of it with \
+                         invalid-depth far or near",
+                        pixel(index, width)
+                    )));
+                }
+            }
+        };
+    }
+    Ok(())
+}
+
+/// Where planar depth is to be converted.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Geometry {
+    /// The plane of a cube face.
+    Cube,
+    /// A pinhole camera.
+    View([f64; 4]),
+}
+
+/// Turns planar depth into distance; +inf and 0.0 stay.
+pub(super) fn planar_to_distance(plane: &mut DepthPlane, geometry: Geometry) {
+    let (width, height) = (plane.width(), plane.height());
+    for row in 0..height {
+        for (col, value) in plane.row_mut(row).iter_mut().enumerate() {
+            if *value > 0.0 && *value < f32::INFINITY {
+                let factor = match geometry {
+                    Geometry::Cube => distance_from_planar(col as u32, row, width),
+                    Geometry::View(intrinsics) => distance_from_planar_view(col as u32, row, intrinsics),
+                };
+                *value = metres(*value, factor);
+            }
+        }
+    }
+}
+
+/// Clamps infinities to the largest half; NaN is an error or black.
+pub(super) fn check_color(plane: &mut ColorPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, components) in plane.data_mut().iter_mut().enumerate() {
+        for component in components.iter_mut() {
+            if component.is_nan() {
+                match invalid {
+                    InvalidColor::Black => *component = f16::ZERO,
+                    InvalidColor::Refuse => {
+                        let message = format!("colour at {} is not a number", pixel(index, width));
+                        return Err(Error::invalid(message));
+                    }
+                }
+            } else if component.is_infinite() {
+                *component = if component.is_sign_negative() { f16::MIN } else { f16::MAX };
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every value must be a finite number, or becomes 0.
+pub(super) fn check_material(plane: &mut MaterialPlane, invalid: InvalidColor) -> Result<()> {
+    let width = plane.width();
+    for (index, components) in plane.data_mut().iter_mut().enumerate() {
+        for component in components.iter_mut().filter(|component| !component.is_finite()) {
+            match invalid {
+                InvalidColor::Black => *component = 0.0,
+                InvalidColor::Refuse => {
+                    let message = format!("material at {} is {component}, not a finite number", pixel(index, width));
+                    return Err(Error::invalid(message));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// sRGB code values, 1.0 the brightest, to linear light.
+pub(super) fn linear_from_srgb(plane: &mut ColorPlane) {
+    for component in plane.data_mut().as_flattened_mut() {
+        *component = f16::from_f64(Transfer::Srgb.decode(component.to_f64()));
+    }
+}
+
+/// Keeps the planes of `wanted` out of all six cube faces.
+pub(super) fn keep_faces<T>(all: Vec<Plane<T>>, wanted: &[Face]) -> Vec<Plane<T>> {
+    Face::CUBE.into_iter().zip(all).filter(|(face, _)| wanted.contains(face)).map(|(_, plane)| plane).collect()
+}

@@ -1,0 +1,561 @@
+//! Where frames come from: a manifest or a single sequence in, planes of metres and linear light out.
+//!
+//! All files are known to exist once a source is open; what is in them is checked when they are read.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use super::manifest::{
+    FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
+};
+use super::pixels::{
+    DepthRules, Geometry, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
+};
+use super::stream::{DepthKind, Projection, StreamKind};
+use crate::error::{Error, Result};
+use crate::image::equirect::{FaceMap, resample_color, resample_depth, resample_nearest};
+use crate::image::layout::{cut_faces, face_size};
+use crate::image::{
+    ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, MaterialPlane, Plane, ReadLimits,
+    Sequence, exr, png,
+};
+
+/// Frames per second where nothing says otherwise.
+const DEFAULT_FPS: f64 = 24.0;
+
+/// What becomes of a depth that is NaN, zero, negative or −inf and is not the background.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidDepth {
+    /// An error that names file and pixel.
+    #[default]
+    Refuse,
+    /// Nothing is there: the pixel becomes +inf.
+    Far,
+    /// As near as can be: the pixel becomes 0.0, which encoders store as code 0, the probe's near plane.
+    Near,
+}
+
+/// What becomes of colour that is NaN, and of material values that are not finite.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidColor {
+    /// An error that names file and pixel.
+    #[default]
+    Refuse,
+    /// The component becomes 0.
+    Black,
+}
+
+/// What the caller says about the input; `None` leaves it to the manifest, else to the default of the field.
+#[derive(Debug, Clone, Default)]
+pub struct SourceOptions {
+    /// Depth channel; for a single sequence the channel or channels of whatever it holds ([`ChannelSelect::Named`]).
+    pub channel: Option<String>,
+    /// Colour layer or channels of a manifest's colour files ([`ChannelSelect::Named`]).
+    pub color_channel: Option<String>,
+    /// Metres per unit of depth, above 0. Default 1.
+    pub depth_scale: Option<f64>,
+    /// The value in the files, before scaling, that means "nothing there". Default +inf.
+    pub background: Option<f32>,
+    /// What depth values measure. Default distance.
+    pub depth_kind: Option<DepthKind>,
+    /// What colour values mean. Default linear for EXR, sRGB for PNG.
+    pub color_space: Option<ColorSpace>,
+    /// What becomes of invalid depth.
+    pub invalid_depth: InvalidDepth,
+    /// What becomes of invalid colour and material.
+    pub invalid_color: InvalidColor,
+    /// Only these frames.
+    pub frames: Option<FrameRange>,
+    /// Side in pixels of cube faces that are resampled from equirectangular images. Default a quarter of the width.
+    pub face_size: Option<u32>,
+    /// Caps on what files may claim.
+    pub limits: ReadLimits,
+}
+
+/// How a single sequence shows its probe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arrangement {
+    /// One image, one face: a cube face, or [`Face::View`] for a perspective image.
+    Single(Face),
+    /// All six faces in a cross ([`FaceLayout::Cross`]).
+    Cross,
+    /// All six faces in a strip ([`FaceLayout::Strip`]).
+    Strip,
+    /// An equirectangular image.
+    Equirect,
+}
+
+/// What is known about a single sequence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SequenceLayout {
+    /// What each image shows.
+    pub arrangement: Arrangement,
+    /// Name of the probe, of letters, digits, `.`, `_` and `-`.
+    pub probe: String,
+    /// fx, fy, cx, cy in pixels, for a perspective image.
+    pub intrinsics: Option<[f64; 4]>,
+}
+
+impl Default for SequenceLayout {
+    fn default() -> Self {
+        SequenceLayout { arrangement: Arrangement::Single(Face::View), probe: "00".into(), intrinsics: None }
+    }
+}
+
+/// One point of capture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProbeInfo {
+    /// Name.
+    pub name: String,
+    /// Centre in metres.
+    pub position: [f64; 3],
+    /// Unit quaternion x, y, z, w from the probe's axes to the world's.
+    pub orientation: [f64; 4],
+    /// Frames that the probe has and the caller wants. A probe with none of those keeps its own frames here and is
+    /// absent from the groups.
+    pub frames: FrameRange,
+    /// fx, fy, cx, cy in pixels; perspective only.
+    pub intrinsics: Option<[f64; 4]>,
+}
+
+/// Streams that are cut from the same files: one face when faces are files, six when one image holds them all.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceGroup {
+    /// What the pixels are.
+    pub kind: StreamKind,
+    /// Index into [`Source::probes`].
+    pub probe: usize,
+    /// The faces that reading delivers, in the order of their numbers.
+    pub faces: Vec<Face>,
+    /// The frames that there are.
+    pub frames: FrameRange,
+    /// Width of one face as it is delivered.
+    pub width: u32,
+    /// Height of one face as it is delivered.
+    pub height: u32,
+}
+
+/// What one image file holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Content {
+    Face,
+    Faces(FaceLayout),
+    Equirect,
+}
+
+/// An open dataset. Reading takes `&self`, so that frames can be read in parallel.
+#[derive(Debug)]
+pub struct Source {
+    name: String,
+    fps: f64,
+    projection: Projection,
+    probes: Vec<ProbeInfo>,
+    groups: Vec<SourceGroup>,
+    /// Files of each group, by kind, probe and first face.
+    sequences: BTreeMap<(StreamKind, usize, Face), Sequence>,
+    manifest: Option<Manifest>,
+    content: Content,
+    /// Size of each file.
+    file_size: (u32, u32),
+    /// Size of each face as it is delivered.
+    delivered_size: (u32, u32),
+    rules: DepthRules,
+    depth_stored: DepthKind,
+    depth_kind: DepthKind,
+    color_space: Option<ColorSpace>,
+    color_channel: ChannelSelect,
+    depth_channel: ChannelSelect,
+    material_channels: [String; 3],
+    invalid_color: InvalidColor,
+    limits: ReadLimits,
+    maps: [OnceLock<FaceMap>; 6],
+}
+
+impl Source {
+    /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
+    ///
+    /// # Errors
+    /// When the manifest is wrong, options contradict it, a file is missing, or no frame is left.
+    pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
+        let manifest = Manifest::read(path)?;
+        let file = manifest_path(path);
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let content = match (manifest.projection, manifest.face_files()) {
+            (Projection::Equirect, _) => Content::Equirect,
+            (Projection::Perspective, _) | (_, FaceFiles::Six) => Content::Face,
+            (_, FaceFiles::Cross) => Content::Faces(FaceLayout::Cross),
+            (_, FaceFiles::Strip) => Content::Faces(FaceLayout::Strip),
+        };
+        let depth = manifest.depth.clone().unwrap_or_default();
+        let kind = options.depth_kind.unwrap_or(depth.kind);
+        let scale = options.depth_scale.or(depth.scale).unwrap_or(depth.unit.metres());
+        let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space.into()));
+        let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
+        let mut source = Source::new(content, (manifest.size[0], manifest.size[1]), kind, options)
+            .map_err(|error| error.in_file(&file))?;
+        source.name.clone_from(&manifest.name);
+        source.fps = manifest.fps;
+        source.rules.scale = scale;
+        source.rules.background = options.background.unwrap_or(depth.background.value());
+        source.color_space = space;
+        source.color_channel = options.color_channel.clone().into();
+        source.material_channels = [names.reflection, names.refraction, names.ior];
+        if manifest.projection == Projection::Perspective {
+            source.projection = Projection::Perspective;
+        }
+        let wanted = manifest.frame_range();
+        let wanted = match options.frames {
+            Some(frames) => wanted.intersect(frames),
+            None => Some(wanted),
+        };
+        for probe in &manifest.probes {
+            let own = probe.frames.map_or(manifest.frame_range(), |[first, last]| FrameRange { first, last });
+            source.probes.push(ProbeInfo {
+                name: probe.name.clone(),
+                position: probe.position,
+                orientation: probe.orientation.unwrap_or([0.0, 0.0, 0.0, 1.0]),
+                frames: wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own),
+                intrinsics: probe.intrinsics_for(manifest.size),
+            });
+        }
+        let faces = manifest.faces();
+        let together: Vec<&[Face]> =
+            if content == Content::Face { faces.chunks(1).collect() } else { vec![faces.as_slice()] };
+        for kind in StreamKind::ALL {
+            for probe in 0..source.probes.len() {
+                let frames = source.probes[probe].frames;
+                if wanted.is_none_or(|wanted| wanted.intersect(frames).is_none()) {
+                    continue;
+                }
+                for faces in &together {
+                    let name = source.probes[probe].name.clone();
+                    let Some(pattern) = manifest.pattern(kind, &name, faces[0])? else { continue };
+                    let sequence = Sequence::known(pattern.below(folder), frames)?;
+                    source.add(kind, probe, faces, sequence);
+                }
+            }
+        }
+        if source.groups.is_empty() {
+            return Err(Error::invalid("no probe has any of the frames asked for").in_file(&file));
+        }
+        source.manifest = Some(manifest);
+        Ok(source)
+    }
+
+    /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`Sequence::find`]).
+    ///
+    /// The size is that of the first image.
+    ///
+    /// # Errors
+    /// When files are missing, the first image cannot be read, or the arrangement does not fit its shape.
+    pub fn from_sequence(
+        kind: StreamKind,
+        spec: &str,
+        layout: &SequenceLayout,
+        options: &SourceOptions,
+    ) -> Result<Source> {
+        if !is_probe_name(&layout.probe) {
+            let message = format!("\"{}\" is no probe name: use letters, digits, '.', '_' and '-'", layout.probe);
+            return Err(Error::Usage(message));
+        }
+        if let Some(intrinsics) = layout.intrinsics {
+            check_intrinsics(intrinsics).map_err(|error| Error::Usage(error.to_string()))?;
+        }
+        let sequence = Sequence::find(spec, options.frames)?;
+        let first = sequence.path(sequence.frames().first);
+        let size = if is_png(&first) {
+            png::read_size(&first, &options.limits)
+        } else {
+            exr::read_size(&first, &options.limits)
+        }?;
+        let (content, faces) = match layout.arrangement {
+            Arrangement::Single(face) => (Content::Face, vec![face]),
+            Arrangement::Cross => (Content::Faces(FaceLayout::Cross), Face::CUBE.to_vec()),
+            Arrangement::Strip => (Content::Faces(FaceLayout::Strip), Face::CUBE.to_vec()),
+            Arrangement::Equirect => (Content::Equirect, Face::CUBE.to_vec()),
+        };
+        if content == Content::Face && faces != [Face::View] && size.0 != size.1 {
+            let message = format!("the faces of a cube are square, this image is {}x{}", size.0, size.1);
+            return Err(Error::invalid(message).in_file(&first));
+        }
+        let depth_kind = options.depth_kind.unwrap_or_default();
+        let mut source = Source::new(content, size, depth_kind, options).map_err(|error| error.in_file(&first))?;
+        source.name = sequence_name(spec);
+        let view = faces == [Face::View];
+        if view {
+            source.projection = Projection::Perspective;
+            if layout.intrinsics.is_none() {
+                source.depth_stored = depth_kind;
+            }
+        }
+        let select = ChannelSelect::from(options.channel.clone());
+        source.color_channel = options.color_channel.clone().map_or(select, ChannelSelect::Named);
+        if let (StreamKind::Material, Some(text)) = (kind, &options.channel) {
+            let names: Vec<&str> = text.split(',').map(str::trim).collect();
+            let [a, b, c] = names.as_slice() else {
+                return Err(Error::Usage(format!(
+                    "a material has three channels with commas between them, not \"{text}\""
+                )));
+            };
+            source.material_channels = [a, b, c].map(|name| (*name).to_string());
+        }
+        source.probes.push(ProbeInfo {
+            name: layout.probe.clone(),
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            frames: sequence.frames(),
+            intrinsics: if view { layout.intrinsics } else { None },
+        });
+        source.add(kind, 0, &faces, sequence);
+        Ok(source)
+    }
+
+    /// A source without probes, with everything that the options alone decide.
+    fn new(content: Content, file_size: (u32, u32), depth_kind: DepthKind, options: &SourceOptions) -> Result<Source> {
+        if let Some(scale) = options.depth_scale
+            && !(scale.is_finite() && scale > 0.0)
+        {
+            return Err(Error::Usage(format!("the depth scale is {scale}, it must be above 0 metres per unit")));
+        }
+        if options.background.is_some_and(f32::is_nan) {
+            return Err(Error::Usage("the background must be a number or inf".into()));
+        }
+        if content == Content::Equirect && depth_kind == DepthKind::Planar {
+            return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
+        }
+        let (width, height) = file_size;
+        let delivered_size = match (content, options.face_size) {
+            (Content::Face, None) => file_size,
+            (Content::Faces(layout), None) => {
+                let side = face_size(layout, width, height)?;
+                (side, side)
+            }
+            (Content::Equirect, side) => {
+                // A quarter of the width keeps the resolution of the equator.
+                let side = side.unwrap_or((width / 4).max(1));
+                if side == 0 || side > MAX_SIDE {
+                    return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
+                }
+                (side, side)
+            }
+            (_, Some(_)) => {
+                return Err(Error::Usage("a face size is only for equirectangular input".into()));
+            }
+        };
+        let names = MaterialChannels::default();
+        Ok(Source {
+            name: String::new(),
+            fps: DEFAULT_FPS,
+            projection: Projection::Cubemap,
+            probes: Vec::new(),
+            groups: Vec::new(),
+            sequences: BTreeMap::new(),
+            manifest: None,
+            content,
+            file_size,
+            delivered_size,
+            rules: DepthRules {
+                background: options.background.unwrap_or(f32::INFINITY),
+                scale: options.depth_scale.unwrap_or(1.0),
+                invalid: options.invalid_depth,
+            },
+            depth_stored: DepthKind::Distance,
+            depth_kind,
+            color_space: options.color_space,
+            color_channel: ChannelSelect::Auto,
+            depth_channel: options.channel.clone().into(),
+            material_channels: [names.reflection, names.refraction, names.ior],
+            invalid_color: options.invalid_color,
+            limits: options.limits,
+            maps: Default::default(),
+        })
+    }
+
+    fn add(&mut self, kind: StreamKind, probe: usize, faces: &[Face], sequence: Sequence) {
+        let (width, height) = self.delivered_size;
+        let frames = sequence.frames();
+        self.groups.push(SourceGroup { kind, probe, faces: faces.to_vec(), frames, width, height });
+        self.sequences.insert((kind, probe, faces[0]), sequence);
+    }
+
+    /// Name of the dataset; for a single sequence, that of its files.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Frames per second, above 0.
+    pub fn fps(&self) -> f64 {
+        self.fps
+    }
+
+    /// Projection of what is delivered: cube maps also from equirectangular images.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// All probes, also those without a frame in range.
+    pub fn probes(&self) -> &[ProbeInfo] {
+        &self.probes
+    }
+
+    /// What can be read: colour, depth, material; within a kind by probe, then by face.
+    pub fn groups(&self) -> &[SourceGroup] {
+        &self.groups
+    }
+
+    /// The manifest, when the source was opened by one.
+    pub fn manifest(&self) -> Option<&Manifest> {
+        self.manifest.as_ref()
+    }
+
+    /// The value that stands for "nothing there" in the source's files, besides +inf.
+    pub fn background(&self) -> f32 {
+        self.rules.background
+    }
+
+    /// What delivered depth measures: distance, or planar Z where the camera is not known well enough to convert.
+    pub fn depth_stored(&self) -> DepthKind {
+        self.depth_stored
+    }
+
+    /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
+    ///
+    /// # Errors
+    /// Names the file and the frame: it cannot be read, has another size than the rest, or a NaN.
+    pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
+        let path = self.path(StreamKind::Color, group, frame)?;
+        self.color_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+    }
+
+    /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
+    /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
+    ///
+    /// # Errors
+    /// As for [`Source::read_color`]; also for depth that is NaN, zero or negative.
+    pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
+        let path = self.path(StreamKind::Depth, group, frame)?;
+        self.depth_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+    }
+
+    /// Material of a frame, one plane for each face of the group, every value finite.
+    ///
+    /// # Errors
+    /// As for [`Source::read_color`].
+    pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
+        let path = self.path(StreamKind::Material, group, frame)?;
+        self.material_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
+    }
+
+    /// The file that a frame of a group is read from.
+    ///
+    /// # Errors
+    /// When the group is not one of this source or the frame lies outside it.
+    pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+        self.path(group.kind, group, frame)
+    }
+
+    fn path(&self, kind: StreamKind, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
+        let found = group.faces.first().and_then(|face| self.sequences.get(&(kind, group.probe, *face)));
+        match found {
+            Some(sequence) if group.kind == kind && sequence.frames().contains(frame) => Ok(sequence.path(frame)),
+            _ => Err(Error::Usage(format!("there is no {} of probe {} at frame {frame}", kind.name(), group.probe))),
+        }
+    }
+
+    fn color_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<ColorPlane>> {
+        let mut plane = if is_png(path) {
+            png::read_color(path, self.color_space.unwrap_or(ColorSpace::Srgb), &self.limits)?
+        } else {
+            exr::read_color(path, &self.color_channel, &self.limits)?
+        };
+        self.check_size(&plane)?;
+        check_color(&mut plane, self.invalid_color)?;
+        if !is_png(path) && self.color_space == Some(ColorSpace::Srgb) {
+            linear_from_srgb(&mut plane);
+        }
+        self.faces_of(plane, group, resample_color)
+    }
+
+    fn depth_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<DepthPlane>> {
+        let mut plane = if is_png(path) {
+            // The scale comes after the background is told apart, in the file's own units.
+            png::read_depth(path, 1.0, &self.limits)?
+        } else {
+            exr::read_depth(path, &self.depth_channel, &self.limits)?
+        };
+        self.check_size(&plane)?;
+        check_depth(&mut plane, &self.rules)?;
+        let mut planes = self.faces_of(plane, group, resample_depth)?;
+        if self.depth_kind != self.depth_stored {
+            for (face, plane) in group.faces.iter().zip(&mut planes) {
+                let view = self.probes.get(group.probe).and_then(|probe| probe.intrinsics);
+                match (face, view) {
+                    (Face::View, Some(intrinsics)) => planar_to_distance(plane, Geometry::View(intrinsics)),
+                    _ => planar_to_distance(plane, Geometry::Cube),
+                }
+            }
+        }
+        Ok(planes)
+    }
+
+    fn material_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<MaterialPlane>> {
+        if is_png(path) {
+            return Err(Error::unsupported("material is read from EXR files only"));
+        }
+        let [a, b, c] = &self.material_channels;
+        let mut plane = exr::read_material(path, [a, b, c], &self.limits)?;
+        self.check_size(&plane)?;
+        check_material(&mut plane, self.invalid_color)?;
+        // Weights belong to one surface, so they are never blended.
+        self.faces_of(plane, group, resample_nearest)
+    }
+
+    fn check_size<T>(&self, plane: &Plane<T>) -> Result<()> {
+        let (width, height) = self.file_size;
+        if (plane.width(), plane.height()) == (width, height) {
+            return Ok(());
+        }
+        let found = format!("{}x{}", plane.width(), plane.height());
+        Err(Error::invalid(format!("the image is {found} pixels, expected {width}x{height}")))
+    }
+
+    /// Cuts or resamples a file into the faces of its group.
+    fn faces_of<T: Copy>(
+        &self,
+        plane: Plane<T>,
+        group: &SourceGroup,
+        resample: fn(&Plane<T>, &FaceMap) -> Result<Plane<T>>,
+    ) -> Result<Vec<Plane<T>>> {
+        match self.content {
+            Content::Face => Ok(vec![plane]),
+            Content::Faces(layout) => Ok(keep_faces(cut_faces(&plane, layout)?, &group.faces)),
+            Content::Equirect => group.faces.iter().map(|&face| resample(&plane, self.map(face)?)).collect(),
+        }
+    }
+
+    fn map(&self, face: Face) -> Result<&FaceMap> {
+        let slot = &self.maps[face as usize % self.maps.len()];
+        if let Some(map) = slot.get() {
+            return Ok(map);
+        }
+        let (width, height) = self.file_size;
+        let map = FaceMap::new(face, self.delivered_size.0, width, height)?;
+        // Two threads may have made the same map; either serves.
+        Ok(slot.get_or_init(|| map))
+    }
+}
+
+/// Whether a file is read as PNG; everything else is taken for EXR.
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// What a single sequence is called: its file name up to the frame number, or its folder.
+fn sequence_name(spec: &str) -> String {
+    let path = Path::new(spec);
+    let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let name = if path.is_dir() { name } else { name.split(['%', '#', '@', '.']).next().unwrap_or_default() };
+    let name = name.trim_end_matches(['.', '_', '-', ' ']);
+    if name.is_empty() { "sequence".into() } else { name.into() }
+}

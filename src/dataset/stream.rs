@@ -1,0 +1,62 @@
+//! The words that name what a stream holds and how it was seen.
+
+use serde::{Deserialize, Serialize};
+
+/// What the pixels of a stream are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[repr(u8)]
+pub enum StreamKind {
+    /// Linear Rec. 709 light.
+    Color = 0,
+    /// Distance in metres.
+    Depth = 1,
+    /// Weights of reflection and refraction, index of refraction.
+    Material = 2,
+}
+
+impl StreamKind {
+    /// All kinds, in the order of their numbers.
+    pub const ALL: [StreamKind; 3] = [StreamKind::Color, StreamKind::Depth, StreamKind::Material];
+
+    /// `color`, `depth` or `material`.
+    pub fn name(self) -> &'static str {
+        match self {
+            StreamKind::Color => "color",
+            StreamKind::Depth => "depth",
+            StreamKind::Material => "material",
+        }
+    }
+
+    /// The kind of that name, if there is one.
+    pub fn from_name(name: &str) -> Option<StreamKind> {
+        StreamKind::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
+    /// The kind of that number, if there is one.
+    pub fn from_index(index: u8) -> Option<StreamKind> {
+        StreamKind::ALL.into_iter().find(|kind| *kind as u8 == index)
+    }
+}
+
+/// How the images of a dataset were projected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Projection {
+    /// Faces of an OpenGL cube map.
+    Cubemap,
+    /// Longitude across, latitude down.
+    Equirect,
+    /// A pinhole camera.
+    Perspective,
+}
+
+/// What a depth value measures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DepthKind {
+    /// Euclidean distance from the centre of the probe.
+    #[default]
+    Distance,
+    /// Distance along the viewing axis (Z buffer).
+    Planar,
+}
