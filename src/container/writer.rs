@@ -39,6 +39,15 @@ impl PackedChunk {
         Ok(PackedChunk { key, storage, raw_bytes, crc32: crc32fast::hash(&stored), stored })
     }
 
+    /// Takes the stored bytes of a chunk of another container as they are.
+    pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
+        if stored.len() != entry.stored_bytes as usize {
+            return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
+        }
+        let ChunkEntry { storage, raw_bytes, crc32, .. } = *entry;
+        Ok(PackedChunk { key, storage, raw_bytes, crc32, stored })
+    }
+
     /// Bytes that the file will hold for it.
     pub fn stored_bytes(&self) -> usize {
         self.stored.len()

@@ -110,7 +110,8 @@ mod tests {
         for (a, b) in plane.data().iter().flatten().zip(back.data().iter().flatten()) {
             assert!((a - b).abs() <= 1.0 / 255.0 + 1e-6);
         }
-        for bad in [[2.0, 0.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 0.0], [f32::NAN, 0.0, 1.0], [0.0, 0.0, f32::INFINITY]] {
+        for bad in [[2.0, 0.0, 1.0], [0.0, -1.0, 1.0], [0.0, 0.0, 0.0], [f32::NAN, 0.0, 1.0], [0.0, 0.0, f32::INFINITY]]
+        {
             let message = material_codes(&Plane::filled(1, 1, bad)).unwrap_err().to_string();
             assert!(message.contains("pixel (0, 0)"), "{message}");
         }

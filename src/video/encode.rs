@@ -385,7 +385,7 @@ impl<'a> GroupCoder<'a> {
                     None => timed(reading, || source.read_depth(self.group, frame))?,
                 };
                 timed(coding, || {
-                    planes.iter().map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth)).collect()
+                    planes.iter().map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth)).collect::<Result<_>>()
                 })
                 .map_err(named)
             }
@@ -405,7 +405,9 @@ impl<'a> GroupCoder<'a> {
             }
             StreamKind::Material => {
                 let planes = timed(reading, || source.read_material(self.group, frame))?;
-                timed(coding, || planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect())
+                timed(coding, || {
+ planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
+})
                     .map_err(named)
             }
         }

@@ -1,11 +1,9 @@
 //! Joins codecs and container: encodes the streams of a dataset, decodes (probe, face, unit, frame), and measures.
 
 pub mod codec;
-pub mod compare;
 pub mod convert;
 pub mod decode;
 pub mod encode;
-pub mod inspect;
 pub mod pack;
 pub mod scan;
 

@@ -1,0 +1,414 @@
+//! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use half::f16;
+use rayon::prelude::*;
+
+use crate::color::blend::{HalfKey, Sample};
+use crate::color::cells::CellChunk;
+use crate::container::index::ProbeEntry;
+use crate::container::{ChunkEntry, Reader, StreamEntry};
+use crate::dataset::stream::StreamKind;
+use crate::depth::records::TemporalChunk;
+use crate::depth::texel::Texel;
+use crate::error::{Error, Result};
+use crate::image::cube::Face;
+use crate::image::plane::Plane;
+use crate::image::sequence::FrameRange;
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
+
+/// A stream of an open container, typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamInfo {
+    /// Index in the stream table.
+    pub index: u32,
+    /// What its pixels are.
+    pub kind: StreamKind,
+    /// Index in the probe table.
+    pub probe: usize,
+    /// The face.
+    pub face: Face,
+    /// Its frames.
+    pub frames: FrameRange,
+    /// The codec and its settings.
+    pub header: CodecHeader,
+    /// Size, units and the rest.
+    pub entry: StreamEntry,
+}
+
+/// An open container whose streams are all understood.
+#[derive(Debug)]
+pub struct Decoder {
+    reader: Reader,
+    streams: Vec<StreamInfo>,
+}
+
+/// One decoded image, in the domain of its codec.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Picture {
+    /// 16-bit log codes.
+    Depth(Plane<u16>),
+    /// 8-bit colour.
+    Color8(Plane<[u8; 3]>),
+    /// Half-float colour.
+    ColorHalf(Plane<[f16; 3]>),
+    /// 8-bit material.
+    Material(Plane<[u8; 3]>),
+}
+
+/// What decoding cost.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct DecodeCost {
+    /// Pixels that were written.
+    pub updated_pixels: u64,
+    /// Stored bytes that were read.
+    pub bytes_read: u64,
+    /// Time for reading chunks, checking CRCs, decompressing and parsing.
+    pub fetching: Duration,
+    /// Time for writing pixels.
+    pub applying: Duration,
+}
+
+impl DecodeCost {
+    /// The sum of two costs.
+    #[must_use]
+    pub fn plus(self, other: DecodeCost) -> DecodeCost {
+        DecodeCost {
+            updated_pixels: self.updated_pixels + other.updated_pixels,
+            bytes_read: self.bytes_read + other.bytes_read,
+            fetching: self.fetching + other.fetching,
+            applying: self.applying + other.applying,
+        }
+    }
+}
+
+impl Decoder {
+    /// Opens a container, `-` for standard input.
+    pub fn open(path: impl AsRef<Path>) -> Result<Decoder> {
+        Self::new(Reader::open(path)?)
+    }
+
+    /// Takes an open container; a codec that is not known is an error.
+    pub fn new(reader: Reader) -> Result<Decoder> {
+        let mut streams = Vec::new();
+        for (index, entry) in reader.index().streams.iter().enumerate() {
+            let named = |error: Error| error.context(format!("stream {index}")).in_file(reader.path());
+            let header = CodecHeader::read(entry).map_err(named)?;
+            let face = Face::from_index(entry.face).ok_or_else(|| named(Error::invalid("a face that is unknown")))?;
+            let frames = FrameRange { first: entry.first_frame, last: entry.end_frame() - 1 };
+            streams.push(StreamInfo {
+                index: index as u32,
+                kind: header.kind(),
+                probe: usize::from(entry.probe),
+                face,
+                frames,
+                header,
+                entry: entry.clone(),
+            });
+        }
+        Ok(Decoder { reader, streams })
+    }
+
+    /// All streams.
+    pub fn streams(&self) -> &[StreamInfo] {
+        &self.streams
+    }
+
+    /// The container underneath.
+    pub fn reader(&self) -> &Reader {
+        &self.reader
+    }
+
+    /// The probe of a stream.
+    pub fn probe(&self, stream: &StreamInfo) -> &ProbeEntry {
+        &self.reader.index().probes[stream.probe]
+    }
+
+    /// A decoder of one unit (tile or cell).
+    pub fn unit<'a>(&'a self, stream: &'a StreamInfo, unit: u32) -> UnitDecoder<'a> {
+        let [_, _, width, height] = stream.entry.unit_rect(unit);
+        let (size, pixels) = ([width, height], width as usize * height as usize);
+        let state = match stream.header {
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.temporal.window)),
+            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window)),
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                State::Color8(CellState::new(pixels))
+            }
+            CodecHeader::Color(_) => State::ColorHalf(CellState::new(pixels)),
+        };
+        let chunks = self.reader.index().unit_chunks(stream.index, unit);
+        let source = ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default() };
+        UnitDecoder { source, frames: stream.frames, rect: stream.entry.unit_rect(unit), state }
+    }
+
+    /// A decoder of all units of a stream.
+    pub fn face<'a>(&'a self, stream: &'a StreamInfo) -> FaceDecoder<'a> {
+        let units = (0..stream.entry.unit_count()).map(|unit| self.unit(stream, unit)).collect();
+        FaceDecoder { stream, units }
+    }
+}
+
+/// Fetches the chunks of one unit.
+#[derive(Debug)]
+struct ChunkSource<'a> {
+    reader: &'a Reader,
+    chunks: &'a [ChunkEntry],
+    cost: DecodeCost,
+}
+
+impl ChunkSource<'_> {
+    /// The chunk that holds `frame`, and its index.
+    fn find(&self, frame: u32) -> Result<(usize, ChunkEntry)> {
+        let at = self.chunks.partition_point(|chunk| chunk.key.first_frame <= frame);
+        at.checked_sub(1)
+            .map(|at| (at, self.chunks[at]))
+            .filter(|(_, chunk)| frame - chunk.key.first_frame < chunk.key.frame_count)
+            .ok_or_else(|| Error::invalid(format!("no chunk holds frame {frame}")).in_file(self.reader.path()))
+    }
+
+    fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Vec<u8>) -> Result<T>) -> Result<T> {
+        let start = Instant::now();
+        let payload = self.reader.fetch(chunk)?;
+        let parsed = parse(payload).map_err(|error| self.reader.blame(chunk, error))?;
+        self.cost.fetching += start.elapsed();
+        self.cost.bytes_read += u64::from(chunk.stored_bytes);
+        Ok(parsed)
+    }
+}
+
+/// Decodes one unit; goes forward cheaply and anywhere at the cost of a seek.
+#[derive(Debug)]
+pub struct UnitDecoder<'a> {
+    source: ChunkSource<'a>,
+    frames: FrameRange,
+    rect: [u32; 4],
+    state: State,
+}
+
+#[derive(Debug)]
+enum State {
+    Depth(TemporalState<u16>),
+    Material(TemporalState<[u8; 3]>),
+    Color8(CellState<u8>),
+    ColorHalf(CellState<HalfKey>),
+}
+
+impl UnitDecoder<'_> {
+    /// Shows `frame`; answers how many pixels were written.
+    pub fn decode(&mut self, frame: u32) -> Result<u64> {
+        if !self.frames.contains(frame) {
+            return Err(Error::Usage(format!("frame {frame} is not one of the stream's frames {}", self.frames)));
+        }
+        let updated = match &mut self.state {
+            State::Depth(state) => state.show(&mut self.source, frame)?,
+            State::Material(state) => state.show(&mut self.source, frame)?,
+            State::Color8(state) => state.show(&mut self.source, frame)?,
+            State::ColorHalf(state) => state.show(&mut self.source, frame)?,
+        };
+        self.source.cost.updated_pixels += updated;
+        Ok(updated)
+    }
+
+    /// What all calls of [`Self::decode`] cost.
+    pub fn cost(&self) -> DecodeCost {
+        self.source.cost
+    }
+
+    /// Left, top, width and height in the face.
+    pub fn rect(&self) -> [u32; 4] {
+        self.rect
+    }
+}
+
+/// A temporally coded unit: the picture shown, and the chunk it came from.
+#[derive(Debug)]
+struct TemporalState<T> {
+    size: [u32; 2],
+    window: u8,
+    picture: Vec<T>,
+    chunk: Option<(usize, TemporalChunk<T>)>,
+    /// Frame of the chunk that the picture shows.
+    at: Option<u32>,
+}
+
+impl<T: Texel> TemporalState<T> {
+    fn new(size: [u32; 2], window: u8) -> Self {
+        TemporalState { size, window, picture: Vec::new(), chunk: None, at: None }
+    }
+
+    fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
+        let (index, entry) = source.find(frame)?;
+        if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
+            let size = self.size;
+            let parsed = source.fetch(&entry, |payload| TemporalChunk::parse(payload, size, entry.key.frame_count))?;
+            self.chunk = Some((index, parsed));
+            self.at = None;
+        }
+        let Some((_, chunk)) = &self.chunk else { return Ok(0) };
+        let start = Instant::now();
+        if self.picture.is_empty() {
+            self.picture.resize(self.size[0] as usize * self.size[1] as usize, T::default());
+        }
+        let target = frame - entry.key.first_frame;
+        let updated = chunk.advance(&mut self.picture, self.at, target, self.window);
+        self.at = Some(target);
+        source.cost.applying += start.elapsed();
+        Ok(updated)
+    }
+}
+
+/// A colour cell: the samples shown, and the two keyframes they lie between.
+#[derive(Debug)]
+struct CellState<S> {
+    pixels: usize,
+    shown: Vec<S>,
+    /// Index of the chunk, keyframe in it, weight.
+    recipe: Option<(usize, usize, u8)>,
+    chunk: Option<(usize, CellChunk<S>)>,
+    keyframes: [Keyframe<S>; 2],
+}
+
+/// Samples of a keyframe, with the chunk and the index that they are from.
+#[derive(Debug, Default)]
+struct Keyframe<S> {
+    of: Option<(usize, usize)>,
+    samples: Vec<S>,
+}
+
+impl<S: Sample> CellState<S> {
+    fn new(pixels: usize) -> Self {
+        CellState { pixels, shown: Vec::new(), recipe: None, chunk: None, keyframes: Default::default() }
+    }
+
+    fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
+        let (index, entry) = source.find(frame)?;
+        self.load(source, index, &entry)?;
+        let Some((_, chunk)) = &self.chunk else { return Ok(0) };
+        let blend = chunk.blend(frame - entry.key.first_frame);
+        let recipe = (index, blend.keyframe, blend.weight);
+        if self.recipe == Some(recipe) {
+            return Ok(0);
+        }
+        let next = if chunk.is_last(blend.keyframe) { (index + 1, 0) } else { (index, blend.keyframe + 1) };
+        let start = Instant::now();
+        let fetched_before = source.cost.fetching;
+        self.hold(source, 0, (index, blend.keyframe))?;
+        let samples = self.pixels * 3;
+        self.shown.resize(samples, S::default());
+        if blend.weight == 0 {
+            self.shown.copy_from_slice(&self.keyframes[0].samples);
+        } else {
+            self.hold(source, 1, next)?;
+            let [a, b] = &self.keyframes;
+            for ((shown, &a), &b) in self.shown.iter_mut().zip(&a.samples).zip(&b.samples) {
+                *shown = S::lerp(a, b, blend.weight);
+            }
+        }
+        self.recipe = Some(recipe);
+        source.cost.applying += start.elapsed().saturating_sub(source.cost.fetching - fetched_before);
+        Ok(self.pixels as u64)
+    }
+
+    fn load(&mut self, source: &mut ChunkSource<'_>, index: usize, entry: &ChunkEntry) -> Result<()> {
+        if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
+            self.chunk = Some((index, self.parse(source, entry)?));
+        }
+        Ok(())
+    }
+
+    fn parse(&self, source: &mut ChunkSource<'_>, entry: &ChunkEntry) -> Result<CellChunk<S>> {
+        let pixels = self.pixels;
+        source.fetch(entry, |payload| CellChunk::parse(payload, pixels, entry.key.frame_count))
+    }
+
+    /// Brings a keyframe into a slot, from the other slot where it is there.
+    fn hold(&mut self, source: &mut ChunkSource<'_>, slot: usize, of: (usize, usize)) -> Result<()> {
+        if self.keyframes[slot].of == Some(of) {
+            return Ok(());
+        }
+        if self.keyframes[1 - slot].of == Some(of) {
+            self.keyframes.swap(0, 1);
+            return Ok(());
+        }
+        let (chunk_index, keyframe) = of;
+        let other = match &self.chunk {
+            Some((held, _)) if *held == chunk_index => None,
+            _ => {
+                let Some(&entry) = source.chunks.get(chunk_index) else {
+                    return Err(Error::invalid("a cell's last chunk leads to a next one, and there is none")
+                        .in_file(source.reader.path()));
+                };
+                Some(self.parse(source, &entry)?)
+            }
+        };
+        let chunk = other.as_ref().or(self.chunk.as_ref().map(|(_, chunk)| chunk));
+        let target = &mut self.keyframes[slot];
+        target.samples.resize(self.pixels * 3, S::default());
+        if let Some(chunk) = chunk {
+            chunk.read_keyframe(keyframe, &mut target.samples);
+        }
+        target.of = Some(of);
+        Ok(())
+    }
+}
+
+/// Decodes whole images of one stream, units in parallel.
+#[derive(Debug)]
+pub struct FaceDecoder<'a> {
+    stream: &'a StreamInfo,
+    units: Vec<UnitDecoder<'a>>,
+}
+
+impl FaceDecoder<'_> {
+    /// The image of a frame.
+    pub fn decode(&mut self, frame: u32) -> Result<Picture> {
+        self.units.par_iter_mut().try_for_each(|unit| unit.decode(frame).map(|_| ()))?;
+        let (width, height) = (self.stream.entry.width, self.stream.entry.height);
+        Ok(match self.stream.header {
+            CodecHeader::Depth(_) => Picture::Depth(self.assemble(width, height, |unit| match &unit.state {
+                State::Depth(state) => &state.picture,
+                _ => &[],
+            })),
+            CodecHeader::Material(_) => Picture::Material(self.assemble(width, height, |unit| match &unit.state {
+                State::Material(state) => &state.picture,
+                _ => &[],
+            })),
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                Picture::Color8(self.assemble(width, height, |unit| match &unit.state {
+                    State::Color8(state) => state.shown.as_chunks().0,
+                    _ => &[],
+                }))
+            }
+            CodecHeader::Color(_) => {
+                let keys = self.assemble(width, height, |unit| match &unit.state {
+                    State::ColorHalf(state) => state.shown.as_chunks::<3>().0,
+                    _ => &[],
+                });
+                Picture::ColorHalf(keys.map(|pixel| pixel.map(HalfKey::to_half)))
+            }
+        })
+    }
+
+    /// What decoding cost so far.
+    pub fn cost(&self) -> DecodeCost {
+        self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), DecodeCost::plus)
+    }
+
+    fn assemble<T: Copy + Default>(
+        &self,
+        width: u32,
+        height: u32,
+        pixels: impl for<'u> Fn(&'u UnitDecoder<'_>) -> &'u [T],
+    ) -> Plane<T> {
+        let mut plane = Plane::filled(width, height, T::default());
+        for unit in &self.units {
+            let [left, top, unit_width, _] = unit.rect;
+            for (y, row) in pixels(unit).chunks_exact(unit_width as usize).enumerate() {
+                plane.row_mut(top + y as u32)[left as usize..(left + unit_width) as usize].copy_from_slice(row);
+            }
+        }
+        plane
+    }
+}
