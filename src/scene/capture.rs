@@ -92,34 +92,27 @@ impl View<'_> {
 
     fn ray(&self, col: u32, row: u32, size: u32) -> Ray {
         // Every direction on a face has a length between 1 and √3.
-        Ray { origin: self.position, direction: self.face.direction(col, row, size).normalize() }
+        Ray::from_unit(self.position, self.face.direction(col, row, size).normalize())
     }
 
-    /// Indices, in order, of the objects that pixels `from..to` may see: those whose bounding ball touches the cone
-    /// around the pixels.
+    /// Indices, in order, of the objects that pixels `from..to` may see: those whose bounding box is not wholly on the
+    /// outer side of one of the five planes of the pixels' pyramid.
     fn in_view(&self, from: [u32; 2], to: [u32; 2]) -> Vec<usize> {
         let [forward, right, down] = self.face.axes();
-        let corner = |x: u32, y: u32| {
-            let [u, v] = [x, y].map(|edge| 2.0 * f64::from(edge) / f64::from(self.size) - 1.0);
-            (forward + u * right + v * down).normalize()
+        let plane = |pixel: u32| 2.0 * f64::from(pixel) / f64::from(self.size) - 1.0;
+        // Normals that point inwards; every plane goes through the camera.
+        let planes = [
+            forward,
+            right - plane(from[0]) * forward,
+            plane(to[0]) * forward - right,
+            down - plane(from[1]) * forward,
+            plane(to[1]) * forward - down,
+        ];
+        let visible = |index: &usize| {
+            let corners = self.scene.objects()[*index].bounds().corners().map(|corner| corner - self.position);
+            // The millionth of a metre is for rounding: one object too many costs time, one too few an image.
+            !planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
         };
-        let corners = [corner(from[0], from[1]), corner(to[0], from[1]), corner(from[0], to[1]), corner(to[0], to[1])];
-        let axis = corners.iter().sum::<DVec3>().normalize();
-        // A cone of less than 90° that holds the corners of a flat convex polygon holds the polygon.
-        let half_angle = corners.iter().map(|corner| angle(axis, *corner)).fold(0.0, f64::max);
-        let touches = |index: &usize| {
-            let ball = self.scene.objects[*index].bounds();
-            let to_center = ball.center - self.position;
-            let distance = to_center.length();
-            // The millionth is for rounding; one object too many costs time, one too few an image.
-            distance <= ball.radius * (1.0 + 1e-6)
-                || angle(axis, to_center / distance) <= half_angle + (ball.radius / distance).min(1.0).asin() + 1e-6
-        };
-        (0..self.scene.objects.len()).filter(touches).collect()
+        (0..self.scene.objects().len()).filter(visible).collect()
     }
-}
-
-/// Angle between two directions of length 1, in radians, without the arc cosine's loss near 0.
-fn angle(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
 }
