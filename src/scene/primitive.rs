@@ -101,7 +101,9 @@ impl AxisBox {
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let (enters, leaves) = self.slabs(ray);
         let (enter, leave) = (enters.max_element(), leaves.min_element());
-        if enter > leave || leave <= min_distance {
+        // Asked this way round, a box or ray of NaN is a miss.
+        let met = enter <= leave && leave > min_distance;
+        if !met {
             return None;
         }
         let entering = enter > min_distance;

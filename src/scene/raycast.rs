@@ -281,7 +281,7 @@ impl ShadowGrid {
             .filter(|(_, object)| object.casts_shadow == CastsShadow::Yes)
             .map(|(index, object)| {
                 let corners = object.bounds.corners().map(flat);
-                // A micrometre for what shadow rays are lifted and rounding.
+                // Ten micrometres for rounding and for the lift of shadow rays.
                 let (low, high) = corners
                     .iter()
                     .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
