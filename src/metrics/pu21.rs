@@ -40,8 +40,9 @@ const P: [f64; 7] = [
 /// Luminance outside 0.005..10,000 is clamped, so 0, negative numbers and `−inf` give the code of the floor, `+inf` the
 /// code of the ceiling. NaN gives the floor as well.
 pub fn pu21_encode(luminance_cd_m2: f64) -> f64 {
-    // f64::max answers the other operand for NaN, which is the floor.
-    let y = luminance_cd_m2.max(PU21_MIN_CD_M2).min(PU21_MAX_CD_M2);
+    // Clamping alone would let NaN through.
+    let y =
+        if luminance_cd_m2.is_nan() { PU21_MIN_CD_M2 } else { luminance_cd_m2 }.clamp(PU21_MIN_CD_M2, PU21_MAX_CD_M2);
     let [p1, p2, p3, p4, p5, p6, p7] = P;
     let power = y.powf(p4);
     p7 * (((p1 + p2 * power) / (1.0 + p3 * power)).powf(p5) - p6)

@@ -92,34 +92,92 @@ impl View<'_> {
 
     fn ray(&self, col: u32, row: u32, size: u32) -> Ray {
         // Every direction on a face has a length between 1 and √3.
-        Ray { origin: self.position, direction: self.face.direction(col, row, size).normalize() }
+        Ray::from_unit(self.position, self.face.direction(col, row, size).normalize())
     }
 
-    /// Indices, in order, of the objects that pixels `from..to` may see: those whose bounding ball touches the cone
-    /// around the pixels.
+    /// Indices, in order, of the objects that pixels `from..to` may see: those whose bounding box is not wholly on the
+    /// outer side of one of the five planes of the pixels' pyramid.
     fn in_view(&self, from: [u32; 2], to: [u32; 2]) -> Vec<usize> {
         let [forward, right, down] = self.face.axes();
-        let corner = |x: u32, y: u32| {
-            let [u, v] = [x, y].map(|edge| 2.0 * f64::from(edge) / f64::from(self.size) - 1.0);
-            (forward + u * right + v * down).normalize()
+        let plane = |pixel: u32| 2.0 * f64::from(pixel) / f64::from(self.size) - 1.0;
+        // Normals that point inwards; every plane goes through the camera.
+        let planes = [
+            forward,
+            right - plane(from[0]) * forward,
+            plane(to[0]) * forward - right,
+            down - plane(from[1]) * forward,
+            plane(to[1]) * forward - down,
+        ];
+        let visible = |index: &usize| {
+            let corners = self.scene.objects()[*index].bounds().corners().map(|corner| corner - self.position);
+            // The millionth of a metre is for rounding: one object too many costs time, one too few an image.
+            !planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
         };
-        let corners = [corner(from[0], from[1]), corner(to[0], from[1]), corner(from[0], to[1]), corner(to[0], to[1])];
-        let axis = corners.iter().sum::<DVec3>().normalize();
-        // A cone of less than 90° that holds the corners of a flat convex polygon holds the polygon.
-        let half_angle = corners.iter().map(|corner| angle(axis, *corner)).fold(0.0, f64::max);
-        let touches = |index: &usize| {
-            let ball = self.scene.objects[*index].bounds();
-            let to_center = ball.center - self.position;
-            let distance = to_center.length();
-            // The millionth is for rounding; one object too many costs time, one too few an image.
-            distance <= ball.radius * (1.0 + 1e-6)
-                || angle(axis, to_center / distance) <= half_angle + (ball.radius / distance).min(1.0).asin() + 1e-6
-        };
-        (0..self.scene.objects.len()).filter(touches).collect()
+        (0..self.scene.objects().len()).filter(visible).collect()
     }
 }
 
-/// Angle between two directions of length 1, in radians, without the arc cosine's loss near 0.
-fn angle(a: DVec3, b: DVec3) -> f64 {
-    a.cross(b).length().atan2(a.dot(b))
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{DemoKind, DemoScene, trace};
+
+    #[test]
+    fn thread_count_does_not_matter() {
+        let demo = DemoScene::new(DemoKind::Courtyard);
+        let (probe, _) = demo.probe_region();
+        let captures = [1, 2, 4].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| capture_face(&demo.at(0.5), probe, Face::Nx, 100).unwrap())
+        });
+        assert_eq!(captures[0], captures[1]);
+        assert_eq!(captures[0], captures[2]);
+    }
+
+    #[test]
+    fn culling_and_shafts_change_nothing() {
+        let demo = DemoScene::new(DemoKind::Courtyard);
+        let scene = demo.at(1.3);
+        // From the middle, from outside the region, from above everything.
+        for position in [DVec3::new(0.1, 1.4, 0.2), DVec3::new(-3.0, 1.0, 3.0), DVec3::new(-1.0, 9.0, 0.0)] {
+            for face in Face::CUBE {
+                let size = 37;
+                let (color, depth) = capture_face(&scene, position, face, size).unwrap();
+                for row in 0..size {
+                    for col in 0..size {
+                        let hit = trace(&scene, position, face.direction(col, row, size));
+                        assert_eq!(depth.get(col, row), hit.distance as f32, "{face:?} {col} {row}");
+                        let mean = (0..16).fold(DVec3::ZERO, |sum, k| {
+                            let (x, y) = (col * 4 + k % 4, row * 4 + k / 4);
+                            sum + trace(&scene, position, face.direction(x, y, size * 4)).color
+                        }) / 16.0;
+                        assert_eq!(color.get(col, row), mean.to_array().map(f16::from_f64), "{face:?} {col} {row}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn depth_is_distance_not_planar() {
+        let demo = DemoScene::new(DemoKind::Courtyard);
+        let (probe, _) = demo.probe_region();
+        let (_, depth) = capture_face(&demo.at(0.0), probe, Face::Ny, 64).unwrap();
+        // The ground is 1.5 m below; the ray through pixel (20, 30) is longer.
+        let (u, v) = (2.0 * 20.5 / 64.0 - 1.0, 2.0 * 30.5 / 64.0 - 1.0);
+        let expected = 1.5 * f64::sqrt(1.0 + u * u + v * v);
+        assert!((f64::from(depth.get(20, 30)) - expected).abs() < 1e-6);
+    }
+
+    #[test]
+    fn sizes_and_positions_are_checked() {
+        let scene = DemoScene::new(DemoKind::Courtyard).at(0.0);
+        assert!(capture_face(&scene, DVec3::ZERO, Face::Px, 0).is_err());
+        assert!(capture_face(&scene, DVec3::ZERO, Face::Px, MAX_FACE_SIZE + 1).is_err());
+        assert!(capture_face(&scene, DVec3::NAN, Face::Px, 4).is_err());
+        for size in [1, 3, 17] {
+            let (color, depth) = capture_face(&scene, DVec3::Y, Face::View, size).unwrap();
+            assert_eq!((color.width(), depth.height()), (size, size));
+        }
+    }
 }

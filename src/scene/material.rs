@@ -42,13 +42,13 @@ impl Texture {
             Texture::Checker { colors, size } => {
                 // Half a cube off, so that faces at multiples of the size do not fall on the border between two.
                 let cell = (point / size + 0.5).floor();
-                colors[usize::from((cell.x + cell.y + cell.z).rem_euclid(2.0) >= 1.0)]
+                colors[parity(cell.x + cell.y + cell.z)]
             }
-            Texture::Stripes { colors, wave } => colors[usize::from(point.dot(wave).floor().rem_euclid(2.0) >= 1.0)],
+            Texture::Stripes { colors, wave } => colors[parity(point.dot(wave).floor())],
             Texture::Bricks { colors, size, joint } => {
                 let (along, up) = across(point, normal);
                 let row = (up / size[1]).floor();
-                let shifted = along / size[0] + 0.5 * row.rem_euclid(2.0);
+                let shifted = along / size[0] + 0.5 * parity(row) as f64;
                 let column = shifted.floor();
                 let in_mortar = (shifted - column) * size[0] < joint || up - row * size[1] < joint;
                 if in_mortar { colors[1] } else { colors[0] * (0.75 + 0.5 * cell_noise(column, row)) }
@@ -67,6 +67,11 @@ fn across(point: DVec3, normal: DVec3) -> (f64, f64) {
     } else {
         (point.x, point.y)
     }
+}
+
+/// 1 for an odd whole number, 0 for an even one. The cast saturates far beyond any scene.
+fn parity(whole: f64) -> usize {
+    (whole as i64 & 1) as usize
 }
 
 /// A fixed number in 0..1 for each brick: an integer hash, so that it is the same on every machine.

@@ -13,4 +13,4 @@ pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
 pub use material::{Material, Texture};
 pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
-pub use raycast::{CastsShadow, Hit, Lamp, Object, SceneAtTime, Sky, Sun, trace};
+pub use raycast::{CastsShadow, Hit, Lamp, Light, Object, SceneAtTime, Sky, Sun, trace};

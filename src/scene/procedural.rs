@@ -9,7 +9,7 @@ use glam::{DQuat, DVec2, DVec3};
 
 use super::material::{Material, Texture};
 use super::primitive::{AxisBox, Fence, Quad, Shape, Sphere, TurnedBox};
-use super::raycast::{CastsShadow, Lamp, Object, SceneAtTime, Sky, Sun};
+use super::raycast::{CastsShadow, Lamp, Light, Object, SceneAtTime, Sky, Sun};
 
 /// The scenes there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,7 +62,7 @@ impl DemoScene {
     }
 
     /// Where probes belong, in metres: the middle, and how far from it along each axis. From anywhere within, no
-    /// surface is nearer than 0.25 m, and in the courtyard the face +X sees nothing.
+    /// surface is nearer than 0.9 m, and in the courtyard the face +X sees nothing.
     pub fn probe_region(&self) -> (DVec3, DVec3) {
         match self.kind {
             DemoKind::Courtyard => (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)),
@@ -222,10 +222,137 @@ fn courtyard_at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     bulb.casts_shadow = CastsShadow::No;
     objects.push(bulb);
 
-    SceneAtTime {
-        objects,
+    let light = Light {
         sun: Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: rgb(1.75, 1.6, 1.35) },
         lamp: Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0 },
         sky: Sky { horizon: rgb(0.5, 0.66, 0.86), zenith: rgb(0.16, 0.32, 0.68), ambient: rgb(0.3, 0.36, 0.46) },
+    };
+    SceneAtTime::new(objects, light)
+}
+
+#[cfg(test)]
+mod tests {
+    use half::f16;
+
+    use super::*;
+    use crate::image::{DepthPlane, Face};
+    use crate::scene::{capture_face, trace};
+
+    const TIMES: [f64; 5] = [0.0, 0.7, 1.5, 2.9, 3.95];
+
+    fn courtyard() -> DemoScene {
+        DemoScene::new(DemoKind::Courtyard)
+    }
+
+    /// The middle and the eight corners of the probe region.
+    fn probes() -> Vec<DVec3> {
+        let (middle, half) = courtyard().probe_region();
+        let region = AxisBox { min: middle - half, max: middle + half };
+        [middle].into_iter().chain(region.corners()).collect()
+    }
+
+    #[test]
+    fn empty_side_is_empty_from_every_probe() {
+        for time in TIMES {
+            let scene = courtyard().at(time);
+            let sky = scene.light().sky.horizon.to_array().map(f16::from_f64);
+            for probe in probes() {
+                let (color, depth) = capture_face(&scene, probe, Face::Px, 32).unwrap();
+                assert!(depth.data().iter().all(|&d| d == f32::INFINITY), "{probe} at {time} s");
+                assert!(color.data().iter().all(|&c| c == sky), "{probe} at {time} s");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_comes_near_a_probe() {
+        for time in TIMES {
+            for probe in probes() {
+                for face in Face::CUBE {
+                    let (_, depth) = capture_face(&courtyard().at(time), probe, face, 24).unwrap();
+                    assert!(depth.data().iter().all(|&d| d > 0.9), "{face:?} of {probe} at {time} s");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn pergola_and_sky_never_change() {
+        let (probe, _) = courtyard().probe_region();
+        let first = capture_face(&courtyard().at(0.0), probe, Face::Py, 64).unwrap();
+        assert!(first.1.data().iter().any(|d| d.is_finite()));
+        for time in TIMES {
+            assert_eq!(capture_face(&courtyard().at(time), probe, Face::Py, 64).unwrap(), first, "{time} s");
+        }
+    }
+
+    #[test]
+    fn most_is_static_and_something_moves() {
+        let (probe, _) = courtyard().probe_region();
+        for face in [Face::Nx, Face::Pz, Face::Nz] {
+            let [a, b] =
+                [1.0, 1.0 + 1.0 / 24.0].map(|time| capture_face(&courtyard().at(time), probe, face, 96).unwrap());
+            let same_depth = a.1.data().iter().zip(b.1.data()).filter(|(a, b)| a == b).count();
+            let same_color = a.0.data().iter().zip(b.0.data()).filter(|(a, b)| a == b).count();
+            let all = 96 * 96;
+            assert!(same_depth < all && same_depth * 100 > all * 90, "{face:?}: {same_depth}");
+            assert!(same_color < all && same_color * 100 > all * 50, "{face:?}: {same_color}");
+        }
+    }
+
+    #[test]
+    fn it_repeats_and_takes_any_time() {
+        let (probe, _) = courtyard().probe_region();
+        let at = |time: f64| capture_face(&courtyard().at(time), probe, Face::Nx, 24).unwrap();
+        assert_eq!(at(1.5), at(1.5 + DemoScene::PERIOD_S));
+        assert_eq!(at(-1.0), at(3.0));
+        assert_eq!(at(f64::NAN), at(0.0));
+        assert_eq!(at(f64::INFINITY), at(0.0));
+    }
+
+    #[test]
+    fn lamp_changes_the_wall_linearly() {
+        let (probe, _) = courtyard().probe_region();
+        let target = DVec3::new(-0.4, 2.0, WALL);
+        let [a, b, c] = [0.4, 0.9, 1.4].map(|time| trace(&courtyard().at(time), probe, target - probe));
+        assert_eq!((a.object, a.distance), (c.object, c.distance));
+        assert!((c.color - a.color).min_element() > 0.1, "{} {}", a.color, c.color);
+        assert!((0.5 * (a.color + c.color) - b.color).abs().max_element() < 1e-12);
+    }
+
+    #[test]
+    fn the_lamp_is_far_brighter_than_white() {
+        let (probe, _) = courtyard().probe_region();
+        let hit = trace(&courtyard().at(2.0), probe, LAMP - probe);
+        assert_eq!(hit.color.x, 20.0);
+    }
+
+    /// Jumps of more than 10% from one pixel to the next.
+    fn jumps(depth: &DepthPlane, row: u32) -> usize {
+        depth.row(row).windows(2).filter(|pair| (pair[0] / pair[1]).ln().abs() > 0.1).count()
+    }
+
+    #[test]
+    fn fence_posts_are_one_to_three_pixels() {
+        let (probe, _) = courtyard().probe_region();
+        let (_, depth) = capture_face(&courtyard().at(0.0), probe, Face::Pz, 128).unwrap();
+        // Halfway between the rails, about 13 posts in a view of 90° from 1.3 m, each with two edges.
+        let row = 107;
+        assert!(jumps(&depth, row) >= 22, "{}", jumps(&depth, row));
+        let near = |d: f32| d < 2.2;
+        let runs: Vec<usize> =
+            depth.row(row).chunk_by(|a, b| near(*a) == near(*b)).filter(|run| near(run[0])).map(<[f32]>::len).collect();
+        // The pergola's post is the one exception.
+        assert!(runs.iter().filter(|&&run| run > 3).count() <= 1, "{runs:?}");
+        assert!(runs.iter().filter(|&&run| run <= 3).count() >= 11, "{runs:?}");
+    }
+
+    #[test]
+    fn names_round_trip() {
+        for kind in DemoKind::ALL {
+            assert_eq!(DemoKind::from_name(kind.name()), Some(kind));
+        }
+        assert_eq!(DemoKind::from_name("castle"), None);
+        assert_eq!(courtyard().kind(), DemoKind::Courtyard);
     }
 }

@@ -5,10 +5,10 @@
 //! Nothing here depends on time or on chance: the same scene and ray give the same bits, so that what does not move
 //! and is not lit anew is exactly static.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 
 use super::material::Material;
-use super::primitive::{Intersection, Ray, Shape, Sphere};
+use super::primitive::{AxisBox, Intersection, Ray, Shape};
 
 /// How far a shadow ray starts above the surface, metres: far above the rounding of f64 at 100 m, far below a
 /// fence post.
@@ -18,8 +18,8 @@ const SHADOW_OFFSET_M: f64 = 1e-6;
 #[derive(Debug, Clone, Copy)]
 pub struct Object {
     shape: Shape,
-    /// A ball that contains the shape.
-    bounds: Sphere,
+    /// A box that contains the shape.
+    bounds: AxisBox,
     /// What it is painted with.
     pub material: Material,
     /// Origin of the texture's coordinates in the world, metres.
@@ -44,7 +44,7 @@ impl Object {
     pub fn new(shape: Shape, material: Material) -> Self {
         Object {
             shape,
-            bounds: shape.bounding_sphere(),
+            bounds: shape.bounding_box(),
             material,
             anchor: DVec3::ZERO,
             texture_from_world: DQuat::IDENTITY,
@@ -57,8 +57,8 @@ impl Object {
         &self.shape
     }
 
-    /// A ball that contains it.
-    pub fn bounds(&self) -> &Sphere {
+    /// A box along the axes that contains it.
+    pub fn bounds(&self) -> &AxisBox {
         &self.bounds
     }
 }
@@ -109,8 +109,14 @@ impl Sky {
 /// A scene at one moment.
 #[derive(Debug, Clone)]
 pub struct SceneAtTime {
-    /// Everything solid.
-    pub objects: Vec<Object>,
+    objects: Vec<Object>,
+    light: Light,
+    shadows: ShadowGrid,
+}
+
+/// All that shines in a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
     /// The sun.
     pub sun: Sun,
     /// The lamp.
@@ -137,12 +143,28 @@ pub struct Hit {
 /// A direction without length, or anything not finite, sees nothing: distance `+inf` and the horizon's colour.
 pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     let Some(ray) = Ray::new(origin, direction) else {
-        return Hit { distance: f64::INFINITY, color: scene.sky.horizon, normal: DVec3::ZERO, object: None };
+        return Hit { distance: f64::INFINITY, color: scene.light.sky.horizon, normal: DVec3::ZERO, object: None };
     };
     scene.look(&ray, 0..scene.objects.len())
 }
 
 impl SceneAtTime {
+    /// A scene of `objects`. Where two lie equally far along a ray, the earlier one is seen.
+    pub fn new(objects: Vec<Object>, light: Light) -> Self {
+        let shadows = ShadowGrid::new(&objects, light.sun.direction);
+        SceneAtTime { objects, light, shadows }
+    }
+
+    /// Everything solid.
+    pub fn objects(&self) -> &[Object] {
+        &self.objects
+    }
+
+    /// Everything that shines.
+    pub fn light(&self) -> &Light {
+        &self.light
+    }
+
     /// The nearest of the `candidates` (indices of objects), by order of index where two are equally near.
     pub(super) fn nearest(
         &self,
@@ -165,13 +187,13 @@ impl SceneAtTime {
         match self.nearest(ray, candidates) {
             None => Hit {
                 distance: f64::INFINITY,
-                color: self.sky.radiance(ray.direction),
+                color: self.light.sky.radiance(ray.direction()),
                 normal: DVec3::ZERO,
                 object: None,
             },
             Some((index, hit)) => {
                 // The side that is seen is the side that is lit: quads and rays from inside a solid.
-                let normal = if hit.normal.dot(ray.direction) > 0.0 { -hit.normal } else { hit.normal };
+                let normal = if hit.normal.dot(ray.direction()) > 0.0 { -hit.normal } else { hit.normal };
                 let color = self.shade(index, ray.at(hit.distance), normal);
                 Hit { distance: hit.distance, color, normal, object: Some(index) }
             }
@@ -189,48 +211,191 @@ impl SceneAtTime {
         };
         let albedo = object.material.texture.albedo(local_point, local_normal);
         // A surface that faces down sees ground instead of sky: a bit less than half the light.
-        let mut light = self.sky.ambient * (0.7 + 0.3 * normal.y);
+        let mut light = self.light.sky.ambient * (0.7 + 0.3 * normal.y);
         let above = point + SHADOW_OFFSET_M * normal;
-        let facing_sun = normal.dot(self.sun.direction);
-        if facing_sun > 0.0 && !self.occluded(&Ray { origin: above, direction: self.sun.direction }, f64::INFINITY) {
-            light += facing_sun * self.sun.radiance;
+        let facing_sun = normal.dot(self.light.sun.direction);
+        if facing_sun > 0.0 && !self.in_sun_shadow(above) {
+            light += facing_sun * self.light.sun.radiance;
         }
         light += self.lamp_light(above, normal);
         object.material.emission + albedo * light
     }
 
     fn lamp_light(&self, point: DVec3, normal: DVec3) -> DVec3 {
-        let to_lamp = self.lamp.position - point;
+        let to_lamp = self.light.lamp.position - point;
         let squared = to_lamp.length_squared();
-        let reach = self.lamp.reach * self.lamp.reach;
+        let reach = self.light.lamp.reach * self.light.lamp.reach;
         let cosine = normal.dot(to_lamp);
         // Out of reach, behind the surface, or in the lamp itself, where the direction is lost.
         if squared >= reach || cosine <= 0.0 || squared < 1e-12 {
             return DVec3::ZERO;
         }
         let distance = squared.sqrt();
-        if self.occluded(&Ray { origin: point, direction: to_lamp / distance }, distance) {
+        if self.occluded(&Ray::from_unit(point, to_lamp / distance), distance) {
             return DVec3::ZERO;
         }
         // Inverse square times a window that reaches 0 with slope 0.
         let window = 1.0 - squared / reach;
-        self.lamp.radiance * (cosine / distance * window * window / squared.max(0.01))
+        self.light.lamp.radiance * (cosine / distance * window * window / squared.max(0.01))
+    }
+
+    fn in_sun_shadow(&self, point: DVec3) -> bool {
+        let ray = Ray::from_unit(point, self.light.sun.direction);
+        self.shadows.casters(point).iter().any(|&index| self.objects[index].shape.intersect(&ray, 0.0).is_some())
     }
 
     /// Whether something that casts shadows lies on the first `length` metres.
     fn occluded(&self, ray: &Ray, length: f64) -> bool {
-        self.objects.iter().any(|object| {
-            if object.casts_shadow == CastsShadow::No {
-                return false;
-            }
-            // Most objects are far from most rays; their balls say so in a few multiplications.
-            let to_center = object.bounds.center - ray.origin;
-            let along = to_center.dot(ray.direction);
-            let radius = object.bounds.radius;
-            if along < -radius || to_center.length_squared() - along * along > radius * radius {
-                return false;
-            }
-            object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
+        self.objects.iter().filter(|object| object.casts_shadow == CastsShadow::Yes).any(|object| {
+            object.bounds.intersect(ray, 0.0).is_some()
+                && object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
         })
+    }
+}
+
+/// Who may stand between a point and the sun: the scene cut into shafts parallel to the sun's rays, each with the
+/// objects whose bounding boxes reach into it.
+#[derive(Debug, Clone)]
+struct ShadowGrid {
+    /// Two axes across the sun's direction.
+    axes: [DVec3; 2],
+    /// Smallest coordinates of all casters, and shafts per metre, along those axes.
+    min: DVec2,
+    per_metre: DVec2,
+    /// Indices of objects, row-major.
+    shafts: Vec<Vec<usize>>,
+}
+
+impl ShadowGrid {
+    /// Shafts along each axis.
+    const SIDE: usize = 48;
+
+    fn new(objects: &[Object], sun: DVec3) -> Self {
+        // Across the sun, and as far as possible along X: the shadows of long beams then fill few shafts.
+        let first = (DVec3::X - sun.x * sun).try_normalize().unwrap_or(DVec3::Y);
+        let axes = [first, sun.cross(first)];
+        let flat = |point: DVec3| DVec2::new(point.dot(axes[0]), point.dot(axes[1]));
+        let casters: Vec<(usize, DVec2, DVec2)> = objects
+            .iter()
+            .enumerate()
+            .filter(|(_, object)| object.casts_shadow == CastsShadow::Yes)
+            .map(|(index, object)| {
+                let corners = object.bounds.corners().map(flat);
+                // Ten micrometres for rounding and for the lift of shadow rays.
+                let (low, high) = corners
+                    .iter()
+                    .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+                (index, low - 1e-5, high + 1e-5)
+            })
+            .collect();
+        let min = casters.iter().fold(DVec2::INFINITY, |min, (_, low, _)| min.min(*low));
+        let max = casters.iter().fold(DVec2::NEG_INFINITY, |max, (_, _, high)| max.max(*high));
+        let mut grid = ShadowGrid {
+            axes,
+            min,
+            per_metre: Self::SIDE as f64 / (max - min),
+            shafts: vec![Vec::new(); Self::SIDE * Self::SIDE],
+        };
+        for (index, low, high) in casters {
+            let (from, to) = (grid.shaft(low), grid.shaft(high));
+            for row in from[1]..=to[1] {
+                for column in from[0]..=to[0] {
+                    grid.shafts[row * Self::SIDE + column].push(index);
+                }
+            }
+        }
+        grid
+    }
+
+    /// Column and row of a flat point. Casts saturate and NaN (a grid without casters) is 0, so points outside fall
+    /// into a border shaft, whose casters they try in vain.
+    fn shaft(&self, flat: DVec2) -> [usize; 2] {
+        ((flat - self.min) * self.per_metre).to_array().map(|at| (at as usize).min(Self::SIDE - 1))
+    }
+
+    fn casters(&self, point: DVec3) -> &[usize] {
+        let [column, row] = self.shaft(DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1])));
+        &self.shafts[row * Self::SIDE + column]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::material::Texture;
+    use super::super::primitive::{Quad, Sphere};
+    use super::*;
+
+    const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::ONE, ambient: DVec3::splat(0.1) };
+
+    fn white(shape: Shape) -> Object {
+        Object::new(shape, Material::diffuse(Texture::Solid(DVec3::ONE)))
+    }
+
+    /// A floor at y = 0, a ball of radius 1 above its middle, the sun overhead, a lamp low at x = 4.
+    fn scene() -> SceneAtTime {
+        let floor = Quad { corner: DVec3::new(-9.0, 0.0, -9.0), u: DVec3::Z * 18.0, v: DVec3::X * 18.0 };
+        let objects =
+            vec![white(Shape::Quad(floor)), white(Shape::Sphere(Sphere { center: DVec3::Y * 3.0, radius: 1.0 }))];
+        let light = Light {
+            sun: Sun { direction: DVec3::Y, radiance: DVec3::splat(2.0) },
+            lamp: Lamp { position: DVec3::new(4.0, 1.0, 0.0), radiance: DVec3::ONE, reach: 2.0 },
+            sky: SKY,
+        };
+        SceneAtTime::new(objects, light)
+    }
+
+    fn floor_at(x: f64, z: f64) -> DVec3 {
+        let from = DVec3::new(x + 3.0, 1.5, z);
+        let hit = trace(&scene(), from, DVec3::new(x, 0.0, z) - from);
+        assert_eq!(hit.object, Some(0));
+        hit.color
+    }
+
+    #[test]
+    fn sun_shadow_and_ambient() {
+        assert!((floor_at(-2.0, 0.0) - 2.1).abs().max_element() < 1e-12);
+        assert!((floor_at(-0.9, 0.0) - 0.1).abs().max_element() < 1e-12);
+        // The shadow's edge is the ball's outline, from both sides.
+        assert!(floor_at(-1.001, 0.0).x > 2.0 && floor_at(-0.999, 0.0).x < 0.2);
+        // On the floor's far corners, outside the shafts of all casters.
+        assert!(floor_at(-8.9, 8.9).x > 2.0);
+    }
+
+    #[test]
+    fn lamp_reaches_just_so_far() {
+        // Straight below: 1 m, window (1 − 1/4)².
+        assert!((floor_at(4.0, 0.0).x - (2.1 + 0.5625)).abs() < 1e-5);
+        assert_eq!(floor_at(4.0, 1.8), floor_at(-4.0, 1.8));
+    }
+
+    #[test]
+    fn sphere_is_lit_above_and_dark_below() {
+        let above = trace(&scene(), DVec3::Y * 8.0, DVec3::NEG_Y);
+        assert_eq!((above.distance, above.object, above.normal), (4.0, Some(1), DVec3::Y));
+        assert!((above.color.x - 2.1).abs() < 1e-12);
+        let below = trace(&scene(), DVec3::Y * 0.5, DVec3::Y);
+        assert!((below.color.x - 0.04).abs() < 1e-12);
+    }
+
+    #[test]
+    fn nothing_is_infinite_and_sky_coloured() {
+        let up = trace(&scene(), DVec3::new(5.0, 5.0, 5.0), DVec3::Y);
+        assert_eq!((up.distance, up.color, up.object), (f64::INFINITY, DVec3::ONE, None));
+        let side = trace(&scene(), DVec3::new(5.0, 5.0, 5.0), DVec3::new(1.0, 1.0, 0.0));
+        assert_eq!(side.color, SKY.horizon);
+        for (origin, direction) in [(DVec3::NAN, DVec3::X), (DVec3::ZERO, DVec3::ZERO), (DVec3::ZERO, DVec3::NAN)] {
+            assert_eq!(trace(&scene(), origin, direction).distance, f64::INFINITY);
+        }
+    }
+
+    #[test]
+    fn an_empty_scene_is_sky() {
+        let empty = SceneAtTime::new(vec![], *scene().light());
+        assert_eq!(trace(&empty, DVec3::ZERO, DVec3::Z).color, SKY.horizon);
+        // And a scene in which nothing casts a shadow is lit everywhere.
+        let mut floor = scene().objects()[0];
+        floor.casts_shadow = CastsShadow::No;
+        let bare = SceneAtTime::new(vec![floor], *scene().light());
+        assert!((trace(&bare, DVec3::Y, DVec3::new(0.1, -1.0, 0.0)).color.x - 2.1).abs() < 1e-12);
     }
 }
