@@ -385,7 +385,10 @@ impl<'a> GroupCoder<'a> {
                     None => timed(reading, || source.read_depth(self.group, frame))?,
                 };
                 timed(coding, || {
-                    planes.iter().map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth)).collect::<Result<_>>()
+                    planes
+                        .iter()
+                        .map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth))
+                        .collect::<Result<_>>()
                 })
                 .map_err(named)
             }
@@ -406,9 +409,9 @@ impl<'a> GroupCoder<'a> {
             StreamKind::Material => {
                 let planes = timed(reading, || source.read_material(self.group, frame))?;
                 timed(coding, || {
- planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
-})
-                    .map_err(named)
+                    planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
+                })
+                .map_err(named)
             }
         }
     }
