@@ -259,6 +259,29 @@ fn hostile_headers_are_refused_without_panic() {
 }
 
 #[test]
+fn damaged_pixels_do_not_panic() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("p.exr");
+    let display = IntegerBounds::from_dimensions((12, 9));
+    let halves = || FlatSamples::F16((0..108).map(|i| f16::from_f32((i % 37) as f32 * 0.3)).collect());
+    let tight = ReadLimits { max_image_bytes: 1 << 20 };
+    for compression in [Compression::RLE, Compression::ZIP16, Compression::PIZ, Compression::PXR24, Compression::B44] {
+        let channels = vec![("R", halves()), ("G", halves()), ("B", halves())];
+        let part = Part { name: None, position: [0, 0], size: [12, 9], channels };
+        write_parts(&path, display, compression, Blocks::ScanLines, vec![part]);
+        let bytes = std::fs::read(&path).unwrap();
+        for at in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at] = damaged[at].wrapping_mul(31).wrapping_add(97);
+            std::fs::write(&path, &damaged).unwrap();
+            if let Ok(plane) = ours::read_color(&path, &AUTO, &tight) {
+                assert!(plane.data().len() < 1 << 18);
+            }
+        }
+    }
+}
+
+#[test]
 fn claims_beyond_the_file_are_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("big.exr");
