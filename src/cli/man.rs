@@ -24,17 +24,18 @@ pub struct Page {
 pub fn pages() -> Result<Vec<Page>> {
     let mut root = super::command();
     root.build();
-    let mut pages = vec![page(root.clone())?];
+    let mut pages = vec![page("lightfold".to_owned(), root.clone())?];
     for command in root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help") {
         let name = format!("lightfold-{}", command.get_name());
-        pages.push(page(command.clone().display_name(name.clone()).name(name))?);
+        pages.push(page(name, command.clone())?);
     }
     Ok(pages)
 }
 
-fn page(command: clap::Command) -> Result<Page> {
-    let man = clap_mangen::Man::new(command).source(concat!("lightfold ", env!("CARGO_PKG_VERSION")));
-    let name = man.get_filename();
+fn page(title: String, command: clap::Command) -> Result<Page> {
+    let man =
+        clap_mangen::Man::new(command).title(title.clone()).source(concat!("lightfold ", env!("CARGO_PKG_VERSION")));
+    let name = format!("{title}.1");
     let mut text = Vec::new();
     man.render(&mut text).map_err(|error| Error::io(&name, error))?;
     Ok(Page { name, text })
