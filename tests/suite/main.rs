@@ -1,4 +1,6 @@
 //! One test binary for everything that is tested from outside the crate.
 
 mod exr_files;
+mod footage;
 mod input;
+mod roundtrip;
