@@ -1,1 +1,6 @@
 //! One test binary for everything that is tested from outside the crate.
+
+mod corrupt;
+mod docs;
+mod samples;
+mod vectors;
