@@ -2,7 +2,8 @@
 """Decodes .lfold containers, written from the documents in formats/ and from nothing else.
 
 Prints `stream frame crc32` for each frame of each stream, the CRC-32 being that of the image in the form that
-arithmetic.md 1 gives it. A container that breaks a rule of the documents ends the program with exit code 2.
+arithmetic.md 1 gives it. For a container that breaks a rule of the documents it says so on standard error, and ends with
+exit code 2.
 
 Usage: decode.py FILE.lfold...
 """
@@ -42,7 +43,7 @@ class Fields:
 
     def take(self, layout):
         values = struct.unpack("<" + layout, self.bytes(struct.calcsize("<" + layout)))
-        check(all(math.isfinite(v) for v, t in zip(values, layout) if t == "d"), "an f64 is not finite")
+        check("d" not in layout or all(map(math.isfinite, values)), "an f64 is not finite")
         return values if len(values) > 1 else values[0]
 
     def string(self):
@@ -321,21 +322,20 @@ def decode_stream(data, stream):
 
 
 def main(paths):
+    refused = False
     for path in paths:
         with open(path, "rb") as file:
             data = file.read()
         try:
             read_head(data)
-            streams = read_index(*read_foot(data))
-            lines = []
-            for number, stream in enumerate(streams):
-                for at, image in enumerate(decode_stream(data, stream)):
-                    lines.append(f"{number} {stream.first + at} {zlib.crc32(image):08x}")
-            print("\n".join(lines))
+            images = [(n, s.first, decode_stream(data, s)) for n, s in enumerate(read_index(*read_foot(data)))]
+            for number, first, frames in images:
+                for at, image in enumerate(frames):
+                    print(number, first + at, f"{zlib.crc32(image):08x}")
         except Refused as refusal:
             print(f"{path}: {refusal}", file=sys.stderr)
-            return 2
-    return 0
+            refused = True
+    return 2 if refused else 0
 
 
 if __name__ == "__main__":
