@@ -179,7 +179,7 @@ impl<T: Texel> TemporalChunk<T> {
             let next = self.records.partition_point(|record| record.frame <= frame);
             let stop = self.records.get(next).map_or(target, |record| record.frame.min(target));
             frame += (stop - frame - 1) / window * window;
-            frame = target.min(frame + window);
+            frame += window.min(target - frame);
             if let Ok(found) = self.records.binary_search_by_key(&frame, |record| record.frame) {
                 updated += self.apply(picture, self.records[found].body);
             }

@@ -10,7 +10,7 @@ use lightfold::depth::TemporalSettings;
 use lightfold::video::decode::Decoder;
 use rayon::prelude::*;
 
-use crate::samples::{self, Random, Shape};
+use crate::samples::{self, Images, Random, Shape};
 
 /// Three kinds of stream in a few kilobytes, with and without LZMA2.
 fn small(level: Option<u32>) -> Vec<u8> {
@@ -39,13 +39,13 @@ fn small(level: Option<u32>) -> Vec<u8> {
 }
 
 /// Fails where a damaged file shows other pixels than the good one.
-fn check(damaged: Vec<u8>, expected: &[Vec<Vec<u8>>], what: impl Fn() -> String) {
+fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
     if let Ok(images) = samples::decode_all(damaged) {
-        assert!(images == expected, "{}: pixels changed in silence", what());
+        assert!(images == *expected, "{}: pixels changed in silence", what());
     }
 }
 
-fn both() -> [(Vec<u8>, Vec<Vec<Vec<u8>>>); 2] {
+fn both() -> [(Vec<u8>, Images); 2] {
     [None, Some(6)].map(|level| {
         let file = small(level);
         let images = samples::decode_all(file.clone()).unwrap();

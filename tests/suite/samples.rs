@@ -235,8 +235,11 @@ pub fn image_bytes(picture: &Picture) -> Vec<u8> {
     }
 }
 
+/// The images of all streams as bytes: by stream, then by frame.
+pub type Images = Vec<Vec<Vec<u8>>>;
+
 /// All images of all streams, in order.
-pub fn decode_all(file: Vec<u8>) -> Result<Vec<Vec<Vec<u8>>>> {
+pub fn decode_all(file: Vec<u8>) -> Result<Images> {
     let decoder = Decoder::new(Reader::from_memory(file)?)?;
     let streams = decoder.streams().iter().map(|stream| {
         let mut face = decoder.face(stream);
