@@ -73,7 +73,7 @@ impl Error {
     /// Names the file, unless an inner call already did.
     #[must_use]
     pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
-        if let Error::Invalid { file, .. } | Error::Unsupported { file, .. } = &mut self
+        if let Error::Invalid { file, .. } | Error::Unsupported { file, .. } | Error::Io { file, .. } = &mut self
             && file.as_os_str().is_empty()
         {
             *file = path.as_ref().to_path_buf();

@@ -1,3 +1,7 @@
 //! Entry point: hands the command line to [`lightfold::cli`].
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lightfold::cli::run(std::env::args_os())
+}

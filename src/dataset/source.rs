@@ -169,7 +169,7 @@ pub struct Source {
     material_channels: [String; 3],
     invalid_color: InvalidColor,
     limits: ReadLimits,
-    maps: [OnceLock<FaceMap>; 6],
+    maps: [OnceLock<Result<FaceMap, String>>; 6],
 }
 
 impl Source {
@@ -535,14 +535,12 @@ impl Source {
     }
 
     fn map(&self, face: Face) -> Result<&FaceMap> {
-        let slot = &self.maps[face as usize % self.maps.len()];
-        if let Some(map) = slot.get() {
-            return Ok(map);
-        }
         let (width, height) = self.file_size;
-        let map = FaceMap::new(face, self.delivered_size.0, width, height)?;
-        // Two threads may have made the same map; either serves.
-        Ok(slot.get_or_init(|| map))
+        // Threads that need the same map wait for the first one. An error cannot be cloned, so its words are kept.
+        self.maps[face as usize % self.maps.len()]
+            .get_or_init(|| FaceMap::new(face, self.delivered_size.0, width, height).map_err(|error| error.to_string()))
+            .as_ref()
+            .map_err(|message| Error::unsupported(message.clone()))
     }
 }
 

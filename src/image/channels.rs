@@ -2,7 +2,7 @@
 //!
 //! A channel is known by its own name and, in a file of several layers (parts), by `layer.name` too. Looking goes
 //! through the tables in order, first by full name, then by the channel's own name; a name that several layers
-//! share is an error that lists them, never a guess.
+//! share and no table decides is an error that lists them, never a guess.
 
 use std::collections::BTreeSet;
 
@@ -105,10 +105,25 @@ fn list(names: &[ChannelName]) -> String {
     text.join(", ")
 }
 
+/// By which of its names a channel is looked for.
+#[derive(Clone, Copy)]
+enum By {
+    /// `layer.name`.
+    Full,
+    /// The name inside the layer, where the full name gave nothing.
+    Plain,
+}
+
+type Same = fn(&str, &str) -> bool;
+
+/// The order in which usual names are tried: full before plain, as written before case ignored.
+const TRIES: [(By, Same); 4] =
+    [(By::Full, exact), (By::Full, ignoring_case), (By::Plain, exact), (By::Plain, ignoring_case)];
+
 /// Index of the channel of that name; `None` when there is none, an error when several layers have it.
-fn lookup(names: &[ChannelName], wanted: &str, same: fn(&str, &str) -> bool) -> Result<Option<usize>> {
-    if let Some(found) = names.iter().position(|channel| same(&channel.full(), wanted)) {
-        return Ok(Some(found));
+fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Option<usize>> {
+    if let By::Full = by {
+        return Ok(names.iter().position(|channel| same(&channel.full(), wanted)));
     }
     let plain: Vec<usize> = (0..names.len()).filter(|&i| same(&names[i].name, wanted)).collect();
     match plain.as_slice() {
@@ -131,8 +146,11 @@ fn ignoring_case(a: &str, b: &str) -> bool {
 
 /// Index of the channel that has exactly this name.
 pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
-    lookup(names, wanted, exact)?
-        .ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
+    let found = match lookup(names, wanted, By::Full, exact)? {
+        None => lookup(names, wanted, By::Plain, exact)?,
+        found => found,
+    };
+    found.ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
 }
 
 /// Whether the channel is one of three coordinates, as the Z of a normal or a position is.
@@ -153,9 +171,9 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
     // A normal's Z would win over the depth beside it; such triples are set aside first.
     let candidates: Vec<usize> = (0..names.len()).filter(|&i| !is_coordinate(names, i)).collect();
     let kept: Vec<ChannelName> = candidates.iter().map(|&i| names[i].clone()).collect();
-    for same in [exact, ignoring_case] {
+    for (by, same) in TRIES {
         for wanted in DEPTH_CHANNELS {
-            if let Some(found) = lookup(&kept, wanted, same)? {
+            if let Some(found) = lookup(&kept, wanted, by, same)? {
                 return Ok(candidates[found]);
             }
         }
@@ -176,12 +194,12 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
 }
 
 /// Indices of the three colour channels of one layer, if they are there.
-fn find_layer(names: &[ChannelName], layer: &str, same: fn(&str, &str) -> bool) -> Result<Option<[usize; 3]>> {
+fn find_layer(names: &[ChannelName], layer: &str, by: By, same: Same) -> Result<Option<[usize; 3]>> {
     for components in COLOR_COMPONENTS {
         let mut found = [None; 3];
         for (slot, component) in found.iter_mut().zip(components) {
             let wanted = if layer.is_empty() { (*component).to_string() } else { format!("{layer}.{component}") };
-            *slot = lookup(names, &wanted, same)?;
+            *slot = lookup(names, &wanted, by, same)?;
         }
         if let [Some(r), Some(g), Some(b)] = found {
             return Ok(Some([r, g, b]));
@@ -196,14 +214,18 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
         if let [r, g, b] = wanted.split(',').map(str::trim).collect::<Vec<_>>().as_slice() {
             return Ok([find_named(names, r)?, find_named(names, g)?, find_named(names, b)?]);
         }
-        return match find_layer(names, wanted, exact)? {
+        let layer = match find_layer(names, wanted, By::Full, exact)? {
+            None => find_layer(names, wanted, By::Plain, exact)?,
+            found => found,
+        };
+        return match layer {
             Some(found) => Ok(found),
             None => find_named(names, wanted).map(|gray| [gray; 3]),
         };
     }
-    for same in [exact, ignoring_case] {
+    for (by, same) in TRIES {
         for layer in COLOR_LAYERS {
-            if let Some(found) = find_layer(names, layer, same)? {
+            if let Some(found) = find_layer(names, layer, by, same)? {
                 return Ok(found);
             }
         }
@@ -214,7 +236,7 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
         .collect();
     let mut found = Vec::new();
     for layer in &layers {
-        found.extend(find_layer(names, layer, exact)?);
+        found.extend(find_layer(names, layer, By::Full, exact)?);
     }
     if let [one] = found.as_slice() {
         return Ok(*one);
@@ -226,7 +248,7 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
             ));
         }
         for wanted in GRAY_CHANNELS {
-            if let Some(gray) = lookup(names, wanted, ignoring_case)? {
+            if let Some(gray) = lookup(names, wanted, By::Plain, ignoring_case)? {
                 return Ok([gray; 3]);
             }
         }

@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn faces_see_their_own_direction() {
         let (width, height, size) = (512, 256, 64);
-        let code = |d: DVec3| [d.x, d.y, d.z].map(|c| f16::from_f64(c));
+        let code = |d: DVec3| [d.x, d.y, d.z].map(f16::from_f64);
         let image = Plane::from_fn(width, height, |x, y| code(direction(x, y, width, height)));
         let depth = Plane::from_fn(width, height, |x, y| (y * width + x) as f32);
         for face in Face::CUBE {

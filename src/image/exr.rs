@@ -6,6 +6,7 @@
 
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
@@ -217,7 +218,12 @@ fn decode<T: Sample, const N: usize>(
 
     let mut plane = Plane::filled(width, height, [fill; N]);
     let mut seen = Vec::with_capacity(chunks.len());
-    for block in chunks.sequential_decompressor(false) {
+    let mut blocks = chunks.sequential_decompressor(false);
+    // Damaged B44 data makes that crate subtract past zero, which panics where overflow is checked (debug builds).
+    // After such a panic the iterator is dropped, so nothing half-done is seen again.
+    while let Some(block) = catch_unwind(AssertUnwindSafe(|| blocks.next()))
+        .map_err(|_| Error::invalid("the EXR file is damaged: a chunk of pixels cannot be decompressed"))?
+    {
         let block = block.map_err(translate)?;
         let index = block.index;
         // A damaged offset table may lead to a chunk that was not asked for, or to the same chunk twice.

@@ -397,9 +397,10 @@ mod tests {
         touch(at, &["c.0003.exr", "c.0004.exr", "c.0006.exr", "c.00005.exr", "c.x.exr"]);
         let message = Sequence::find(&spec(at, "c.%04d.exr"), None).unwrap_err().to_string();
         assert!(message.contains("c.0005.exr") && message.contains("frame 5"), "{message}");
-        let some = Some(FrameRange { first: 3, last: 4 });
+        let range = FrameRange { first: 3, last: 4 };
+        let some = Some(range);
         let sequence = Sequence::find(&spec(at, "c.####.exr"), some).unwrap();
-        assert_eq!((sequence.frames(), sequence.path(4)), (some.unwrap(), at.join("c.0004.exr")));
+        assert_eq!((sequence.frames(), sequence.path(4)), (range, at.join("c.0004.exr")));
         let message = Sequence::find(&spec(at, "c.%04d.exr"), Some(FrameRange { first: 2, last: 3 })).unwrap_err();
         assert!(message.to_string().contains("c.0002.exr"), "{message}");
         assert!(Sequence::find(&spec(at, "d.%04d.exr"), None).is_err());

@@ -4,6 +4,7 @@ pub mod codec;
 pub mod convert;
 pub mod decode;
 pub mod encode;
+pub mod export;
 pub mod pack;
 pub mod scan;
 

@@ -2,5 +2,7 @@
 
 mod corrupt;
 mod docs;
+mod exr_files;
+mod input;
 mod samples;
 mod vectors;

@@ -1,0 +1,21 @@
+//! `lightfold completions SHELL`.
+
+use crate::cli::{Outcome, output};
+use crate::error::Result;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Example:\n  lightfold completions bash > ~/.local/share/bash-completion/completions/lightfold")]
+pub struct Args {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Prints the script.
+pub fn run(args: &Args) -> Result<Outcome> {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut super::command(), "lightfold", &mut script);
+    output::print_text(&String::from_utf8_lossy(&script))?;
+    Ok(Outcome::Fine)
+}

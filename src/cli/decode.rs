@@ -1,0 +1,164 @@
+//! `lightfold decode IN -o OUT`: image files out of a container, or nothing but the time it takes.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::ValueEnum;
+use serde_json::json;
+
+use crate::cli::options::{self, FrameArgs};
+use crate::cli::output::{self, OutputFolder, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::image::cube::Face;
+use crate::image::sequence::Pattern;
+use crate::video::decode::Decoder;
+use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat, Selection};
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
+    lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
+    lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
+    lightfold decode film.lfold --null --json")]
+pub struct Args {
+    /// The container, - for standard input
+    #[arg(value_name = "IN.lfold")]
+    pub input: PathBuf,
+    /// Folder to write a dataset into, or a pattern such as depth.%04d.exr for a single stream
+    #[arg(long, short, value_name = "DIR", required_unless_present = "null")]
+    pub output: Option<PathBuf>,
+    /// Decode everything and write nothing; reports the time of the decoding alone
+    #[arg(long, conflicts_with = "output")]
+    pub null: bool,
+    /// Only these probes
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub probe: Vec<String>,
+    /// Only these faces
+    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
+    pub face: Vec<Face>,
+    /// Only streams of these kinds: color, depth, material
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
+    pub stream: Vec<StreamKind>,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Kind of files; png holds codes: 8-bit colour, 16-bit log depth
+    #[arg(long, value_enum, default_value_t = FormatArg::Exr)]
+    pub format: FormatArg,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `--format`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FormatArg {
+    /// OpenEXR
+    Exr,
+    /// PNG
+    Png,
+}
+
+/// Decodes.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let decoder = Decoder::open(&args.input)?;
+    let selection = Selection {
+        probes: args.probe.clone(),
+        faces: args.face.clone(),
+        kinds: args.stream.clone(),
+        frames: args.frames.frames,
+    };
+    let chosen = selection.choose(&decoder)?;
+    let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
+    let progress = Progress::start(global, "decoding", images)?;
+    let start = Instant::now();
+    let summary = match &args.output {
+        None => export::decode_to_nothing(&decoder, &chosen, &progress)?,
+        Some(output) => write(&decoder, &chosen, output, args.format, &progress)?,
+    };
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    report(args, &summary, seconds, global)?;
+    Ok(Outcome::Fine)
+}
+
+fn write(
+    decoder: &Decoder,
+    chosen: &[Chosen<'_>],
+    output: &Path,
+    format: FormatArg,
+    progress: &Progress,
+) -> Result<DecodeSummary> {
+    let format = match format {
+        FormatArg::Exr => FileFormat::Exr,
+        FormatArg::Png => FileFormat::Png,
+    };
+    let file_name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let pattern = Pattern::parse(&file_name).ok().filter(Pattern::has_field);
+    let Some(pattern) = pattern else {
+        let folder = OutputFolder::create(output)?;
+        let destination = Destination::Dataset(folder.work_path().to_path_buf());
+        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
+        folder.commit()?;
+        return Ok(summary);
+    };
+    if chosen.len() != 1 {
+        return Err(Error::Usage(format!(
+            "{}: a pattern names the files of one stream, {} are chosen; use --probe, --face and --stream, or name a folder",
+            output.display(),
+            chosen.len()
+        )));
+    }
+    let format = match output.extension().and_then(|extension| extension.to_str()) {
+        Some("png") => FileFormat::Png,
+        Some("exr") => FileFormat::Exr,
+        _ => {
+            return Err(Error::Usage(format!("{}: file names ending in .exr or .png were expected", output.display())));
+        }
+    };
+    let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = OutputFolder::create(parent)?;
+    let destination = Destination::Files(pattern.below(folder.work_path()));
+    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
+    folder.commit()?;
+    Ok(summary)
+}
+
+fn report(args: &Args, summary: &DecodeSummary, seconds: f64, global: &GlobalArgs) -> Result<()> {
+    let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
+    let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
+    if args.json {
+        return output::print_json(&json!({
+            "frames": summary.frames,
+            "pixels": summary.pixels,
+            "updated_pixels": summary.cost.updated_pixels,
+            "seconds": seconds,
+            "megapixels_per_second": speed,
+            "updated_megapixels_per_second": summary.cost.updated_pixels as f64 / 1e6 / seconds.max(1e-9),
+            "bytes_read": summary.cost.bytes_read,
+            "bytes_out": summary.bytes_out,
+            "fetching_thread_seconds": summary.cost.fetching.as_secs_f64(),
+            "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
+            "device": "cpu",
+        }));
+    }
+    let line = format!(
+        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} written, {seconds:.3} s, {speed:.0} Mpixel/s",
+        summary.frames,
+        summary.pixels as f64 / 1e6,
+        human_bytes(summary.cost.bytes_read),
+        human_bytes(summary.bytes_out),
+    );
+    match &args.output {
+        None => output::print_text(&format!("{line}\n")),
+        Some(output) => {
+            if !global.quiet {
+                eprintln!("{}: {line}", output.display());
+            }
+            Ok(())
+        }
+    }
+}

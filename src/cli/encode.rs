@@ -1,0 +1,155 @@
+//! `lightfold encode MANIFEST -o OUT`: a dataset, all its streams, one container.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::json;
+
+use crate::cli::options::{self, ColorArgs, DepthArgs, FrameArgs, StorageArgs};
+use crate::cli::output::{self, OutputFile, human_bytes};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::source::{Source, SourceOptions};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::video::encode::{self, EncodeSettings, EncodeSummary};
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
+    lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
+    lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'")]
+pub struct Args {
+    /// The dataset: a lightfield.json, or the folder that holds it
+    #[arg(value_name = "MANIFEST")]
+    pub input: PathBuf,
+    /// The container to write, - for standard output
+    #[arg(long, short, value_name = "OUT.lfold")]
+    pub output: PathBuf,
+    /// Only streams of these kinds: color, depth, material
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
+    pub stream: Vec<StreamKind>,
+    /// Size of the cube faces that an equirectangular image becomes [default: a quarter of its width]
+    #[arg(long, value_name = "PIXELS")]
+    pub face_size: Option<u32>,
+    /// Channel or layer that holds depth, where its name is none of the usual ones
+    #[arg(long, value_name = "NAME")]
+    pub depth_channel: Option<String>,
+    /// Layer that holds colour, where it is none of the usual ones
+    #[arg(long, value_name = "NAME")]
+    pub color_channel: Option<String>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Storage.
+    #[command(flatten)]
+    pub storage: StorageArgs,
+    /// Depth.
+    #[command(flatten)]
+    pub depth: DepthArgs,
+    /// Colour.
+    #[command(flatten)]
+    pub color: ColorArgs,
+}
+
+/// Encodes a dataset.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+    args.depth.apply(&mut options, &mut settings);
+    args.color.apply(&mut options, &mut settings)?;
+    options.frames = args.frames.frames;
+    options.face_size = args.face_size;
+    options.channel = args.depth_channel.clone();
+    options.color_channel = args.color_channel.clone();
+    settings.lzma2 = args.storage.lzma2;
+    if !args.stream.is_empty() {
+        settings.kinds = args.stream.clone();
+    }
+    if !options::is_dataset(&args.input) {
+        return Err(Error::Usage(format!(
+            "{}: neither a lightfield.json nor a folder that holds one; a lone sequence is encoded with encode-depth or \
+             encode-color",
+            args.input.display()
+        )));
+    }
+    let source = options::open_dataset(&args.input, &options)?;
+    let report = if args.json { Report::Json } else { Report::Text };
+    encode_to(&source, &settings, &args.output, report, global)
+}
+
+/// How an encode is reported.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Report {
+    /// A few lines on standard error.
+    Text,
+    /// JSON on standard output.
+    Json,
+}
+
+/// Encodes a source into a file and reports what came of it.
+pub fn encode_to(
+    source: &Source,
+    settings: &EncodeSettings,
+    path: &Path,
+    report: Report,
+    global: &GlobalArgs,
+) -> Result<Outcome> {
+    if report == Report::Json && path == Path::new("-") {
+        return Err(Error::Usage("--json and -o - would both write to standard output; name a file".into()));
+    }
+    let start = Instant::now();
+    let images = encode::selected_groups(source, settings)
+        .iter()
+        .map(|(_, group)| group.frames.count() * group.faces.len() as u64)
+        .sum();
+    let progress = Progress::start(global, "encoding", images)?;
+    let file = OutputFile::create(path)?;
+    let (file, summary) = encode::encode(source, settings, file, &progress).map_err(|error| error.in_file(path))?;
+    file.commit()?;
+    drop(progress);
+    let seconds = start.elapsed().as_secs_f64();
+    match report {
+        Report::Json => output::print_json(&summary_json(&summary, seconds))?,
+        Report::Text if !global.quiet => eprintln!("{}", summary_text(&summary, path, seconds)),
+        Report::Text => {}
+    }
+    Ok(Outcome::Fine)
+}
+
+fn summary_json(summary: &EncodeSummary, seconds: f64) -> serde_json::Value {
+    json!({
+        "seconds": seconds,
+        "bytes": summary.bytes,
+        "raw_bytes": summary.raw_bytes,
+        "ratio_percent": 100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
+        "frames": summary.frames,
+        "streams": summary.streams,
+        "clipped_pixels": summary.clipped_pixels,
+        "color_pixels": summary.color_pixels,
+        "reading_thread_seconds": summary.reading.as_secs_f64(),
+        "coding_thread_seconds": summary.coding.as_secs_f64(),
+    })
+}
+
+fn summary_text(summary: &EncodeSummary, path: &Path, seconds: f64) -> String {
+    let clipped = match summary.clipped_pixels {
+        0 => String::new(),
+        count => format!(
+            "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
+            summary.color_pixels,
+            100.0 * count as f64 / summary.color_pixels as f64
+        ),
+    };
+    format!(
+        "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{clipped}",
+        path.display(),
+        summary.streams,
+        summary.frames,
+        human_bytes(summary.bytes),
+        human_bytes(summary.raw_bytes),
+        100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
+    )
+}

@@ -1,0 +1,54 @@
+//! `lightfold encode-color SEQ -o OUT`: one colour sequence.
+
+use std::path::PathBuf;
+
+use crate::cli::encode::{Report, encode_to};
+use crate::cli::options::{ColorArgs, ColorSpaceArg, FrameArgs, SequenceArgs, StorageArgs};
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::source::SourceOptions;
+use crate::dataset::stream::StreamKind;
+use crate::error::Result;
+use crate::video::encode::EncodeSettings;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \
+    lightfold encode-color pano.####.exr --layout equirect --hdr -o pano.lfold\n\n\
+    Channels are looked for by their usual names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
+pub struct Args {
+    /// The sequence: a pattern such as color.%04d.exr or color.####.exr, a folder, or one file
+    #[arg(value_name = "SEQ")]
+    pub input: String,
+    /// The container to write, - for standard output
+    #[arg(long, short, value_name = "OUT.lfold")]
+    pub output: PathBuf,
+    /// What the values mean [default: light for EXR, sRGB for PNG]
+    #[arg(long, value_enum)]
+    pub color_space: Option<ColorSpaceArg>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Storage.
+    #[command(flatten)]
+    pub storage: StorageArgs,
+    /// Sequence.
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+    /// Colour.
+    #[command(flatten)]
+    pub color: ColorArgs,
+}
+
+/// Encodes a sequence.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+    args.color.apply(&mut options, &mut settings)?;
+    options.color_space = args.color_space.map(Into::into);
+    options.frames = args.frames.frames;
+    settings.lzma2 = args.storage.lzma2;
+    let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
+    encode_to(&source, &settings, &args.output, if args.json { Report::Json } else { Report::Text }, global)
+}

@@ -1,0 +1,52 @@
+//! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
+
+use std::path::PathBuf;
+
+use crate::cli::encode::{Report, encode_to};
+use crate::cli::options::{DepthArgs, FrameArgs, SequenceArgs, StorageArgs};
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::source::SourceOptions;
+use crate::dataset::stream::StreamKind;
+use crate::error::Result;
+use crate::video::encode::EncodeSettings;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
+    lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 --depth-kind planar \\\n      \
+    --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
+    Channels are looked for by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, \
+    in any layer.")]
+pub struct Args {
+    /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
+    #[arg(value_name = "SEQ")]
+    pub input: String,
+    /// The container to write, - for standard output
+    #[arg(long, short, value_name = "OUT.lfold")]
+    pub output: PathBuf,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Storage.
+    #[command(flatten)]
+    pub storage: StorageArgs,
+    /// Sequence.
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+    /// Depth.
+    #[command(flatten)]
+    pub depth: DepthArgs,
+}
+
+/// Encodes a sequence.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+    args.depth.apply(&mut options, &mut settings);
+    options.frames = args.frames.frames;
+    settings.lzma2 = args.storage.lzma2;
+    let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
+    encode_to(&source, &settings, &args.output, if args.json { Report::Json } else { Report::Text }, global)
+}

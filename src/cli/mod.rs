@@ -1,0 +1,125 @@
+//! The command line: one file for each subcommand. Only this room prints, reads arguments and chooses exit codes.
+
+pub mod completions;
+pub mod decode;
+pub mod encode;
+pub mod encode_color;
+pub mod encode_depth;
+pub mod man;
+pub mod options;
+pub mod output;
+pub mod pack;
+pub mod progress;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::error::{Error, Result};
+
+/// What every subcommand may be given.
+#[derive(Debug, Clone, clap::Args)]
+pub struct GlobalArgs {
+    /// Threads to work with; the result does not depend on it [default: one for each processor]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print nothing but results and errors
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+}
+
+/// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
+#[derive(Debug, Parser)]
+#[command(
+    name = "lightfold",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 fine, 1 the things compared differ, 2 bad input or usage, 130 interrupted.\n\n\
+        Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
+        lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
+        lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
+)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Options of every subcommand.
+    #[command(flatten)]
+    pub global: GlobalArgs,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Encode a dataset: all its streams into one container
+    Encode(encode::Args),
+    /// Encode one colour sequence
+    EncodeColor(encode_color::Args),
+    /// Encode one depth sequence
+    EncodeDepth(encode_depth::Args),
+    /// Join containers into one, or compress one further
+    Pack(pack::Args),
+    /// Decode a container into image files, or into nothing to time it
+    Decode(decode::Args),
+    /// Print a completion script for a shell
+    Completions(completions::Args),
+    /// Write the man pages
+    #[command(hide = true)]
+    Man(man::Args),
+}
+
+/// What a finished command says about the things it was given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// All is well.
+    Fine,
+    /// What was compared differs by more than allowed.
+    Differs,
+}
+
+/// Runs a command line and answers the process's exit code.
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are no errors and go to standard output; clap knows which.
+            let _ = error.print();
+            return ExitCode::from(error.exit_code() as u8);
+        }
+    };
+    match execute(cli) {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Differs) => ExitCode::from(crate::error::EXIT_DIFFERS),
+        Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("lightfold: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn execute(cli: Cli) -> Result<Outcome> {
+    if let Some(threads) = cli.global.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads.into())
+            .build_global()
+            .map_err(|error| Error::Usage(format!("{threads} threads could not be started: {error}")))?;
+    }
+    let global = &cli.global;
+    match cli.command {
+        Command::Encode(args) => encode::run(&args, global),
+        Command::EncodeColor(args) => encode_color::run(&args, global),
+        Command::EncodeDepth(args) => encode_depth::run(&args, global),
+        Command::Pack(args) => pack::run(&args, global),
+        Command::Decode(args) => decode::run(&args, global),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
+    }
+}
+
+/// The whole command line, for man pages and completions.
+pub fn command() -> clap::Command {
+    Cli::command()
+}

@@ -1,0 +1,327 @@
+//! Options that several subcommands share. Each knob has one name here, in the code and in reports.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+
+use crate::color::keyframes::{Effort, SearchSettings};
+use crate::dataset::source::{Arrangement, InvalidColor, InvalidDepth, SequenceLayout, Source, SourceOptions};
+use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::temporal::TemporalSettings;
+use crate::error::{Error, Result};
+use crate::image::cube::Face;
+use crate::image::png::ColorSpace;
+use crate::image::sequence::FrameRange;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
+use crate::video::codec::ColorFormat;
+use crate::video::encode::EncodeSettings;
+
+/// Parses a stream kind.
+pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
+    StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material"))
+}
+
+/// Parses a face.
+pub fn parse_face(text: &str) -> Result<Face, String> {
+    Face::from_name(text).ok_or_else(|| format!("'{text}' is none of px, nx, py, ny, pz, nz, view"))
+}
+
+/// Parses `A-B` or `A`.
+pub fn parse_frames(text: &str) -> Result<FrameRange, String> {
+    text.parse::<FrameRange>().map_err(|error: Error| error.to_string())
+}
+
+/// Which frames of the input.
+#[derive(Debug, Clone, Args)]
+pub struct FrameArgs {
+    /// Only these frames, such as 10-99 or 12
+    #[arg(long, value_name = "A-B", value_parser = parse_frames)]
+    pub frames: Option<FrameRange>,
+}
+
+/// How depth is read and coded.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthArgs {
+    /// W: pixels are sent whenever they differ from any of the W frames before, so that a decoder may step over
+    /// W − 1 of them
+    #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
+        value_parser = clap::value_parser!(u8).range(1..))]
+    pub depth_window: u8,
+    /// Largest difference between a decoded depth and its source, in 16-bit log codes; 0 is lossless
+    #[arg(long, value_name = "CODES", default_value_t = 0)]
+    pub epsilon: u16,
+    /// Most boxes that one frame of one tile is updated with
+    #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
+        value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub max_aabbs: u16,
+    /// Frames from one keyframe to the next
+    #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
+        value_parser = clap::value_parser!(u32).range(1..))]
+    pub keyframe_interval: u32,
+    /// Tiles along each side of a face
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub tiles: u32,
+    /// Nearest surface in metres [default: found for each probe]
+    #[arg(long, value_name = "M")]
+    pub near: Option<f32>,
+    /// Farthest surface in metres [default: found for each probe]
+    #[arg(long, value_name = "M")]
+    pub far: Option<f32>,
+    /// What becomes of NaN, negative and zero depths
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidDepthArg::Refuse)]
+    pub invalid_depth: InvalidDepthArg,
+    /// Metres for one unit of an integer image
+    #[arg(long, value_name = "M")]
+    pub depth_scale: Option<f64>,
+    /// The value in the files that means "nothing there"; +inf always does
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    pub background: Option<f32>,
+    /// What depth values measure [default: as the manifest says, or distance]
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub depth_kind: Option<DepthKindArg>,
+}
+
+/// `--invalid-depth`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum InvalidDepthArg {
+    /// An error that names file and pixel
+    Refuse,
+    /// Taken for background
+    Far,
+    /// Taken for the nearest distance
+    Near,
+}
+
+/// `--depth-kind`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthKindArg {
+    /// From the centre of the probe
+    Distance,
+    /// Along the viewing axis
+    Planar,
+}
+
+/// How colour is read and coded.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Colour")]
+pub struct ColorArgs {
+    /// Width and height of a cell in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub cell: u32,
+    /// Least PSNR of every frame of every cell, in dB
+    #[arg(long, value_name = "DB", default_value_t = SearchSettings::default().min_psnr_db)]
+    pub psnr: f64,
+    /// From light to 8-bit codes
+    #[arg(long, value_enum, default_value_t = TransferArg::Srgb)]
+    pub transfer: TransferArg,
+    /// Stops by which light is brightened before it becomes 8 bits, -8 to 8
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub exposure: f32,
+    /// Keep half floats instead of 8 bits; quality is then the PSNR of the PU21 encoding
+    #[arg(long)]
+    pub hdr: bool,
+    /// Luminance of the value 1.0 for --hdr, in cd/m²
+    #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2)]
+    pub white: f64,
+    /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time
+    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().reach,
+        value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub keyframe_reach: u32,
+    /// How hard to look for the farthest keyframe
+    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
+    pub effort: EffortArg,
+    /// What becomes of NaN colours
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
+    pub invalid_color: InvalidColorArg,
+}
+
+/// `--transfer`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TransferArg {
+    /// The curve of sRGB
+    Srgb,
+    /// In proportion to light
+    Linear,
+}
+
+/// `--effort`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum EffortArg {
+    /// Bisection
+    Fast,
+    /// Every distance between the last that served and the first that did not
+    Normal,
+    /// Every distance: the reference
+    Exhaustive,
+}
+
+/// `--invalid-color`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum InvalidColorArg {
+    /// An error that names file and pixel
+    Refuse,
+    /// Taken for black
+    Black,
+}
+
+/// How chunks are stored.
+#[derive(Debug, Clone, Args)]
+pub struct StorageArgs {
+    /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small)
+    #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
+        value_parser = clap::value_parser!(u32).range(0..=9))]
+    pub lzma2: Option<u32>,
+}
+
+impl DepthArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
+        settings.temporal = TemporalSettings {
+            window: self.depth_window,
+            epsilon: self.epsilon,
+            max_aabbs: self.max_aabbs,
+            keyframe_interval: self.keyframe_interval,
+        };
+        settings.tiles = self.tiles;
+        settings.near_m = self.near;
+        settings.far_m = self.far;
+        source.depth_scale = self.depth_scale;
+        source.background = self.background;
+        source.invalid_depth = match self.invalid_depth {
+            InvalidDepthArg::Refuse => InvalidDepth::Refuse,
+            InvalidDepthArg::Far => InvalidDepth::Far,
+            InvalidDepthArg::Near => InvalidDepth::Near,
+        };
+        source.depth_kind = self.depth_kind.map(|kind| match kind {
+            DepthKindArg::Distance => DepthKind::Distance,
+            DepthKindArg::Planar => DepthKind::Planar,
+        });
+    }
+}
+
+impl ColorArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
+        if !self.psnr.is_finite() || !(0.0..=200.0).contains(&self.psnr) {
+            return Err(Error::Usage(format!("--psnr {}: 0 to 200 dB was expected", self.psnr)));
+        }
+        if !(-8.0..=8.0).contains(&self.exposure) {
+            return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
+        }
+        settings.cell = self.cell;
+        settings.search = SearchSettings {
+            min_psnr_db: self.psnr,
+            effort: match self.effort {
+                EffortArg::Fast => Effort::Fast,
+                EffortArg::Normal => Effort::Normal,
+                EffortArg::Exhaustive => Effort::Exhaustive,
+            },
+            reach: self.keyframe_reach,
+        };
+        let transfer = match self.transfer {
+            TransferArg::Srgb => Transfer::Srgb,
+            TransferArg::Linear => Transfer::Linear,
+        };
+        settings.color = if self.hdr {
+            ColorFormat::Half { white_cd_m2: self.white }
+        } else {
+            ColorFormat::EightBit(ToneMap { transfer, exposure_ev: self.exposure })
+        };
+        source.invalid_color = match self.invalid_color {
+            InvalidColorArg::Refuse => InvalidColor::Refuse,
+            InvalidColorArg::Black => InvalidColor::Black,
+        };
+        Ok(())
+    }
+}
+
+/// Whether a path names a dataset: a manifest, or a folder that holds one.
+pub fn is_dataset(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json")
+        || path.join(crate::dataset::manifest::MANIFEST_NAME).is_file()
+}
+
+/// Opens a dataset.
+pub fn open_dataset(path: &Path, options: &SourceOptions) -> Result<Source> {
+    Source::open(path, options)
+}
+
+/// `--color-space` of a lone sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColorSpaceArg {
+    /// Scene-referred light
+    LinearRec709,
+    /// Display codes
+    Srgb,
+}
+
+impl From<ColorSpaceArg> for ColorSpace {
+    fn from(space: ColorSpaceArg) -> ColorSpace {
+        match space {
+            ColorSpaceArg::LinearRec709 => ColorSpace::LinearRec709,
+            ColorSpaceArg::Srgb => ColorSpace::Srgb,
+        }
+    }
+}
+
+/// What a lone sequence shows.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+pub struct SequenceArgs {
+    /// How the images show the probe's surroundings
+    #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
+    pub layout: LayoutArg,
+    /// Name of the probe
+    #[arg(long, value_name = "NAME", default_value = "00")]
+    pub probe: String,
+    /// The face that single images show: px, nx, py, ny, pz, nz, or view for a perspective image
+    #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face)]
+    pub face: Face,
+    /// fx,fy,cx,cy in pixels of a perspective image; planar depth becomes distance with them
+    #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub intrinsics: Option<Vec<f64>>,
+    /// Size of the cube faces that an equirectangular image becomes [default: a quarter of its width]
+    #[arg(long, value_name = "PIXELS")]
+    pub face_size: Option<u32>,
+    /// Channel or layer to read, where its name is none of the usual ones
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+}
+
+/// `--layout`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LayoutArg {
+    /// One face, or a perspective image
+    Single,
+    /// Six faces unfolded, 4:3 or 3:4
+    Cross,
+    /// Six faces in a row or a column, px nx py ny pz nz
+    Strip,
+    /// Longitude and latitude, resampled to six faces
+    Equirect,
+}
+
+impl SequenceArgs {
+    /// Opens the sequence `spec` as a source of one kind of stream.
+    pub fn open(&self, kind: StreamKind, spec: &str, mut options: SourceOptions) -> Result<Source> {
+        options.channel = self.channel.clone();
+        options.face_size = self.face_size;
+        let intrinsics = match self.intrinsics.as_deref() {
+            None => None,
+            Some(&[fx, fy, cx, cy]) => Some([fx, fy, cx, cy]),
+            Some(other) => {
+                return Err(Error::Usage(format!("--intrinsics: four numbers were expected, {} given", other.len())));
+            }
+        };
+        let arrangement = match self.layout {
+            LayoutArg::Single => Arrangement::Single(self.face),
+            LayoutArg::Cross => Arrangement::Cross,
+            LayoutArg::Strip => Arrangement::Strip,
+            LayoutArg::Equirect => Arrangement::Equirect,
+        };
+        let layout = SequenceLayout { arrangement, probe: self.probe.clone(), intrinsics };
+        Source::from_sequence(kind, spec, &layout, &options)
+    }
+}

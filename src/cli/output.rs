@@ -1,0 +1,219 @@
+//! Where results go: files that appear whole or not at all, standard output, tables and JSON.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use tempfile::{NamedTempFile, TempDir};
+
+use crate::error::{Error, Result};
+
+/// Whether an error is that the reader of our output went away, which is no failure of ours.
+pub fn is_broken_pipe(error: &Error) -> bool {
+    matches!(error, Error::Io { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Prints a result as JSON on standard output.
+pub fn print_json(value: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+    print_text(&format!("{text}\n"))
+}
+
+/// Prints text on standard output.
+pub fn print_text(text: &str) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
+}
+
+/// A number for JSON: infinities, which JSON has no word for, become the strings "inf" and "-inf".
+pub fn json_number(value: f64) -> serde_json::Value {
+    if value.is_finite() {
+        serde_json::json!(value)
+    } else if value.is_nan() {
+        serde_json::Value::Null
+    } else {
+        serde_json::json!(if value > 0.0 { "inf" } else { "-inf" })
+    }
+}
+
+/// A size for people: `1.25 MB`, powers of ten as in the papers' tables.
+pub fn human_bytes(bytes: u64) -> String {
+    let units = ["B", "kB", "MB", "GB", "TB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1000.0 && unit + 1 < units.len() {
+        value /= 1000.0;
+        unit += 1;
+    }
+    if unit == 0 { format!("{bytes} B") } else { format!("{value:.2} {}", units[unit]) }
+}
+
+enum Sink {
+    /// A temporary file beside the final one.
+    Temporary(BufWriter<NamedTempFile>),
+    /// A device, a pipe, or standard output.
+    Direct(Box<dyn Write + Send>),
+}
+
+/// An output file that takes its name only when it is whole; `-` is standard output.
+pub struct OutputFile {
+    path: PathBuf,
+    sink: Sink,
+}
+
+impl OutputFile {
+    /// Starts the file. Whatever stands under its name stays until [`Self::commit`].
+    pub fn create(path: &Path) -> Result<OutputFile> {
+        let io = |error| Error::io(path, error);
+        let sink = if path == Path::new("-") {
+            Sink::Direct(Box::new(BufWriter::new(std::io::stdout())))
+        } else if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file()) {
+            if path.is_dir() {
+                return Err(Error::Usage(format!("{}: a folder, where a file name was expected", path.display())));
+            }
+            Sink::Direct(Box::new(BufWriter::new(File::options().write(true).open(path).map_err(io)?)))
+        } else {
+            let mut name = std::ffi::OsString::from(".");
+            name.push(path.file_name().ok_or_else(|| Error::Usage(format!("{}: no file name", path.display())))?);
+            name.push(".");
+            let mut builder = tempfile::Builder::new();
+            builder.prefix(&name).suffix(".partial");
+            // A result is as readable as any new file, not private as temporary files are.
+            #[cfg(unix)]
+            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+            Sink::Temporary(BufWriter::new(builder.tempfile_in(folder_of(path)).map_err(io)?))
+        };
+        Ok(OutputFile { path: path.to_path_buf(), sink })
+    }
+
+    /// Gives the file its name, after its bytes have reached the disk.
+    pub fn commit(self) -> Result<()> {
+        let path = self.path;
+        let io = |error| Error::io(&path, error);
+        match self.sink {
+            Sink::Temporary(writer) => {
+                let file = writer.into_inner().map_err(|error| io(error.into_error()))?;
+                file.as_file().sync_all().map_err(io)?;
+                file.persist(&path).map_err(|error| io(error.error))?;
+                Ok(())
+            }
+            Sink::Direct(mut writer) => writer.flush().map_err(io),
+        }
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match &mut self.sink {
+            Sink::Temporary(writer) => writer.write(bytes),
+            Sink::Direct(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match &mut self.sink {
+            Sink::Temporary(writer) => writer.flush(),
+            Sink::Direct(writer) => writer.flush(),
+        }
+    }
+}
+
+/// An output folder whose files appear only when all of them are written.
+#[derive(Debug)]
+pub struct OutputFolder {
+    path: PathBuf,
+    work: TempDir,
+}
+
+impl OutputFolder {
+    /// Starts the folder; its parents are made where they are missing.
+    pub fn create(path: &Path) -> Result<OutputFolder> {
+        let io = |error| Error::io(path, error);
+        if std::fs::metadata(path).is_ok_and(|meta| !meta.is_dir()) {
+            return Err(Error::Usage(format!("{}: a file, where a folder was expected", path.display())));
+        }
+        let parent = folder_of(path);
+        std::fs::create_dir_all(parent).map_err(io)?;
+        let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent).map_err(io)?;
+        Ok(OutputFolder { path: path.to_path_buf(), work })
+    }
+
+    /// Where to write until [`Self::commit`].
+    pub fn work_path(&self) -> &Path {
+        self.work.path()
+    }
+
+    /// Moves everything to the final folder; files of the same names there are replaced.
+    pub fn commit(self) -> Result<()> {
+        let path = &self.path;
+        let io = |error| Error::io(path, error);
+        #[cfg(unix)]
+        std::fs::set_permissions(self.work.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).map_err(io)?;
+        if !path.exists() {
+            return std::fs::rename(self.work.keep(), path).map_err(io);
+        }
+        move_into(self.work.path(), path).map_err(io)
+    }
+}
+
+fn move_into(from: &Path, to: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(to)?;
+    for entry in std::fs::read_dir(from)? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        if entry.file_type()?.is_dir() {
+            move_into(&entry.path(), &target)?;
+        } else {
+            std::fs::rename(entry.path(), target)?;
+        }
+    }
+    Ok(())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_that_is_not_committed_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lfold");
+        std::fs::write(&path, "old").unwrap();
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"half").unwrap();
+        drop(file);
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"whole").unwrap();
+        file.commit().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_appears_whole_and_joins_one_that_exists() {
+        let base = tempfile::tempdir().unwrap();
+        let path = base.path().join("new/out");
+        for name in ["a/x", "a/y"] {
+            let folder = OutputFolder::create(&path).unwrap();
+            std::fs::create_dir(folder.work_path().join("a")).unwrap();
+            std::fs::write(folder.work_path().join(name), name).unwrap();
+            folder.commit().unwrap();
+        }
+        assert_eq!(std::fs::read_dir(path.join("a")).unwrap().count(), 2);
+        drop(OutputFolder::create(&path).unwrap());
+        assert_eq!(std::fs::read_dir(base.path().join("new")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn sizes_are_readable() {
+        assert_eq!([0, 999, 1000, 1_250_000].map(human_bytes), ["0 B", "999 B", "1.00 kB", "1.25 MB"]);
+        assert_eq!(json_number(f64::INFINITY), serde_json::json!("inf"));
+    }
+}

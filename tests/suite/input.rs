@@ -1,0 +1,379 @@
+//! Datasets and single sequences: what comes in as it should, and as it should not.
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use half::f16;
+use lightfold::dataset::{
+    Arrangement, DepthKind, InvalidColor, InvalidDepth, Projection, SequenceLayout, Source, SourceOptions, StreamKind,
+};
+use lightfold::image::{ColorPlane, DepthPlane, Face, FrameRange, Plane, cube, equirect, exr as ours, png};
+use tempfile::TempDir;
+
+pub(crate) fn ramp(width: u32, height: u32) -> DepthPlane {
+    Plane::from_fn(width, height, |x, y| (y * width + x) as f32 + 0.5)
+}
+
+pub(crate) fn message<T>(result: lightfold::Result<T>) -> String {
+    match result {
+        Ok(_) => panic!("this should have been refused"),
+        Err(error) => error.to_string(),
+    }
+}
+
+#[track_caller]
+pub(crate) fn assert_says(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "\"{text}\" does not say \"{word}\"");
+    }
+}
+
+struct Set {
+    folder: TempDir,
+}
+
+impl Set {
+    fn new(manifest: &str) -> Set {
+        let set = Set { folder: TempDir::new().unwrap() };
+        std::fs::write(set.path("lightfield.json"), manifest).unwrap();
+        set
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn open(&self) -> lightfold::Result<Source> {
+        Source::open(self.folder.path(), &SourceOptions::default())
+    }
+
+    fn depth(&self, options: &SourceOptions) -> lightfold::Result<Vec<DepthPlane>> {
+        let source = Source::open(self.folder.path(), options)?;
+        let group = source.groups()[0].clone();
+        source.read_depth(&group, group.frames.first)
+    }
+}
+
+/// A manifest of two frames and one probe; `more` is put in front of the files.
+fn manifest(projection: &str, size: [u32; 2], more: &str, files: &str, probe: &str) -> String {
+    format!(
+        r#"{{"lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "{projection}",
+            "size": [{}, {}], {more} "files": {{{files}}}, "probes": [{{"name": "a", "position": [1, 2, 3]{probe}}}]}}"#,
+        size[0], size[1]
+    )
+}
+
+fn face_color(direction: DVec3) -> [f16; 3] {
+    (direction.normalize() * 0.5 + 0.5).to_array().map(f16::from_f64)
+}
+
+fn face_image(face: Face, size: u32) -> ColorPlane {
+    Plane::from_fn(size, size, |x, y| face_color(face.direction(x, y, size)))
+}
+
+#[test]
+fn six_face_files() {
+    let files = r#""color": "p_{probe}/{face}.%04d.exr", "depth": "p_{probe}/z_{face}.####.exr""#;
+    let set = Set::new(&manifest("cubemap", [4, 4], r#""faces_present": ["nz", "px"],"#, files, ""));
+    std::fs::create_dir(set.path("p_a")).unwrap();
+    for face in [Face::Px, Face::Nz] {
+        for frame in 0..2 {
+            ours::write_color(&set.path(&format!("p_a/{}.{frame:04}.exr", face.name())), &face_image(face, 4)).unwrap();
+            ours::write_depth(&set.path(&format!("p_a/z_{}.{frame:04}.exr", face.name())), &ramp(4, 4)).unwrap();
+        }
+    }
+    let source = set.open().unwrap();
+    let order: Vec<_> = source.groups().iter().map(|group| (group.kind, group.faces.clone())).collect();
+    let (px, nz) = (vec![Face::Px], vec![Face::Nz]);
+    let expected = [
+        (StreamKind::Color, px.clone()),
+        (StreamKind::Color, nz.clone()),
+        (StreamKind::Depth, px),
+        (StreamKind::Depth, nz),
+    ];
+    assert_eq!(order, expected);
+    assert_eq!((source.projection(), source.depth_stored()), (Projection::Cubemap, DepthKind::Distance));
+    assert_eq!(source.read_color(&source.groups()[1], 1).unwrap(), [face_image(Face::Nz, 4)]);
+    assert_eq!(source.read_depth(&source.groups()[2], 0).unwrap(), [ramp(4, 4)]);
+    assert!(source.read_depth(&source.groups()[0], 0).is_err(), "a colour group is no depth");
+    assert!(source.read_depth(&source.groups()[2], 2).is_err(), "no such frame");
+
+    ours::write_depth(&set.path("p_a/z_nz.0001.exr"), &ramp(4, 3)).unwrap();
+    let text = message(source.read_depth(&source.groups()[3], 1));
+    assert_says(&text, &["z_nz.0001.exr", "frame 1", "4x3", "4x4"]);
+    std::fs::remove_file(set.path("p_a/nz.0001.exr")).unwrap();
+    assert_says(&message(set.open()), &["nz.0001.exr", "frame 1", "missing"]);
+    let first = SourceOptions { frames: Some(FrameRange { first: 0, last: 0 }), ..SourceOptions::default() };
+    assert!(Source::open(&set.path("lightfield.json"), &first).is_ok());
+    let none = SourceOptions { frames: Some(FrameRange { first: 7, last: 9 }), ..SourceOptions::default() };
+    assert!(Source::open(set.folder.path(), &none).is_err());
+}
+
+#[test]
+fn crosses_and_strips_hold_the_same_cube() {
+    let size = 3;
+    let cross =
+        [(Face::Px, 2, 1), (Face::Nx, 0, 1), (Face::Py, 1, 0), (Face::Ny, 1, 2), (Face::Pz, 1, 1), (Face::Nz, 3, 1)];
+    let strip: Vec<_> = Face::CUBE.into_iter().map(|face| (face, face as u32, 0)).collect();
+    for (faces, columns, rows, places) in [("cross", 4, 3, cross.to_vec()), ("strip", 6, 1, strip)] {
+        let files = r#""color": "c.%d.exr", "depth": "z.%d.exr""#;
+        let more = format!(r#""faces": "opengl-cube-{faces}", "depth": {{"kind": "planar"}},"#);
+        let set = Set::new(&manifest("cubemap", [columns * size, rows * size], &more, files, ""));
+        let mut image = Plane::filled(columns * size, rows * size, [f16::ZERO; 3]);
+        for (face, column, row) in places {
+            for (y, x) in (0..size).flat_map(|y| (0..size).map(move |x| (y, x))) {
+                image.row_mut(row * size + y)[(column * size + x) as usize] = face_color(face.direction(x, y, size));
+            }
+        }
+        for frame in 0..2 {
+            ours::write_color(&set.path(&format!("c.{frame}.exr")), &image).unwrap();
+            ours::write_depth(&set.path(&format!("z.{frame}.exr")), &image.map(|_| 2.0)).unwrap();
+        }
+        let source = set.open().unwrap();
+        assert_eq!(source.groups()[0].faces, Face::CUBE);
+        let expected: Vec<_> = Face::CUBE.into_iter().map(|face| face_image(face, size)).collect();
+        assert_eq!(source.read_color(&source.groups()[0], 0).unwrap(), expected);
+        // A cube of planes two metres away: the distance at each pixel is the length of its direction times two.
+        let depth = source.read_depth(&source.groups()[1], 1).unwrap();
+        for (face, plane) in Face::CUBE.into_iter().zip(depth) {
+            let exact = Plane::from_fn(size, size, |x, y| (2.0 * face.direction(x, y, size).length()) as f32);
+            assert_eq!(plane, exact);
+        }
+        let arrangement = if faces == "cross" { Arrangement::Cross } else { Arrangement::Strip };
+        let layout = SequenceLayout { arrangement, ..SequenceLayout::default() };
+        let pattern = set.path("c.@.exr");
+        let single =
+            Source::from_sequence(StreamKind::Color, pattern.to_str().unwrap(), &layout, &SourceOptions::default())
+                .unwrap();
+        assert_eq!(single.read_color(&single.groups()[0], 1).unwrap(), expected);
+        assert_eq!(single.projection(), Projection::Cubemap);
+    }
+}
+
+#[test]
+fn equirect_images_become_a_cube() {
+    let files = r#""color": "c.%d.exr", "depth": "z.%d.exr""#;
+    let set = Set::new(&manifest("equirect", [256, 128], "", files, ""));
+    // Inside a box of 4 x 2 x 6 metres: each wall has one colour direction and a known distance.
+    let distance = |d: DVec3| 1.0 / (d.x.abs() / 2.0).max(d.y.abs()).max(d.z.abs() / 3.0);
+    let color = Plane::from_fn(256, 128, |x, y| face_color(equirect::direction(x, y, 256, 128)));
+    let depth = Plane::from_fn(256, 128, |x, y| distance(equirect::direction(x, y, 256, 128)) as f32);
+    for frame in 0..2 {
+        ours::write_color(&set.path(&format!("c.{frame}.exr")), &color).unwrap();
+        ours::write_depth(&set.path(&format!("z.{frame}.exr")), &depth).unwrap();
+    }
+    let source = set.open().unwrap();
+    assert_eq!((source.projection(), source.groups()[0].width), (Projection::Cubemap, 64));
+    let colors = source.read_color(&source.groups()[0], 0).unwrap();
+    let depths = source.read_depth(&source.groups()[1], 0).unwrap();
+    for (face, (color, found)) in Face::CUBE.into_iter().zip(colors.iter().zip(&depths)) {
+        for (y, x) in (0..64).flat_map(|y| (0..64).map(move |x| (y, x))) {
+            let direction = face.direction(x, y, 64).normalize();
+            let expected = face_color(direction);
+            for (a, b) in color.get(x, y).into_iter().zip(expected) {
+                assert!((a.to_f32() - b.to_f32()).abs() < 0.008, "{face:?} {x},{y}");
+            }
+            let found = found.get(x, y);
+            assert!(depth.data().contains(&found), "depth is never blended");
+            let relative = (f64::from(found) / distance(direction) - 1.0).abs();
+            assert!(relative < 0.06, "{face:?} {x},{y} {relative}");
+        }
+    }
+    let size = SourceOptions { face_size: Some(5), ..SourceOptions::default() };
+    assert_eq!(Source::open(set.folder.path(), &size).unwrap().groups()[0].height, 5);
+}
+
+#[test]
+fn perspective_planar_depth() {
+    let probe = r#", "intrinsics": [2, 3, 1.5, 1]"#;
+    let files = r#""depth": "z.%04d.png""#;
+    let depth = r#""depth": {"kind": "planar", "unit": "mm", "background": 0},"#;
+    let set = Set::new(&manifest("perspective", [3, 2], depth, files, probe));
+    let codes = Plane::from_fn(3, 2, |x, y| if x == 0 { 0 } else { 1000 + y as u16 });
+    for frame in 0..2 {
+        png::write_depth16(&set.path(&format!("z.{frame:04}.png")), &codes).unwrap();
+    }
+    let source = set.open().unwrap();
+    assert_eq!(source.projection(), Projection::Perspective);
+    assert_eq!(source.probes()[0].intrinsics, Some([2.0, 3.0, 1.5, 1.0]));
+    let plane = &source.read_depth(&source.groups()[0], 0).unwrap()[0];
+    for (y, x) in (0..2).flat_map(|y| (0..3).map(move |x| (y, x))) {
+        let factor = cube::distance_from_planar_view(x, y, [2.0, 3.0, 1.5, 1.0]);
+        let metres = f64::from((f64::from(codes.get(x, y)) * 0.001) as f32);
+        let expected = if x == 0 { f32::INFINITY } else { (metres * factor) as f32 };
+        assert_eq!(plane.get(x, y), expected, "{x},{y}");
+    }
+    // Without intrinsics there is nothing to convert with.
+    let options = SourceOptions {
+        depth_kind: Some(DepthKind::Planar),
+        depth_scale: Some(0.001),
+        background: Some(0.0),
+        ..SourceOptions::default()
+    };
+    let spec = set.path("z.%04d.png");
+    let layout = SequenceLayout::default();
+    let lone = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
+    assert_eq!((lone.depth_stored(), lone.name()), (DepthKind::Planar, "z"));
+    assert_eq!(lone.read_depth(&lone.groups()[0], 1).unwrap()[0].get(1, 0), 1.0);
+    assert_eq!(lone.background(), 0.0);
+}
+
+#[test]
+fn depth_that_is_none() {
+    let files = r#""depth": "z.%d.exr""#;
+    let set = Set::new(&manifest("perspective", [3, 1], "", files, r#", "fov_y_deg": 60"#));
+    let write = |value: f32| {
+        for frame in 0..2 {
+            let plane = Plane::new(3, 1, vec![1.0, f32::INFINITY, value]).unwrap();
+            ours::write_depth(&set.path(&format!("z.{frame}.exr")), &plane).unwrap();
+        }
+    };
+    let with = |invalid_depth, background| SourceOptions { invalid_depth, background, ..SourceOptions::default() };
+    let read = |options: &SourceOptions| set.depth(options).map(|planes| planes[0].data().to_vec());
+    let inf = f32::INFINITY;
+    let none = [(f32::NAN, "not a number"), (0.0, "zero"), (-0.0, "zero"), (-3.5, "-3.5"), (f32::NEG_INFINITY, "-inf")];
+    for (value, word) in none {
+        write(value);
+        assert_says(&message(read(&with(InvalidDepth::Refuse, None))), &["z.0.exr", "frame 0", "pixel (2, 0)", word]);
+        assert_eq!(read(&with(InvalidDepth::Far, None)).unwrap(), [1.0, inf, inf]);
+        assert_eq!(read(&with(InvalidDepth::Near, None)).unwrap(), [1.0, inf, 0.0]);
+        if !value.is_nan() {
+            assert_eq!(read(&with(InvalidDepth::Refuse, Some(value))).unwrap(), [1.0, inf, inf]);
+        }
+    }
+    for value in [f32::from_bits(1), f32::MAX] {
+        write(value);
+        assert_eq!(read(&with(InvalidDepth::Refuse, None)).unwrap(), [1.0, inf, value]);
+        // Scaling neither makes nothing of something nor something of nothing.
+        for scale in [1e-30, 1e30] {
+            let options = SourceOptions { depth_scale: Some(scale), ..SourceOptions::default() };
+            let values = read(&options).unwrap();
+            assert!(values[2] > 0.0 && values[2].is_finite() && values[1] == inf);
+        }
+    }
+    let nan = SourceOptions { depth_scale: Some(f64::NAN), ..SourceOptions::default() };
+    assert!(read(&nan).is_err() && read(&with(InvalidDepth::Refuse, Some(f32::NAN))).is_err());
+}
+
+#[test]
+fn colour_that_is_none() {
+    let files = r#""color": "c.%d.exr""#;
+    let set = Set::new(&manifest("perspective", [2, 2], "", files, r#", "fov_y_deg": 60"#));
+    let mut plane = Plane::filled(2, 2, [f16::ONE; 3]);
+    plane.data_mut()[2] = [f16::NAN, f16::INFINITY, f16::NEG_INFINITY];
+    for frame in 0..2 {
+        ours::write_color(&set.path(&format!("c.{frame}.exr")), &plane).unwrap();
+    }
+    let source = set.open().unwrap();
+    let text = message(source.read_color(&source.groups()[0], 1));
+    assert_says(&text, &["c.1.exr", "frame 1", "pixel (0, 1)", "not a number"]);
+    let black = SourceOptions { invalid_color: InvalidColor::Black, ..SourceOptions::default() };
+    let source = Source::open(set.folder.path(), &black).unwrap();
+    let read = source.read_color(&source.groups()[0], 1).unwrap();
+    assert_eq!(read[0].get(0, 1), [f16::ZERO, f16::MAX, f16::MIN]);
+}
+
+#[test]
+fn probes_keep_their_own_frames() {
+    let text = r#"{"lightfield": 1, "name": "t", "fps": 12.5, "frames": [0, 3], "projection": "perspective", "size": [1, 1],
+        "files": {"depth": "{probe}.%d.exr"}, "extra": {"anything": [1]}, "probes": [
+        {"name": "a", "position": [0, 0, 0], "fov_y_deg": 90, "frames": [0, 1]},
+        {"name": "b", "position": [0, 0, 1], "fov_y_deg": 90, "frames": [2, 9], "extra": 7},
+        {"name": "c", "position": [0, 0, 2], "fov_y_deg": 90, "frames": [8, 9]}]}"#;
+    let set = Set::new(text);
+    for name in ["a.0", "a.1", "b.2", "b.3"] {
+        ours::write_depth(&set.path(&format!("{name}.exr")), &ramp(1, 1)).unwrap();
+    }
+    let source = set.open().unwrap();
+    let ranges: Vec<_> = source.groups().iter().map(|group| (group.probe, group.frames.to_string())).collect();
+    assert_eq!(ranges, [(0, "0-1".to_string()), (1, "2-3".to_string())]);
+    assert_eq!((source.probes().len(), source.fps()), (3, 12.5));
+    let again = source.manifest().unwrap().to_json().unwrap();
+    assert_eq!(&lightfold::dataset::Manifest::from_json(again.as_bytes()).unwrap(), source.manifest().unwrap());
+}
+
+#[test]
+fn manifests_that_contradict_themselves() {
+    let good = r#"{"lightfield": 1, "name": "t", "fps": 24, "frames": [0, 1], "projection": "cubemap", "size": [4, 4],
+        "depth": {"kind": "distance", "unit": "m", "background": "inf", "near": 0.5, "far": 9},
+        "files": {"depth": "{probe}/{face}.%04d.exr"}, "probes": [{"name": "a", "position": [0, 0, 0]}]}"#;
+    let read = |text: &str| lightfold::dataset::Manifest::from_json(text.as_bytes());
+    read(good).unwrap();
+    for (from, to, words) in [
+        (r#""lightfield": 1"#, r#""lightfield": 2"#, "version"),
+        (r#""fps": 24"#, r#""fps": 0"#, "fps"),
+        (r#""fps": 24"#, r#""fps": 1e999"#, "number"),
+        ("[0, 1]", "[3, 1]", "first frame 3"),
+        ("[0, 1]", "[-3, 1]", "-3"),
+        (r#""size": [4, 4],"#, "", "size"),
+        ("[4, 4]", "[4, 0]", "size"),
+        ("[4, 4]", "[4, 8]", "square"),
+        (r#""name": "t","#, r#""name": "t", "colour": 1,"#, "colour"),
+        ("\"kind\"", "\"knd\"", "knd"),
+        (r#""inf""#, r#""far""#, "background"),
+        (r#""inf""#, "1e300", "background"),
+        (r#""near": 0.5"#, r#""near": 10"#, "below"),
+        (r#""near": 0.5"#, r#""near": -1"#, "above 0"),
+        (r#""unit": "m""#, r#""unit": "ft""#, "ft"),
+        (".%04d", "", "%04d"),
+        (".%04d", ".%04d.%d", "more than one"),
+        ("{face}", "f", "{face}"),
+        (r#"{"name": "a", "position": [0, 0, 0]}"#, "", "empty"),
+        (r#""name": "a""#, r#""name": "../a""#, "letters"),
+        (r#""name": "a""#, r#""name": "..""#, "letters"),
+        (r#""name": "a""#, r#""name": "a", "fov_y_deg": 60"#, "perspective"),
+        (r#""name": "a""#, r#""name": "a", "orientation": [0, 0, 0, 2]"#, "length 1"),
+        (r#""name": "a""#, r#""name": "a", "frames": [5, 4]"#, "first frame 5"),
+        (r#"[0, 0, 0]}"#, r#"[0, 0, 0]}, {"name": "a", "position": [0, 0, 0]}"#, "two probes"),
+        (r#""projection": "cubemap""#, r#""projection": "perspective""#, "{face}"),
+        (r#""projection": "cubemap""#, r#""projection": "fisheye""#, "fisheye"),
+        (r#""depth": "{probe}/{face}.%04d.exr""#, "", "files"),
+        (r#""name": "t","#, r#""name": "t", "faces_present": ["px", "up"],"#, "up"),
+        (r#""name": "t","#, r#""name": "t", "faces_present": [],"#, "at least one"),
+        ("}]}", "}]", "manifest"),
+    ] {
+        let text = good.replacen(from, to, 1);
+        assert_ne!(text, good, "{from}");
+        assert_says(&message(read(&text)), &[words]);
+    }
+    let folder = TempDir::new().unwrap();
+    assert_says(&message(Source::open(folder.path(), &SourceOptions::default())), &["lightfield.json"]);
+}
+
+#[test]
+fn single_sequences() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_string();
+    for frame in [4, 5, 7] {
+        ours::write_depth(Path::new(&at(&format!("depth.{frame:04}.exr"))), &ramp(4, 4)).unwrap();
+    }
+    let open = |spec: &str, arrangement, options: &SourceOptions| {
+        let layout = SequenceLayout { arrangement, probe: "p".into(), intrinsics: None };
+        Source::from_sequence(StreamKind::Depth, spec, &layout, options)
+    };
+    let options = SourceOptions::default();
+    let face = Arrangement::Single(Face::Ny);
+    assert_says(&message(open(&at("depth.%04d.exr"), face, &options)), &["depth.0006.exr", "frame 6"]);
+    assert_says(&message(open(&at(""), face, &options)), &["depth.0006.exr"]);
+    let some = SourceOptions { frames: Some(FrameRange { first: 4, last: 5 }), ..SourceOptions::default() };
+    let source = open(&at("depth.####.exr"), face, &some).unwrap();
+    assert_eq!(
+        (source.name(), source.projection(), source.probes()[0].name.as_str()),
+        ("depth", Projection::Cubemap, "p")
+    );
+    assert_eq!(source.read_depth(&source.groups()[0], 5).unwrap(), [ramp(4, 4)]);
+    let single = open(&at("depth.0007.exr"), Arrangement::Single(Face::View), &options).unwrap();
+    assert_eq!(single.groups()[0].frames, FrameRange { first: 7, last: 7 });
+    assert_says(&message(open(&at("depth.0007.exr"), Arrangement::Cross, &options)), &["depth.0007.exr", "4:3"]);
+    assert!(open(&at("depth.0007.exr"), Arrangement::Equirect, &options).is_ok());
+    assert!(open(&at("nothing.%04d.exr"), face, &options).is_err());
+    let planar = SourceOptions { depth_kind: Some(DepthKind::Planar), ..SourceOptions::default() };
+    assert!(open(&at("depth.0007.exr"), Arrangement::Equirect, &planar).is_err());
+    let source = open(&at("depth.0007.exr"), face, &planar).unwrap();
+    let exact =
+        Plane::from_fn(4, 4, |x, y| (f64::from(ramp(4, 4).get(x, y)) * cube::distance_from_planar(x, y, 4)) as f32);
+    assert_eq!(
+        (source.read_depth(&source.groups()[0], 7).unwrap(), source.depth_stored()),
+        (vec![exact], DepthKind::Distance)
+    );
+}
