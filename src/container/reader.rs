@@ -105,6 +105,12 @@ impl Reader {
                 )));
             }
         }
+        if let Some(chunk) = index.chunks.iter().find(|chunk| u64::from(chunk.raw_bytes) > allowed) {
+            return Err(Error::invalid(format!(
+                "stream {} has a chunk that claims {} bytes, more than a file of {} bytes justifies",
+                chunk.key.stream, chunk.raw_bytes, self.file_bytes
+            )));
+        }
         Ok(index)
     }
 
