@@ -38,9 +38,11 @@ impl Footage<'_> {
         }
     }
 
-    /// Writes files and manifest of a single probe "00".
+    /// Writes files and manifest of a single probe "00". Square images are faces of a cube, others perspective.
     pub fn write(&self, folder: &Path) {
-        for &face in self.faces {
+        let cube = self.size[0] == self.size[1];
+        let faces = if cube { self.faces } else { &[Face::View] };
+        for &face in faces {
             let of = |kind: &str, frame: u32| {
                 let folder = folder.join(format!("probe_00/face_{}", face.name()));
                 std::fs::create_dir_all(&folder).unwrap();
@@ -60,7 +62,8 @@ impl Footage<'_> {
             }
         }
         let file = |kind: &str, there: bool| {
-            there.then(|| format!(r#""{kind}": "probe_{{probe}}/face_{{face}}/{kind}.%04d.exr""#))
+            let face = if cube { "{face}" } else { "view" };
+            there.then(|| format!(r#""{kind}": "probe_{{probe}}/face_{face}/{kind}.%04d.exr""#))
         };
         let files: Vec<String> = [
             file("depth", self.depth.is_some()),
@@ -70,17 +73,21 @@ impl Footage<'_> {
         .into_iter()
         .flatten()
         .collect();
-        let faces: Vec<String> = self.faces.iter().map(|face| format!("{:?}", face.name())).collect();
+        let names: Vec<String> = self.faces.iter().map(|face| format!("{:?}", face.name())).collect();
+        let (projection, present, lens) = if cube {
+            ("cubemap", format!(r#""faces_present": [{}],"#, names.join(", ")), "")
+        } else {
+            ("perspective", String::new(), r#", "fov_y_deg": 60"#)
+        };
         let manifest = format!(
-            r#"{{ "lightfield": 1, "name": "test", "fps": 24, "frames": [{}, {}], "projection": "cubemap",
-                "size": [{}, {}], "faces_present": [{}],
+            r#"{{ "lightfield": 1, "name": "test", "fps": 24, "frames": [{}, {}], "projection": "{projection}",
+                "size": [{}, {}], {present}
                 "depth": {{ "kind": "distance", "unit": "m", "background": "inf"{} }},
-                "files": {{ {} }}, "probes": [{{ "name": "00", "position": [0, 1, 2] }}] }}"#,
+                "files": {{ {} }}, "probes": [{{ "name": "00", "position": [0, 1, 2]{lens} }}] }}"#,
             self.frames[0],
             self.frames[1],
             self.size[0],
             self.size[1],
-            faces.join(", "),
             self.depth_keys,
             files.join(", "),
         );
