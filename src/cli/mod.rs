@@ -2,6 +2,7 @@
 
 pub mod completions;
 pub mod decode;
+pub mod demo;
 pub mod encode;
 pub mod encode_color;
 pub mod encode_depth;
@@ -53,6 +54,8 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Capture, encode, decode and compare a built-in scene
+    Demo(demo::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),
     /// Encode one colour sequence
@@ -109,6 +112,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
     }
     let global = &cli.global;
     match cli.command {
+        Command::Demo(args) => demo::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
