@@ -119,5 +119,9 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<Decoded
 /// A word as a POSIX shell takes it: in quotes where it holds more than plain characters.
 fn shell_word(text: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) { text.to_owned() } else { format!("'{}'", text.replace('\'', r"'\''")) }
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
 }

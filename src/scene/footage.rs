@@ -80,11 +80,7 @@ impl FootagePlan {
             depth: Some(manifest::DepthInfo::default()),
             color: Some(manifest::ColorInfo { space: manifest::ManifestColorSpace::LinearRec709 }),
             material: None,
-            files: manifest::Files {
-                color: files(StreamKind::Color),
-                depth: files(StreamKind::Depth),
-                material: None,
-            },
+            files: manifest::Files { color: files(StreamKind::Color), depth: files(StreamKind::Depth), material: None },
             probes: self.positions().into_iter().enumerate().map(probe).collect(),
             extra: None,
         })
