@@ -6,6 +6,7 @@ pub mod demo;
 pub mod encode;
 pub mod encode_color;
 pub mod encode_depth;
+pub mod inspect;
 pub mod man;
 pub mod options;
 pub mod output;
@@ -64,6 +65,8 @@ pub enum Command {
     EncodeDepth(encode_depth::Args),
     /// Join containers into one, or compress one further
     Pack(pack::Args),
+    /// Show what a container holds and what it costs, and verify it
+    Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
     /// Print a completion script for a shell
@@ -117,6 +120,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
         Command::Pack(args) => pack::run(&args, global),
+        Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

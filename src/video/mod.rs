@@ -5,6 +5,7 @@ pub mod convert;
 pub mod decode;
 pub mod encode;
 pub mod export;
+pub mod inspect;
 pub mod pack;
 pub mod scan;
 
