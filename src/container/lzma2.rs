@@ -39,7 +39,10 @@ pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
             "the chunk's LZMA2 stream does not mean the {raw_bytes} bytes that the table says"
         )));
     }
-    Ok(raw)
+    match reader.inner().len() {
+        0 => Ok(raw),
+        left => Err(Error::invalid(format!("{left} bytes follow the end of the chunk's LZMA2 stream"))),
+    }
 }
 
 /// Decompresses with an independent implementation, for verification.
@@ -62,6 +65,7 @@ mod tests {
             assert_eq!(decompress(&stored, raw.len() as u32).unwrap(), raw);
             assert_eq!(decompress_independent(&stored).unwrap(), raw);
             assert!(decompress(&stored, raw.len() as u32 + 1).is_err());
+            assert!(decompress(&[&stored[..], &[0]].concat(), raw.len() as u32).is_err());
             if !raw.is_empty() {
                 assert!(decompress(&stored, raw.len() as u32 - 1).is_err());
                 assert!(decompress(&stored[..stored.len() / 2], raw.len() as u32).is_err());

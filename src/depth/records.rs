@@ -186,8 +186,14 @@ impl<T: Texel> TemporalChunk<T> {
                 0
             }
         };
+        let window = u32::from(window.max(1));
         while frame < target {
-            frame = target.min(frame + u32::from(window.max(1)));
+            // Steps that land on no record do nothing: they are taken at once, or a payload of a few bytes that
+            // claims 2^31 frames would take as many steps.
+            let next = self.records.partition_point(|record| record.frame <= frame);
+            let stop = self.records.get(next).map_or(target, |record| record.frame.min(target));
+            frame += (stop - frame - 1) / window * window;
+            frame += window.min(target - frame);
             if let Ok(found) = self.records.binary_search_by_key(&frame, |record| record.frame) {
                 updated += self.apply(picture, self.records[found].body);
             }
@@ -317,6 +323,17 @@ mod tests {
         let mut picture = [[0; 3]; 100];
         assert_eq!(chunk.advance(&mut picture, None, 0, 2), 100);
         assert!(picture.iter().all(|value| *value == [1, 2, 3]));
+    }
+
+    #[test]
+    fn two_billion_frames_without_a_change_cost_nothing() {
+        let payload = ChunkBuilder::<u16>::new(&[7; 6]).finish().unwrap();
+        let chunk = TemporalChunk::<u16>::parse(payload, [3, 2], u32::MAX).unwrap();
+        let mut picture = [0; 6];
+        for window in [1, 2, 255] {
+            assert_eq!(chunk.advance(&mut picture, None, u32::MAX - 1, window), 6);
+            assert_eq!(chunk.advance(&mut picture, Some(5), u32::MAX - 1, window), 0);
+        }
     }
 
     #[test]

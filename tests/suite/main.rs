@@ -1,6 +1,10 @@
 //! One test binary for everything that is tested from outside the crate.
 
 mod cli;
+mod corrupt;
+mod docs;
 mod exr_files;
 mod house;
 mod input;
+mod samples;
+mod vectors;

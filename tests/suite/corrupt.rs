@@ -1,0 +1,259 @@
+//! Damaged containers: whatever happens to a file, it is refused or shows exactly what it showed before. Where the
+//! damage is made to look sound (its CRC-32s are repaired), nothing panics and nothing takes long.
+
+use std::time::{Duration, Instant};
+
+use half::f16;
+use lightfold::color::SearchSettings;
+use lightfold::container::{Index, Reader, Storage};
+use lightfold::depth::TemporalSettings;
+use lightfold::video::decode::Decoder;
+use rayon::prelude::*;
+
+use crate::samples::{self, Images, Random, Shape};
+
+/// Three kinds of stream in a few kilobytes, with and without LZMA2.
+fn small(level: Option<u32>) -> Vec<u8> {
+    let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [4, 4], first_frame: 3, frame_count };
+    let settings = TemporalSettings { window: 2, epsilon: 1, max_aabbs: 4, keyframe_interval: 3 };
+    let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
+    let size = [5, 4];
+    let half =
+        |t: u16| (0..12).map(|at| [at + t, at * 2, 7].map(|v| f16::from_f32(f32::from(v) / 4.0 - 1.0))).collect();
+    let halves: Vec<Vec<[f16; 3]>> = (0..5).map(half).collect();
+    let whole = |shape: Shape| Shape { unit: shape.size, ..shape };
+    // Smooth enough for LZMA2 to help.
+    let flat: Vec<Vec<u16>> = (0..3).map(|t| (0..96).map(|at| at / 48 + t).collect()).collect();
+    let streams = [
+        samples::depth(shape(0, size, 5), [0.5, 8.0], &samples::moving_codes(size, 5, 5), settings),
+        samples::depth(whole(shape(1, [12, 8], 3)), [0.5, 8.0], &flat, settings),
+        samples::color8(shape(0, size, 6), &samples::drifting_bytes(size, 6), search),
+        samples::color_half(whole(shape(1, [4, 3], 5)), &halves, search),
+        samples::material(whole(shape(0, size, 4)), &samples::drifting_bytes(size, 4), settings),
+    ];
+    let bytes = samples::container(0, samples::probe("00", 9), &streams, level);
+    let (index, _) = samples::take_apart(&bytes);
+    assert_eq!(level.is_some(), index.chunks.iter().any(|chunk| chunk.storage == Storage::Lzma2));
+    assert!(bytes.len() < 4096, "{} bytes", bytes.len());
+    bytes
+}
+
+/// Fails where a damaged file shows other pixels than the good one.
+fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
+    if let Ok(images) = samples::decode_all(damaged) {
+        assert!(images == *expected, "{}: pixels changed in silence", what());
+    }
+}
+
+fn both() -> [(Vec<u8>, Images); 2] {
+    [None, Some(6)].map(|level| {
+        let file = small(level);
+        let images = samples::decode_all(file.clone()).unwrap();
+        (file, images)
+    })
+}
+
+#[test]
+fn a_file_cut_at_any_length_is_refused() {
+    for (file, _) in both() {
+        for length in 0..file.len() {
+            assert!(samples::decode_all(file[..length].to_vec()).is_err(), "{length} bytes are taken");
+        }
+    }
+}
+
+#[test]
+fn any_flipped_bit_is_an_error_or_changes_nothing() {
+    for (file, images) in both() {
+        (0..file.len() * 8).into_par_iter().for_each(|bit| {
+            let mut damaged = file.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            check(damaged, &images, || format!("bit {} of byte {}", bit % 8, bit / 8));
+        });
+    }
+}
+
+#[test]
+fn any_byte_inserted_or_deleted_is_an_error() {
+    for (file, _) in both() {
+        for at in 0..=file.len() {
+            for value in [0, 0xff, file[at.min(file.len() - 1)]] {
+                let mut damaged = file.clone();
+                damaged.insert(at, value);
+                assert!(samples::decode_all(damaged).is_err(), "a byte {value} at {at} is taken");
+            }
+            if at < file.len() {
+                let mut damaged = file.clone();
+                damaged.remove(at);
+                assert!(samples::decode_all(damaged).is_err(), "byte {at} is not missed");
+            }
+        }
+    }
+}
+
+#[test]
+fn any_two_bytes_exchanged_are_an_error_or_change_nothing() {
+    for (file, images) in both() {
+        for distance in [1, 4, 8, 40] {
+            for at in 0..file.len() - distance {
+                let mut damaged = file.clone();
+                damaged.swap(at, at + distance);
+                check(damaged, &images, || format!("bytes {at} and {}", at + distance));
+            }
+        }
+    }
+}
+
+/// Opens and decodes what can be decoded in a moment: some frames of images that are not huge.
+fn exercise(file: Vec<u8>, random: &mut Random) -> bool {
+    let Ok(reader) = Reader::from_memory(file) else { return false };
+    let Ok(decoder) = Decoder::new(reader) else { return false };
+    for stream in decoder.streams() {
+        if u64::from(stream.entry.width) * u64::from(stream.entry.height) > 1 << 20 {
+            continue;
+        }
+        let (first, count) = (stream.frames.first, stream.entry.frame_count);
+        let mut frames: Vec<u32> = (0..count.min(6)).chain([count - 1]).collect();
+        frames.extend((0..4).map(|_| random.below(count)));
+        let mut face = decoder.face(stream);
+        for frame in frames {
+            // An error in one frame need not spoil the next.
+            let _ = face.decode(first + frame);
+        }
+    }
+    true
+}
+
+/// Changes a few bytes or fields of a slice, towards values that break things.
+fn mutate(bytes: &mut [u8], random: &mut Random) {
+    for _ in 0..=random.below(3) {
+        if bytes.is_empty() {
+            return;
+        }
+        let at = random.below(bytes.len() as u32) as usize;
+        let near = bytes[at];
+        match random.below(8) {
+            0 => bytes[at] ^= 1 << random.below(8),
+            1 => bytes[at] = near.wrapping_add(1),
+            2 => bytes[at] = near.wrapping_sub(1),
+            3 => bytes[at] = [0, 1, 2, 0x7f, 0x80, 0xfe, 0xff][random.below(7) as usize],
+            4 => bytes[at] = random.below(256) as u8,
+            5 | 6 => {
+                let value = [0, 1, 255, 16_384, 65_535, 0x4000_0000, 0x7fff_ffff, 0x8000_0000, u32::MAX];
+                let value = value[random.below(9) as usize].to_le_bytes();
+                let end = (at + 4).min(bytes.len());
+                bytes[at..end].copy_from_slice(&value[..end - at]);
+            }
+            _ => {
+                let from = random.below(bytes.len() as u32) as usize;
+                let count = (1 + random.below(8) as usize).min(bytes.len() - from.max(at));
+                bytes.copy_within(from..from + count, at);
+            }
+        }
+    }
+}
+
+/// Gives every chunk whose bytes lie where it says the CRC-32 of those bytes.
+fn repair_chunks(index: &mut Index, stored: &[u8]) {
+    for chunk in &mut index.chunks {
+        let start = chunk.offset as usize - 16;
+        chunk.crc32 = crc32fast::hash(&stored[start..start + chunk.stored_bytes as usize]);
+    }
+}
+
+#[test]
+fn payloads_damaged_under_a_right_crc_never_panic() {
+    let start = Instant::now();
+    for (file, _) in both() {
+        let (index, stored) = samples::take_apart(&file);
+        let taken: usize = (0..6000u64)
+            .into_par_iter()
+            .map(|seed| {
+                let mut random = Random(seed);
+                let (mut index, mut stored) = (index.clone(), stored.clone());
+                let chunk = index.chunks[random.below(index.chunks.len() as u32) as usize];
+                let start = chunk.offset as usize - 16;
+                mutate(&mut stored[start..start + chunk.stored_bytes as usize], &mut random);
+                repair_chunks(&mut index, &stored);
+                usize::from(exercise(samples::assemble(&index, &stored, |_| ()), &mut random))
+            })
+            .sum();
+        assert_eq!(taken, 6000, "a container opens whatever its payloads are");
+    }
+    assert!(start.elapsed() < Duration::from_secs(120), "some payload takes too long: {:?}", start.elapsed());
+}
+
+#[test]
+fn payloads_cut_or_lengthened_under_a_right_crc_never_panic() {
+    let file = small(None);
+    for seed in 0..3000 {
+        let mut random = Random(seed);
+        let victim = random.below(10) as usize;
+        let damaged = samples::with_payloads(&file, |at, payload| {
+            if at % 10 == victim {
+                match random.below(3) {
+                    0 => payload.truncate(random.below(payload.len() as u32 + 1) as usize),
+                    1 => payload.extend((0..random.below(20)).map(|i| i as u8)),
+                    _ => {
+                        let at = random.below(payload.len() as u32) as usize;
+                        payload.remove(at);
+                    }
+                }
+                mutate(payload, &mut random);
+            }
+        });
+        exercise(damaged, &mut random);
+    }
+}
+
+#[test]
+fn indices_damaged_under_a_right_crc_never_panic() {
+    let start = Instant::now();
+    for (file, _) in both() {
+        let (index, stored) = samples::take_apart(&file);
+        let taken: usize = (0..10_000u64)
+            .into_par_iter()
+            .map(|seed| {
+                let mut random = Random(seed);
+                let damaged = samples::assemble(&index, &stored, |bytes| mutate(bytes, &mut random));
+                usize::from(exercise(damaged, &mut random))
+            })
+            .sum();
+        assert!(taken > 100, "only {taken} damaged indices were legal: the test sees too little");
+    }
+    assert!(start.elapsed() < Duration::from_secs(120), "some index takes too long: {:?}", start.elapsed());
+}
+
+#[test]
+fn every_index_field_survives_extreme_values() {
+    let file = small(None);
+    let (index, stored) = samples::take_apart(&file);
+    let length = index.write().unwrap().len();
+    (0..length - 3).into_par_iter().for_each(|at| {
+        for value in [0, 1, 0x4000, 0x7fff_ffff, 0x8000_0000, u32::MAX - 1, u32::MAX] {
+            let damaged =
+                samples::assemble(&index, &stored, |bytes| bytes[at..at + 4].copy_from_slice(&value.to_le_bytes()));
+            exercise(damaged, &mut Random(at as u64));
+        }
+    });
+}
+
+#[test]
+fn a_static_stream_of_two_billion_frames_is_decoded_at_once() {
+    let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
+    let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
+    let file = samples::container(
+        0,
+        samples::probe("00", 0),
+        &[samples::depth(shape, [1.0, 2.0], &[vec![7; 4]], settings)],
+        None,
+    );
+    let (mut index, stored) = samples::take_apart(&file);
+    index.streams[0].frame_count = 1 << 31;
+    index.chunks[0].key.frame_count = 1 << 31;
+    let decoder = Decoder::new(Reader::from_memory(samples::assemble(&index, &stored, |_| ())).unwrap()).unwrap();
+    let start = Instant::now();
+    let picture = decoder.face(&decoder.streams()[0]).decode((1 << 31) - 1).unwrap();
+    assert_eq!(samples::image_bytes(&picture), [7, 0, 7, 0, 7, 0, 7, 0]);
+    assert!(start.elapsed() < Duration::from_secs(1));
+}

@@ -1,0 +1,195 @@
+//! The documents under formats/ say what the library does.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use half::f16;
+use lightfold::color::{HalfKey, Sample};
+use lightfold::container::Reader;
+use lightfold::depth::TemporalSettings;
+
+use crate::samples::{self, Shape};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The file of container.md 8, as its text describes it.
+fn example() -> Vec<u8> {
+    let settings = TemporalSettings { window: 1, epsilon: 0, max_aabbs: 8, keyframe_interval: 64 };
+    let shape = Shape { face: 0, size: [2, 1], unit: [8, 8], first_frame: 0, frame_count: 2 };
+    let stream = samples::depth(shape, [1.0, 2.0], &[vec![0, 65_535], vec![0, 32_767]], settings);
+    let mut probe = samples::probe("p", 1);
+    probe.position = [0.0, 1.5, 0.0];
+    samples::container(0, probe, &[stream], None)
+}
+
+/// `(offset, bytes)` of every line of the first block tagged hex.
+fn hex_lines(document: &str) -> Vec<(usize, Vec<u8>)> {
+    let block = document.split("```hex\n").nth(1).expect("a block tagged hex");
+    let block = block.split("```").next().unwrap();
+    let hex = |text: &str| usize::from_str_radix(text, 16).unwrap_or_else(|_| panic!("{text:?} is not hexadecimal"));
+    let line = |line: &str| {
+        let (offset, rest) = line.split_once(':').expect("an offset");
+        let bytes = rest.split('|').next().unwrap();
+        (hex(offset.trim()), bytes.split_whitespace().map(|byte| hex(byte) as u8).collect())
+    };
+    block.lines().map(line).collect()
+}
+
+#[test]
+fn the_example_of_container_md_is_what_the_library_writes() {
+    let lines = hex_lines(&read("formats/container.md"));
+    let mut bytes: Vec<u8> = Vec::new();
+    for (offset, line) in lines {
+        assert_eq!(offset, bytes.len(), "the offset of a line of the example is wrong");
+        bytes.extend(line);
+    }
+    let written = example();
+    let at = bytes.iter().zip(&written).position(|(a, b)| a != b);
+    assert_eq!((at, bytes.len()), (None, written.len()), "the library writes {written:02x?}");
+    let codes = samples::decode_all(bytes).unwrap();
+    assert_eq!(codes, [[vec![0, 0, 0xff, 0xff], vec![0, 0, 0xff, 0x7f]]]);
+}
+
+#[test]
+fn the_smallest_file_is_as_small_as_container_md_says() {
+    let writer = lightfold::container::Writer::new(Vec::new(), "", 1.0, 0).unwrap();
+    let (file, _) = writer.finish().unwrap();
+    assert_eq!(file.len(), 16 + 26 + 40);
+    assert!(Reader::from_memory(file).unwrap().index().streams.is_empty());
+}
+
+/// The rows of the table whose first column heading is `heading`, as cells.
+fn table(document: &str, heading: &str) -> Vec<Vec<String>> {
+    let cells = |line: &str| -> Vec<String> { line.split('|').map(|cell| cell.trim().to_owned()).collect() };
+    let mut rows = document.lines().skip_while(|line| !line.starts_with(heading));
+    assert!(rows.next().is_some() && rows.next().is_some(), "no table headed {heading}");
+    rows.take_while(|line| line.starts_with('|')).map(|line| cells(line.trim_matches('|'))).collect()
+}
+
+#[test]
+fn the_tables_of_arithmetic_md_hold() {
+    let document = read("formats/arithmetic.md");
+    let lerps = table(&document, "| a | b | w | lerp |");
+    assert!(lerps.len() >= 7);
+    for row in lerps {
+        let numbers: Vec<u16> = row.iter().map(|cell| cell.parse().unwrap()).collect();
+        let [a, b, weight, result] = numbers[..] else { panic!("{row:?}") };
+        assert_eq!(HalfKey::lerp(HalfKey(a), HalfKey(b), weight as u8), HalfKey(result), "{row:?}");
+        if a.max(b) <= 255 {
+            assert_eq!(u16::from(u8::lerp(a as u8, b as u8, weight as u8)), result, "{row:?}");
+        }
+    }
+    let keys = table(&document, "| bits | key | value |");
+    assert!(keys.len() >= 11);
+    for row in keys {
+        let hex = |cell: &str| u16::from_str_radix(cell.trim_start_matches("0x"), 16).unwrap();
+        let (bits, key) = (hex(&row[0]), hex(&row[1]));
+        assert_eq!((HalfKey::from_bits(bits).0, HalfKey(key).to_bits()), (key, bits), "{row:?}");
+        let value = f16::from_bits(bits).to_f64();
+        match row[2].replace('−', "-").parse::<f64>() {
+            Ok(said) => assert!(said.is_nan() == value.is_nan() && (said.is_nan() || said == value), "{row:?}"),
+            Err(_) => assert_eq!(row[2], "least below zero"),
+        }
+    }
+}
+
+#[test]
+fn the_constants_of_the_documents_are_those_of_the_code() {
+    use lightfold::container::{chunk, index};
+    let limits = table(&read("formats/container.md"), "| name | value | applies to |");
+    let value = |name: &str| {
+        let row = limits.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("{name} is not in the table"));
+        row[1].split(' ').next().unwrap().replace(',', "").parse::<u64>().unwrap()
+    };
+    assert_eq!(value("MAX_SIZE"), u64::from(index::MAX_SIZE));
+    assert_eq!(value("MAX_FRAME"), u64::from(index::MAX_FRAME));
+    assert_eq!(value("MAX_CHUNK_BYTES"), u64::from(chunk::MAX_CHUNK_BYTES));
+    assert_eq!(value("MAX_EXPANSION"), chunk::MAX_EXPANSION);
+    let document = read("formats/color.md");
+    let p = |name: &str| {
+        let row = document.lines().find_map(|line| line.strip_prefix(&format!("| {name} | "))).unwrap();
+        row.trim_end_matches(" |").parse::<f64>().unwrap()
+    };
+    let [p1, p2, p3, p4, p5, p6, p7] = ["p1", "p2", "p3", "p4", "p5", "p6", "p7"].map(p);
+    for y in [0.005f64, 0.1, 1.0, 80.0, 100.0, 10_000.0] {
+        let power = y.powf(p4);
+        let said = p7 * (((p1 + p2 * power) / (1.0 + p3 * power)).powf(p5) - p6);
+        assert!((said - lightfold::metrics::pu21_encode(y)).abs() < 1e-9);
+    }
+}
+
+fn files_below(folder: PathBuf, extension: &str, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(&folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            files_below(path, extension, found);
+        } else if path.extension().is_some_and(|e| e == extension) {
+            found.push(path);
+        }
+    }
+}
+
+/// `(document, section)` of every citation such as `container.md 6.1` in a text.
+fn citations(text: &str, document: &str) -> Vec<String> {
+    let number = |rest: &str| {
+        let end = rest.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(rest.len());
+        rest[..end].trim_end_matches('.').to_owned()
+    };
+    let (plain, link) = (format!("{document} "), format!("({document}) "));
+    let plain = text.match_indices(&plain).map(|(at, found)| number(&text[at + found.len()..]));
+    let linked = text.match_indices(&link).map(|(at, found)| number(&text[at + found.len()..]));
+    plain.chain(linked).filter(|section| !section.is_empty()).collect()
+}
+
+#[test]
+fn every_section_that_is_cited_exists() {
+    let documents = ["container.md", "depth.md", "color.md", "arithmetic.md", "errata.md"];
+    let mut files = Vec::new();
+    files_below(root().join("src"), "rs", &mut files);
+    files.extend(documents.map(|document| root().join("formats").join(document)));
+    let mut seen = 0;
+    for document in documents {
+        let text = read(Path::new("formats").join(document));
+        let headings: HashSet<_> = text
+            .lines()
+            .filter(|line| line.starts_with('#'))
+            .map(|line| line.trim_start_matches(['#', ' ']).split(' ').next().unwrap().trim_end_matches('.').to_owned())
+            .collect();
+        for file in &files {
+            for section in citations(&fs::read_to_string(file).unwrap(), document) {
+                assert!(headings.contains(&section), "{}: {document} has no section {section}", file.display());
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 40, "only {seen} citations were found");
+}
+
+#[test]
+fn links_between_documents_lead_somewhere() {
+    let mut files = Vec::new();
+    files_below(root().join("formats"), "md", &mut files);
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        for link in text.split("](").skip(1).map(|rest| rest.split([')', '#']).next().unwrap()) {
+            assert!(file.with_file_name(link).exists(), "{}: {link}", file.display());
+        }
+    }
+}
+
+/// Prints the example, to be named by hand: `cargo test --test suite print_example -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints"]
+fn print_example() {
+    for (line, bytes) in example().chunks(16).enumerate() {
+        println!("{:04x}: {}", line * 16, bytes.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(" "));
+    }
+}

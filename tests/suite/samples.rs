@@ -1,0 +1,282 @@
+//! Small containers made through the library, and what they decode to. Everything here is deterministic.
+
+use half::f16;
+use lightfold::Result;
+use lightfold::color::cells::CellBuilder;
+use lightfold::color::quality::{EightBit, Pu21};
+use lightfold::color::{CellEncoder, HalfKey, SearchSettings};
+use lightfold::container::{
+    ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
+};
+use lightfold::dataset::stream::DepthKind;
+use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
+use lightfold::image::transfer::ToneMap;
+use lightfold::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
+use lightfold::video::decode::{Decoder, Picture};
+
+/// A seeded generator, the same on every machine.
+#[derive(Debug, Clone)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// A number below `n`.
+    pub fn below(&mut self, n: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) % u64::from(n)) as u32
+    }
+}
+
+/// Where a stream's images lie in space and time.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    pub face: u8,
+    pub size: [u32; 2],
+    pub unit: [u32; 2],
+    pub first_frame: u32,
+    pub frame_count: u32,
+}
+
+/// A stream with its coded chunks: unit, and frames counted from the stream's first.
+#[derive(Debug, Clone)]
+pub struct Stream {
+    pub entry: StreamEntry,
+    pub chunks: Vec<(u32, EncodedChunk)>,
+}
+
+pub fn entry(shape: Shape, header: &CodecHeader) -> StreamEntry {
+    StreamEntry {
+        kind: header.kind() as u8,
+        face: shape.face,
+        probe: 0,
+        codec: header.codec(),
+        width: shape.size[0],
+        height: shape.size[1],
+        first_frame: shape.first_frame,
+        frame_count: shape.frame_count,
+        unit_width: shape.unit[0],
+        unit_height: shape.unit[1],
+        codec_header: header.write(),
+    }
+}
+
+pub fn cut<T: Copy>(image: &[T], width: u32, [left, top, w, h]: [u32; 4]) -> Vec<T> {
+    (top..top + h).flat_map(|y| (left..left + w).map(move |x| image[(y * width + x) as usize])).collect()
+}
+
+fn temporal<T: Texel>(entry: StreamEntry, images: &[Vec<T>], settings: TemporalSettings) -> Stream {
+    assert_eq!(images.len(), entry.frame_count as usize);
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let rect = entry.unit_rect(unit);
+        let mut encoder = TemporalEncoder::new(rect[2], settings);
+        for image in images {
+            chunks.extend(encoder.push(&cut(image, entry.width, rect)).unwrap().map(|chunk| (unit, chunk)));
+        }
+        chunks.extend(encoder.finish().unwrap().map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
+}
+
+pub fn depth_header(range: [f32; 2], settings: TemporalSettings) -> CodecHeader {
+    CodecHeader::Depth(DepthHeader {
+        range: DepthRange::new(range[0], range[1]).unwrap(),
+        background: f32::INFINITY,
+        kind: DepthKind::Distance,
+        temporal: settings,
+    })
+}
+
+pub fn depth(shape: Shape, range: [f32; 2], images: &[Vec<u16>], settings: TemporalSettings) -> Stream {
+    temporal(entry(shape, &depth_header(range, settings)), images, settings)
+}
+
+pub fn material(shape: Shape, images: &[Vec<[u8; 3]>], settings: TemporalSettings) -> Stream {
+    let header = CodecHeader::Material(MaterialHeader { temporal: settings });
+    temporal(entry(shape, &header), images, settings)
+}
+
+pub fn color8_header(search: &SearchSettings) -> CodecHeader {
+    CodecHeader::Color(ColorHeader::new(ColorFormat::EightBit(ToneMap::default()), search))
+}
+
+pub fn half_header(search: &SearchSettings) -> CodecHeader {
+    CodecHeader::Color(ColorHeader::new(ColorFormat::Half { white_cd_m2: 100.0 }, search))
+}
+
+pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> Stream {
+    let entry = entry(shape, &color8_header(&search));
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let rect = entry.unit_rect(unit);
+        let mut encoder = CellEncoder::<u8>::new(search);
+        for image in images {
+            let cell = cut(image, entry.width, rect);
+            chunks.extend(encoder.push(cell.as_flattened(), &EightBit).unwrap().map(|chunk| (unit, chunk)));
+        }
+        chunks.extend(encoder.finish(&EightBit).unwrap().into_iter().map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
+}
+
+pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings) -> Stream {
+    let entry = entry(shape, &half_header(&search));
+    let quality = Pu21::new(100.0).unwrap();
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let rect = entry.unit_rect(unit);
+        let mut encoder = CellEncoder::<HalfKey>::new(search);
+        for image in images {
+            let cell = cut(image, entry.width, rect);
+            let keys: Vec<_> = cell.as_flattened().iter().map(|v| HalfKey::from_bits(v.to_bits())).collect();
+            chunks.extend(encoder.push(&keys, &quality).unwrap().map(|chunk| (unit, chunk)));
+        }
+        chunks.extend(encoder.finish(&quality).unwrap().into_iter().map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
+}
+
+/// A stream of one unit whose cell payloads are made by hand.
+pub fn cells_by_hand(shape: Shape, header: &CodecHeader, cells: Vec<CellBuilder>) -> Stream {
+    let mut first_frame = 0;
+    let chunks = cells.into_iter().map(|cell| {
+        let frame_count = cell.frame_count();
+        let chunk = EncodedChunk { first_frame, frame_count, payload: cell.finish().unwrap() };
+        first_frame += frame_count;
+        (0, chunk)
+    });
+    Stream { entry: entry(shape, header), chunks: chunks.collect() }
+}
+
+pub fn probe(name: &str, last_frame: u32) -> ProbeEntry {
+    ProbeEntry {
+        name: name.into(),
+        position: [0.5, 1.5, -2.25],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+        frames: [0, last_frame],
+        intrinsics: [0.0; 4],
+    }
+}
+
+/// The container of some streams of one probe.
+pub fn container(projection: u8, probe: ProbeEntry, streams: &[Stream], level: Option<u32>) -> Vec<u8> {
+    let mut writer = Writer::new(Vec::new(), "sample", 24.0, projection).unwrap();
+    writer.add_probe(probe).unwrap();
+    for stream in streams {
+        let index = writer.add_stream(stream.entry.clone());
+        for (unit, chunk) in &stream.chunks {
+            let first_frame = stream.entry.first_frame + chunk.first_frame;
+            let key = ChunkKey { stream: index, unit: *unit, first_frame, frame_count: chunk.frame_count };
+            writer.push(&PackedChunk::new(key, chunk.payload.clone(), level).unwrap()).unwrap();
+        }
+    }
+    writer.finish().unwrap().0
+}
+
+/// Puts a container together again around another index, with right CRC-32s: `stored` is what lies between head and
+/// index, `patch` may spoil the index's bytes.
+pub fn assemble(index: &Index, stored: &[u8], patch: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    let mut index = index.write().unwrap();
+    patch(&mut index);
+    let mut file = b"\x89LFLD\r\n\x1a\x01\x00\x00\x00\x00\x00\x00\x00".to_vec();
+    file.extend_from_slice(stored);
+    let offset = file.len() as u64;
+    file.extend_from_slice(&index);
+    let mut foot = Vec::new();
+    foot.extend_from_slice(&offset.to_le_bytes());
+    foot.extend_from_slice(&(index.len() as u64).to_le_bytes());
+    foot.extend_from_slice(&crc32fast::hash(&index).to_le_bytes());
+    foot.extend_from_slice(&[0; 4]);
+    foot.extend_from_slice(&(offset + index.len() as u64 + 40).to_le_bytes());
+    file.extend_from_slice(&foot_end(foot));
+    file
+}
+
+/// The first 32 bytes of a foot, completed by their CRC-32 and the magic.
+pub fn foot_end(mut foot: Vec<u8>) -> Vec<u8> {
+    foot.truncate(32);
+    foot.extend_from_slice(&crc32fast::hash(&foot).to_le_bytes());
+    foot.extend_from_slice(b"LFND");
+    foot
+}
+
+/// The index of a container, and the bytes between head and index.
+pub fn take_apart(file: &[u8]) -> (Index, Vec<u8>) {
+    let index = Reader::from_memory(file.to_vec()).unwrap().index().clone();
+    let end = index.chunks.iter().map(|chunk| chunk.offset as usize + chunk.stored_bytes as usize).max().unwrap_or(16);
+    (index, file[16..end].to_vec())
+}
+
+/// Replaces the payloads of all chunks: `change` gets a chunk's place in the table and its payload.
+pub fn with_payloads(file: &[u8], mut change: impl FnMut(usize, &mut Vec<u8>)) -> Vec<u8> {
+    let reader = Reader::from_memory(file.to_vec()).unwrap();
+    let mut index = reader.index().clone();
+    let mut stored = Vec::new();
+    for (at, chunk) in index.chunks.iter_mut().enumerate() {
+        let mut payload = reader.fetch(chunk).unwrap();
+        change(at, &mut payload);
+        chunk.offset = 16 + stored.len() as u64;
+        chunk.stored_bytes = payload.len() as u32;
+        chunk.raw_bytes = payload.len() as u32;
+        chunk.crc32 = crc32fast::hash(&payload);
+        chunk.storage = Storage::Raw;
+        stored.extend_from_slice(&payload);
+    }
+    assemble(&index, &stored, |_| ())
+}
+
+/// An image as arithmetic.md 1 writes it down.
+pub fn image_bytes(picture: &Picture) -> Vec<u8> {
+    match picture {
+        Picture::Depth(plane) => plane.data().iter().flat_map(|code| code.to_le_bytes()).collect(),
+        Picture::Color8(plane) | Picture::Material(plane) => plane.data().as_flattened().to_vec(),
+        Picture::ColorHalf(plane) => {
+            plane.data().as_flattened().iter().flat_map(|value| value.to_bits().to_le_bytes()).collect()
+        }
+    }
+}
+
+/// The images of all streams as bytes: by stream, then by frame.
+pub type Images = Vec<Vec<Vec<u8>>>;
+
+/// All images of all streams, in order.
+pub fn decode_all(file: Vec<u8>) -> Result<Images> {
+    let decoder = Decoder::new(Reader::from_memory(file)?)?;
+    let streams = decoder.streams().iter().map(|stream| {
+        let mut face = decoder.face(stream);
+        stream.frames.iter().map(|frame| face.decode(frame).map(|picture| image_bytes(&picture))).collect()
+    });
+    streams.collect()
+}
+
+/// Depth codes in which a few pixels jump, creep, vanish and come back.
+pub fn moving_codes(size: [u32; 2], frame_count: u32, seed: u64) -> Vec<Vec<u16>> {
+    let mut random = Random(seed);
+    let pixels = size[0] * size[1];
+    let mut image: Vec<u16> = (0..pixels).map(|at| (at % size[0] * 900 + at / size[0] * 77) as u16).collect();
+    (0..frame_count)
+        .map(|_| {
+            for _ in 0..random.below(4) {
+                let at = random.below(pixels) as usize;
+                image[at] = match random.below(4) {
+                    0 => u16::MAX,
+                    1 => image[at].wrapping_add(1),
+                    2 => image[at].saturating_sub(2),
+                    _ => random.below(65_536) as u16,
+                };
+            }
+            image.clone()
+        })
+        .collect()
+}
+
+/// Bytes that drift at different speeds, hold for a while, and are cut once.
+pub fn drifting_bytes(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> {
+    (0..frame_count)
+        .map(|t| {
+            let t = if (10..15).contains(&t) { 10 } else { t };
+            let cut = if t > frame_count / 2 { 70 } else { 0 };
+            let pixel = |at: u32| [at * 5 + t * 2, at + t + cut, 200 - at % 100].map(|v| (v % 256) as u8);
+            (0..size[0] * size[1]).map(pixel).collect()
+        })
+        .collect()
+}
