@@ -3,6 +3,8 @@
 pub mod completions;
 pub mod decode;
 pub mod demo;
+pub mod diff;
+mod diff_text;
 pub mod encode;
 pub mod encode_color;
 pub mod encode_depth;
@@ -69,6 +71,8 @@ pub enum Command {
     Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
+    /// Compare two of anything: containers, datasets, sequences
+    Diff(diff::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the man pages
@@ -122,6 +126,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Pack(args) => pack::run(&args, global),
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
+        Command::Diff(args) => diff::run(&args, global),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     }
