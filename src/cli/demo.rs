@@ -23,8 +23,9 @@ use crate::video::side::{self, SideOptions};
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frames 48 --size 256 --json\n\n\
-    Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded, and\n\
-    compares the two. The same options give the same bytes on every run.")]
+    Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
+    compares the two. The same options write the same bytes on every run. Exit code 1 says that the result is farther \
+    from the scene than the encoder was asked for.")]
 pub struct Args {
     /// Folder to write into
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-demo")]

@@ -241,3 +241,24 @@ fn the_demo_does_not_depend_on_threads() {
         assert!(run(threads) == one, "{threads} threads write other bytes than one");
     }
 }
+
+#[test]
+fn the_demo_is_what_its_commands_say() {
+    let folder = TempDir::new().unwrap();
+    let to = folder.path().join("a demo");
+    let run = demo(&to, &["--json"]);
+    succeeded(&run);
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(report["depth"]["max_error_codes"], 0);
+    assert!(report["color"]["min_psnr_db"].as_f64().unwrap() >= 50.0, "{report}");
+    assert_eq!(report["bytes"], fs::metadata(to.join("demo.lfold")).unwrap().len());
+    let made = bytes_below(&to);
+    fs::remove_file(to.join("demo.lfold")).unwrap();
+    fs::remove_dir_all(to.join("decoded")).unwrap();
+    for command in report["commands"].as_array().unwrap() {
+        let words = crate::house::shell_words(command.as_str().unwrap());
+        assert_eq!(words[0], "lightfold");
+        succeeded(&output(lightfold().args(&words[1..])));
+    }
+    assert!(bytes_below(&to) == made, "the commands that the demo prints make other bytes than the demo");
+}
