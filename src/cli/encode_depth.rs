@@ -13,8 +13,8 @@ use crate::video::encode::EncodeSettings;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
-    lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 --depth-kind planar \\\n      \
-    --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
+    lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 \\\n      \
+    --depth-kind planar --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
     Channels are looked for by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, \
     in any layer.")]
 pub struct Args {

@@ -2,9 +2,13 @@
 
 pub mod completions;
 pub mod decode;
+pub mod demo;
+pub mod diff;
+mod diff_text;
 pub mod encode;
 pub mod encode_color;
 pub mod encode_depth;
+pub mod inspect;
 pub mod man;
 pub mod options;
 pub mod output;
@@ -53,6 +57,8 @@ pub struct Cli {
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Capture, encode, decode and compare a built-in scene
+    Demo(demo::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),
     /// Encode one colour sequence
@@ -61,8 +67,12 @@ pub enum Command {
     EncodeDepth(encode_depth::Args),
     /// Join containers into one, or compress one further
     Pack(pack::Args),
+    /// Show what a container holds and what it costs, and verify it
+    Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
+    /// Compare two of anything: containers, datasets, sequences
+    Diff(diff::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the man pages
@@ -109,11 +119,14 @@ fn execute(cli: Cli) -> Result<Outcome> {
     }
     let global = &cli.global;
     match cli.command {
+        Command::Demo(args) => demo::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
         Command::Pack(args) => pack::run(&args, global),
+        Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
+        Command::Diff(args) => diff::run(&args, global),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     }

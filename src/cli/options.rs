@@ -69,6 +69,15 @@ pub struct DepthArgs {
     /// Farthest surface in metres [default: found for each probe]
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
+    /// Reading.
+    #[command(flatten)]
+    pub reading: DepthReadingArgs,
+}
+
+/// How depth files are read.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthReadingArgs {
     /// What becomes of NaN, negative and zero depths
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidDepthArg::Refuse)]
     pub invalid_depth: InvalidDepthArg,
@@ -166,6 +175,15 @@ pub enum InvalidColorArg {
     Black,
 }
 
+impl From<InvalidColorArg> for InvalidColor {
+    fn from(what: InvalidColorArg) -> InvalidColor {
+        match what {
+            InvalidColorArg::Refuse => InvalidColor::Refuse,
+            InvalidColorArg::Black => InvalidColor::Black,
+        }
+    }
+}
+
 /// How chunks are stored.
 #[derive(Debug, Clone, Args)]
 pub struct StorageArgs {
@@ -187,6 +205,13 @@ impl DepthArgs {
         settings.tiles = self.tiles;
         settings.near_m = self.near;
         settings.far_m = self.far;
+        self.reading.apply(source);
+    }
+}
+
+impl DepthReadingArgs {
+    /// Puts the options where the reader of files finds them.
+    pub fn apply(&self, source: &mut SourceOptions) {
         source.depth_scale = self.depth_scale;
         source.background = self.background;
         source.invalid_depth = match self.invalid_depth {
@@ -229,10 +254,7 @@ impl ColorArgs {
         } else {
             ColorFormat::EightBit(ToneMap { transfer, exposure_ev: self.exposure })
         };
-        source.invalid_color = match self.invalid_color {
-            InvalidColorArg::Refuse => InvalidColor::Refuse,
-            InvalidColorArg::Black => InvalidColor::Black,
-        };
+        source.invalid_color = self.invalid_color.into();
         Ok(())
     }
 }
@@ -270,15 +292,24 @@ impl From<ColorSpaceArg> for ColorSpace {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub struct SequenceArgs {
-    /// How the images show the probe's surroundings
-    #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
-    pub layout: LayoutArg,
     /// Name of the probe
     #[arg(long, value_name = "NAME", default_value = "00")]
     pub probe: String,
     /// The face that single images show: px, nx, py, ny, pz, nz, or view for a perspective image
     #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face)]
     pub face: Face,
+    /// Images.
+    #[command(flatten)]
+    pub images: ImageArgs,
+}
+
+/// How the images of a lone sequence show what they show.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+pub struct ImageArgs {
+    /// How the images show the probe's surroundings
+    #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
+    pub layout: LayoutArg,
     /// fx,fy,cx,cy in pixels of a perspective image; planar depth becomes distance with them
     #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub intrinsics: Option<Vec<f64>>,
@@ -306,22 +337,36 @@ pub enum LayoutArg {
 impl SequenceArgs {
     /// Opens the sequence `spec` as a source of one kind of stream.
     pub fn open(&self, kind: StreamKind, spec: &str, mut options: SourceOptions) -> Result<Source> {
-        options.channel = self.channel.clone();
-        options.face_size = self.face_size;
-        let intrinsics = match self.intrinsics.as_deref() {
-            None => None,
-            Some(&[fx, fy, cx, cy]) => Some([fx, fy, cx, cy]),
-            Some(other) => {
-                return Err(Error::Usage(format!("--intrinsics: four numbers were expected, {} given", other.len())));
-            }
+        options.channel = self.images.channel.clone();
+        options.face_size = self.images.face_size;
+        let layout = SequenceLayout {
+            arrangement: self.images.arrangement(self.face),
+            probe: self.probe.clone(),
+            intrinsics: self.images.intrinsics()?,
         };
-        let arrangement = match self.layout {
-            LayoutArg::Single => Arrangement::Single(self.face),
+        Source::from_sequence(kind, spec, &layout, &options)
+    }
+}
+
+impl ImageArgs {
+    /// What each image shows, `face` where it is a single one.
+    pub fn arrangement(&self, face: Face) -> Arrangement {
+        match self.layout {
+            LayoutArg::Single => Arrangement::Single(face),
             LayoutArg::Cross => Arrangement::Cross,
             LayoutArg::Strip => Arrangement::Strip,
             LayoutArg::Equirect => Arrangement::Equirect,
-        };
-        let layout = SequenceLayout { arrangement, probe: self.probe.clone(), intrinsics };
-        Source::from_sequence(kind, spec, &layout, &options)
+        }
+    }
+
+    /// The four numbers of `--intrinsics`.
+    pub fn intrinsics(&self) -> Result<Option<[f64; 4]>> {
+        match self.intrinsics.as_deref() {
+            None => Ok(None),
+            Some(&[fx, fy, cx, cy]) => Ok(Some([fx, fy, cx, cy])),
+            Some(other) => {
+                Err(Error::Usage(format!("--intrinsics: four numbers were expected, {} given", other.len())))
+            }
+        }
     }
 }

@@ -134,6 +134,9 @@ impl OutputFolder {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", path.display())));
         }
         let parent = folder_of(path);
+        if std::fs::metadata(parent).is_ok_and(|meta| !meta.is_dir()) {
+            return Err(Error::Usage(format!("{}: a file, where a folder was expected", parent.display())));
+        }
         std::fs::create_dir_all(parent).map_err(io)?;
         let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent).map_err(io)?;
         Ok(OutputFolder { path: path.to_path_buf(), work })

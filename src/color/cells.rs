@@ -13,6 +13,8 @@ const SECTION: &str = "color.md 4";
 const CLOSED_BY_NEXT: u8 = 1;
 /// Bytes of a cell payload before its table of keyframes.
 const FIXED_BYTES: usize = 8;
+/// Bytes of a row of the table of keyframes.
+const KEYFRAME_ROW_BYTES: usize = 4;
 
 /// How a frame is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +87,16 @@ impl<S: Sample> CellChunk<S> {
         &self.keyframes
     }
 
+    /// Number of frames, from the first, that have a weight in the payload; all later ones have weight 0.
+    pub fn weight_count(&self) -> u32 {
+        self.weights.len() as u32
+    }
+
+    /// Payload bytes that one keyframe takes, its row in the table of keyframes included.
+    pub fn keyframe_bytes(&self) -> u64 {
+        (KEYFRAME_ROW_BYTES + self.pixels * 3 * S::BYTES) as u64
+    }
+
     /// How a frame (counted from the chunk's first) is made.
     pub fn blend(&self, frame: u32) -> Blend {
         let keyframe = self.keyframes.partition_point(|&first| first <= frame) - 1;
@@ -139,7 +151,7 @@ impl CellBuilder {
 
     /// Bytes gathered so far.
     pub fn bytes(&self) -> usize {
-        FIXED_BYTES + 4 * self.keyframes.len() + self.weights.len() + self.samples.len()
+        FIXED_BYTES + KEYFRAME_ROW_BYTES * self.keyframes.len() + self.weights.len() + self.samples.len()
     }
 
     /// The payload. Weights after the last keyframe that are not zero lead to the next chunk.
@@ -179,6 +191,7 @@ mod tests {
     fn keyframes_and_weights_come_back() {
         let chunk = CellChunk::<u8>::parse(sample(), 2, 8).unwrap();
         assert_eq!(chunk.keyframes(), [0, 4]);
+        assert_eq!((chunk.weight_count(), chunk.keyframe_bytes()), (4, 10));
         let blends: Vec<_> = (0..8).map(|frame| chunk.blend(frame)).map(|b| (b.keyframe, b.weight)).collect();
         assert_eq!(blends, [(0, 0), (0, 100), (0, 200), (0, 200), (1, 0), (1, 0), (1, 0), (1, 0)]);
         let mut samples = [0; 6];

@@ -91,9 +91,14 @@ impl Pu21 {
         i32::from(self.steps[usize::from(key.0)])
     }
 
+    /// The PU21 encoding of a sample in steps of 1/64, as all errors of this metric are counted.
+    pub fn steps(&self, value: f16) -> u16 {
+        self.steps[usize::from(HalfKey::from_bits(value.to_bits()).0)]
+    }
+
     /// Σ of squared differences, in squared steps, between two pictures.
     pub fn between(&self, a: &[f16], b: &[f16]) -> u64 {
-        let step = |value: &f16| self.step(HalfKey::from_bits(value.to_bits()));
+        let step = |value: &f16| i32::from(self.steps(*value));
         a.iter().zip(b).map(|(a, b)| u64::from(step(a).abs_diff(step(b))).pow(2)).sum()
     }
 }

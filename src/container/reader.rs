@@ -37,6 +37,7 @@ pub struct Reader {
     path: PathBuf,
     bytes: Bytes,
     file_bytes: u64,
+    index_bytes: u64,
     index: Index,
 }
 
@@ -72,12 +73,13 @@ impl Reader {
             Bytes::File(file) => file.metadata().map_err(|error| Error::io(path, error))?.len(),
             Bytes::Memory(memory) => memory.len() as u64,
         };
-        let mut reader = Reader { path: path.to_path_buf(), bytes, file_bytes, index: Index::default() };
-        reader.index = reader.read_index(limits).map_err(|error| error.in_file(path))?;
+        let mut reader =
+            Reader { path: path.to_path_buf(), bytes, file_bytes, index_bytes: 0, index: Index::default() };
+        (reader.index, reader.index_bytes) = reader.read_index(limits).map_err(|error| error.in_file(path))?;
         Ok(reader)
     }
 
-    fn read_index(&self, limits: OpenLimits) -> Result<Index> {
+    fn read_index(&self, limits: OpenLimits) -> Result<(Index, u64)> {
         let head = self.read_at(0, self.file_bytes.min(HEAD_BYTES as u64))?;
         header::read_head(&head)?;
         if self.file_bytes < (HEAD_BYTES + FOOT_BYTES) as u64 {
@@ -111,7 +113,7 @@ impl Reader {
                 chunk.key.stream, chunk.raw_bytes, self.file_bytes
             )));
         }
-        Ok(index)
+        Ok((index, foot.index_bytes))
     }
 
     /// The path it was opened from, `-` for standard input, empty for memory.
@@ -129,21 +131,31 @@ impl Reader {
         self.file_bytes
     }
 
-    /// Bytes of the file that belong to no chunk: head, index and foot.
+    /// Bytes of head, index and foot.
     pub fn overhead_bytes(&self) -> u64 {
-        let end = self.index.chunks.iter().map(|chunk| chunk.offset + u64::from(chunk.stored_bytes)).max();
-        HEAD_BYTES as u64 + self.file_bytes - end.unwrap_or(HEAD_BYTES as u64)
+        (HEAD_BYTES + FOOT_BYTES) as u64 + self.index_bytes
+    }
+
+    /// Where chunks may lie: the offset of the first byte behind the head, and that of the index.
+    pub fn payload_area(&self) -> std::ops::Range<u64> {
+        let start = HEAD_BYTES as u64;
+        start..start + self.file_bytes - self.overhead_bytes()
     }
 
     /// The stored bytes of a chunk, which match its CRC-32.
     pub fn fetch_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
-        self.fetch_stored_into(chunk, Vec::new())
+        self.load_stored(chunk).map_err(|error| self.blame(chunk, error))
     }
 
-    fn fetch_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
+    /// As [`Self::fetch_stored`], for callers that say themselves which chunk an error came from.
+    pub fn load_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
+        self.load_stored_into(chunk, Vec::new())
+    }
+
+    fn load_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
         let stored = self.read_at_into(chunk.offset, u64::from(chunk.stored_bytes), spare)?;
         if crc32fast::hash(&stored) != chunk.crc32 {
-            return Err(self.blame(chunk, Error::invalid("its CRC-32 does not match: the file is damaged")));
+            return Err(Error::invalid("its CRC-32 does not match: the file is damaged"));
         }
         Ok(stored)
     }
@@ -155,7 +167,7 @@ impl Reader {
 
     /// A chunk's payload in memory that is no longer needed: fresh memory costs more than reading into it.
     pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
-        let stored = self.fetch_stored_into(chunk, spare)?;
+        let stored = self.load_stored_into(chunk, spare).map_err(|error| self.blame(chunk, error))?;
         match chunk.storage {
             Storage::Raw => Ok(stored),
             Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map_err(|error| self.blame(chunk, error)),

@@ -18,6 +18,10 @@ const BOXES: u8 = 2;
 const SECTION: &str = "depth.md 4";
 /// Bytes of a row of the record table.
 const RECORD_ROW_BYTES: usize = 8;
+/// Bytes of a record before its boxes or values.
+const RECORD_HEAD_BYTES: usize = 4;
+/// Bytes of a box before its values.
+const BOX_BYTES: usize = 8;
 
 /// What one record does to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -164,6 +168,16 @@ impl<T: Texel> TemporalChunk<T> {
         }
     }
 
+    /// Payload bytes that a record takes, its row in the record table included.
+    pub fn record_bytes(&self, body: Body) -> u64 {
+        let values = match body {
+            Body::Constant(_) => 1,
+            _ => self.updated_pixels(body),
+        };
+        let boxes = self.boxes(body).len() * BOX_BYTES;
+        (RECORD_ROW_BYTES + RECORD_HEAD_BYTES + boxes) as u64 + values * T::BYTES as u64
+    }
+
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
     /// most `window` frames; answers how many pixels were written.
     ///
@@ -295,6 +309,7 @@ mod tests {
     #[test]
     fn records_are_applied_at_their_frames() {
         let chunk = TemporalChunk::<u16>::parse(sample(), [3, 2], 5).unwrap();
+        assert_eq!(chunk.records().iter().map(|record| chunk.record_bytes(record.body)).collect::<Vec<_>>(), [24, 28]);
         let mut picture = [0; 6];
         assert_eq!(chunk.advance(&mut picture, None, 2, 1), 6);
         assert_eq!(picture, [1, 2, 3, 4, 5, 6]);

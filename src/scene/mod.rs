@@ -4,12 +4,14 @@
 //! is what `lightfold demo` and the tests of a codec need.
 
 pub mod capture;
+pub mod footage;
 pub mod material;
 pub mod primitive;
 pub mod procedural;
 pub mod raycast;
 
 pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
+pub use footage::FootagePlan;
 pub use material::{Material, Texture};
 pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};

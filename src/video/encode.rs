@@ -428,7 +428,7 @@ impl Unit {
                 None => Ok(None),
             },
             // A group's images and units are made from one header.
-            _ => unreachable!("a picture of another kind than its unit"),
+            _ => Err(Error::invalid("a picture of another kind than its unit")),
         }
     }
 

@@ -1,12 +1,17 @@
 //! Joins codecs and container: encodes the streams of a dataset, decodes (probe, face, unit, frame), and measures.
 
 pub mod codec;
+pub mod compare;
 pub mod convert;
 pub mod decode;
+pub mod difference;
+pub mod domain;
 pub mod encode;
 pub mod export;
+pub mod inspect;
 pub mod pack;
 pub mod scan;
+pub mod side;
 
 pub use codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 pub use decode::{Decoder, FaceDecoder, Picture, UnitDecoder};

@@ -1,9 +1,11 @@
 //! One test binary for everything that is tested from outside the crate.
 
+mod cli;
 mod corrupt;
 mod docs;
 mod exr_files;
 mod footage;
+mod house;
 mod input;
 mod roundtrip;
 mod samples;

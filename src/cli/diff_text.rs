@@ -1,0 +1,337 @@
+//! The report of `lightfold diff` for people: one row for each kind, the worst places, what is missing, the verdict.
+
+use comfy_table::{Table, presets};
+
+use crate::cli::diff::{Broken, Verdict, side_name};
+use crate::dataset::stream::StreamKind;
+use crate::image::transfer::Transfer;
+use crate::video::codec::ColorFormat;
+use crate::video::compare::{Comparison, Measured, StreamReport};
+use crate::video::difference::Lowest;
+use crate::video::domain::{Domain, Origin};
+use crate::video::side::{Coding, Side};
+
+/// Rows of streams are printed unasked up to this many.
+const FEW: usize = 12;
+/// At most so many lines about what is missing.
+const MISSING_LINES: usize = 8;
+/// Steps of one PU21 unit.
+const PU_STEPS: f64 = 64.0;
+
+/// Which streams have a row of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rows {
+    /// All.
+    All,
+    /// All, where they are few.
+    Few,
+}
+
+/// The whole report.
+pub fn report(sides: &[Side; 2], comparison: &Comparison, verdict: &Verdict, rows: Rows) -> String {
+    let mut lines = Vec::new();
+    for (at, side) in sides.iter().enumerate() {
+        lines.push(format!("{}  {} ({}, {} streams)", side_name(at), side.path, side.form.name(), side.streams.len()));
+    }
+    lines.extend(domain_lines(comparison));
+    lines.push(String::new());
+    lines.push(summary(comparison));
+    if rows == Rows::All || comparison.streams.len() <= FEW {
+        lines.push(String::new());
+        lines.push(stream_table(comparison));
+    }
+    let worst = worst_table(comparison);
+    if !worst.is_empty() {
+        lines.push(String::new());
+        lines.push(worst);
+    }
+    lines.extend(notes(comparison));
+    lines.push(String::new());
+    lines.extend(verdict_lines(comparison, verdict));
+    lines.push(String::new());
+    lines.join("\n")
+}
+
+fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::NOTHING);
+    table.set_header(header.iter().copied());
+    table
+}
+
+fn finish(table: &Table) -> String {
+    table.trim_fmt()
+}
+
+fn db(value: f64) -> String {
+    if value == f64::INFINITY { "inf dB".into() } else { format!("{value:.2} dB") }
+}
+
+fn metres(value: f64) -> String {
+    if value.is_finite() && value != 0.0 && value < 0.001 { format!("{value:.1e} m") } else { format!("{value:.4} m") }
+}
+
+fn lowest(lowest: Option<Lowest>) -> String {
+    lowest.map_or_else(|| "-".into(), |lowest| db(lowest.psnr_db))
+}
+
+fn ssim(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), |value| format!("{value:.5}"))
+}
+
+/// The largest error of a stream in the unit that its metric has.
+fn largest(stream: &StreamReport) -> String {
+    match (&stream.measured, stream.domain.coding) {
+        (Measured::Depth(errors), _) => format!("{} codes", errors.max_error_codes),
+        (Measured::Color(errors), Coding::Color(ColorFormat::Half { .. }, _)) => {
+            format!("{:.2} PU21", f64::from(errors.max_error) / PU_STEPS)
+        }
+        (Measured::Color(errors) | Measured::Material(errors), _) => format!("{} of 255", errors.max_error),
+    }
+}
+
+fn summary(comparison: &Comparison) -> String {
+    let mut table = table(&[
+        "kind",
+        "streams",
+        "images",
+        "differing",
+        "max error",
+        "in metres",
+        "PSNR",
+        "lowest frame, cell",
+        "SSIM",
+    ]);
+    let count = |kind: StreamKind| {
+        let of_kind = comparison.streams.iter().filter(move |stream| stream.id.kind == kind);
+        let images: u64 = of_kind.clone().map(|stream| stream.frames.count()).sum();
+        (of_kind.count().to_string(), images.to_string())
+    };
+    let share = |kind: StreamKind, differing: u64| {
+        let of_kind = comparison.streams.iter().filter(|stream| stream.id.kind == kind);
+        let pixels: u64 =
+            of_kind.map(|stream| stream.frames.count() * u64::from(stream.size[0]) * u64::from(stream.size[1])).sum();
+        match differing {
+            0 => "none".to_owned(),
+            _ => format!("{:.3}%", 100.0 * differing as f64 / pixels.max(1) as f64),
+        }
+    };
+    let none = || "-".to_owned();
+    for (kind, total) in [(StreamKind::Color, comparison.color()), (StreamKind::Material, comparison.material())] {
+        if kind == StreamKind::Material
+            && let Some((errors, _)) = comparison.depth()
+        {
+            let (streams, images) = count(StreamKind::Depth);
+            table.add_row(vec![
+                StreamKind::Depth.name().to_owned(),
+                streams,
+                images,
+                share(StreamKind::Depth, errors.differing_pixels),
+                format!("{} codes", errors.max_error_codes),
+                metres(errors.max_error_m),
+                db(errors.error.psnr_db()),
+                none(),
+                none(),
+            ]);
+        }
+        let Some(total) = total else { continue };
+        let (streams, images) = count(kind);
+        let cells = format!(
+            "{}, {}",
+            lowest(total.lowest_frame.map(|(_, lowest)| lowest)),
+            lowest(total.lowest_cell.map(|(_, lowest)| lowest))
+        );
+        table.add_row(vec![
+            kind.name().to_owned(),
+            streams,
+            images,
+            share(kind, total.differing_pixels),
+            total.worst.map_or_else(|| "0".into(), |at| largest(&comparison.streams[at])),
+            none(),
+            db(total.psnr_db()),
+            if kind == StreamKind::Color { cells } else { none() },
+            ssim(total.ssim()),
+        ]);
+    }
+    finish(&table)
+}
+
+fn stream_table(comparison: &Comparison) -> String {
+    let mut table = table(&["stream", "frames", "max error", "in metres", "PSNR", "lowest frame, cell", "SSIM"]);
+    for stream in &comparison.streams {
+        let name = match &stream.other_id {
+            Some(other) => format!("{} = {}/{}", stream.id, other.probe, other.face.name()),
+            None => stream.id.to_string(),
+        };
+        let color = stream.color();
+        let psnr = match &stream.measured {
+            Measured::Depth(errors) => errors.error.psnr_db(),
+            Measured::Color(errors) | Measured::Material(errors) => errors.psnr_db(),
+        };
+        table.add_row(vec![
+            name,
+            stream.frames.to_string(),
+            largest(stream),
+            stream.depth().map_or_else(|| "-".into(), |errors| metres(errors.max_error_m)),
+            db(psnr),
+            color.map_or_else(
+                || "-".into(),
+                |errors| format!("{}, {}", lowest(errors.lowest_frame), lowest(errors.lowest_cell)),
+            ),
+            ssim(color.and_then(|e| (e.ssim_frames > 0).then(|| e.ssim_sum / e.ssim_frames as f64))),
+        ]);
+    }
+    finish(&table)
+}
+
+fn worst_table(comparison: &Comparison) -> String {
+    let mut table = table(&["worst", "stream", "frame", "x", "y", ""]);
+    let mut add = |what: &str, at: usize, place: [u32; 3], value: String| {
+        let [frame, x, y] = place.map(|number| number.to_string());
+        table.add_row(vec![what.to_owned(), comparison.streams[at].id.to_string(), frame, x, y, value]);
+    };
+    let pixel = |at: usize| comparison.streams[at].worst().map(|(spot, _)| [spot.frame, spot.x, spot.y]);
+    if let Some(total) = comparison.color() {
+        if let Some((at, place)) = total.worst.and_then(|at| Some((at, pixel(at)?))) {
+            add("colour pixel", at, place, largest(&comparison.streams[at]));
+        }
+        for (what, lowest) in [("colour frame", total.lowest_frame), ("colour cell", total.lowest_cell)] {
+            if let Some((at, Lowest { psnr_db, spot })) = lowest.filter(|(_, lowest)| lowest.psnr_db.is_finite()) {
+                add(what, at, [spot.frame, spot.x, spot.y], db(psnr_db));
+            }
+        }
+    }
+    let depth = comparison.depth().and_then(|(_, at)| at);
+    let material = comparison.material().and_then(|total| total.worst);
+    for (what, at) in [("depth pixel", depth), ("material pixel", material)] {
+        if let Some((at, place)) = at.and_then(|at| Some((at, pixel(at)?))) {
+            add(what, at, place, largest(&comparison.streams[at]));
+        }
+    }
+    if table.row_count() == 0 { String::new() } else { finish(&table) }
+}
+
+/// One line for each kind: whose codes, and which.
+fn domain_lines(comparison: &Comparison) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (kind, name) in
+        [(StreamKind::Color, "colour"), (StreamKind::Depth, "depth"), (StreamKind::Material, "material")]
+    {
+        let mut seen: Vec<Domain> = Vec::new();
+        for stream in comparison.streams.iter().filter(|stream| stream.id.kind == kind) {
+            if !seen.contains(&stream.domain) {
+                seen.push(stream.domain);
+            }
+        }
+        let Some(first) = seen.first() else { continue };
+        let more = match seen.len() {
+            1 => String::new(),
+            count => format!(" (the first of {count}, by probe or stream)"),
+        };
+        lines.push(format!("{name} in {}{more}", domain_text(first)));
+    }
+    lines
+}
+
+fn domain_text(domain: &Domain) -> String {
+    let of = match domain.origin {
+        Origin::Container(side) => format!(" of {}", side_name(side)),
+        Origin::Manifest(side) => format!(" of {}'s manifest", side_name(side)),
+        Origin::Chosen => String::new(),
+    };
+    match domain.coding {
+        Coding::Depth(range) => {
+            let found = if domain.origin == Origin::Chosen { ", as far as both sides reach" } else { "" };
+            format!("16-bit log codes{of}, {} m to {} m{found}", range.near_m(), range.far_m())
+        }
+        Coding::Color(ColorFormat::EightBit(tone), cell) => {
+            let curve = if tone.transfer == Transfer::Srgb { "sRGB" } else { "linear light" };
+            let exposure = match tone.exposure_ev {
+                0.0 => String::new(),
+                stops => format!(" at {stops:+} EV"),
+            };
+            format!("8-bit {curve}{exposure}{of}, cells of {cell} pixels")
+        }
+        Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
+            format!("half floats{of}, PSNR of PU21 with white at {white_cd_m2} cd/m2, cells of {cell} pixels")
+        }
+        Coding::Material => "8-bit weights".to_owned(),
+    }
+}
+
+fn notes(comparison: &Comparison) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some((errors, _)) = comparison.depth() {
+        if errors.background_mismatches > 0 {
+            notes.push(format!("{} depth pixels are background on one side only", errors.background_mismatches));
+        }
+        if errors.outside_pixels > 0 {
+            notes.push(format!("{} depth pixels lie outside the range of the codes", errors.outside_pixels));
+        }
+    }
+    if let Some(total) = comparison.color() {
+        if total.clipped_pixels > 0 {
+            notes.push(format!(
+                "{} colour pixels of files did not fit 8 bits and were clipped before they were compared",
+                total.clipped_pixels
+            ));
+        }
+        if total.ssim_frames > 0 {
+            notes.push(format!("SSIM is the mean of {} images", total.ssim_frames));
+        }
+    }
+    for missing in comparison.missing.iter().take(MISSING_LINES) {
+        notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, missing.frames));
+    }
+    if comparison.missing.len() > MISSING_LINES {
+        notes.push(format!("and {} more that one side alone has", comparison.missing.len() - MISSING_LINES));
+    }
+    if !notes.is_empty() {
+        notes.insert(0, String::new());
+    }
+    notes
+}
+
+fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
+    let mut lines: Vec<String> = verdict.broken.iter().map(|broken| broken_text(comparison, broken)).collect();
+    if let Some((count, first)) = comparison.bits()
+        && count > 0
+    {
+        let place = first.map_or_else(String::new, |(at, spot)| {
+            let id = &comparison.streams[at].id;
+            format!(", the first at {id}, frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y)
+        });
+        lines.push(format!("different: {count} pixels differ in their bits{place}"));
+    }
+    if !comparison.missing.is_empty() {
+        lines.push("different: streams or frames are on one side only (--common leaves them out)".into());
+    }
+    if lines.is_empty() {
+        let text = match (verdict.equal, verdict.bounded) {
+            (true, _) if comparison.bits().is_some() => "equal in every bit",
+            (true, _) => "equal",
+            (false, true) => "within bounds",
+            (false, false) => "different; no bound was given",
+        };
+        lines.push(text.into());
+    }
+    lines
+}
+
+fn broken_text(comparison: &Comparison, broken: &Broken) -> String {
+    let stream = &comparison.streams[broken.stream];
+    let (measured, limit, by) = match broken.bound {
+        "--max-error" => {
+            let by = broken.measured - broken.limit;
+            (format!("{} codes", broken.measured), format!("{} codes", broken.limit), format!("{by} codes too many"))
+        }
+        _ => (db(broken.measured), db(broken.limit), format!("{} too low", db(broken.limit - broken.measured))),
+    };
+    let place = match (broken.bound, broken.spot) {
+        ("--min-psnr", Some(spot)) => format!(", frame {}", spot.frame),
+        ("--min-cell-psnr", Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
+        (_, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
+        (_, None) => String::new(),
+    };
+    format!("{} {limit} is broken: {measured} at {}{place}, {by}", broken.bound, stream.id)
+}

@@ -1,0 +1,185 @@
+//! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound.
+
+mod json;
+mod text;
+
+use std::path::PathBuf;
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome, options, output};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::image::cube::Face;
+use crate::image::sequence::FrameRange;
+use crate::report;
+use crate::video::decode::{Decoder, StreamInfo};
+use crate::video::export::Selection;
+use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour.\n\n\
+    Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
+    lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
+    lightfold inspect film.lfold --verify --json")]
+pub struct Args {
+    /// The container, - for standard input
+    #[arg(value_name = "IN.lfold")]
+    pub input: PathBuf,
+    /// Only these probes
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub probe: Vec<String>,
+    /// Only these faces
+    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
+    pub face: Vec<Face>,
+    /// Only streams of these kinds: color, depth, material
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
+    pub stream: Vec<StreamKind>,
+    /// One row for every stream, also where there are many; else they are summed up for each probe and kind
+    #[arg(long)]
+    pub streams: bool,
+    /// One row for every frame of every stream
+    #[arg(long)]
+    pub frames: bool,
+    /// With --frames, only rows of these frames, such as 10-99 or 12
+    #[arg(long, value_name = "A-B", requires = "frames", value_parser = options::parse_frames)]
+    pub range: Option<FrameRange>,
+    /// Check every chunk: CRC-32, decompression by two decoders, structure; list all that are damaged
+    #[arg(long)]
+    pub verify: bool,
+    /// Report as JSON
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// Report as CSV: a row for each stream, or with --frames for each frame
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// Everything that the reports speak of.
+struct Report<'a> {
+    args: &'a Args,
+    decoder: &'a Decoder,
+    inspection: &'a Inspection<'a>,
+}
+
+/// A row of `--frames` in JSON and CSV.
+#[derive(Debug, Serialize)]
+struct FrameOut<'a> {
+    kind: &'static str,
+    probe: &'a str,
+    face: &'static str,
+    frame: u32,
+    keyframe_units: u64,
+    aabbs: u64,
+    updated_pixels: u64,
+    updated_percent: f64,
+    bytes: u64,
+}
+
+/// The JSON report.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    head: Map<String, Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame_rows: Option<Vec<FrameOut<'a>>>,
+}
+
+/// Inspects.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let decoder = Decoder::open(&args.input)?;
+    let selection =
+        Selection { probes: args.probe.clone(), faces: args.face.clone(), kinds: args.stream.clone(), frames: None };
+    let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|(stream, _)| stream).collect();
+    let settings = InspectSettings {
+        rows: match (args.frames, args.range) {
+            (false, _) => FrameRows::None,
+            (true, None) => FrameRows::All,
+            (true, Some(range)) => FrameRows::Range(range),
+        },
+        check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
+    };
+    let progress = Progress::start(global, "inspecting", inspect::steps(&decoder, &streams))?;
+    let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
+    drop(progress);
+    let report = Report { args, decoder: &decoder, inspection: &inspection };
+    if args.json {
+        let frame_rows = args.frames.then(|| report.frame_rows());
+        output::print_json(&Document { head: json::head(&report), frame_rows })?;
+    } else if args.csv {
+        output::print_text(&if args.frames {
+            report::csv::of_rows(&report.frame_rows())?
+        } else {
+            report::csv::of_objects(json::COLUMNS, &json::streams(&report))?
+        })?;
+    } else if inspection.damaged.is_empty() {
+        output::print_text(&if args.frames { text::frames(&report) } else { text::summary(&report) })?;
+    }
+    if args.verify { tell_verdict(&report) } else { Ok(Outcome::Fine) }
+}
+
+/// Lists what is damaged, where JSON has not done so, and makes it an error.
+fn tell_verdict(report: &Report<'_>) -> Result<Outcome> {
+    let damaged = report.inspection.damaged.len();
+    if report.args.csv {
+        eprint!("{}", text::verdict(report));
+    } else if !report.args.json {
+        output::print_text(&text::verdict(report))?;
+    }
+    if damaged == 0 {
+        return Ok(Outcome::Fine);
+    }
+    let chunks = report.inspection.totals(None).chunks;
+    Err(Error::invalid(format!("{damaged} of {chunks} chunks are damaged: copy or encode the file again"))
+        .in_file(&report.args.input))
+}
+
+impl Report<'_> {
+    fn probe_name(&self, stream: &StreamInfo) -> &str {
+        &self.decoder.probe(stream).name
+    }
+
+    /// Whether only some of the streams were asked for.
+    fn is_partial(&self) -> bool {
+        self.inspection.streams.len() < self.decoder.streams().len()
+    }
+
+    /// The file's size, or where only some streams were asked for, that of their chunks.
+    fn bytes(&self) -> u64 {
+        if self.is_partial() { self.inspection.totals(None).bytes } else { self.decoder.reader().file_bytes() }
+    }
+
+    /// Indices of the probes that the streams belong to.
+    fn probes(&self) -> Vec<usize> {
+        let mut probes: Vec<usize> = self.inspection.streams.iter().map(|stats| stats.stream.probe).collect();
+        probes.sort_unstable();
+        probes.dedup();
+        probes
+    }
+
+    fn frame_rows(&self) -> Vec<FrameOut<'_>> {
+        self.inspection.rows.iter().map(|row| self.frame_row(row)).collect()
+    }
+
+    fn frame_row(&self, row: &FrameRow<'_>) -> FrameOut<'_> {
+        let entry = &row.stream.entry;
+        FrameOut {
+            kind: row.stream.kind.name(),
+            probe: self.probe_name(row.stream),
+            face: row.stream.face.name(),
+            frame: row.frame,
+            keyframe_units: row.cost.keyframe_units,
+            aabbs: row.cost.aabbs,
+            updated_pixels: row.cost.updated_pixels,
+            updated_percent: percent(row.cost.updated_pixels, u64::from(entry.width) * u64::from(entry.height)),
+            bytes: row.cost.bytes,
+        }
+    }
+}
+
+fn percent(part: u64, whole: u64) -> f64 {
+    100.0 * part as f64 / whole.max(1) as f64
+}

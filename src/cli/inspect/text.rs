@@ -1,0 +1,327 @@
+//! `inspect` for people.
+
+use std::fmt::Write;
+
+use super::json::{depth_kind_name, projection_name, transfer_name};
+use super::{Report, percent};
+use crate::cli::output::human_bytes;
+use crate::dataset::stream::StreamKind;
+use crate::depth::temporal::TemporalSettings;
+use crate::report::{Column, Table};
+use crate::video::codec::{CodecHeader, ColorFormat};
+use crate::video::inspect::{StreamStats, Totals};
+
+/// More streams than this are summed up for each probe and kind, unless `--streams` is given.
+const MAX_STREAM_ROWS: usize = 24;
+/// Different settings of one kind of streams that are told.
+const MAX_SETTINGS: usize = 4;
+
+/// The whole report without `--frames`.
+pub fn summary(report: &Report<'_>) -> String {
+    let mut out = heading(report);
+    let _ = write!(out, "\n{}\n{}", kinds(report), streams(report));
+    let settings = settings(report);
+    if !settings.is_empty() {
+        let _ = write!(out, "\n{settings}");
+    }
+    out
+}
+
+fn heading(report: &Report<'_>) -> String {
+    let (reader, all) = (report.decoder.reader(), report.inspection.totals(None));
+    let index = reader.index();
+    let streams = match report.decoder.streams().len() {
+        every if every as u64 == all.streams => counted(all.streams, "stream"),
+        every => format!("{} of {every} streams", all.streams),
+    };
+    let mut out = format!(
+        "{}: {} at {} fps, {}, {streams}, {}\n",
+        index.name,
+        projection_name(index.projection),
+        index.fps,
+        counted(report.probes().len() as u64, "probe"),
+        counted(all.frames, "image"),
+    );
+    let bytes = report.bytes();
+    let _ = write!(
+        out,
+        "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index\n",
+        human_bytes(bytes),
+        human_bytes(all.raw_bytes),
+        percent(bytes, all.raw_bytes),
+        counted(all.chunks, "chunk"),
+        human_bytes(all.shared_bytes_saved),
+        human_bytes(reader.overhead_bytes()),
+    );
+    if report.inspection.unreferenced_bytes > 0 {
+        let _ = writeln!(out, "{} belong to no chunk", human_bytes(report.inspection.unreferenced_bytes));
+    }
+    out
+}
+
+fn counted(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// CALF's table 1.
+fn kinds(report: &Report<'_>) -> Table {
+    let all = report.inspection.totals(None);
+    let stored = if all.lzma2_chunks > 0 { "+LZMA2" } else { "Stored" };
+    let mut table = Table::new(&[
+        Column::Left("Kind"),
+        Column::Right("Streams"),
+        Column::Right("Images"),
+        Column::Right("Raw"),
+        Column::Right("Temporal"),
+        Column::Right("%"),
+        Column::Right(stored),
+        Column::Right("%"),
+    ]);
+    let mut row = |name: &str, totals: Totals| {
+        table.row([
+            name.to_owned(),
+            totals.streams.to_string(),
+            totals.frames.to_string(),
+            human_bytes(totals.raw_bytes),
+            human_bytes(totals.temporal_bytes),
+            format!("{:.2}", percent(totals.temporal_bytes, totals.raw_bytes)),
+            human_bytes(totals.bytes),
+            format!("{:.2}", percent(totals.bytes, totals.raw_bytes)),
+        ]);
+    };
+    let of = |kind| (kind, report.inspection.totals(Some(kind)));
+    let present: Vec<_> = StreamKind::ALL.into_iter().map(of).filter(|(_, totals)| totals.streams > 0).collect();
+    present.iter().for_each(|(kind, totals)| row(kind.name(), *totals));
+    if present.len() > 1 {
+        row("all", all);
+    }
+    table
+}
+
+/// A row of the table of streams: one stream, or those of one probe and kind.
+struct Line {
+    probe: usize,
+    kind: StreamKind,
+    faces: String,
+    streams: u64,
+    frames: [u32; 2],
+    size: [u32; 2],
+    sums: Sums,
+}
+
+#[derive(Default)]
+struct Sums {
+    bytes: u64,
+    raw_bytes: u64,
+    keyframes: u64,
+    aabbs: u64,
+    updated_pixels: u64,
+    pixels: u64,
+    units: u64,
+    static_units: u64,
+    constant_units: u64,
+}
+
+impl Line {
+    fn new(stats: &StreamStats<'_>) -> Line {
+        let info = stats.stream;
+        Line {
+            probe: info.probe,
+            kind: info.kind,
+            faces: info.face.name().to_owned(),
+            streams: 0,
+            frames: [info.frames.first, info.frames.last],
+            size: [info.entry.width, info.entry.height],
+            sums: Sums::default(),
+        }
+    }
+
+    fn add(&mut self, stats: &StreamStats<'_>) {
+        self.streams += 1;
+        if self.streams > 1 {
+            self.faces = format!("{} faces", self.streams);
+        }
+        let (frames, sums) = (stats.stream.frames, &mut self.sums);
+        self.frames = [self.frames[0].min(frames.first), self.frames[1].max(frames.last)];
+        sums.bytes += stats.storage.bytes;
+        sums.raw_bytes = sums.raw_bytes.saturating_add(stats.raw_bytes);
+        sums.keyframes += stats.keyframes;
+        sums.aabbs += stats.aabbs;
+        sums.updated_pixels += stats.updated_pixels;
+        sums.pixels = sums.pixels.saturating_add(stats.pixels());
+        sums.units += stats.units;
+        sums.static_units += stats.static_units;
+        sums.constant_units += stats.constant_units;
+    }
+}
+
+fn streams(report: &Report<'_>) -> Table {
+    let streams = &report.inspection.streams;
+    let summed = streams.len() > MAX_STREAM_ROWS && !report.args.streams;
+    let mut lines: Vec<Line> = Vec::new();
+    for stats in streams {
+        let (info, size) = (stats.stream, [stats.stream.entry.width, stats.stream.entry.height]);
+        let same = |line: &Line| (line.probe, line.kind, line.size) == (info.probe, info.kind, size);
+        match lines.last_mut().filter(|line| summed && same(line)) {
+            Some(line) => line.add(stats),
+            None => {
+                let mut line = Line::new(stats);
+                line.add(stats);
+                lines.push(line);
+            }
+        }
+    }
+    let mut table = Table::new(&[
+        Column::Left("Probe"),
+        Column::Left("Kind"),
+        Column::Left("Face"),
+        Column::Right("Frames"),
+        Column::Right("Size"),
+        Column::Right("Stored"),
+        Column::Right("%"),
+        Column::Right("Keys"),
+        Column::Right("AABBs"),
+        Column::Right("Upd. %"),
+        Column::Right("Static"),
+        Column::Right("Empty"),
+        Column::Right("Units"),
+    ]);
+    for line in lines {
+        let sums = &line.sums;
+        let boxed = |count: u64| if line.kind == StreamKind::Color { "-".to_owned() } else { count.to_string() };
+        table.row([
+            report.decoder.reader().index().probes[line.probe].name.clone(),
+            line.kind.name().to_owned(),
+            line.faces.clone(),
+            format!("{}-{}", line.frames[0], line.frames[1]),
+            format!("{}x{}", line.size[0], line.size[1]),
+            human_bytes(sums.bytes),
+            format!("{:.2}", percent(sums.bytes, sums.raw_bytes)),
+            sums.keyframes.to_string(),
+            boxed(sums.aabbs),
+            format!("{:.2}", percent(sums.updated_pixels, sums.pixels)),
+            sums.static_units.to_string(),
+            boxed(sums.constant_units),
+            sums.units.to_string(),
+        ]);
+    }
+    table
+}
+
+/// How the streams were coded, each different setting once.
+fn settings(report: &Report<'_>) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for kind in StreamKind::ALL {
+        let mut seen: Vec<String> = Vec::new();
+        for stats in report.inspection.streams.iter().filter(|stats| stats.stream.kind == kind) {
+            let line = setting(stats);
+            if !seen.contains(&line) {
+                seen.push(line);
+                if seen.len() > MAX_SETTINGS {
+                    break;
+                }
+            }
+        }
+        if seen.len() > MAX_SETTINGS {
+            seen[MAX_SETTINGS] = format!("{}: and other settings, see --json", kind.name());
+        }
+        lines.append(&mut seen);
+    }
+    lines.iter().map(|line| format!("{line}\n")).collect()
+}
+
+fn setting(stats: &StreamStats<'_>) -> String {
+    let entry = &stats.stream.entry;
+    let units = format!("{}x{}", entry.unit_width, entry.unit_height);
+    let temporal = |settings: &TemporalSettings| {
+        format!(
+            "error at most {}, window {}, at most {} AABBs, a key every {} frames, tiles of {units}",
+            counted(settings.epsilon.into(), "code"),
+            settings.window,
+            settings.max_aabbs,
+            settings.keyframe_interval,
+        )
+    };
+    match &stats.stream.header {
+        CodecHeader::Depth(header) => format!(
+            "depth: {} {} to {} m,\n       {}",
+            depth_kind_name(header.kind),
+            header.range.near_m(),
+            header.range.far_m(),
+            temporal(&header.temporal)
+        ),
+        CodecHeader::Material(header) => format!("material: {}", temporal(&header.temporal)),
+        CodecHeader::Color(header) => {
+            let format = match header.format {
+                ColorFormat::EightBit(tone) => {
+                    format!("8 bits, {}, exposure {} EV", transfer_name(tone.transfer), tone.exposure_ev)
+                }
+                ColorFormat::Half { white_cd_m2 } => format!("half floats, white at {white_cd_m2} cd/m²"),
+            };
+            format!("color: {format}, at least {} dB, cells of {units}", header.min_psnr_db)
+        }
+    }
+}
+
+/// The report of `--frames`.
+pub fn frames(report: &Report<'_>) -> String {
+    let mut table = Table::new(&[
+        Column::Left("Probe"),
+        Column::Left("Kind"),
+        Column::Left("Face"),
+        Column::Right("Frame"),
+        Column::Right("Keys"),
+        Column::Right("AABBs"),
+        Column::Right("Updated pixels"),
+        Column::Right("%"),
+        Column::Right("Bytes"),
+    ]);
+    for row in report.frame_rows() {
+        table.row([
+            row.probe.to_owned(),
+            row.kind.to_owned(),
+            row.face.to_owned(),
+            row.frame.to_string(),
+            row.keyframe_units.to_string(),
+            if row.kind == StreamKind::Color.name() { "-".to_owned() } else { row.aabbs.to_string() },
+            row.updated_pixels.to_string(),
+            format!("{:.2}", row.updated_percent),
+            row.bytes.to_string(),
+        ]);
+    }
+    format!("{}\n{table}", heading(report))
+}
+
+/// What `--verify` found.
+pub fn verdict(report: &Report<'_>) -> String {
+    let inspection = report.inspection;
+    let all = inspection.totals(None);
+    if inspection.damaged.is_empty() {
+        return format!(
+            "\n{} verified ({} of LZMA2), {} belong to no chunk\n",
+            counted(all.chunks, "chunk"),
+            all.lzma2_chunks,
+            human_bytes(inspection.unreferenced_bytes)
+        );
+    }
+    let mut out = format!("{} of {} damaged:\n", inspection.damaged.len(), counted(all.chunks, "chunk"));
+    for damaged in &inspection.damaged {
+        let key = damaged.chunk.key;
+        let stream = &report.decoder.streams()[key.stream as usize];
+        let _ = writeln!(
+            out,
+            "  stream {} ({} of probe {} face {}), unit {}, frames {}-{}, at byte {}: {}",
+            key.stream,
+            stream.kind.name(),
+            report.probe_name(stream),
+            stream.face.name(),
+            key.unit,
+            key.first_frame,
+            key.first_frame + (key.frame_count - 1),
+            damaged.chunk.offset,
+            damaged.reason
+        );
+    }
+    let _ = writeln!(out, "{} belong to no chunk", human_bytes(inspection.unreferenced_bytes));
+    out
+}

@@ -1,0 +1,66 @@
+//! Rows of results as CSV, under the names that JSON has for them.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+
+/// Rows of flat structures; the columns are their fields.
+pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| broken(&error))?;
+    text_of(writer)
+}
+
+/// One row for each JSON object.
+///
+/// A column is named by the key that it shows, `outer.inner` for a key of an object inside; the heading is then
+/// `outer_inner`. A key that an object does not have leaves its cell empty.
+pub fn of_objects(columns: &[&str], objects: &[Value]) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(columns.iter().map(|column| column.replace('.', "_"))).map_err(|error| broken(&error))?;
+    for object in objects {
+        let cells = columns.iter().map(|column| {
+            let value = column.split('.').try_fold(object, |object, key| object.get(key));
+            match value {
+                None | Some(Value::Null) => String::new(),
+                Some(Value::String(text)) => text.clone(),
+                Some(other) => other.to_string(),
+            }
+        });
+        writer.write_record(cells).map_err(|error| broken(&error))?;
+    }
+    text_of(writer)
+}
+
+fn text_of(writer: csv::Writer<Vec<u8>>) -> Result<String> {
+    let bytes = writer.into_inner().map_err(|error| broken(error.error()))?;
+    String::from_utf8(bytes).map_err(|error| broken(&error))
+}
+
+fn broken(error: &dyn std::error::Error) -> Error {
+    Error::invalid(format!("CSV: {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn keys_become_columns_and_missing_ones_empty_cells() {
+        let objects = [json!({ "a": 1, "b": { "c": 2.5 }, "d": "x,y" }), json!({ "a": null, "d": "inf" })];
+        assert_eq!(of_objects(&["a", "b.c", "d"], &objects).unwrap(), "a,b_c,d\n1,2.5,\"x,y\"\n,,inf\n");
+    }
+
+    #[test]
+    fn fields_become_columns() {
+        #[derive(Serialize)]
+        struct Row {
+            name: &'static str,
+            count: u64,
+        }
+        let rows = [Row { name: "a", count: 1 }, Row { name: "b", count: 2 }];
+        assert_eq!(of_rows(&rows).unwrap(), "name,count\na,1\nb,2\n");
+    }
+}

@@ -1,0 +1,62 @@
+//! Plain tables: words to the left, numbers to the right, two spaces between, no lines and no colours.
+
+use std::fmt;
+
+use comfy_table::{CellAlignment, ContentArrangement, presets};
+
+/// A column: its heading, and the side that its cells keep to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column<'a> {
+    /// Words.
+    Left(&'a str),
+    /// Numbers.
+    Right(&'a str),
+}
+
+/// A table in the making; its `Display` has a line for the headings and one for each row.
+#[derive(Debug, Clone)]
+pub struct Table {
+    table: comfy_table::Table,
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(columns: &[Column<'_>]) -> Table {
+        let mut table = comfy_table::Table::new();
+        table.load_style(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
+        table.set_header(columns.iter().map(|column| match column {
+            Column::Left(heading) | Column::Right(heading) => *heading,
+        }));
+        for (cells, column) in table.column_iter_mut().zip(columns) {
+            cells.set_padding((0, 2)).set_cell_alignment(match column {
+                Column::Left(_) => CellAlignment::Left,
+                Column::Right(_) => CellAlignment::Right,
+            });
+        }
+        Table { table }
+    }
+
+    /// Adds a row of as many cells as there are columns.
+    pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
+        self.table.add_row(cells.into_iter().collect::<Vec<_>>());
+    }
+}
+
+impl fmt::Display for Table {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.table.lines().try_for_each(|line| writeln!(f, "{}", line.trim_end()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_right_and_lines_have_no_blanks_at_their_ends() {
+        let mut table = Table::new(&[Column::Left("What"), Column::Right("Size"), Column::Left("Note")]);
+        table.row(["a".to_owned(), "7 B".to_owned(), String::new()]);
+        table.row(["longer".to_owned(), "1.25 MB".to_owned(), "x y".to_owned()]);
+        assert_eq!(table.to_string(), "What       Size  Note\na           7 B\nlonger  1.25 MB  x y\n");
+    }
+}

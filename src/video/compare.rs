@@ -1,0 +1,624 @@
+//! Compares two sides stream by stream: how far apart, and where most.
+//!
+//! Each pair of streams is brought into one domain ([`Domain`]): depth into 16-bit log codes, colour into the codes of
+//! a transfer function or half floats, as the side that is a container codes them. One frame of each stream is in
+//! memory at a time; streams are compared in parallel, and the result does not depend on how many at once.
+
+use rayon::prelude::*;
+
+use crate::color::quality::Pu21;
+use crate::dataset::stream::StreamKind;
+use crate::depth::quantise::DepthRange;
+use crate::error::{Error, Result};
+use crate::image::plane::DepthPlane;
+use crate::image::sequence::FrameRange;
+use crate::metrics::psnr::CodeError;
+use crate::metrics::ssim::ssim_rgb8;
+use crate::monitor::Monitor;
+use crate::video::codec::ColorFormat;
+use crate::video::difference::{BitErrors, DepthErrors, Lowest, SampleErrors, Spot, half_levels, half_peak};
+use crate::video::domain::{Converted, Converter, Domain, Origin, Values};
+use crate::video::scan;
+use crate::video::side::{Coding, Image, Side, SideForm, SideReader, SideStream, StreamId};
+
+/// What becomes of streams and frames that only one side has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Coverage {
+    /// They are a difference.
+    #[default]
+    Whole,
+    /// They are left out.
+    Common,
+}
+
+/// Whether bits are compared, too.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// Codes alone.
+    #[default]
+    Codes,
+    /// Codes, and the bits of metres, light and weights.
+    Bits,
+}
+
+/// Which frames of a stream SSIM is computed for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SsimFrames {
+    /// All.
+    Every,
+    /// The first, the middle and the last.
+    #[default]
+    Sampled,
+    /// None.
+    None,
+}
+
+/// How two sides are compared.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CompareSettings {
+    /// What only one side has.
+    pub coverage: Coverage,
+    /// Codes or bits.
+    pub measure: Measure,
+    /// SSIM.
+    pub ssim: SsimFrames,
+}
+
+/// Two streams that are compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    streams: [&'a SideStream; 2],
+    /// Frames that both have, in the numbers of the first side.
+    frames: FrameRange,
+    /// What is added to a number for the second side.
+    shift: i64,
+}
+
+/// Frames of a stream that one side alone has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Missing {
+    /// The side that has them: 0 or 1.
+    pub only_in: usize,
+    /// The stream.
+    pub id: StreamId,
+    /// The frames.
+    pub frames: FrameRange,
+}
+
+/// Which streams of two sides belong together.
+#[derive(Debug)]
+pub struct Pairing<'a> {
+    sides: &'a [Side; 2],
+    pairs: Vec<Pair<'a>>,
+    missing: Vec<Missing>,
+}
+
+impl<'a> Pairing<'a> {
+    /// Matches streams by kind, probe and face; the only streams of a kind on both sides belong together whatever
+    /// their names.
+    ///
+    /// # Errors
+    /// When nothing belongs together, or what does cannot be compared: sizes differ, or what depth measures.
+    pub fn new(sides: &'a [Side; 2], coverage: Coverage) -> Result<Pairing<'a>> {
+        let [a, b] = sides;
+        let mut matches: Vec<[Option<&SideStream>; 2]> = Vec::new();
+        for stream in &a.streams {
+            matches.push([Some(stream), b.streams.iter().find(|other| other.id == stream.id)]);
+        }
+        let known = |id: &StreamId| a.streams.iter().any(|stream| stream.id == *id);
+        matches.extend(b.streams.iter().filter(|stream| !known(&stream.id)).map(|stream| [None, Some(stream)]));
+        for kind in StreamKind::ALL {
+            let only = |side: &'a Side| {
+                let mut of_kind = side.streams.iter().filter(|stream| stream.id.kind == kind);
+                of_kind.next().filter(|_| of_kind.next().is_none())
+            };
+            if let (Some(a), Some(b)) = (only(a), only(b))
+                && a.id != b.id
+            {
+                matches.retain(|streams| streams.iter().flatten().all(|stream| stream.id.kind != kind));
+                matches.push([Some(a), Some(b)]);
+            }
+        }
+        let order = |streams: &[Option<&SideStream>; 2]| {
+            let first = streams.iter().flatten().next();
+            first.map(|stream| (stream.id.kind, stream.probe_order, stream.id.face))
+        };
+        matches.sort_by_key(order);
+        let mut pairing = Pairing { sides, pairs: Vec::new(), missing: Vec::new() };
+        for streams in matches {
+            pairing.add(streams)?;
+        }
+        if pairing.pairs.is_empty() {
+            return Err(pairing.nothing_in_common());
+        }
+        if coverage == Coverage::Common {
+            pairing.missing.clear();
+        }
+        Ok(pairing)
+    }
+
+    fn add(&mut self, streams: [Option<&'a SideStream>; 2]) -> Result<()> {
+        let [Some(a), Some(b)] = streams else {
+            for (only_in, stream) in streams.iter().enumerate() {
+                let lost = stream.map(|stream| Missing { only_in, id: stream.id.clone(), frames: stream.frames });
+                self.missing.extend(lost);
+            }
+            return Ok(());
+        };
+        if a.size != b.size {
+            let text = |stream: &SideStream| format!("{}x{} pixels", stream.size[0], stream.size[1]);
+            return Err(Error::invalid(format!("{}: {} cannot be compared with {}", a.id, text(a), text(b))));
+        }
+        if a.id.kind == StreamKind::Depth && a.depth_kind != b.depth_kind {
+            return Err(Error::Usage(format!(
+                "{}: one side holds distances and the other planar depth; say --depth-kind, and --intrinsics for a \
+                 perspective sequence",
+                a.id
+            )));
+        }
+        let single = self.sides.iter().all(|side| side.form == SideForm::Sequence)
+            && [a, b].iter().all(|stream| stream.frames.count() == 1);
+        let shift = if single { i64::from(b.frames.first) - i64::from(a.frames.first) } else { 0 };
+        let common = if single { Some(a.frames) } else { a.frames.intersect(b.frames) };
+        for (only_in, stream) in [a, b].into_iter().enumerate() {
+            for frames in frames_outside(stream.frames, common.filter(|_| !single)) {
+                if !single {
+                    self.missing.push(Missing { only_in, id: stream.id.clone(), frames });
+                }
+            }
+        }
+        self.pairs.extend(common.map(|frames| Pair { streams: [a, b], frames, shift }));
+        Ok(())
+    }
+
+    fn nothing_in_common(&self) -> Error {
+        let list = |side: &Side| {
+            let names: Vec<_> =
+                side.streams.iter().take(3).map(|stream| format!("{} frames {}", stream.id, stream.frames)).collect();
+            let more = if side.streams.len() > 3 { ", ..." } else { "" };
+            format!("{} has {}{more}", side.path, names.join(", "))
+        };
+        let [a, b] = self.sides;
+        Error::Usage(format!("the two have no stream and frame in common: {}; {}", list(a), list(b)))
+    }
+
+    /// The images that will be compared, pairs of two counted once.
+    pub fn images(&self) -> u64 {
+        self.pairs.iter().map(|pair| pair.frames.count()).sum()
+    }
+}
+
+/// The parts of a range before and after another.
+fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange> {
+    let Some(inner) = inner else { return vec![all] };
+    let before = (all.first < inner.first).then(|| FrameRange { first: all.first, last: inner.first - 1 });
+    let after = (inner.last < all.last).then(|| FrameRange { first: inner.last + 1, last: all.last });
+    before.into_iter().chain(after).collect()
+}
+
+/// What was measured of a pair of streams.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Measured {
+    /// Depth.
+    Depth(DepthErrors),
+    /// Colour.
+    Color(SampleErrors),
+    /// Material.
+    Material(SampleErrors),
+}
+
+/// A pair of streams, compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StreamReport {
+    /// The stream, by its name on the first side.
+    pub id: StreamId,
+    /// Its name on the second side, where it is another.
+    pub other_id: Option<StreamId>,
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Frames compared, in the numbers of the first side.
+    pub frames: FrameRange,
+    /// What they were compared in.
+    pub domain: Domain,
+    /// Errors in the domain.
+    pub measured: Measured,
+    /// Differences in bits, where they were asked for.
+    pub bits: Option<BitErrors>,
+}
+
+impl StreamReport {
+    /// Pixels that differ in the domain.
+    pub fn differing_pixels(&self) -> u64 {
+        match &self.measured {
+            Measured::Depth(errors) => errors.differing_pixels,
+            Measured::Color(errors) | Measured::Material(errors) => errors.differing_pixels,
+        }
+    }
+
+    /// The worst pixel, and its error as a fraction of the metric's peak.
+    pub fn worst(&self) -> Option<(Spot, f64)> {
+        match &self.measured {
+            Measured::Depth(errors) => {
+                errors.worst.map(|spot| (spot, f64::from(errors.max_error_codes) / errors.error.peak))
+            }
+            Measured::Color(errors) | Measured::Material(errors) => {
+                errors.worst.map(|spot| (spot, f64::from(errors.max_error) / errors.error.peak))
+            }
+        }
+    }
+
+    /// The errors of a colour stream.
+    pub fn color(&self) -> Option<&SampleErrors> {
+        if let Measured::Color(errors) = &self.measured { Some(errors) } else { None }
+    }
+
+    /// The errors of a depth stream.
+    pub fn depth(&self) -> Option<&DepthErrors> {
+        if let Measured::Depth(errors) = &self.measured { Some(errors) } else { None }
+    }
+
+    /// The errors of a material stream.
+    pub fn material(&self) -> Option<&SampleErrors> {
+        if let Measured::Material(errors) = &self.measured { Some(errors) } else { None }
+    }
+}
+
+/// Two sides, compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// By kind, then probe, then face.
+    pub streams: Vec<StreamReport>,
+    /// What one side alone has.
+    pub missing: Vec<Missing>,
+}
+
+/// All streams of colour or of material together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampleTotal {
+    /// Squared errors, one for each peak, as 8-bit and half-float streams have different ones.
+    errors: Vec<CodeError>,
+    /// Index of the stream that has the frame of lowest PSNR, and that frame.
+    pub lowest_frame: Option<(usize, Lowest)>,
+    /// Index of the stream that has the cell of lowest PSNR, and that cell.
+    pub lowest_cell: Option<(usize, Lowest)>,
+    /// Index of the stream that has the largest error, relative to its peak.
+    pub worst: Option<usize>,
+    /// Largest error in the steps of that stream.
+    pub max_error: u32,
+    /// Sum of SSIM over frames.
+    ssim_sum: f64,
+    /// Frames that SSIM was computed for.
+    pub ssim_frames: u64,
+    /// Pixels that differ.
+    pub differing_pixels: u64,
+    /// Pixels clipped on their way into 8 bits.
+    pub clipped_pixels: u64,
+}
+
+impl SampleTotal {
+    /// PSNR over all samples; those of different peaks are put in proportion.
+    pub fn psnr_db(&self) -> f64 {
+        if let [only] = self.errors.as_slice() {
+            return only.psnr_db();
+        }
+        let sum: f64 = self.errors.iter().map(|error| error.sum as f64 / (error.peak * error.peak)).sum();
+        let samples: u64 = self.errors.iter().map(|error| error.samples).sum();
+        if sum == 0.0 { f64::INFINITY } else { 10.0 * (samples as f64 / sum).log10() }
+    }
+
+    /// Mean SSIM of the frames that it was computed for.
+    pub fn ssim(&self) -> Option<f64> {
+        (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
+    }
+}
+
+impl Comparison {
+    /// Whether nothing differs, in bits where they were compared and else in codes, and nothing is missing.
+    pub fn equal(&self) -> bool {
+        let same = |stream: &StreamReport| match &stream.bits {
+            Some(bits) => bits.differing_pixels == 0,
+            None => stream.differing_pixels() == 0,
+        };
+        self.missing.is_empty() && self.streams.iter().all(same)
+    }
+
+    /// Depth errors of all streams, and the index of the one that has the worst pixel.
+    pub fn depth(&self) -> Option<(DepthErrors, Option<usize>)> {
+        let mut total: Option<(DepthErrors, Option<usize>)> = None;
+        for (at, errors) in self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.depth()?))) {
+            let (sum, worst) = total.get_or_insert_default();
+            if sum.merge(errors) {
+                *worst = Some(at);
+            }
+        }
+        total
+    }
+
+    /// Colour errors of all streams.
+    pub fn color(&self) -> Option<SampleTotal> {
+        self.samples(StreamReport::color)
+    }
+
+    /// Material errors of all streams.
+    pub fn material(&self) -> Option<SampleTotal> {
+        self.samples(StreamReport::material)
+    }
+
+    fn samples(&self, of: fn(&StreamReport) -> Option<&SampleErrors>) -> Option<SampleTotal> {
+        let mut total: Option<SampleTotal> = None;
+        let mut worst = 0.0;
+        for (at, stream) in self.streams.iter().enumerate() {
+            let Some(errors) = of(stream) else { continue };
+            let total = total.get_or_insert_with(|| SampleTotal {
+                errors: Vec::new(),
+                lowest_frame: None,
+                lowest_cell: None,
+                worst: None,
+                max_error: 0,
+                ssim_sum: 0.0,
+                ssim_frames: 0,
+                differing_pixels: 0,
+                clipped_pixels: 0,
+            });
+            match total.errors.iter_mut().find(|error| error.peak == errors.error.peak) {
+                Some(error) => {
+                    error.sum += errors.error.sum;
+                    error.samples += errors.error.samples;
+                }
+                None => total.errors.push(errors.error),
+            }
+            keep_lowest(&mut total.lowest_frame, at, errors.lowest_frame);
+            keep_lowest(&mut total.lowest_cell, at, errors.lowest_cell);
+            if let Some((_, relative)) = stream.worst()
+                && (total.worst.is_none() || relative > worst)
+            {
+                (total.worst, total.max_error, worst) = (Some(at), errors.max_error, relative);
+            }
+            total.ssim_sum += errors.ssim_sum;
+            total.ssim_frames += errors.ssim_frames;
+            total.differing_pixels += errors.differing_pixels;
+            total.clipped_pixels += errors.clipped_pixels;
+        }
+        total
+    }
+
+    /// The stream and pixel whose error is the largest part of its metric's peak.
+    pub fn worst(&self) -> Option<(usize, Spot)> {
+        let mut worst: Option<(usize, Spot, f64)> = None;
+        for (at, stream) in self.streams.iter().enumerate() {
+            if let Some((spot, relative)) = stream.worst()
+                && worst.is_none_or(|(_, _, largest)| relative > largest)
+            {
+                worst = Some((at, spot, relative));
+            }
+        }
+        worst.map(|(at, spot, _)| (at, spot))
+    }
+
+    /// The first stream and pixel whose bits differ, and the number of pixels that do.
+    pub fn bits(&self) -> Option<(u64, Option<(usize, Spot)>)> {
+        let mut streams = self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.bits?)));
+        let count = streams.clone().map(|(_, bits)| bits.differing_pixels).sum();
+        let measured = streams.clone().next().is_some();
+        measured.then(|| (count, streams.find_map(|(at, bits)| Some((at, bits.first?)))))
+    }
+}
+
+fn keep_lowest(lowest: &mut Option<(usize, Lowest)>, at: usize, other: Option<Lowest>) {
+    if let Some(other) = other
+        && lowest.is_none_or(|(_, lowest)| other.psnr_db < lowest.psnr_db)
+    {
+        *lowest = Some((at, other));
+    }
+}
+
+/// Compares all pairs. The monitor advances by one for every pair of images.
+///
+/// # Errors
+/// When an image cannot be read or decoded.
+pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
+    let domains = domains(pairing, monitor)?;
+    let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
+    let job = Job { sides: pairing.sides, settings, monitor };
+    let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
+    let reports = jobs.into_par_iter().map(|pairs| job.run(pairs)).collect::<Result<Vec<_>>>()?;
+    Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
+}
+
+impl Pair<'_> {
+    /// Whether files of either side are best read for both pairs at once.
+    fn shares_files(&self, next: &Pair<'_>) -> bool {
+        self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
+    }
+
+    /// The frame's number on the second side.
+    fn other_frame(&self, frame: u32) -> u32 {
+        u32::try_from(i64::from(frame) + self.shift).unwrap_or(frame)
+    }
+}
+
+/// Shows the images of some pairs, frame by frame.
+fn visit(
+    sides: &[Side; 2],
+    pairs: &[Pair<'_>],
+    monitor: &dyn Monitor,
+    mut see: impl FnMut(usize, u32, [Image; 2]) -> Result<()>,
+) -> Result<()> {
+    let [mut first, mut second] =
+        [0, 1].map(|at| SideReader::new(&sides[at], pairs.iter().map(|pair| pair.streams[at]).collect()));
+    let ranges = pairs.iter().map(|pair| pair.frames);
+    let all = ranges.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) });
+    for frame in all.iter().flat_map(|range| range.iter()) {
+        for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.frames.contains(frame)) {
+            monitor.check()?;
+            let images = [first.image(at, frame)?, second.image(at, pair.other_frame(frame))?];
+            see(at, frame, images).map_err(|error| error.context(format!("{}, frame {frame}", pair.streams[0].id)))?;
+        }
+    }
+    Ok(())
+}
+
+/// The domain of each pair; ranges of depth that nobody knows are found by reading both sides.
+fn domains(pairing: &Pairing<'_>, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
+    let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
+    let unknown: Vec<Pair<'_>> =
+        pairing.pairs.iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
+    let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();
+    let extents = chunks
+        .into_par_iter()
+        .map(|pairs| {
+            let mut extents = vec![None; pairs.len()];
+            visit(pairing.sides, pairs, monitor, |at, _, images| {
+                for image in &images {
+                    if let Image::Depth(plane) = image {
+                        extents[at] = union(extents[at], scan_extent(plane));
+                    }
+                }
+                Ok(())
+            })?;
+            Ok(extents)
+        })
+        .collect::<Result<Vec<Vec<_>>>>()?;
+    let scanned: Vec<_> = unknown.iter().zip(extents.into_iter().flatten()).collect();
+    let range_of = |pair: &Pair<'_>| {
+        // One range for all faces of a probe, as a container has it.
+        let probe = |pair: &Pair<'_>| pair.streams.map(|stream| stream.id.probe.clone());
+        let same = scanned.iter().filter(|(other, _)| probe(other) == probe(pair)).map(|(_, extent)| *extent);
+        match same.reduce(union).flatten() {
+            Some((near, far)) => DepthRange::new(near, far),
+            None => Ok(DepthRange::empty()),
+        }
+    };
+    pairing
+        .pairs
+        .iter()
+        .zip(known)
+        .map(|(pair, domain)| match domain {
+            Some(domain) => Ok(domain),
+            None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Chosen }),
+        })
+        .collect()
+}
+
+type Extent = Option<(f32, f32)>;
+
+fn scan_extent(plane: &DepthPlane) -> Extent {
+    scan::extent(plane)
+}
+
+fn union(a: Extent, b: Extent) -> Extent {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (a, b) => a.or(b),
+    }
+}
+
+struct Job<'a> {
+    sides: &'a [Side; 2],
+    settings: &'a CompareSettings,
+    monitor: &'a dyn Monitor,
+}
+
+/// A pair of streams while it is compared.
+struct Work {
+    domain: Domain,
+    frames: FrameRange,
+    converters: [Converter; 2],
+    metric: Option<Pu21>,
+    measured: Measured,
+    bits: Option<BitErrors>,
+}
+
+impl Job<'_> {
+    fn run(&self, pairs: &[(Pair<'_>, Domain)]) -> Result<Vec<StreamReport>> {
+        let mut work = pairs.iter().map(|(pair, domain)| self.prepare(pair, *domain)).collect::<Result<Vec<_>>>()?;
+        let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
+        visit(self.sides, &alone, self.monitor, |at, frame, images| {
+            work[at].see(frame, images, self.settings)?;
+            self.monitor.advance(1);
+            Ok(())
+        })?;
+        let report = |(pair, work): (Pair<'_>, Work)| {
+            let [a, b] = pair.streams;
+            StreamReport {
+                id: a.id.clone(),
+                other_id: (a.id != b.id).then(|| b.id.clone()),
+                size: a.size,
+                frames: pair.frames,
+                domain: work.domain,
+                measured: work.measured,
+                bits: work.bits,
+            }
+        };
+        Ok(alone.into_iter().zip(work).map(report).collect())
+    }
+
+    fn prepare(&self, pair: &Pair<'_>, domain: Domain) -> Result<Work> {
+        let converter = |at: usize| Converter::new(domain.coding, &self.sides[at], pair.streams[at]);
+        let metric = match domain.coding {
+            Coding::Color(ColorFormat::Half { white_cd_m2 }, _) => Some(Pu21::new(white_cd_m2)?),
+            _ => None,
+        };
+        let measured = match domain.coding {
+            Coding::Depth(_) => Measured::Depth(DepthErrors::default()),
+            Coding::Color(..) => Measured::Color(match &metric {
+                Some(metric) => SampleErrors::empty(half_peak(metric)),
+                None => SampleErrors::empty_8bit(),
+            }),
+            Coding::Material => Measured::Material(SampleErrors::empty_8bit()),
+        };
+        let bits = (self.settings.measure == Measure::Bits).then(BitErrors::default);
+        Ok(Work { domain, frames: pair.frames, converters: [converter(0), converter(1)], metric, measured, bits })
+    }
+}
+
+impl Work {
+    fn see(&mut self, frame: u32, images: [Image; 2], settings: &CompareSettings) -> Result<()> {
+        if let Some(bits) = &mut self.bits {
+            let values: [Values; 2] = [0, 1].map(|at| self.converters[at].values(&images[at]));
+            bits.add(frame, &values[0], &values[1])?;
+        }
+        let [a, b] = images;
+        let ((a, clipped_a), (b, clipped_b)) = (self.converters[0].convert(a)?, self.converters[1].convert(b)?);
+        let cell = match self.domain.coding {
+            Coding::Color(_, cell) => cell,
+            _ => u32::MAX,
+        };
+        match (&mut self.measured, &a, &b) {
+            (Measured::Depth(errors), Converted::Depth(a), Converted::Depth(b)) => errors.add(frame, a, b),
+            (Measured::Color(errors), Converted::Bytes(a), Converted::Bytes(b)) => {
+                errors.add(frame, a, b, cell);
+                errors.clipped_pixels += clipped_a + clipped_b;
+                if wants_ssim(settings.ssim, frame, self.frames)
+                    && let Some(ssim) = if a == b && a.width().min(a.height()) >= crate::metrics::SSIM_WINDOW {
+                        Some(1.0)
+                    } else {
+                        ssim_rgb8(a, b)?
+                    }
+                {
+                    errors.ssim_sum += ssim;
+                    errors.ssim_frames += 1;
+                }
+            }
+            (Measured::Color(errors), Converted::Half(a), Converted::Half(b)) => {
+                if let Some(metric) = &self.metric {
+                    errors.add(frame, &half_levels(a, metric), &half_levels(b, metric), cell);
+                }
+            }
+            (Measured::Material(errors), Converted::Bytes(a), Converted::Bytes(b)) => errors.add(frame, a, b, cell),
+            _ => return Err(Error::invalid("images of two kinds cannot be compared")),
+        }
+        Ok(())
+    }
+}
+
+fn wants_ssim(which: SsimFrames, frame: u32, frames: FrameRange) -> bool {
+    match which {
+        SsimFrames::Every => true,
+        SsimFrames::None => false,
+        SsimFrames::Sampled => {
+            let middle = frames.first + (frames.last - frames.first) / 2;
+            [frames.first, middle, frames.last].contains(&frame)
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! The command line as a user meets it: words, exit codes, pipes, interruptions.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+use lightfold::container::Reader;
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use tempfile::TempDir;
+
+/// Help and error messages are those under tests/cmd/.
+#[test]
+#[cfg(unix)]
+fn words() {
+    trycmd::TestCases::new().case("tests/cmd/*.trycmd");
+}
+
+fn lightfold() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    command.stdin(Stdio::null());
+    command
+}
+
+/// Runs to the end, with standard output and standard error caught.
+fn output(command: &mut Command) -> Output {
+    command.output().unwrap()
+}
+
+#[track_caller]
+fn succeeded(output: &Output) {
+    assert!(output.status.success(), "{}\n{}", output.status, String::from_utf8_lossy(&output.stderr));
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+/// A dataset that all tests share: made once, never written to.
+fn dataset() -> &'static Path {
+    static FOLDER: OnceLock<TempDir> = OnceLock::new();
+    let make = || {
+        let folder = TempDir::new().unwrap();
+        let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 6, face_size: 32, probes: 1 };
+        plan.write(folder.path(), &Silent).unwrap();
+        folder
+    };
+    FOLDER.get_or_init(make).path()
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+fn bytes_below(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let (mut found, mut folders) = (Vec::new(), vec![folder.to_path_buf()]);
+    while let Some(at) = folders.pop() {
+        for entry in fs::read_dir(at).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.push((path.strip_prefix(folder).unwrap().to_path_buf(), fs::read(&path).unwrap()));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Waits for the end, but not for ever.
+fn wait(child: &mut Child) -> ExitStatus {
+    let start = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status;
+        }
+        if start.elapsed() > Duration::from_secs(120) {
+            child.kill().unwrap();
+            panic!("it did not end within two minutes");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn a_container_goes_through_a_pipe_whole() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("a.lfold");
+    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file)));
+    let piped = output(lightfold().arg("encode").arg(dataset()).args(["-o", "-"]));
+    succeeded(&piped);
+    assert!(piped.stdout == fs::read(&file).unwrap(), "a pipe gets other bytes than a file");
+
+    let mut decode = lightfold()
+        .args(["decode", "-", "--null", "--json"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    decode.stdin.take().unwrap().write_all(&piped.stdout).unwrap();
+    let mut report = String::new();
+    decode.stdout.take().unwrap().read_to_string(&mut report).unwrap();
+    assert!(wait(&mut decode).success());
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["frames"], 6 * 6 * 2);
+}
+
+#[test]
+fn results_go_to_standard_output_and_words_to_standard_error() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("a.lfold");
+    let encoded = output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file));
+    assert!(encoded.stdout.is_empty() && stderr(&encoded).contains("a.lfold"), "{encoded:?}");
+    let quiet = output(lightfold().arg("encode").arg(dataset()).arg("--quiet").arg("-o").arg(&file));
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty(), "{quiet:?}");
+    let json = output(lightfold().arg("encode").arg(dataset()).args(["--quiet", "--json", "-o"]).arg(&file));
+    let report: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!(report["bytes"], fs::metadata(&file).unwrap().len());
+    for key in ["seconds", "bytes", "raw_bytes", "frames"] {
+        assert!(report[key].is_number(), "{key}");
+    }
+    let both = output(lightfold().arg("encode").arg(dataset()).args(["--json", "-o", "-"]));
+    assert_eq!(both.status.code(), Some(2));
+    assert!(both.stdout.is_empty());
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    for arguments in [vec!["encode", dataset().to_str().unwrap(), "-o", "-"], vec!["completions", "bash"]] {
+        let mut child = lightfold().args(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        assert!(wait(&mut child).success(), "{arguments:?}");
+        let mut words = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut words).unwrap();
+        assert!(!words.contains("panicked") && !words.to_lowercase().contains("pipe"), "{words}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_named() {
+    let folder = TempDir::new().unwrap();
+    let container = folder.path().join("a.lfold");
+    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&container)));
+    for arguments in [["encode", dataset().to_str().unwrap()], ["pack", container.to_str().unwrap()]] {
+        let full = output(lightfold().args(arguments).args(["-o", "/dev/full"]));
+        assert_eq!(full.status.code(), Some(2), "{arguments:?}");
+        assert!(stderr(&full).contains("/dev/full") && stderr(&full).contains("No space left"), "{}", stderr(&full));
+    }
+}
+
+/// An encode that takes long enough to be stopped in the middle: started, and known to be at work.
+#[cfg(unix)]
+fn encode_at_work(folder: &Path) -> Child {
+    let scene = folder.join("scene");
+    fs::create_dir(&scene).unwrap();
+    let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 48, face_size: 48, probes: 1 };
+    plan.write(&scene, &Silent).unwrap();
+    let out = folder.join("out");
+    fs::create_dir(&out).unwrap();
+    let mut child = lightfold()
+        .arg("encode")
+        .arg(&scene)
+        .args(["--effort", "exhaustive", "--psnr", "30", "--lzma2=9", "--threads", "1", "-o"])
+        .arg(out.join("a.lfold"))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while names_in(&out).is_empty() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it began");
+        assert!(start.elapsed() < Duration::from_secs(60), "it did not begin");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    child
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_encode_leaves_nothing() {
+    for signal in ["-INT", "-TERM"] {
+        let folder = TempDir::new().unwrap();
+        let mut child = encode_at_work(folder.path());
+        assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
+        let status = wait(&mut child);
+        let mut words = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut words).unwrap();
+        assert_eq!(status.code(), Some(130), "{signal}: {words}");
+        assert!(words.contains("interrupted"), "{words}");
+        assert_eq!(names_in(&folder.path().join("out")), [""; 0], "{signal}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_encode_leaves_nothing_that_opens() {
+    let folder = TempDir::new().unwrap();
+    let mut child = encode_at_work(folder.path());
+    child.kill().unwrap();
+    wait(&mut child);
+    let out = folder.path().join("out");
+    for name in names_in(&out) {
+        assert!(name.ends_with(".partial"), "{name}");
+        assert!(Reader::open(out.join(&name)).is_err(), "{name} opens");
+    }
+}
+
+#[test]
+fn a_container_that_was_cut_off_does_not_open() {
+    let whole = output(lightfold().arg("encode").arg(dataset()).args(["-o", "-"])).stdout;
+    assert!(Reader::from_memory(whole.clone()).is_ok());
+    for length in (0..whole.len()).step_by(whole.len() / 40).chain([whole.len() - 1]) {
+        assert!(Reader::from_memory(whole[..length].to_vec()).is_err(), "{length} of {} bytes open", whole.len());
+    }
+}
+
+fn demo(folder: &Path, more: &[&str]) -> Output {
+    let mut command = lightfold();
+    command.args(["demo", "--frames", "4", "--size", "24", "--probes", "2", "-o"]).arg(folder).args(more);
+    output(&mut command)
+}
+
+#[test]
+fn the_demo_does_not_depend_on_threads() {
+    let folder = TempDir::new().unwrap();
+    let run = |threads: &str| {
+        let to = folder.path().join(threads);
+        succeeded(&demo(&to, &["--quiet", "--threads", threads]));
+        bytes_below(&to)
+    };
+    let one = run("1");
+    assert!(one.iter().any(|(path, _)| path == Path::new("demo.lfold")));
+    for threads in ["2", "4"] {
+        assert!(run(threads) == one, "{threads} threads write other bytes than one");
+    }
+}
+
+#[test]
+fn the_demo_is_what_its_commands_say() {
+    let folder = TempDir::new().unwrap();
+    let to = folder.path().join("a demo");
+    let run = demo(&to, &["--json"]);
+    succeeded(&run);
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(report["depth"]["max_error_codes"], 0);
+    assert!(report["color"]["min_psnr_db"].as_f64().unwrap() >= 50.0, "{report}");
+    assert_eq!(report["bytes"], fs::metadata(to.join("demo.lfold")).unwrap().len());
+    let made = bytes_below(&to);
+    fs::remove_file(to.join("demo.lfold")).unwrap();
+    fs::remove_dir_all(to.join("decoded")).unwrap();
+    for command in report["commands"].as_array().unwrap() {
+        let words = crate::house::shell_words(command.as_str().unwrap());
+        assert_eq!(words[0], "lightfold");
+        succeeded(&output(lightfold().args(&words[1..])));
+    }
+    assert!(bytes_below(&to) == made, "the commands that the demo prints make other bytes than the demo");
+}

@@ -1,0 +1,327 @@
+//! The house is in order: layers, man pages, help, README, and rules that every file keeps.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use lightfold::cli::{self, Cli};
+use lightfold::dataset::Manifest;
+use lightfold::image::channels;
+
+/// Width that help is wrapped to.
+const HELP_COLUMNS: usize = 100;
+/// Longest source file, in lines.
+const MAX_LINES: usize = 650;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = root().join(path);
+    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Files below `folder` (relative to the repository), relative too, in order.
+fn files_below(folder: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![root().join(folder)];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = fs::read_dir(&folder) else { continue };
+        for entry in entries {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.push(path.strip_prefix(root()).unwrap().to_path_buf());
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+fn sources() -> Vec<PathBuf> {
+    files_below("src").into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
+}
+
+/// A source without its comments, and without what follows `#[cfg(test)]`, line by line with line numbers.
+fn product_lines(text: &str) -> Vec<(usize, &str)> {
+    let end = text.find("\n#[cfg(test)]\nmod ").unwrap_or(text.len());
+    text[..end]
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim_start().starts_with("//"))
+        .map(|(number, line)| (number + 1, line))
+        .collect()
+}
+
+/// Layer of each room, from the table in ARCHITECTURE.md.
+fn layers() -> BTreeMap<String, u32> {
+    let text = read("ARCHITECTURE.md");
+    let table = text.split("<!-- layers:").nth(1).expect("ARCHITECTURE.md has a table marked <!-- layers: -->");
+    let rows = table.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|'));
+    rows.filter_map(|row| {
+        let cells: Vec<&str> = row.trim_matches('|').split('|').map(str::trim).collect();
+        Some((cells[1].to_owned(), cells[0].parse().ok()?))
+    })
+    .collect()
+}
+
+/// The room that a source file belongs to; none for lib.rs and main.rs.
+fn room_of(path: &Path) -> Option<String> {
+    let inside = path.strip_prefix("src").unwrap();
+    let first = Path::new(inside.iter().next().unwrap()).file_stem().unwrap().to_str().unwrap();
+    (first != "lib" && first != "main").then(|| first.to_owned())
+}
+
+/// Rooms named behind `crate::` in a line of code, also in `use crate::{a, b::c}` on one line.
+fn rooms_in(line: &str) -> Vec<String> {
+    let word = |text: &str| {
+        let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
+        text[..end].to_owned()
+    };
+    let mut rooms = Vec::new();
+    for (at, found) in line.match_indices("crate::") {
+        // `$crate::` and `other_crate::` are something else.
+        if line[..at].ends_with(|c: char| c.is_ascii_alphanumeric() || c == '_') {
+            continue;
+        }
+        let rest = &line[at + found.len()..];
+        match rest.strip_prefix('{') {
+            Some(group) => rooms.extend(group.split('}').next().unwrap().split(',').map(|item| word(item.trim()))),
+            None => rooms.push(word(rest)),
+        }
+    }
+    rooms
+}
+
+#[test]
+fn imports_go_down_the_layers_of_architecture_md() {
+    let layers = layers();
+    let rooms: BTreeSet<String> = sources().iter().filter_map(|path| room_of(path)).collect();
+    let listed: BTreeSet<String> = layers.keys().cloned().collect();
+    assert_eq!(rooms, listed, "rooms under src/ and rooms in the table of ARCHITECTURE.md");
+    let mut wrong = Vec::new();
+    let mut seen = 0;
+    for path in sources() {
+        let Some(room) = room_of(&path) else { continue };
+        let text = read(&path);
+        for (number, line) in product_lines(&text) {
+            for other in rooms_in(line).into_iter().filter(|other| *other != room && layers.contains_key(other)) {
+                seen += 1;
+                if layers[&other] >= layers[&room] {
+                    wrong.push(format!(
+                        "{}:{number}: {room} (layer {}) imports {other} (layer {})",
+                        path.display(),
+                        layers[&room],
+                        layers[&other]
+                    ));
+                }
+            }
+        }
+    }
+    assert!(seen > 100, "only {seen} imports were found");
+    assert!(wrong.is_empty(), "imports go down only (ARCHITECTURE.md):\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn rooms_are_found_in_imports() {
+    assert_eq!(rooms_in("use crate::error::{Error, Result};"), ["error"]);
+    assert_eq!(rooms_in("use crate::{image::Face, video};"), ["image", "video"]);
+    assert_eq!(rooms_in("    crate::depth::boxes::f(crate::cli::x)"), ["depth", "cli"]);
+    assert!(rooms_in("use other_crate::video;").is_empty());
+}
+
+#[test]
+fn man_pages_are_fresh() {
+    let again = "make them again: cargo run -- man man";
+    let pages = cli::man::pages().unwrap();
+    for page in &pages {
+        let path = root().join("man").join(&page.name);
+        let kept = fs::read(&path).unwrap_or_else(|error| panic!("man/{}: {error}; {again}", page.name));
+        assert!(kept == page.text, "man/{} is not what the command line says; {again}", page.name);
+    }
+    let made: BTreeSet<_> = pages.iter().map(|page| Path::new("man").join(&page.name)).collect();
+    let kept: BTreeSet<_> = files_below("man").into_iter().collect();
+    assert_eq!(kept, made, "pages under man/; {again}");
+}
+
+/// Visible subcommands by their names.
+fn subcommands() -> Vec<clap::Command> {
+    let mut root = cli::command();
+    root.build();
+    root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help").cloned().collect()
+}
+
+#[test]
+fn every_subcommand_has_examples_that_parse() {
+    for command in subcommands() {
+        let name = command.get_name();
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let (_, examples) = help.split_once("Example").unwrap_or_else(|| panic!("{name}: no 'Example' in its help"));
+        let mut parsed = 0;
+        for line in examples.lines().filter(|line| line.starts_with(' ')) {
+            assert!(line.chars().count() <= HELP_COLUMNS, "{name}: this line of its help would be broken: {line}");
+        }
+        for line in joined_lines(examples).iter().filter(|line| line.trim().starts_with("lightfold ")) {
+            parsed += check_command_line(line, &format!("help of {name}"));
+        }
+        assert!(parsed > 0, "{name}: no command under 'Example'");
+    }
+}
+
+/// Lines of a shell, those that end in a backslash joined with the next.
+fn joined_lines(text: &str) -> Vec<String> {
+    text.replace("\\\n", " ").lines().map(str::to_owned).collect()
+}
+
+/// Words of a shell command: quotes, `#` comments; nothing else that a shell does.
+pub(crate) fn shell_words(line: &str) -> Vec<String> {
+    let (mut words, mut word, mut quote) = (Vec::new(), None::<String>, None);
+    for c in line.chars() {
+        match (quote, c) {
+            (Some(open), _) if c == open => quote = None,
+            (None, '\'' | '"') => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            (None, '#') if word.is_none() => break,
+            (None, _) if c.is_whitespace() => words.extend(word.take()),
+            _ => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words
+}
+
+/// Parses every `lightfold` command of a line, which may hold pipes and redirections.
+fn check_command_line(line: &str, place: &str) -> usize {
+    let words = shell_words(line);
+    let mut count = 0;
+    for command in words.split(|word| matches!(word.as_str(), "|" | "&&" | ";")) {
+        let command: Vec<_> = command.iter().take_while(|word| !matches!(word.as_str(), ">" | "<" | "2>")).collect();
+        if command.first().is_some_and(|word| *word == "lightfold") {
+            if let Err(error) = Cli::try_parse_from(&command) {
+                panic!("{place}: `{line}` is not accepted: {error}");
+            }
+            count += 1;
+        }
+    }
+    count
+}
+
+#[test]
+fn shell_words_are_split() {
+    assert_eq!(shell_words("a  'b c' d#e  # f"), ["a", "b c", "d#e"]);
+    assert_eq!(shell_words("x \"\" y.####.exr"), ["x", "", "y.####.exr"]);
+}
+
+/// Contents of the fenced blocks of a language.
+fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    text.split(fence.as_str()).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
+}
+
+#[test]
+fn commands_in_the_documents_are_accepted() {
+    for document in ["README.md", "CONTRIBUTING.md"] {
+        let text = read(document);
+        let mut count = 0;
+        for line in blocks(&text, "sh").iter().flat_map(|block| joined_lines(block)) {
+            count += check_command_line(&line, document);
+            if let Some(script) = line.split_whitespace().next().filter(|word| word.starts_with("scripts/")) {
+                assert!(root().join(script).is_file(), "{document}: there is no {script}");
+                count += 1;
+            }
+        }
+        assert!(count > 0, "{document} shows no command");
+    }
+}
+
+#[test]
+fn the_readme_shows_what_there_is() {
+    let text = read("README.md");
+    for command in subcommands() {
+        let row = format!("| `lightfold {}` |", command.get_name());
+        assert!(text.contains(&row), "README.md has no row {row}");
+    }
+    for manifest in blocks(&text, "json") {
+        Manifest::from_json(manifest.as_bytes()).unwrap();
+    }
+    let names = [channels::DEPTH_CHANNELS, channels::DEPTH_ENDINGS, channels::COLOR_LAYERS, channels::GRAY_CHANNELS];
+    for name in names.into_iter().flatten().chain(channels::COLOR_COMPONENTS.iter().flatten()) {
+        assert!(name.is_empty() || text.contains(&format!("`{name}`")), "README.md does not name the channel {name}");
+    }
+    for marker in ["<!-- table:datasets -->", "<!-- table:peers -->"] {
+        assert!(text.contains(marker), "README.md has lost {marker}");
+    }
+}
+
+#[test]
+fn links_lead_somewhere() {
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "shaders/README.md"] {
+        let text = read(document);
+        for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
+            let (path, fragment) = link.split_once('#').unwrap_or((link, ""));
+            if path.starts_with("https://") {
+                continue;
+            }
+            if path.is_empty() {
+                let heading = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+                let found = text.lines().filter(|line| line.starts_with('#')).any(|line| heading(line) == fragment);
+                assert!(found, "{document}: no heading for {link}");
+            } else {
+                let target = root().join(document).with_file_name(path);
+                assert!(target.exists(), "{document}: {link} leads nowhere");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_source_file_is_too_long() {
+    let mut files = sources();
+    files.extend(files_below("tests/suite"));
+    for path in files {
+        let lines = read(&path).lines().count();
+        assert!(lines <= MAX_LINES, "{} has {lines} lines; it wants splitting", path.display());
+    }
+}
+
+/// What may stand in product code although it panics: (file, words of the line, why it cannot happen).
+const PANICS_ALLOWED: &[(&str, &str, &str)] = &[];
+
+#[test]
+fn product_code_does_not_panic_on_purpose() {
+    let words = [".unwrap()", ".expect(", "panic!(", "unreachable!(", "todo!(", "unimplemented!("];
+    let mut wrong = Vec::new();
+    for path in sources() {
+        let text = read(&path);
+        for (number, line) in product_lines(&text) {
+            let allowed = |(file, words, _): &(&str, &str, &str)| path.ends_with(file) && line.contains(words);
+            if words.iter().any(|word| line.contains(word)) && !PANICS_ALLOWED.iter().any(allowed) {
+                wrong.push(format!("{}:{number}: {}", path.display(), line.trim()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "can panic; return an error instead:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn nothing_names_a_path_of_one_machine() {
+    let mut files = Vec::new();
+    for folder in ["src", "tests", "formats", "man", "scripts", ".ci", "shaders"] {
+        files.extend(files_below(folder));
+    }
+    files.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "Cargo.toml"].map(PathBuf::from));
+    // Put together here, so that this file does not hold them.
+    let forbidden = ["work", "root", "home", "Users"].map(|folder| format!("/{folder}/"));
+    for path in files {
+        let Ok(text) = fs::read_to_string(root().join(&path)) else { continue };
+        for words in &forbidden {
+            assert!(!text.contains(words.as_str()), "{} names a path below {words}", path.display());
+        }
+    }
+}
