@@ -16,7 +16,7 @@ use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::sequence::FrameRange;
+use crate::image::sequence::{FrameRange, Pattern};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::decode::{Decoder, FaceDecoder, Picture};
@@ -177,7 +177,17 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     let other_path = paths[1 - first];
     let one = open(paths[first], forms[first], options, &Other::Path(other_path))?;
     let other = open(other_path, forms[1 - first], options, &Other::Open(&one))?;
-    let sides = if first == 0 { [one, other] } else { [other, one] };
+    let mut sides = if first == 0 { [one, other] } else { [other, one] };
+    for at in 0..2 {
+        // Beside a lone sequence only streams of its kind are meant.
+        if sides[at].form == SideForm::Sequence {
+            let kind = sides[at].streams[0].id.kind;
+            sides[1 - at].streams.retain(|stream| stream.id.kind == kind);
+        }
+    }
+    if let Some(empty) = sides.iter().find(|side| side.streams.is_empty()) {
+        return Err(Error::Usage(format!("{}: there is no stream of the other side's kind", empty.path)));
+    }
     check_selection(&sides, &options.selection)?;
     Ok(sides)
 }
@@ -190,7 +200,13 @@ fn form_of(path: &str) -> Result<Form> {
         return Ok(if panorama { Form::Panorama } else { Form::Faces });
     }
     let container = path == "-" || has("lfold") || (file.is_file() && starts_with_magic(file)?);
-    Ok(if container { Form::Container } else { Form::Sequence })
+    if container {
+        return Ok(Form::Container);
+    }
+    if !file.exists() && !Pattern::parse(path)?.has_field() {
+        return Err(Error::invalid("there is no such file or folder").in_file(path));
+    }
+    Ok(Form::Sequence)
 }
 
 fn starts_with_magic(path: &Path) -> Result<bool> {
