@@ -178,17 +178,15 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     let one = open(paths[first], forms[first], options, &Other::Path(other_path))?;
     let other = open(other_path, forms[1 - first], options, &Other::Open(&one))?;
     let mut sides = if first == 0 { [one, other] } else { [other, one] };
-    for at in 0..2 {
-        // Beside a lone sequence only streams of its kind are meant.
-        if sides[at].form == SideForm::Sequence {
-            let kind = sides[at].streams[0].id.kind;
-            sides[1 - at].streams.retain(|stream| stream.id.kind == kind);
-        }
-    }
-    if let Some(empty) = sides.iter().find(|side| side.streams.is_empty()) {
-        return Err(Error::Usage(format!("{}: there is no stream of the other side's kind", empty.path)));
-    }
     check_selection(&sides, &options.selection)?;
+    let mut selection = options.selection.clone();
+    if let Some(sequence) = sides.iter().find(|side| side.form == SideForm::Sequence) {
+        // Beside a lone sequence only streams of its kind are meant.
+        selection.kinds = sequence.streams.iter().take(1).map(|stream| stream.id.kind).collect();
+    }
+    for side in &mut sides {
+        select(side, &selection)?;
+    }
     Ok(sides)
 }
 
@@ -232,25 +230,26 @@ impl Other<'_> {
 }
 
 fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
-    let mut side = match form {
-        Form::Container => open_container(path)?,
-        Form::Faces | Form::Panorama => open_dataset(path, form, options, other)?,
-        Form::Sequence => open_sequence(path, options, other)?,
-    };
-    let selection = &options.selection;
+    match form {
+        Form::Container => open_container(path),
+        Form::Faces | Form::Panorama => open_dataset(path, form, options, other),
+        Form::Sequence => open_sequence(path, options, other),
+    }
+}
+
+/// Keeps what was asked for.
+fn select(side: &mut Side, selection: &Selection) -> Result<()> {
+    // The names of a lone sequence are only what we called it.
     let sequence = side.form == SideForm::Sequence;
     side.streams.retain_mut(|stream| {
-        if let Some(frames) = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames)) {
-            stream.frames = frames;
-            // The names of a lone sequence are only what we called it.
-            return sequence || is_selected(&stream.id, selection);
-        }
-        false
+        let frames = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames));
+        stream.frames = frames.unwrap_or(stream.frames);
+        frames.is_some() && (sequence || is_selected(&stream.id, selection))
     });
     if side.streams.is_empty() {
-        return Err(Error::Usage(format!("{path}: there is no stream that matches the options")));
+        return Err(Error::Usage(format!("{}: there is no stream that matches the options", side.path)));
     }
-    Ok(side)
+    Ok(())
 }
 
 fn is_selected(id: &StreamId, selection: &Selection) -> bool {
