@@ -3,6 +3,7 @@
 mod cli;
 mod corrupt;
 mod docs;
+mod diff;
 mod exr_files;
 mod footage;
 mod house;
