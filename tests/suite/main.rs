@@ -2,3 +2,4 @@
 
 mod exr_files;
 mod input;
+mod inspect;
