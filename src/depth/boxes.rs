@@ -222,7 +222,7 @@ mod tests {
                 let pixels: Vec<u8> = (0..width * height)
                     .map(|_| {
                         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                        u8::from((seed >> 16) % density == 0)
+                        u8::from((seed >> 16).is_multiple_of(density))
                     })
                     .collect();
                 let mut last = u32::MAX;

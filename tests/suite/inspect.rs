@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use half::f16;
+use lightfold::color::cells::CellBuilder;
 use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};
@@ -422,37 +423,37 @@ fn verify_names_damage_and_exits_with_2() {
 
 #[test]
 fn the_report_fits_a_terminal() {
-    let (folder, _) = on_disk(&encoded(&StreamKind::ALL, &EncodeSettings { lzma2: Some(6), ..settings() }));
+    let (folder, _) = on_disk(&encoded(&StreamKind::ALL, &settings()));
     let text = stdout(&lightfold(&["inspect", "a.lfold", "--verify"], folder.path()));
     assert!(text.lines().all(|line| line.chars().count() <= 100 && !line.ends_with(' ')));
     insta::assert_snapshot!(text, @r"
     small: cubemap at 24 fps, 1 probe, 6 streams, 60 images
-    8.64 kB of 204.80 kB raw (4.22%), 56 chunks, 1.74 kB saved by sharing, 2.75 kB head and index
+    20.79 kB of 204.80 kB raw (10.15%), 56 chunks, 15.73 kB saved by sharing, 2.75 kB head and index
 
-    Kind      Streams  Images        Raw  Temporal      %   +LZMA2     %
-    color           2      20   61.44 kB  11.63 kB  18.93  4.94 kB  8.04
-    depth           2      20   81.92 kB   3.03 kB   3.70    750 B  0.92
-    material        2      20   61.44 kB   3.38 kB   5.49    195 B  0.32
-    all             6      60  204.80 kB  18.03 kB   8.81  5.88 kB  2.87
+    Kind      Streams  Images        Raw  Temporal      %    Stored      %
+    color           2      20   61.44 kB  11.63 kB  18.93  11.63 kB  18.93
+    depth           2      20   81.92 kB   3.03 kB   3.70   3.03 kB   3.70
+    material        2      20   61.44 kB   3.38 kB   5.49   3.38 kB   5.49
+    all             6      60  204.80 kB  18.03 kB   8.81  18.03 kB   8.81
 
     Probe  Kind      Face  Frames   Size   Stored      %  Keys  AABBs  Upd. %  Static  Empty  Units
-    00     color     px       0-9  32x32  4.02 kB  13.09    13      -   32.50       3      -      4
-    00     color     nz       0-9  32x32    919 B   2.99     4      -   10.00       4      -      4
-    00     depth     px       0-9  32x32    732 B   1.79    12     14   30.86       3      0      4
+    00     color     px       0-9  32x32  8.51 kB  27.70    13      -   32.50       3      -      4
+    00     color     nz       0-9  32x32  3.12 kB  10.16     4      -   10.00       4      -      4
+    00     depth     px       0-9  32x32  3.01 kB   7.35    12     14   30.86       3      0      4
     00     depth     nz       0-9  32x32     18 B   0.04    12      0   30.00       4      4      4
-    00     material  px       0-9  32x32    195 B   0.63    12     14   35.62       2      2      4
+    00     material  px       0-9  32x32  3.38 kB  10.99    12     14   35.62       2      2      4
     00     material  nz       0-9  32x32      0 B   0.00    12     14   35.62       2      2      4
 
     color: 8 bits, srgb, exposure 0 EV, at least 100 dB, cell 16x16
     depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1 to 10 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
 
-    56 chunks verified (32 of LZMA2), 0 B belong to no chunk
+    56 chunks verified (0 of LZMA2), 0 B belong to no chunk
     ");
     let arguments = ["inspect", "a.lfold", "--frames", "--range", "3-5", "--face", "px", "--stream", "color,depth"];
     insta::assert_snapshot!(stdout(&lightfold(&arguments, folder.path())), @r"
     small: cubemap at 24 fps, 1 probe, 2 of 6 streams, 20 images
-    4.75 kB of 71.68 kB raw (6.63%), 16 chunks, 802 B saved by sharing, 2.75 kB head and index
+    11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 2.75 kB head and index
 
     Probe  Kind   Face  Frame  Keys  AABBs  Updated pixels       %  Bytes
     00     color  px        3     1      -             256   25.00    772
@@ -462,4 +463,35 @@ fn the_report_fits_a_terminal() {
     00     depth  px        4     4      0            1024  100.00   2112
     00     depth  px        5     0      2               8    0.78     44
     ");
+    let (folder, _) = on_disk(&encoded(&StreamKind::ALL, &EncodeSettings { lzma2: Some(6), ..settings() }));
+    let text = stdout(&lightfold(&["inspect", "a.lfold", "--verify"], folder.path()));
+    assert_says(&text, &["Temporal      %   +LZMA2", "56 chunks verified (32 of LZMA2), 0 B belong to no chunk"]);
+}
+
+/// The index of a container with one stream whose one chunk claims a billion frames.
+fn endless() -> Vec<u8> {
+    let decoder = decoder(&encoded(&[StreamKind::Color], &EncodeSettings { cell: SIZE, ..settings() }));
+    let index = decoder.reader().index();
+    let mut writer = Writer::new(Vec::new(), "endless", 24.0, 0).unwrap();
+    let mut probe = index.probes[0].clone();
+    probe.frames = [0, (1 << 30) - 1];
+    writer.add_probe(probe).unwrap();
+    let mut stream = index.streams[0].clone();
+    stream.frame_count = 1 << 30;
+    writer.add_stream(stream);
+    let mut builder = CellBuilder::default();
+    builder.push_keyframe(&[7u8; (SIZE * SIZE * 3) as usize]);
+    let key = ChunkKey { stream: 0, unit: 0, first_frame: 0, frame_count: 1 << 30 };
+    writer.push(&PackedChunk::new(key, builder.finish().unwrap(), None).unwrap()).unwrap();
+    writer.finish().unwrap().0
+}
+
+#[test]
+fn a_file_that_claims_a_billion_frames_costs_nothing_and_gets_no_rows() {
+    let bytes = endless();
+    let decoder = decoder(&bytes);
+    let inspection = inspected(&decoder, LIST_ALL).unwrap();
+    let stats = inspection.streams[0];
+    assert_eq!((stats.keyframes, stats.static_units, stats.updated_pixels), (1, 1, u64::from(SIZE * SIZE)));
+    assert_says(&message(inspected(&decoder, ALL_ROWS)), &["1073741824 rows", "choose fewer"]);
 }

@@ -43,9 +43,9 @@ fn heading(report: &Report<'_>) -> String {
         counted(all.frames, "image"),
     );
     let bytes = report.bytes();
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index\n",
+        "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index",
         human_bytes(bytes),
         human_bytes(all.raw_bytes),
         percent(bytes, all.raw_bytes),
