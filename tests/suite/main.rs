@@ -2,12 +2,13 @@
 
 mod cli;
 mod corrupt;
-mod docs;
 mod diff;
+mod docs;
 mod exr_files;
 mod footage;
 mod house;
 mod input;
+mod inspect;
 mod roundtrip;
 mod samples;
 mod vectors;
