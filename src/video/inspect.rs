@@ -221,12 +221,14 @@ pub fn inspect<'a>(
         .map(|&stream| {
             let watch = Watch { reader: decoder.reader(), stream, settings, monitor };
             let units = (0..stream.entry.unit_count()).into_par_iter().map(|unit| watch.unit(unit));
-            let units = units.collect::<Result<Vec<_>>>()?;
+            // Collected before the first error is looked for, so that it is always the same one.
+            let units = units.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>>>()?;
             Ok(StreamMeasure::new(stream, listed(stream), storage[stream.index as usize], units))
         })
-        .collect::<Result<Vec<_>>>()?;
+        .collect::<Vec<_>>();
     let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
-    for StreamMeasure { stats, rows, damaged } in measured {
+    for stream in measured {
+        let StreamMeasure { stats, rows, damaged } = stream?;
         inspection.streams.push(stats);
         inspection.rows.extend(rows);
         inspection.damaged.extend(damaged);

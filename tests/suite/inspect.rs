@@ -445,7 +445,7 @@ fn the_report_fits_a_terminal() {
     00     material  nz       0-9  32x32      0 B   0.00    12     14   35.62       2      2      4
 
     color: 8 bits, srgb, exposure 0 EV, at least 100 dB, cell 16x16
-    depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1 to 10 m
+    depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1.000 to 10.00 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
 
     56 chunks verified (0 of LZMA2), 0 B belong to no chunk

@@ -230,7 +230,11 @@ fn settings(report: &Report<'_>) -> String {
             }
         }
         for (line, near, far) in seen.iter().take(MAX_SETTINGS) {
-            let range = if kind == StreamKind::Depth { format!(", {near} to {far} m") } else { String::new() };
+            let range = if kind == StreamKind::Depth {
+                format!(", {} to {} m", metres(*near), metres(*far))
+            } else {
+                String::new()
+            };
             let _ = writeln!(out, "{}: {line}{range}", kind.name());
         }
         if seen.len() > MAX_SETTINGS {
@@ -238,6 +242,12 @@ fn settings(report: &Report<'_>) -> String {
         }
     }
     out
+}
+
+/// Four significant digits.
+fn metres(value: f32) -> String {
+    let digits = (3.0 - value.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.digits$}")
 }
 
 fn setting(stats: &StreamStats<'_>) -> String {
