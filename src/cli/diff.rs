@@ -7,15 +7,15 @@ use crate::cli::options::{self, ColorSpaceArg, DepthReadingArgs, FrameArgs, Imag
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, diff_text};
+use crate::color::quality::PU_STEPS;
 use crate::dataset::source::{SequenceLayout, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::image::cube::Face;
 use crate::image::transfer::Transfer;
 use crate::video::codec::ColorFormat;
-use crate::video::compare::{
-    CompareSettings, Comparison, Coverage, Measure, Measured, Pairing, SampleTotal, SsimFrames, StreamReport, compare,
-};
+use crate::video::compare::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
+use crate::video::comparison::{Comparison, Measured, SampleTotal, StreamReport};
 use crate::video::difference::{DepthErrors, Lowest, SampleErrors, Spot};
 use crate::video::domain::{Domain, Origin};
 use crate::video::export::Selection;
@@ -339,7 +339,7 @@ fn stream_json(stream: &StreamReport) -> Value {
     let mut value = match &stream.measured {
         Measured::Depth(errors) => depth_json(errors),
         Measured::Color(errors) => {
-            let mut value = samples_json(errors);
+            let mut value = samples_json(errors, &stream.domain);
             value["min_psnr_db"] = json!(errors.lowest_frame.map(|lowest| json_number(lowest.psnr_db)));
             value["min_psnr_frame"] = json!(errors.lowest_frame.map(|lowest| lowest.spot.frame));
             value["min_cell_psnr_db"] = json!(errors.lowest_cell.map(|lowest| json_number(lowest.psnr_db)));
@@ -349,7 +349,7 @@ fn stream_json(stream: &StreamReport) -> Value {
             value["clipped_pixels"] = json!(errors.clipped_pixels);
             value
         }
-        Measured::Material(errors) => samples_json(errors),
+        Measured::Material(errors) => samples_json(errors, &stream.domain),
     };
     if let (Value::Object(all), Value::Object(id)) = (&mut value, id_json(&stream.id)) {
         all.extend(id);
@@ -368,12 +368,18 @@ fn stream_json(stream: &StreamReport) -> Value {
     value
 }
 
-fn samples_json(errors: &SampleErrors) -> Value {
-    json!({
-        "max_error_codes": errors.max_error,
+fn samples_json(errors: &SampleErrors, domain: &Domain) -> Value {
+    let mut value = json!({
         "psnr_db": json_number(errors.psnr_db()),
         "differing_pixels": errors.differing_pixels,
-    })
+    });
+    match domain.coding {
+        Coding::Color(ColorFormat::Half { .. }, _) => {
+            value["max_error_pu21"] = json!(f64::from(errors.max_error) / PU_STEPS);
+        }
+        _ => value["max_error_codes"] = json!(errors.max_error),
+    }
+    value
 }
 
 fn spot_json(spot: Spot) -> Value {

@@ -3,10 +3,12 @@
 use comfy_table::{Table, presets};
 
 use crate::cli::diff::{Broken, Verdict, side_name};
+use crate::color::quality::PU_STEPS;
 use crate::dataset::stream::StreamKind;
+use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
 use crate::video::codec::ColorFormat;
-use crate::video::compare::{Comparison, Measured, StreamReport};
+use crate::video::comparison::{Comparison, Measured, StreamReport};
 use crate::video::difference::Lowest;
 use crate::video::domain::{Domain, Origin};
 use crate::video::side::{Coding, Side};
@@ -15,8 +17,6 @@ use crate::video::side::{Coding, Side};
 const FEW: usize = 12;
 /// At most so many lines about what is missing.
 const MISSING_LINES: usize = 8;
-/// Steps of one PU21 unit.
-const PU_STEPS: f64 = 64.0;
 
 /// Which streams have a row of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +31,8 @@ pub enum Rows {
 pub fn report(sides: &[Side; 2], comparison: &Comparison, verdict: &Verdict, rows: Rows) -> String {
     let mut lines = Vec::new();
     for (at, side) in sides.iter().enumerate() {
-        lines.push(format!("{}  {} ({}, {} streams)", side_name(at), side.path, side.form.name(), side.streams.len()));
+        let streams = counted(side.streams.len() as u64, "stream");
+        lines.push(format!("{}  {} ({}, {streams})", side_name(at), side.path, side.form.name()));
     }
     lines.extend(domain_lines(comparison));
     lines.push(String::new());
@@ -63,6 +64,14 @@ fn finish(table: &Table) -> String {
     table.trim_fmt()
 }
 
+fn counted(count: u64, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+fn range(frames: FrameRange) -> String {
+    if frames.count() == 1 { frames.first.to_string() } else { frames.to_string() }
+}
+
 fn db(value: f64) -> String {
     if value == f64::INFINITY { "inf dB".into() } else { format!("{value:.2} dB") }
 }
@@ -82,7 +91,7 @@ fn ssim(value: Option<f64>) -> String {
 /// The largest error of a stream in the unit that its metric has.
 fn largest(stream: &StreamReport) -> String {
     match (&stream.measured, stream.domain.coding) {
-        (Measured::Depth(errors), _) => format!("{} codes", errors.max_error_codes),
+        (Measured::Depth(errors), _) => counted(errors.max_error_codes.into(), "code"),
         (Measured::Color(errors), Coding::Color(ColorFormat::Half { .. }, _)) => {
             format!("{:.2} PU21", f64::from(errors.max_error) / PU_STEPS)
         }
@@ -127,7 +136,7 @@ fn summary(comparison: &Comparison) -> String {
                 streams,
                 images,
                 share(StreamKind::Depth, errors.differing_pixels),
-                format!("{} codes", errors.max_error_codes),
+                counted(errors.max_error_codes.into(), "code"),
                 metres(errors.max_error_m),
                 db(errors.error.psnr_db()),
                 none(),
@@ -170,7 +179,7 @@ fn stream_table(comparison: &Comparison) -> String {
         };
         table.add_row(vec![
             name,
-            stream.frames.to_string(),
+            range(stream.frames),
             largest(stream),
             stream.depth().map_or_else(|| "-".into(), |errors| metres(errors.max_error_m)),
             db(psnr),
@@ -185,9 +194,12 @@ fn stream_table(comparison: &Comparison) -> String {
 }
 
 fn worst_table(comparison: &Comparison) -> String {
-    let mut table = table(&["worst", "stream", "frame", "x", "y", ""]);
+    let mut table = table(&["worst", "stream", "frame", "x", "y", "error or PSNR"]);
     let mut add = |what: &str, at: usize, place: [u32; 3], value: String| {
-        let [frame, x, y] = place.map(|number| number.to_string());
+        let [frame, mut x, mut y] = place.map(|number| number.to_string());
+        if what.ends_with("frame") {
+            (x, y) = ("-".into(), "-".into());
+        }
         table.add_row(vec![what.to_owned(), comparison.streams[at].id.to_string(), frame, x, y, value]);
     };
     let pixel = |at: usize| comparison.streams[at].worst().map(|(spot, _)| [spot.frame, spot.x, spot.y]);
@@ -263,25 +275,26 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some((errors, _)) = comparison.depth() {
         if errors.background_mismatches > 0 {
-            notes.push(format!("{} depth pixels are background on one side only", errors.background_mismatches));
+            notes
+                .push(format!("background on one side only: {}", counted(errors.background_mismatches, "depth pixel")));
         }
         if errors.outside_pixels > 0 {
-            notes.push(format!("{} depth pixels lie outside the range of the codes", errors.outside_pixels));
+            notes.push(format!("outside the range of the codes: {}", counted(errors.outside_pixels, "depth pixel")));
         }
     }
     if let Some(total) = comparison.color() {
         if total.clipped_pixels > 0 {
             notes.push(format!(
-                "{} colour pixels of files did not fit 8 bits and were clipped before they were compared",
-                total.clipped_pixels
+                "did not fit 8 bits and clipped before comparing: {}",
+                counted(total.clipped_pixels, "colour pixel")
             ));
         }
         if total.ssim_frames > 0 {
-            notes.push(format!("SSIM is the mean of {} images", total.ssim_frames));
+            notes.push(format!("SSIM is the mean of {}", counted(total.ssim_frames, "image")));
         }
     }
     for missing in comparison.missing.iter().take(MISSING_LINES) {
-        notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, missing.frames));
+        notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, range(missing.frames)));
     }
     if comparison.missing.len() > MISSING_LINES {
         notes.push(format!("and {} more that one side alone has", comparison.missing.len() - MISSING_LINES));
@@ -301,7 +314,7 @@ fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
             let id = &comparison.streams[at].id;
             format!(", the first at {id}, frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y)
         });
-        lines.push(format!("different: {count} pixels differ in their bits{place}"));
+        lines.push(format!("different: the bits of {} differ{place}", counted(count, "pixel")));
     }
     if !comparison.missing.is_empty() {
         lines.push("different: streams or frames are on one side only (--common leaves them out)".into());
@@ -322,8 +335,9 @@ fn broken_text(comparison: &Comparison, broken: &Broken) -> String {
     let stream = &comparison.streams[broken.stream];
     let (measured, limit, by) = match broken.bound {
         "--max-error" => {
+            let codes = |codes: f64| counted(codes as u64, "code");
             let by = broken.measured - broken.limit;
-            (format!("{} codes", broken.measured), format!("{} codes", broken.limit), format!("{by} codes too many"))
+            (codes(broken.measured), codes(broken.limit), format!("{} too many", codes(by)))
         }
         _ => (db(broken.measured), db(broken.limit), format!("{} too low", db(broken.limit - broken.measured))),
     };

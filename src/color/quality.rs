@@ -12,7 +12,7 @@ use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_PEAK, PuTable};
 
 /// Steps of one PU21 unit.
-const PU_STEPS: f64 = 64.0;
+pub const PU_STEPS: f64 = 64.0;
 /// Samples whose squared errors are summed in 32 bits before they are carried over.
 const BLOCK: usize = 2048;
 

@@ -2,6 +2,7 @@
 
 use half::f16;
 
+use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
@@ -49,12 +50,12 @@ impl Domain {
             }
         }
         match streams[0].id.kind {
-            crate::dataset::StreamKind::Depth => None,
-            crate::dataset::StreamKind::Color => {
+            StreamKind::Depth => None,
+            StreamKind::Color => {
                 let format = ColorFormat::EightBit(ToneMap::default());
                 Some(Domain { coding: Coding::Color(format, DEFAULT_CELL), origin: Origin::Chosen })
             }
-            crate::dataset::StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Chosen }),
+            StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Chosen }),
         }
     }
 }
@@ -200,9 +201,12 @@ impl Converter {
     }
 
     fn quantise(&self, mut metres: DepthPlane, range: DepthRange) -> DepthPicture {
+        // A container of another range has rounded by up to half a step of its own.
+        let own = if let Some(Coding::Depth(own)) = self.own { own.step_ratio() } else { 0.0 };
+        let slack = (range.step_ratio() + own) / 2.0;
         let code = |&z: &f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
             Some(code) => i32::from(code),
-            None => code_beyond(z, range),
+            None => code_beyond(z, range, slack),
         };
         let codes = metres.data().iter().map(code).collect();
         for z in metres.data_mut().iter_mut().filter(|z| **z == 0.0) {
@@ -213,17 +217,16 @@ impl Converter {
     }
 }
 
-/// The code of a depth beyond the range's ends: that of the end where it is the nearest by less than half a step, so
+/// The code of a depth beyond the range's ends: that of the end where no more than `slack`, a ratio, lies between, so
 /// that the rounding of another coding does not count, and none anywhere else.
-fn code_beyond(z_m: f32, range: DepthRange) -> i32 {
+fn code_beyond(z_m: f32, range: DepthRange, slack: f64) -> i32 {
     let (near, far, z) = (f64::from(range.near_m()), f64::from(range.far_m()), f64::from(z_m));
-    let half = range.step_ratio() / 2.0;
-    if z < near && near <= z * (1.0 + half) {
-        0
-    } else if z > far && z <= far * (1.0 + half) && z_m.is_finite() {
-        i32::from(FAR_CODE)
-    } else if z_m == f32::INFINITY {
+    if z_m == f32::INFINITY {
         i32::from(BACKGROUND_CODE)
+    } else if z < near && near <= z * (1.0 + slack) {
+        0
+    } else if z > far && z <= far * (1.0 + slack) {
+        i32::from(FAR_CODE)
     } else {
         OUTSIDE
     }
@@ -240,13 +243,14 @@ mod tests {
     #[test]
     fn depth_beyond_the_range_has_no_code_unless_rounding_put_it_there() {
         let range = DepthRange::new(1.0, 10.0).unwrap();
-        let step = range.step_ratio() as f32;
-        assert_eq!(code_beyond(1.0 - 0.4 * step, range), 0);
-        assert_eq!(code_beyond(1.0 - 0.6 * step, range), OUTSIDE);
-        assert_eq!(code_beyond(10.0 * (1.0 + 0.4 * step), range), i32::from(FAR_CODE));
-        assert_eq!(code_beyond(10.0 * (1.0 + 0.6 * step), range), OUTSIDE);
-        assert_eq!(code_beyond(f32::INFINITY, range), i32::from(BACKGROUND_CODE));
+        let step = range.step_ratio();
+        let code = |z: f64| code_beyond(z as f32, range, step / 2.0);
+        assert_eq!(code(1.0 - 0.4 * step), 0);
+        assert_eq!(code(1.0 - 0.6 * step), OUTSIDE);
+        assert_eq!(code(10.0 * (1.0 + 0.4 * step)), i32::from(FAR_CODE));
+        assert_eq!(code(10.0 * (1.0 + 0.6 * step)), OUTSIDE);
+        assert_eq!(code(f64::INFINITY), i32::from(BACKGROUND_CODE));
         let single = DepthRange::new(1.0, 1.0).unwrap();
-        assert_eq!(code_beyond(1.5, single), OUTSIDE);
+        assert_eq!(code_beyond(1.5, single, single.step_ratio()), OUTSIDE);
     }
 }

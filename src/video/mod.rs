@@ -2,6 +2,7 @@
 
 pub mod codec;
 pub mod compare;
+pub mod comparison;
 pub mod convert;
 pub mod decode;
 pub mod difference;

@@ -16,7 +16,7 @@ use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
-use crate::image::sequence::FrameRange;
+use crate::image::sequence::{FrameRange, Pattern};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::decode::{Decoder, FaceDecoder, Picture};
@@ -177,8 +177,16 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     let other_path = paths[1 - first];
     let one = open(paths[first], forms[first], options, &Other::Path(other_path))?;
     let other = open(other_path, forms[1 - first], options, &Other::Open(&one))?;
-    let sides = if first == 0 { [one, other] } else { [other, one] };
+    let mut sides = if first == 0 { [one, other] } else { [other, one] };
     check_selection(&sides, &options.selection)?;
+    let mut selection = options.selection.clone();
+    if let Some(sequence) = sides.iter().find(|side| side.form == SideForm::Sequence) {
+        // Beside a lone sequence only streams of its kind are meant.
+        selection.kinds = sequence.streams.iter().take(1).map(|stream| stream.id.kind).collect();
+    }
+    for side in &mut sides {
+        select(side, &selection)?;
+    }
     Ok(sides)
 }
 
@@ -190,7 +198,13 @@ fn form_of(path: &str) -> Result<Form> {
         return Ok(if panorama { Form::Panorama } else { Form::Faces });
     }
     let container = path == "-" || has("lfold") || (file.is_file() && starts_with_magic(file)?);
-    Ok(if container { Form::Container } else { Form::Sequence })
+    if container {
+        return Ok(Form::Container);
+    }
+    if !file.exists() && !Pattern::parse(path)?.has_field() {
+        return Err(Error::invalid("there is no such file or folder").in_file(path));
+    }
+    Ok(Form::Sequence)
 }
 
 fn starts_with_magic(path: &Path) -> Result<bool> {
@@ -216,25 +230,26 @@ impl Other<'_> {
 }
 
 fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
-    let mut side = match form {
-        Form::Container => open_container(path)?,
-        Form::Faces | Form::Panorama => open_dataset(path, form, options, other)?,
-        Form::Sequence => open_sequence(path, options, other)?,
-    };
-    let selection = &options.selection;
+    match form {
+        Form::Container => open_container(path),
+        Form::Faces | Form::Panorama => open_dataset(path, form, options, other),
+        Form::Sequence => open_sequence(path, options, other),
+    }
+}
+
+/// Keeps what was asked for.
+fn select(side: &mut Side, selection: &Selection) -> Result<()> {
+    // The names of a lone sequence are only what we called it.
     let sequence = side.form == SideForm::Sequence;
     side.streams.retain_mut(|stream| {
-        if let Some(frames) = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames)) {
-            stream.frames = frames;
-            // The names of a lone sequence are only what we called it.
-            return sequence || is_selected(&stream.id, selection);
-        }
-        false
+        let frames = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames));
+        stream.frames = frames.unwrap_or(stream.frames);
+        frames.is_some() && (sequence || is_selected(&stream.id, selection))
     });
     if side.streams.is_empty() {
-        return Err(Error::Usage(format!("{path}: there is no stream that matches the options")));
+        return Err(Error::Usage(format!("{}: there is no stream that matches the options", side.path)));
     }
-    Ok(side)
+    Ok(())
 }
 
 fn is_selected(id: &StreamId, selection: &Selection) -> bool {

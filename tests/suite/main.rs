@@ -2,6 +2,7 @@
 
 mod cli;
 mod corrupt;
+mod diff;
 mod docs;
 mod exr_files;
 mod house;
