@@ -21,10 +21,14 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour.\n\n\
+#[command(
+    after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour. Temporal: after the coding in time, \
+    before LZMA2.\nKeys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all \
+    frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
-    lightfold inspect film.lfold --verify --json")]
+    lightfold inspect film.lfold --verify --json"
+)]
 pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold")]

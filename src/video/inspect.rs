@@ -100,7 +100,7 @@ pub struct StreamStats<'a> {
     pub aabbs: u64,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
-    /// Units that are written once and never again.
+    /// Units whose picture never changes; keyframes that repeat it do not count as change.
     pub static_units: u64,
     /// Units that have one value in each frame, such as empty space; colour cells are not looked at.
     pub constant_units: u64,
@@ -269,8 +269,8 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
 struct UnitMeasure {
     /// Sums of all frames.
     total: FrameCost,
-    /// Frames in which pixels are written.
-    writes: u64,
+    /// Every chunk writes one picture, and all chunks hold the same bytes.
+    is_static: bool,
     constant: bool,
     /// Kept only where frames are listed.
     events: Vec<Event>,
@@ -288,8 +288,15 @@ impl Watch<'_> {
     fn unit(&self, unit: u32) -> Result<UnitMeasure> {
         let [_, _, width, height] = self.stream.entry.unit_rect(unit);
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
-        let mut measure =
-            UnitMeasure { total: FrameCost::default(), writes: 0, constant: true, events: vec![], damaged: vec![] };
+        let mut measure = UnitMeasure {
+            total: FrameCost::default(),
+            is_static: true,
+            constant: true,
+            events: vec![],
+            damaged: vec![],
+        };
+        let identity = |chunk: &ChunkEntry| (chunk.crc32, chunk.stored_bytes, chunk.raw_bytes);
+        measure.is_static = chunks.iter().all(|chunk| identity(chunk) == identity(&chunks[0]));
         for (at, chunk) in chunks.iter().enumerate() {
             self.monitor.check()?;
             let counted = self.chunk(chunk, [width, height]).and_then(|counted| {
@@ -345,8 +352,8 @@ impl UnitMeasure {
     fn add(&mut self, chunk: ChunkMeasure, rows: FrameRows) {
         for event in &chunk.events {
             self.total.add(event.cost);
-            self.writes += u64::from(event.cost.updated_pixels > 0);
         }
+        self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
         if rows != FrameRows::None {
             self.events.extend(chunk.events);
@@ -378,7 +385,7 @@ impl<'a> StreamMeasure<'a> {
         for unit in units {
             total.add(unit.total);
             let sound = unit.damaged.is_empty();
-            static_units += u64::from(sound && unit.writes == 1);
+            static_units += u64::from(sound && unit.is_static);
             constant_units += u64::from(sound && unit.constant);
             damaged.extend(unit.damaged);
             if let Some(frames) = listed {

@@ -7,5 +7,6 @@ mod docs;
 mod exr_files;
 mod house;
 mod input;
+mod inspect;
 mod samples;
 mod vectors;

@@ -43,9 +43,9 @@ fn heading(report: &Report<'_>) -> String {
         counted(all.frames, "image"),
     );
     let bytes = report.bytes();
-    let _ = write!(
+    let _ = writeln!(
         out,
-        "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index\n",
+        "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index",
         human_bytes(bytes),
         human_bytes(all.raw_bytes),
         percent(bytes, all.raw_bytes),
@@ -156,8 +156,11 @@ impl Line {
 }
 
 fn streams(report: &Report<'_>) -> Table {
-    let streams = &report.inspection.streams;
+    let mut streams: Vec<_> = report.inspection.streams.iter().collect();
     let summed = streams.len() > MAX_STREAM_ROWS && !report.args.streams;
+    if summed {
+        streams.sort_by_key(|stats| (stats.stream.probe, stats.stream.kind));
+    }
     let mut lines: Vec<Line> = Vec::new();
     for stats in streams {
         let (info, size) = (stats.stream, [stats.stream.entry.width, stats.stream.entry.height]);
@@ -208,49 +211,47 @@ fn streams(report: &Report<'_>) -> Table {
     table
 }
 
-/// How the streams were coded, each different setting once.
+/// How the streams were coded, each different setting once, with the widest range of depths that goes with it.
 fn settings(report: &Report<'_>) -> String {
-    let mut lines: Vec<String> = Vec::new();
+    let mut out = String::new();
     for kind in StreamKind::ALL {
-        let mut seen: Vec<String> = Vec::new();
+        let mut seen: Vec<(String, f32, f32)> = Vec::new();
         for stats in report.inspection.streams.iter().filter(|stats| stats.stream.kind == kind) {
             let line = setting(stats);
-            if !seen.contains(&line) {
-                seen.push(line);
-                if seen.len() > MAX_SETTINGS {
-                    break;
-                }
+            let (near, far) = match &stats.stream.header {
+                CodecHeader::Depth(header) => (header.range.near_m(), header.range.far_m()),
+                _ => (0.0, 0.0),
+            };
+            let full = seen.len() > MAX_SETTINGS;
+            match seen.iter_mut().find(|(other, ..)| *other == line) {
+                Some((_, least, most)) => (*least, *most) = (least.min(near), most.max(far)),
+                None if full => {}
+                None => seen.push((line, near, far)),
             }
         }
-        if seen.len() > MAX_SETTINGS {
-            seen[MAX_SETTINGS] = format!("{}: and other settings, see --json", kind.name());
+        for (line, near, far) in seen.iter().take(MAX_SETTINGS) {
+            let range = if kind == StreamKind::Depth { format!(", {near} to {far} m") } else { String::new() };
+            let _ = writeln!(out, "{}: {line}{range}", kind.name());
         }
-        lines.append(&mut seen);
+        if seen.len() > MAX_SETTINGS {
+            let _ = writeln!(out, "{}: and other settings, see --json", kind.name());
+        }
     }
-    lines.iter().map(|line| format!("{line}\n")).collect()
+    out
 }
 
 fn setting(stats: &StreamStats<'_>) -> String {
     let entry = &stats.stream.entry;
     let units = format!("{}x{}", entry.unit_width, entry.unit_height);
     let temporal = |settings: &TemporalSettings| {
+        let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = settings;
         format!(
-            "error at most {}, window {}, at most {} AABBs, a key every {} frames, tiles of {units}",
-            counted(settings.epsilon.into(), "code"),
-            settings.window,
-            settings.max_aabbs,
-            settings.keyframe_interval,
+            "±{epsilon} codes, window {window}, {max_aabbs} AABBs, keyframe every {keyframe_interval}, tile {units}"
         )
     };
     match &stats.stream.header {
-        CodecHeader::Depth(header) => format!(
-            "depth: {} {} to {} m,\n       {}",
-            depth_kind_name(header.kind),
-            header.range.near_m(),
-            header.range.far_m(),
-            temporal(&header.temporal)
-        ),
-        CodecHeader::Material(header) => format!("material: {}", temporal(&header.temporal)),
+        CodecHeader::Depth(header) => format!("{}, {}", temporal(&header.temporal), depth_kind_name(header.kind)),
+        CodecHeader::Material(header) => temporal(&header.temporal),
         CodecHeader::Color(header) => {
             let format = match header.format {
                 ColorFormat::EightBit(tone) => {
@@ -258,7 +259,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
                 }
                 ColorFormat::Half { white_cd_m2 } => format!("half floats, white at {white_cd_m2} cd/m²"),
             };
-            format!("color: {format}, at least {} dB, cells of {units}", header.min_psnr_db)
+            format!("{format}, at least {} dB, cell {units}", header.min_psnr_db)
         }
     }
 }
