@@ -122,7 +122,10 @@ fn summary(comparison: &Comparison) -> String {
             of_kind.map(|stream| stream.frames.count() * u64::from(stream.size[0]) * u64::from(stream.size[1])).sum();
         match differing {
             0 => "none".to_owned(),
-            _ => format!("{:.3}%", 100.0 * differing as f64 / pixels.max(1) as f64),
+            _ => match 100.0 * differing as f64 / pixels.max(1) as f64 {
+                percent if percent < 0.001 => "<0.001%".into(),
+                percent => format!("{percent:.3}%"),
+            },
         }
     };
     let none = || "-".to_owned();

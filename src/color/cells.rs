@@ -77,6 +77,11 @@ impl<S: Sample> CellChunk<S> {
         Ok(CellChunk { payload, keyframes, weights, pixels, samples, sample: PhantomData })
     }
 
+    /// The payload's memory, for the next chunk.
+    pub fn into_payload(self) -> Vec<u8> {
+        self.payload
+    }
+
     /// Frames of the keyframes, counted from the chunk's first.
     pub fn keyframes(&self) -> &[u32] {
         &self.keyframes

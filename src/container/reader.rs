@@ -107,6 +107,12 @@ impl Reader {
                 )));
             }
         }
+        if let Some(chunk) = index.chunks.iter().find(|chunk| u64::from(chunk.raw_bytes) > allowed) {
+            return Err(Error::invalid(format!(
+                "stream {} has a chunk that claims {} bytes, more than a file of {} bytes justifies",
+                chunk.key.stream, chunk.raw_bytes, self.file_bytes
+            )));
+        }
         Ok((index, foot.index_bytes))
     }
 
@@ -143,7 +149,11 @@ impl Reader {
 
     /// As [`Self::fetch_stored`], for callers that say themselves which chunk an error came from.
     pub fn load_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
-        let stored = self.read_at(chunk.offset, u64::from(chunk.stored_bytes))?;
+        self.load_stored_into(chunk, Vec::new())
+    }
+
+    fn load_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
+        let stored = self.read_at_into(chunk.offset, u64::from(chunk.stored_bytes), spare)?;
         if crc32fast::hash(&stored) != chunk.crc32 {
             return Err(Error::invalid("its CRC-32 does not match: the file is damaged"));
         }
@@ -152,7 +162,12 @@ impl Reader {
 
     /// A chunk's payload.
     pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
-        let stored = self.fetch_stored(chunk)?;
+        self.fetch_into(chunk, Vec::new())
+    }
+
+    /// A chunk's payload in memory that is no longer needed: fresh memory costs more than reading into it.
+    pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
+        let stored = self.load_stored_into(chunk, spare).map_err(|error| self.blame(chunk, error))?;
         match chunk.storage {
             Storage::Raw => Ok(stored),
             Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map_err(|error| self.blame(chunk, error)),
@@ -172,6 +187,10 @@ impl Reader {
     }
 
     fn read_at(&self, offset: u64, count: u64) -> Result<Vec<u8>> {
+        self.read_at_into(offset, count, Vec::new())
+    }
+
+    fn read_at_into(&self, offset: u64, count: u64, mut bytes: Vec<u8>) -> Result<Vec<u8>> {
         let past_end = || {
             Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
         };
@@ -180,9 +199,14 @@ impl Reader {
         }
         let length = usize::try_from(count).map_err(|_| past_end())?;
         match &self.bytes {
-            Bytes::Memory(memory) => Ok(memory[offset as usize..offset as usize + length].to_vec()),
+            Bytes::Memory(memory) => {
+                bytes.clear();
+                bytes.extend_from_slice(&memory[offset as usize..offset as usize + length]);
+                Ok(bytes)
+            }
             Bytes::File(file) => {
-                let mut bytes = vec![0; length];
+                bytes.truncate(length);
+                bytes.resize(length, 0);
                 read_exact_at(file, &mut bytes, offset).map_err(|error| Error::io(&self.path, error))?;
                 Ok(bytes)
             }

@@ -142,6 +142,11 @@ impl<T: Texel> TemporalChunk<T> {
         }
     }
 
+    /// The payload's memory, for the next chunk.
+    pub fn into_payload(self) -> Vec<u8> {
+        self.payload
+    }
+
     /// All records in order of their frames; frames without one change nothing.
     pub fn records(&self) -> &[Record] {
         &self.records

@@ -35,7 +35,7 @@ impl FrameRange {
     }
 
     /// All frames in order.
-    pub fn iter(self) -> impl Iterator<Item = u32> {
+    pub fn iter(self) -> impl DoubleEndedIterator<Item = u32> {
         self.first..=self.last
     }
 }

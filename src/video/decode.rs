@@ -128,6 +128,11 @@ impl Decoder {
 
     /// A decoder of one unit (tile or cell).
     pub fn unit<'a>(&'a self, stream: &'a StreamInfo, unit: u32) -> UnitDecoder<'a> {
+        self.unit_in(stream, unit, Vec::new())
+    }
+
+    /// A decoder of one unit that reads its chunks into `spare`, which [`UnitDecoder::into_spare`] of another gave.
+    pub fn unit_in<'a>(&'a self, stream: &'a StreamInfo, unit: u32, spare: Vec<u8>) -> UnitDecoder<'a> {
         let [_, _, width, height] = stream.entry.unit_rect(unit);
         let (size, pixels) = ([width, height], width as usize * height as usize);
         let state = match stream.header {
@@ -139,7 +144,7 @@ impl Decoder {
             CodecHeader::Color(_) => State::ColorHalf(CellState::new(pixels)),
         };
         let chunks = self.reader.index().unit_chunks(stream.index, unit);
-        let source = ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default() };
+        let source = ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare };
         UnitDecoder { source, frames: stream.frames, rect: stream.entry.unit_rect(unit), state }
     }
 
@@ -156,6 +161,8 @@ struct ChunkSource<'a> {
     reader: &'a Reader,
     chunks: &'a [ChunkEntry],
     cost: DecodeCost,
+    /// Memory of a chunk that is no longer needed.
+    spare: Vec<u8>,
 }
 
 impl ChunkSource<'_> {
@@ -170,7 +177,7 @@ impl ChunkSource<'_> {
 
     fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Vec<u8>) -> Result<T>) -> Result<T> {
         let start = Instant::now();
-        let payload = self.reader.fetch(chunk)?;
+        let payload = self.reader.fetch_into(chunk, std::mem::take(&mut self.spare))?;
         let parsed = parse(payload).map_err(|error| self.reader.blame(chunk, error))?;
         self.cost.fetching += start.elapsed();
         self.cost.bytes_read += u64::from(chunk.stored_bytes);
@@ -216,6 +223,17 @@ impl UnitDecoder<'_> {
         self.source.cost
     }
 
+    /// The memory of its last chunk, for another unit.
+    pub fn into_spare(self) -> Vec<u8> {
+        match self.state {
+            State::Depth(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
+            State::Material(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
+            State::Color8(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
+            State::ColorHalf(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
+        }
+        .unwrap_or(self.source.spare)
+    }
+
     /// Left, top, width and height in the face.
     pub fn rect(&self) -> [u32; 4] {
         self.rect
@@ -242,6 +260,9 @@ impl<T: Texel> TemporalState<T> {
         let (index, entry) = source.find(frame)?;
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
             let size = self.size;
+            if let Some((_, old)) = self.chunk.take() {
+                source.spare = old.into_payload();
+            }
             let parsed = source.fetch(&entry, |payload| TemporalChunk::parse(payload, size, entry.key.frame_count))?;
             self.chunk = Some((index, parsed));
             self.at = None;
@@ -313,6 +334,9 @@ impl<S: Sample> CellState<S> {
 
     fn load(&mut self, source: &mut ChunkSource<'_>, index: usize, entry: &ChunkEntry) -> Result<()> {
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
+            if let Some((_, old)) = self.chunk.take() {
+                source.spare = old.into_payload();
+            }
             self.chunk = Some((index, self.parse(source, entry)?));
         }
         Ok(())

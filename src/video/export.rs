@@ -129,8 +129,8 @@ pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn
         .flat_map(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
         .collect();
     jobs.into_par_iter()
-        .map(|(stream, frames, unit)| {
-            let mut decoder = decoder.unit(stream, unit);
+        .map_init(Vec::new, |spare, (stream, frames, unit)| {
+            let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
             for frame in frames.iter() {
                 monitor.check()?;
                 decoder.decode(frame)?;
@@ -141,6 +141,7 @@ pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn
                 monitor.advance(frames.count());
             }
             let cost = decoder.cost();
+            *spare = decoder.into_spare();
             Ok(DecodeSummary {
                 frames: if first { frames.count() } else { 0 },
                 pixels: frames.count() * u64::from(width) * u64::from(height),

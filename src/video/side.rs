@@ -114,7 +114,7 @@ impl SideForm {
 #[derive(Debug)]
 enum Content {
     Container(Decoder),
-    Files(Source),
+    Files(Box<Source>),
 }
 
 /// One side of a comparison.
@@ -398,7 +398,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
             });
         }
     }
-    Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(source) })
+    Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(Box::new(source)) })
 }
 
 /// What `extra.lightfold` of a decoded dataset's manifest tells.

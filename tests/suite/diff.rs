@@ -155,6 +155,7 @@ fn one_pixel_is_found() {
     bench.write_set("copy", LAST);
     let file = bench.path("copy/pb/nz/depth.0002.exr");
     let before = depth(1, Face::Nz as u32, 2).get(9, 20);
+    let before_m = f64::from(before);
     bench.poke(&file, [9, 20], before + 0.5);
     for (a, b) in [("set.lfold", "copy"), ("copy", "set.lfold"), ("set", "copy")] {
         let (code, report) = bench.json(&format!("{a} {b} --max-error 3"));
@@ -169,10 +170,10 @@ fn one_pixel_is_found() {
         assert!((metres - 0.5).abs() < 2e-3, "{metres}");
         let domain = &report["domains"]["depth"][1];
         let [near, far] = ["near_m", "far_m"].map(|key| domain[key].as_f64().unwrap());
-        let codes = ((before as f64 + 0.5) / before as f64).ln() / (far / near).ln() * 65534.0;
+        let codes = ((before_m + 0.5) / before_m).ln() / (far / near).ln() * 65534.0;
         let found = report["depth"]["max_error_codes"].as_f64().unwrap();
         assert!((found - codes).abs() <= 1.0, "{found} {codes}");
-        let expected = 10.0 * (65535.0 * 65535.0 * (16 * SIZE * SIZE) as f64 / (found * found)).log10();
+        let expected = 10.0 * (65535.0 * 65535.0 * f64::from(16 * SIZE * SIZE) / (found * found)).log10();
         assert!((report["depth"]["psnr_db"].as_f64().unwrap() - expected).abs() < 1e-6);
         assert_eq!(report["broken"][0]["bound"], "max-error");
         assert_eq!(report["color"]["min_psnr_db"], "inf");

@@ -1,0 +1,101 @@
+"""What the scripts beside this file share: finding the program and the footage, running, timing, writing tables."""
+
+import json
+import os
+import pathlib
+import platform
+import re
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SETS = ["sponza", "sponza9", "sponza1k", "glass", "object", "equirect"]
+
+
+def build():
+    """Builds the release binary and answers its path; LIGHTFOLD names another one instead."""
+    named = os.environ.get("LIGHTFOLD")
+    if named:
+        return named
+    subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
+    return str(pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "lightfold")
+
+
+def footage(binary, work):
+    """(name, manifest) of every data set at hand: those under LIGHTFOLD_DATA or ../shared/data, else the demo."""
+    data = pathlib.Path(os.environ.get("LIGHTFOLD_DATA", ROOT.parent / "shared" / "data"))
+    found = [(name, data / name / "lightfield.json") for name in SETS if (data / name / "lightfield.json").is_file()]
+    if found:
+        return found
+    print(f"{data} holds none of the measured data sets; the demo's scene takes their place", file=sys.stderr)
+    demo = pathlib.Path(work) / "demo"
+    subprocess.run([binary, "demo", "-o", str(demo), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    return [("demo", next(demo.rglob("lightfield.json")))]
+
+
+def run_json(*command, may_differ=False):
+    """Runs a command that reports JSON. `may_differ` accepts exit code 1, as `diff` gives it."""
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode not in ([0, 1] if may_differ else [0]):
+        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stderr}")
+    return json.loads(done.stdout)
+
+
+def seconds(command, runs=5):
+    """Median wall time of a command, after one run that is not counted."""
+    times = []
+    for turn in range(runs + 1):
+        start = time.perf_counter()
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stderr[-2000:]}")
+        if turn:
+            times.append(time.perf_counter() - start)
+    return statistics.median(times)
+
+
+def peak_memory_mb(command):
+    """Peak resident memory of one run, in MB. Only the largest child so far is known, so ask the small ones first."""
+    subprocess.run([str(part) for part in command], check=True, capture_output=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1000
+
+
+def megabytes(count):
+    return f"{count / 1e6:.2f}"
+
+
+def table(head, rows):
+    """A Markdown table; the first column is left-aligned, the others right."""
+    lines = ["| " + " | ".join(head) + " |", "| --- |" + " ---: |" * (len(head) - 1)]
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+
+
+def machine():
+    """One line about the machine, for the foot of a table."""
+    model = platform.machine()
+    try:
+        text = pathlib.Path("/proc/cpuinfo").read_text()
+        model = re.search(r"model name\s*:\s*(.*)", text).group(1)
+    except (OSError, AttributeError):
+        pass
+    return f"{model}, {len(os.sched_getaffinity(0))} threads"
+
+
+def write_between(marker, text, path=ROOT / "README.md"):
+    """Puts `text` between `<!-- table:MARKER -->` and `<!-- end:MARKER -->` of a file."""
+    page = path.read_text()
+    begin, end = f"<!-- table:{marker} -->", f"<!-- end:{marker} -->"
+    if begin not in page or end not in page:
+        sys.exit(f"{path} has no {begin} and {end}")
+    head, rest = page.split(begin, 1)
+    _, tail = rest.split(end, 1)
+    path.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
+
+
+def need(program, package):
+    if not shutil.which(program):
+        sys.exit(f"{program} is not installed: apt-get install {package}")

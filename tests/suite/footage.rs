@@ -1,0 +1,128 @@
+//! Small datasets for tests, written as files that the library then reads.
+
+use std::path::Path;
+
+use half::f16;
+use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::image::{ColorPlane, DepthPlane, Face, MaterialPlane, Plane, exr};
+
+/// A dataset that is about to be written: every closure answers the image of (face, frame).
+pub struct Footage<'a> {
+    /// Width and height of a face.
+    pub size: [u32; 2],
+    /// First and last frame.
+    pub frames: [u32; 2],
+    /// Names of the faces there are.
+    pub faces: &'a [Face],
+    /// Extra keys of the manifest's `depth`, such as `, "near": 1`.
+    pub depth_keys: &'a str,
+    /// Depth, where there is any.
+    pub depth: Option<&'a dyn Fn(Face, u32) -> DepthPlane>,
+    /// Colour, where there is any.
+    pub color: Option<&'a dyn Fn(Face, u32) -> ColorPlane>,
+    /// Material, where there is any.
+    pub material: Option<&'a dyn Fn(Face, u32) -> MaterialPlane>,
+}
+
+impl Footage<'_> {
+    /// No streams yet, all six faces, frames 0 to 5.
+    pub fn new(width: u32, height: u32) -> Footage<'static> {
+        Footage {
+            size: [width, height],
+            frames: [0, 5],
+            faces: &[Face::Px],
+            depth_keys: "",
+            depth: None,
+            color: None,
+            material: None,
+        }
+    }
+
+    /// Writes files and manifest of a single probe "00". Square images are faces of a cube, others perspective.
+    pub fn write(&self, folder: &Path) {
+        let cube = self.size[0] == self.size[1];
+        let faces = if cube { self.faces } else { &[Face::View] };
+        for &face in faces {
+            let of = |kind: &str, frame: u32| {
+                let folder = folder.join(format!("probe_00/face_{}", face.name()));
+                std::fs::create_dir_all(&folder).unwrap();
+                folder.join(format!("{kind}.{frame:04}.exr"))
+            };
+            for frame in self.frames[0]..=self.frames[1] {
+                if let Some(depth) = self.depth {
+                    exr::write_depth(&of("depth", frame), &depth(face, frame)).unwrap();
+                }
+                if let Some(color) = self.color {
+                    exr::write_color(&of("color", frame), &color(face, frame)).unwrap();
+                }
+                if let Some(material) = self.material {
+                    let names = ["reflect", "refract", "ior"];
+                    exr::write_material(&of("material", frame), &material(face, frame), names).unwrap();
+                }
+            }
+        }
+        let file = |kind: &str, there: bool| {
+            let face = if cube { "{face}" } else { "view" };
+            there.then(|| format!(r#""{kind}": "probe_{{probe}}/face_{face}/{kind}.%04d.exr""#))
+        };
+        let files: Vec<String> = [
+            file("depth", self.depth.is_some()),
+            file("color", self.color.is_some()),
+            file("material", self.material.is_some()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let names: Vec<String> = self.faces.iter().map(|face| format!("{:?}", face.name())).collect();
+        let (projection, present, lens) = if cube {
+            ("cubemap", format!(r#""faces_present": [{}],"#, names.join(", ")), "")
+        } else {
+            ("perspective", String::new(), r#", "fov_y_deg": 60"#)
+        };
+        let manifest = format!(
+            r#"{{ "lightfield": 1, "name": "test", "fps": 24, "frames": [{}, {}], "projection": "{projection}",
+                "size": [{}, {}], {present}
+                "depth": {{ "kind": "distance", "unit": "m", "background": "inf"{} }},
+                "files": {{ {} }}, "probes": [{{ "name": "00", "position": [0, 1, 2]{lens} }}] }}"#,
+            self.frames[0],
+            self.frames[1],
+            self.size[0],
+            self.size[1],
+            self.depth_keys,
+            files.join(", "),
+        );
+        std::fs::write(folder.join("lightfield.json"), manifest).unwrap();
+    }
+
+    /// Writes the dataset and opens it.
+    pub fn open(&self, folder: &Path) -> Source {
+        self.write(folder);
+        Source::open(folder, &SourceOptions::default()).unwrap()
+    }
+}
+
+/// A pseudo-random sequence that depends on nothing but its seed.
+pub struct Random(pub u64);
+
+impl Random {
+    /// The next 32 bits.
+    pub fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as u32
+    }
+
+    /// A number below `limit`.
+    pub fn below(&mut self, limit: u32) -> u32 {
+        self.next() % limit
+    }
+}
+
+/// Colour that drifts, flickers in one corner and is constant in another.
+pub fn drifting_color(width: u32, height: u32, frame: u32) -> ColorPlane {
+    Plane::from_fn(width, height, |x, y| {
+        let base = (x * 7 + y * 3) as f32 / 400.0;
+        let drift = if x > width / 2 { frame as f32 * 0.01 } else { 0.0 };
+        let flicker = if x < 3 && y < 3 && frame % 3 == 1 { 5.0 } else { 0.0 };
+        [base + drift, base * 0.5 + drift * 0.5, flicker + 0.1].map(f16::from_f32)
+    })
+}

@@ -1,0 +1,283 @@
+//! Footage goes in, is decoded, and is what it was: sizes, ranges and settings that are easy to get wrong.
+
+use half::f16;
+use lightfold::color::keyframes::{Effort, SearchSettings};
+use lightfold::color::quality::{EightBit, Pu21, Quality};
+use lightfold::container::Reader;
+use lightfold::dataset::source::Source;
+use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use lightfold::depth::temporal::TemporalSettings;
+use lightfold::image::transfer::{EncodeTable, ToneMap};
+use lightfold::image::{Face, Plane};
+use lightfold::monitor::Silent;
+use lightfold::video::codec::{CodecHeader, ColorFormat};
+use lightfold::video::convert;
+use lightfold::video::decode::{Decoder, Picture};
+use lightfold::video::encode::{EncodeSettings, encode};
+
+use crate::footage::{Footage, Random, drifting_color};
+
+fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
+    let (bytes, summary) = encode(source, settings, Vec::new(), &Silent).unwrap();
+    assert_eq!(summary.bytes, bytes.len() as u64);
+    bytes
+}
+
+fn decoder(bytes: &[u8]) -> Decoder {
+    Decoder::new(Reader::from_memory(bytes.to_vec()).unwrap()).unwrap()
+}
+
+/// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.
+fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
+    let decoder = decoder(bytes);
+    for stream in decoder.streams() {
+        let CodecHeader::Depth(header) = stream.header else { continue };
+        let group = source.groups().iter().find(|group| group.faces.contains(&stream.face)).unwrap();
+        let mut face = decoder.face(stream);
+        for frame in stream.frames.iter() {
+            let Picture::Depth(codes) = face.decode(frame).unwrap() else { panic!("depth expected") };
+            let at = group.faces.iter().position(|face| *face == stream.face).unwrap();
+            let plane = &source.read_depth(group, frame).unwrap()[at];
+            for (at, (&z, &code)) in plane.data().iter().zip(codes.data()).enumerate() {
+                let wanted = header.range.code(z);
+                assert_eq!(wanted == BACKGROUND_CODE, code == BACKGROUND_CODE, "frame {frame} pixel {at}");
+                assert!(wanted.abs_diff(code) <= epsilon, "frame {frame} pixel {at}: {wanted} became {code}");
+            }
+        }
+    }
+}
+
+/// Every frame of every cell of an 8-bit colour stream reaches the PSNR asked for.
+fn check_color8(source: &Source, bytes: &[u8], settings: &EncodeSettings) {
+    let decoder = decoder(bytes);
+    let table = EncodeTable::new(&ToneMap::default());
+    let group = &source.groups()[0];
+    for stream in decoder.streams() {
+        let mut face = decoder.face(stream);
+        for frame in stream.frames.iter() {
+            let Picture::Color8(shown) = face.decode(frame).unwrap() else { panic!("colour expected") };
+            let (wanted, _) = convert::color_codes(&source.read_color(group, frame).unwrap()[0], &table);
+            for unit in 0..stream.entry.unit_count() {
+                let [left, top, width, height] = stream.entry.unit_rect(unit);
+                let cut = |plane: &Plane<[u8; 3]>| -> Vec<u8> {
+                    (top..top + height)
+                        .flat_map(|y| (left..left + width).map(move |x| (x, y)))
+                        .flat_map(|(x, y)| plane.get(x, y))
+                        .collect()
+                };
+                let (a, b) = (cut(&shown), cut(&wanted));
+                let error = EightBit.squared_error(&a, &a, 0, &b, u64::MAX);
+                let allowed = EightBit.max_squared_error(settings.search.min_psnr_db, a.len());
+                assert!(error <= allowed, "frame {frame} unit {unit}: {error} > {allowed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn sizes_that_are_no_multiple_of_anything() {
+    for (width, height) in [(1, 1), (3, 1), (1, 7), (3, 5), (17, 9), (33, 65), (100, 3)] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut footage = Footage::new(width, height);
+        let depth = |_: Face, frame: u32| {
+            Plane::from_fn(width, height, |x, y| {
+                if (x + y + frame) % 5 == 0 { f32::INFINITY } else { 1.0 + (x * y + frame) as f32 * 0.1 }
+            })
+        };
+        let color = |_: Face, frame: u32| drifting_color(width, height, frame);
+        let material =
+            |_: Face, frame: u32| Plane::from_fn(width, height, |x, _| [if x == frame { 1.0 } else { 0.0 }, 0.25, 1.5]);
+        footage.depth = Some(&depth);
+        let source = footage.open(folder.path());
+        for (tiles, cell) in [(1, 64), (2, 4), (7, 1)] {
+            let settings = EncodeSettings { tiles, cell, ..EncodeSettings::default() };
+            check_depth(&source, &encoded(&source, &settings), 0);
+        }
+        footage.depth = None;
+        footage.color = Some(&color);
+        let source = footage.open(folder.path());
+        for cell in [64, 4, 1] {
+            let settings = EncodeSettings { cell, lzma2: Some(1), ..EncodeSettings::default() };
+            check_color8(&source, &encoded(&source, &settings), &settings);
+        }
+        footage.color = None;
+        footage.material = Some(&material);
+        let source = footage.open(folder.path());
+        let bytes = encoded(&source, &EncodeSettings::default());
+        let decoder = decoder(&bytes);
+        let stream = &decoder.streams()[0];
+        let mut face = decoder.face(stream);
+        for frame in stream.frames.iter().rev() {
+            let wanted =
+                convert::material_codes(&source.read_material(&source.groups()[0], frame).unwrap()[0]).unwrap();
+            assert_eq!(face.decode(frame).unwrap(), Picture::Material(wanted));
+        }
+    }
+}
+
+#[test]
+fn ranges_from_a_single_depth_to_a_billion_and_denormals() {
+    let tiny = f32::from_bits(1);
+    let ranges: [&[f32]; 7] = [
+        &[f32::INFINITY],
+        &[2.5],
+        &[1.0, 1.0 + f32::EPSILON],
+        &[1e-4, 3.0, 1e5],
+        &[tiny, tiny * 2.0, tiny * 900.0],
+        &[tiny, 1.0, f32::MAX],
+        &[f32::MIN_POSITIVE, 1e-30, f32::INFINITY],
+    ];
+    for values in ranges {
+        let folder = tempfile::tempdir().unwrap();
+        let depth = |_: Face, frame: u32| {
+            let mut random = Random(u64::from(frame) + 1);
+            Plane::from_fn(20, 12, |_, _| values[random.below(values.len() as u32) as usize])
+        };
+        let source = Footage { depth: Some(&depth), ..Footage::new(20, 12) }.open(folder.path());
+        let bytes = encoded(&source, &EncodeSettings::default());
+        check_depth(&source, &bytes, 0);
+        // The values at the ends come back as the very same floats.
+        let decoder = decoder(&bytes);
+        let CodecHeader::Depth(header) = decoder.streams()[0].header else { panic!("depth expected") };
+        let surfaces = || values.iter().copied().filter(|z| z.is_finite());
+        if let (Some(near), Some(far)) = (surfaces().reduce(f32::min), surfaces().reduce(f32::max)) {
+            assert_eq!([header.range.metres(0), header.range.metres(65534)], [near, far]);
+        } else {
+            assert_eq!(header.range, DepthRange::empty());
+        }
+    }
+}
+
+#[test]
+fn a_creeping_pixel_stays_within_epsilon_for_600_frames_whatever_the_path() {
+    let folder = tempfile::tempdir().unwrap();
+    let range = DepthRange::new(1.0, 100.0).unwrap();
+    let depth = |_: Face, frame: u32| {
+        Plane::from_fn(8, 8, |x, y| match (x, y) {
+            (0, 0) => 1.0,
+            (7, 7) => 100.0,
+            (3, 3) => range.metres(20_000 + frame as u16 * 3),
+            (4, 4) => range.metres(40_000 - frame as u16),
+            (5, 5) => {
+                if frame % 50 == 49 {
+                    f32::INFINITY
+                } else {
+                    range.metres(100 + frame as u16 % 7)
+                }
+            }
+            _ => 10.0,
+        })
+    };
+    let source = Footage { frames: [0, 599], depth: Some(&depth), ..Footage::new(8, 8) }.open(folder.path());
+    for (window, epsilon, keyframe_interval) in [(1, 4, 1000), (2, 10, 1000), (16, 3, 100), (255, 50, 64)] {
+        let temporal = TemporalSettings { window, epsilon, keyframe_interval, max_aabbs: 4 };
+        let bytes = encoded(&source, &EncodeSettings { temporal, ..EncodeSettings::default() });
+        check_depth(&source, &bytes, epsilon);
+        // Entered anywhere, in any order, a frame is the frame that playing from the start shows.
+        let decoder = decoder(&bytes);
+        let stream = &decoder.streams()[0];
+        let mut playing = decoder.face(stream);
+        let played: Vec<_> = stream.frames.iter().map(|frame| playing.decode(frame).unwrap()).collect();
+        let mut jumping = decoder.face(stream);
+        let mut random = Random(9);
+        for _ in 0..200 {
+            let frame = random.below(600);
+            assert_eq!(jumping.decode(frame).unwrap(), played[frame as usize], "frame {frame}");
+        }
+    }
+}
+
+#[test]
+fn high_dynamic_range_reaches_its_own_quality() {
+    let folder = tempfile::tempdir().unwrap();
+    let color = |_: Face, frame: u32| {
+        let mut random = Random(u64::from(frame / 4));
+        Plane::from_fn(40, 24, |x, y| {
+            let noise = random.below(100) as f32 / 4000.0;
+            let value = match (x / 10, y / 12) {
+                (0, 0) => 6e-8 * (1 + frame) as f32,
+                (1, 0) => 60_000.0 - frame as f32 * 32.0,
+                (2, 0) => -0.25 + frame as f32 * 0.01,
+                (3, _) => 1.0 + noise,
+                _ => (x + frame) as f32 * 0.02,
+            };
+            [value, value * 0.5, value * 0.25].map(f16::from_f32)
+        })
+    };
+    let source = Footage { frames: [0, 23], color: Some(&color), ..Footage::new(40, 24) }.open(folder.path());
+    for (min_psnr_db, effort) in [(50.0, Effort::Fast), (35.0, Effort::Normal), (80.0, Effort::Exhaustive)] {
+        let settings = EncodeSettings {
+            cell: 10,
+            color: ColorFormat::Half { white_cd_m2: 100.0 },
+            search: SearchSettings { min_psnr_db, effort, reach: 16 },
+            ..EncodeSettings::default()
+        };
+        let bytes = encoded(&source, &settings);
+        let decoder = decoder(&bytes);
+        let stream = &decoder.streams()[0];
+        let metric = Pu21::new(100.0).unwrap();
+        let mut face = decoder.face(stream);
+        for frame in stream.frames.iter() {
+            let Picture::ColorHalf(shown) = face.decode(frame).unwrap() else { panic!("half floats expected") };
+            let wanted = &source.read_color(&source.groups()[0], frame).unwrap()[0];
+            for unit in 0..stream.entry.unit_count() {
+                let [left, top, width, height] = stream.entry.unit_rect(unit);
+                let mut error = 0;
+                for y in top..top + height {
+                    let row = |plane: &Plane<[f16; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
+                    error += metric.between(row(&shown).as_flattened(), row(wanted).as_flattened());
+                }
+                let samples = (width * height * 3) as usize;
+                assert!(error <= metric.max_squared_error(min_psnr_db, samples), "frame {frame} unit {unit}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let depth = |_: Face, frame: u32| Plane::from_fn(64, 48, |x, y| 1.0 + ((x + frame * 3) % 64 * (y + 1)) as f32);
+    let color = |_: Face, frame: u32| drifting_color(64, 48, frame);
+    let footage = Footage { frames: [3, 40], depth: Some(&depth), color: Some(&color), ..Footage::new(64, 48) };
+    let source = footage.open(folder.path());
+    let settings = EncodeSettings { cell: 16, lzma2: Some(3), ..EncodeSettings::default() };
+    let once = encoded(&source, &settings);
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert!(pool.install(|| encoded(&source, &settings)) == once, "{threads} threads give other bytes");
+    }
+}
+
+#[test]
+fn static_and_empty_footage_costs_no_pixels_after_its_first_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let depth = |face: Face, _: u32| match face {
+        Face::Px => Plane::filled(64, 64, f32::INFINITY),
+        _ => Plane::from_fn(64, 64, |x, y| 1.0 + (x * y) as f32),
+    };
+    let color = |face: Face, _: u32| match face {
+        Face::Px => Plane::filled(64, 64, [f16::ZERO; 3]),
+        _ => drifting_color(64, 64, 0),
+    };
+    let faces = [Face::Px, Face::Nx];
+    let footage =
+        Footage { frames: [0, 99], faces: &faces, depth: Some(&depth), color: Some(&color), ..Footage::new(64, 64) };
+    let source = footage.open(folder.path());
+    let bytes = encoded(&source, &EncodeSettings { cell: 32, ..EncodeSettings::default() });
+    let decoder = decoder(&bytes);
+    for stream in decoder.streams() {
+        for unit in 0..stream.entry.unit_count() {
+            let mut unit_decoder = decoder.unit(stream, unit);
+            let first = unit_decoder.decode(0).unwrap();
+            assert_eq!(first, 32 * 32);
+            // Keyframes of later groups show what is held already; they are written, once for each group of 64.
+            let later: u64 = (1..100).map(|frame| unit_decoder.decode(frame).unwrap()).sum();
+            let groups = if matches!(stream.header, CodecHeader::Depth(_)) { 1 } else { 0 };
+            assert_eq!(later, groups * 32 * 32);
+        }
+    }
+    // Pixels: one picture of colour, one of depth, one black cell; everything else is shared or one value.
+    let pixels = 64 * 64 * 3 + 64 * 64 * 2 + 32 * 32 * 3;
+    assert!(bytes.len() < pixels + 3000, "{} bytes", bytes.len());
+}
