@@ -81,7 +81,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         let mut footage = Footage::new(width, height);
         let depth = |_: Face, frame: u32| {
             Plane::from_fn(width, height, |x, y| {
-                if (x + y + frame) % 5 == 0 { f32::INFINITY } else { 1.0 + (x * y + frame) as f32 * 0.1 }
+                if (x + y + frame).is_multiple_of(5) { f32::INFINITY } else { 1.0 + (x * y + frame) as f32 * 0.1 }
             })
         };
         let color = |_: Face, frame: u32| drifting_color(width, height, frame);
