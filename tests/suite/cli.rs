@@ -156,19 +156,41 @@ fn a_full_disk_is_named() {
     }
 }
 
+/// The shared dataset played over and over, by links: long to encode, quick to make.
+#[cfg(unix)]
+fn long_dataset(folder: &Path) {
+    use lightfold::dataset::manifest::{MANIFEST_NAME, Manifest};
+    use lightfold::dataset::stream::StreamKind;
+
+    const FRAMES: u32 = 1200;
+    let mut manifest = Manifest::read(dataset()).unwrap();
+    let (last, faces) = (manifest.frames[1], manifest.faces());
+    for kind in [StreamKind::Color, StreamKind::Depth] {
+        for face in &faces {
+            let pattern = manifest.pattern(kind, &manifest.probes[0].name, *face).unwrap().unwrap();
+            fs::create_dir_all(folder.join(pattern.path(0)).parent().unwrap()).unwrap();
+            for frame in 0..FRAMES {
+                let target = dataset().join(pattern.path(frame % (last + 1)));
+                std::os::unix::fs::symlink(target, folder.join(pattern.path(frame))).unwrap();
+            }
+        }
+    }
+    manifest.frames = [0, FRAMES - 1];
+    fs::write(folder.join(MANIFEST_NAME), manifest.to_json().unwrap()).unwrap();
+}
+
 /// An encode that takes long enough to be stopped in the middle: started, and known to be at work.
 #[cfg(unix)]
 fn encode_at_work(folder: &Path) -> Child {
     let scene = folder.join("scene");
     fs::create_dir(&scene).unwrap();
-    let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 48, face_size: 48, probes: 1 };
-    plan.write(&scene, &Silent).unwrap();
+    long_dataset(&scene);
     let out = folder.join("out");
     fs::create_dir(&out).unwrap();
     let mut child = lightfold()
         .arg("encode")
         .arg(&scene)
-        .args(["--effort", "exhaustive", "--psnr", "30", "--lzma2=9", "--threads", "1", "-o"])
+        .args(["--near", "0.1", "--far", "100", "--threads", "1", "-o"])
         .arg(out.join("a.lfold"))
         .stderr(Stdio::piped())
         .spawn()
