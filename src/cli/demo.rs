@@ -23,17 +23,19 @@ use crate::video::side::{self, SideOptions};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frames 48 --size 256 --json\n\n\
+#[command(
+    after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frame-count 48 --size 256 --json\n\n\
     Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
     compares the two. The same options write the same bytes on every run. Exit code 1 says that the result is farther \
-    from the scene than the encoder was asked for.")]
+    from the scene than the encoder was asked for."
+)]
 pub struct Args {
     /// Folder to write into
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-demo")]
     pub output: PathBuf,
     /// Number of frames, 24 a second; the scene repeats after 96
     #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=9999))]
-    pub frames: u32,
+    pub frame_count: u32,
     /// Width and height of each cube face in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub size: u32,
@@ -117,7 +119,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     let plan =
-        FootagePlan { kind: DemoKind::Courtyard, frames: args.frames, face_size: args.size, probes: args.probes };
+        FootagePlan { kind: DemoKind::Courtyard, frames: args.frame_count, face_size: args.size, probes: args.probes };
     let progress = Progress::start(global, "capturing", plan.face_count())?;
     let folder = OutputFolder::create(path)?;
     plan.write(folder.work_path(), &progress)?;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::cli::options::{self, ColorArgs, DepthArgs, FrameArgs, StorageArgs};
+use crate::cli::options::{self, ColorArgs, DepthArgs, FrameArgs, OutputArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -23,9 +23,9 @@ pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
     #[arg(value_name = "MANIFEST")]
     pub input: PathBuf,
-    /// The container to write, - for standard output
-    #[arg(long, short, value_name = "OUT.lfold")]
-    pub output: PathBuf,
+    /// Output.
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
@@ -38,15 +38,9 @@ pub struct Args {
     /// Layer that holds colour, where it is none of the usual ones
     #[arg(long, value_name = "NAME")]
     pub color_channel: Option<String>,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Storage.
-    #[command(flatten)]
-    pub storage: StorageArgs,
     /// Depth.
     #[command(flatten)]
     pub depth: DepthArgs,
@@ -64,7 +58,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     options.face_size = args.face_size;
     options.channel = args.depth_channel.clone();
     options.color_channel = args.color_channel.clone();
-    settings.lzma2 = args.storage.lzma2;
+    settings.lzma2 = args.output.lzma2;
     if !args.stream.is_empty() {
         settings.kinds = args.stream.clone();
     }
@@ -76,30 +70,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         )));
     }
     let source = options::open_dataset(&args.input, &options)?;
-    let report = if args.json { Report::Json } else { Report::Text };
-    encode_to(&source, &settings, &args.output, report, global)
-}
-
-/// How an encode is reported.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Report {
-    /// A few lines on standard error.
-    Text,
-    /// JSON on standard output.
-    Json,
+    encode_to(&source, &settings, &args.output, global)
 }
 
 /// Encodes a source into a file and reports what came of it.
 pub fn encode_to(
     source: &Source,
     settings: &EncodeSettings,
-    path: &Path,
-    report: Report,
+    output: &OutputArgs,
     global: &GlobalArgs,
 ) -> Result<Outcome> {
-    if report == Report::Json && path == Path::new("-") {
-        return Err(Error::Usage("--json and -o - would both write to standard output; name a file".into()));
-    }
+    output.check()?;
+    let path = &output.path;
     let start = Instant::now();
     let images = encode::selected_groups(source, settings)
         .iter()
@@ -107,14 +89,15 @@ pub fn encode_to(
         .sum();
     let progress = Progress::start(global, "encoding", images)?;
     let file = OutputFile::create(path)?;
-    let (file, summary) = encode::encode(source, settings, file, &progress).map_err(|error| error.in_file(path))?;
+    let (file, summary) =
+        encode::encode(source, settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);
     let seconds = start.elapsed().as_secs_f64();
-    match report {
-        Report::Json => output::print_json(&summary_json(&summary, seconds))?,
-        Report::Text if !global.quiet => eprintln!("{}", summary_text(&summary, path, seconds)),
-        Report::Text => {}
+    if output.json {
+        output::print_json(&summary_json(&summary, seconds))?;
+    } else if !global.quiet {
+        eprintln!("{}", summary_text(&summary, path, seconds));
     }
     Ok(Outcome::Fine)
 }

@@ -1,9 +1,7 @@
 //! `lightfold encode-color SEQ -o OUT`: one colour sequence.
 
-use std::path::PathBuf;
-
-use crate::cli::encode::{Report, encode_to};
-use crate::cli::options::{ColorArgs, ColorSpaceArg, FrameArgs, SequenceArgs, StorageArgs};
+use crate::cli::encode::encode_to;
+use crate::cli::options::{ColorArgs, ColorSpaceArg, FrameArgs, OutputArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -19,21 +17,15 @@ pub struct Args {
     /// The sequence: a pattern such as color.%04d.exr or color.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
     pub input: String,
-    /// The container to write, - for standard output
-    #[arg(long, short, value_name = "OUT.lfold")]
-    pub output: PathBuf,
+    /// Output.
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// What the values mean [default: light for EXR, sRGB for PNG]
     #[arg(long, value_enum)]
     pub color_space: Option<ColorSpaceArg>,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Storage.
-    #[command(flatten)]
-    pub storage: StorageArgs,
     /// Sequence.
     #[command(flatten)]
     pub sequence: SequenceArgs,
@@ -48,7 +40,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     args.color.apply(&mut options, &mut settings)?;
     options.color_space = args.color_space.map(Into::into);
     options.frames = args.frames.frames;
-    settings.lzma2 = args.storage.lzma2;
+    settings.lzma2 = args.output.lzma2;
     let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
-    encode_to(&source, &settings, &args.output, if args.json { Report::Json } else { Report::Text }, global)
+    encode_to(&source, &settings, &args.output, global)
 }

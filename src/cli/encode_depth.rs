@@ -1,9 +1,7 @@
 //! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
 
-use std::path::PathBuf;
-
-use crate::cli::encode::{Report, encode_to};
-use crate::cli::options::{DepthArgs, FrameArgs, SequenceArgs, StorageArgs};
+use crate::cli::encode::encode_to;
+use crate::cli::options::{DepthArgs, FrameArgs, OutputArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -21,18 +19,12 @@ pub struct Args {
     /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
     pub input: String,
-    /// The container to write, - for standard output
-    #[arg(long, short, value_name = "OUT.lfold")]
-    pub output: PathBuf,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
+    /// Output.
+    #[command(flatten)]
+    pub output: OutputArgs,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Storage.
-    #[command(flatten)]
-    pub storage: StorageArgs,
     /// Sequence.
     #[command(flatten)]
     pub sequence: SequenceArgs,
@@ -46,7 +38,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     args.depth.apply(&mut options, &mut settings);
     options.frames = args.frames.frames;
-    settings.lzma2 = args.storage.lzma2;
+    settings.lzma2 = args.output.lzma2;
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-    encode_to(&source, &settings, &args.output, if args.json { Report::Json } else { Report::Text }, global)
+    encode_to(&source, &settings, &args.output, global)
 }

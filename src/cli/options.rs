@@ -1,6 +1,6 @@
 //! Options that several subcommands share. Each knob has one name here, in the code and in reports.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -184,13 +184,29 @@ impl From<InvalidColorArg> for InvalidColor {
     }
 }
 
-/// How chunks are stored.
+/// Where a container is written, how its chunks are stored, and how that is reported.
 #[derive(Debug, Clone, Args)]
-pub struct StorageArgs {
+pub struct OutputArgs {
+    /// The container to write, - for standard output
+    #[arg(long = "output", short = 'o', value_name = "OUT.lfold")]
+    pub path: PathBuf,
     /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small)
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+impl OutputArgs {
+    /// Refuses a report that would run into the container on standard output.
+    pub fn check(&self) -> Result<()> {
+        if self.json && self.path == Path::new("-") {
+            return Err(Error::Usage("--json and -o - would both write to standard output; name a file".into()));
+        }
+        Ok(())
+    }
 }
 
 impl DepthArgs {

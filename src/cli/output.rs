@@ -14,6 +14,11 @@ pub fn is_broken_pipe(error: &Error) -> bool {
     matches!(error, Error::Io { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
 }
 
+/// Names the output in an error of writing; errors that name no file for another reason stay as they are.
+pub fn name_output(error: Error, path: &Path) -> Error {
+    if matches!(error, Error::Io { .. }) { error.in_file(path) } else { error }
+}
+
 /// Prints a result as JSON on standard output.
 pub fn print_json(value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;

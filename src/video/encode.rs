@@ -376,7 +376,13 @@ impl<'a> GroupCoder<'a> {
         reading: &AtomicU64,
         coding: &AtomicU64,
     ) -> Result<Vec<Coded>> {
-        let named = |error: Error| error.context(convert::name_frame(source, self.group, frame));
+        let named = |error: Error| {
+            let error = error.context(convert::name_frame(source, self.group, frame));
+            match source.file(self.group, frame) {
+                Ok(file) => error.in_file(file),
+                Err(_) => error,
+            }
+        };
         match self.group.kind {
             StreamKind::Depth => {
                 let Some(quantiser) = &self.quantiser else { return Ok(Vec::new()) };

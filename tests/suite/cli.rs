@@ -245,7 +245,7 @@ fn a_container_that_was_cut_off_does_not_open() {
 
 fn demo(folder: &Path, more: &[&str]) -> Output {
     let mut command = lightfold();
-    command.args(["demo", "--frames", "4", "--size", "24", "--probes", "2", "-o"]).arg(folder).args(more);
+    command.args(["demo", "--frame-count", "4", "--size", "24", "--probes", "2", "-o"]).arg(folder).args(more);
     output(&mut command)
 }
 
