@@ -5,7 +5,6 @@ import os
 import pathlib
 import platform
 import re
-import resource
 import shutil
 import statistics
 import subprocess
@@ -59,9 +58,13 @@ def seconds(command, runs=5):
 
 
 def peak_memory_mb(command):
-    """Peak resident memory of one run, in MB. Only the largest child so far is known, so ask the small ones first."""
-    subprocess.run([str(part) for part in command], check=True, capture_output=True)
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1000
+    """Peak resident memory of one run, in MB."""
+    process = subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        sys.exit(f"{' '.join(map(str, command))}: exit code {process.returncode}")
+    return usage.ru_maxrss / 1000
 
 
 def megabytes(count):

@@ -5,6 +5,7 @@
 use std::marker::PhantomData;
 
 use crate::color::blend::Sample;
+use crate::container::Payload;
 use crate::container::fields::{Fields, PutFields};
 use crate::error::{Error, Result};
 
@@ -28,7 +29,7 @@ pub struct Blend {
 /// A payload that has been checked, ready to be decoded.
 #[derive(Debug, Clone)]
 pub struct CellChunk<S> {
-    payload: Vec<u8>,
+    payload: Payload,
     keyframes: Vec<u32>,
     weights: std::ops::Range<usize>,
     pixels: usize,
@@ -41,7 +42,8 @@ impl<S: Sample> CellChunk<S> {
     ///
     /// Afterwards all keyframes lie inside the payload, their frames ascend from 0, and every weight that is not
     /// zero stands between two keyframes of the chunk or is announced as closed by the next chunk.
-    pub fn parse(payload: Vec<u8>, pixels: usize, frame_count: u32) -> Result<Self> {
+    pub fn parse(payload: impl Into<Payload>, pixels: usize, frame_count: u32) -> Result<Self> {
+        let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
         let (count, flags) = (fields.u16()?, fields.u8()?);
         fields.zeros(1)?;
@@ -78,8 +80,8 @@ impl<S: Sample> CellChunk<S> {
     }
 
     /// The payload's memory, for the next chunk.
-    pub fn into_payload(self) -> Vec<u8> {
-        self.payload
+    pub fn into_spare(self) -> Vec<u8> {
+        self.payload.into_spare()
     }
 
     /// Frames of the keyframes, counted from the chunk's first.

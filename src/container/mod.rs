@@ -8,11 +8,13 @@ pub mod fields;
 pub mod header;
 pub mod index;
 pub mod lzma2;
+pub mod payload;
 pub mod reader;
 pub mod writer;
 
 pub use chunk::{ChunkEntry, ChunkKey, EncodedChunk, Storage};
 pub use fields::Fields;
 pub use index::{Index, ProbeEntry, StreamEntry};
+pub use payload::Payload;
 pub use reader::{OpenLimits, Reader};
 pub use writer::{PackedChunk, Writer};

@@ -3,11 +3,13 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::container::chunk::{ChunkEntry, Storage};
 use crate::container::header::{self, FOOT_BYTES, Foot, HEAD_BYTES};
 use crate::container::index::Index;
 use crate::container::lzma2;
+use crate::container::payload::Payload;
 use crate::error::{Error, Result};
 
 /// What a reader may spend on a file that is not trusted.
@@ -28,7 +30,7 @@ impl Default for OpenLimits {
 #[derive(Debug)]
 enum Bytes {
     File(File),
-    Memory(Vec<u8>),
+    Memory(Arc<Vec<u8>>),
 }
 
 /// An open container. Shared between threads; every fetch reads just the chunk's own bytes.
@@ -52,20 +54,36 @@ impl Reader {
         let path = path.as_ref();
         let io = |error| Error::io(path, error);
         if path == Path::new("-") {
-            let mut memory = Vec::new();
-            std::io::stdin().lock().read_to_end(&mut memory).map_err(io)?;
-            return Self::new(path, Bytes::Memory(memory), limits);
+            let memory = read_stream(std::io::stdin().lock()).map_err(|error| error.in_file(path))?;
+            return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
         }
         let file = File::open(path).map_err(io)?;
-        if file.metadata().map_err(io)?.is_dir() {
+        let metadata = file.metadata().map_err(io)?;
+        if metadata.is_dir() {
             return Err(Error::Usage(format!("{}: a folder, where a .lfold container was expected", path.display())));
+        }
+        if !metadata.is_file() {
+            // A pipe, as a shell's process substitution makes one.
+            let memory = read_stream(file).map_err(|error| error.in_file(path))?;
+            return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
         }
         Self::new(path, Bytes::File(file), limits)
     }
 
+    /// Reads the whole file into memory where it has at most `limit_bytes`, so that fetching chunks copies nothing;
+    /// answers whether it lies in memory now.
+    pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
+        if let Bytes::File(_) = self.bytes
+            && self.file_bytes <= limit_bytes
+        {
+            self.bytes = Bytes::Memory(Arc::new(self.read_at(0, self.file_bytes)?.into_vec()));
+        }
+        Ok(matches!(self.bytes, Bytes::Memory(_)))
+    }
+
     /// Opens a container that lies in memory.
     pub fn from_memory(memory: Vec<u8>) -> Result<Reader> {
-        Self::new(Path::new(""), Bytes::Memory(memory), OpenLimits::default())
+        Self::new(Path::new(""), Bytes::Memory(Arc::new(memory)), OpenLimits::default())
     }
 
     fn new(path: &Path, bytes: Bytes, limits: OpenLimits) -> Result<Reader> {
@@ -149,10 +167,10 @@ impl Reader {
 
     /// As [`Self::fetch_stored`], for callers that say themselves which chunk an error came from.
     pub fn load_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
-        self.load_stored_into(chunk, Vec::new())
+        self.load_stored_into(chunk, Vec::new()).map(Payload::into_vec)
     }
 
-    fn load_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
+    fn load_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
         let stored = self.read_at_into(chunk.offset, u64::from(chunk.stored_bytes), spare)?;
         if crc32fast::hash(&stored) != chunk.crc32 {
             return Err(Error::invalid("its CRC-32 does not match: the file is damaged"));
@@ -161,16 +179,17 @@ impl Reader {
     }
 
     /// A chunk's payload.
-    pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
+    pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Payload> {
         self.fetch_into(chunk, Vec::new())
     }
 
     /// A chunk's payload in memory that is no longer needed: fresh memory costs more than reading into it.
-    pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Vec<u8>> {
-        let stored = self.load_stored_into(chunk, spare).map_err(|error| self.blame(chunk, error))?;
+    pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
+        let blamed = |error| self.blame(chunk, error);
+        let stored = self.load_stored_into(chunk, spare).map_err(blamed)?;
         match chunk.storage {
             Storage::Raw => Ok(stored),
-            Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map_err(|error| self.blame(chunk, error)),
+            Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map(Payload::from).map_err(blamed),
         }
     }
 
@@ -186,11 +205,11 @@ impl Reader {
             .in_file(&self.path)
     }
 
-    fn read_at(&self, offset: u64, count: u64) -> Result<Vec<u8>> {
+    fn read_at(&self, offset: u64, count: u64) -> Result<Payload> {
         self.read_at_into(offset, count, Vec::new())
     }
 
-    fn read_at_into(&self, offset: u64, count: u64, mut bytes: Vec<u8>) -> Result<Vec<u8>> {
+    fn read_at_into(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
         let past_end = || {
             Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
         };
@@ -199,19 +218,26 @@ impl Reader {
         }
         let length = usize::try_from(count).map_err(|_| past_end())?;
         match &self.bytes {
-            Bytes::Memory(memory) => {
-                bytes.clear();
-                bytes.extend_from_slice(&memory[offset as usize..offset as usize + length]);
-                Ok(bytes)
-            }
+            Bytes::Memory(memory) => Ok(Payload::shared(memory, offset as usize..offset as usize + length)),
             Bytes::File(file) => {
-                bytes.truncate(length);
-                bytes.resize(length, 0);
-                read_exact_at(file, &mut bytes, offset).map_err(|error| Error::io(&self.path, error))?;
-                Ok(bytes)
+                if spare.len() < length {
+                    spare.resize(length, 0);
+                }
+                read_exact_at(file, &mut spare[..length], offset).map_err(|error| Error::io(&self.path, error))?;
+                Ok(Payload::front_of(spare, length))
             }
         }
     }
+}
+
+/// Reads a stream to its end, which an endless one that is no container never reaches.
+fn read_stream(mut stream: impl Read) -> Result<Vec<u8>> {
+    let io = |error| Error::io("", error);
+    let mut memory = Vec::new();
+    stream.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut memory).map_err(io)?;
+    header::read_head(&memory)?;
+    stream.read_to_end(&mut memory).map_err(io)?;
+    Ok(memory)
 }
 
 #[cfg(unix)]

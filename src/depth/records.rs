@@ -4,6 +4,7 @@
 
 use std::marker::PhantomData;
 
+use crate::container::Payload;
 use crate::container::fields::{Fields, PutFields};
 use crate::depth::boxes::{MAX_BOXES, PixelBox};
 use crate::depth::texel::Texel;
@@ -51,7 +52,7 @@ pub struct Record {
 /// A payload that has been checked, ready to be applied.
 #[derive(Debug, Clone)]
 pub struct TemporalChunk<T> {
-    payload: Vec<u8>,
+    payload: Payload,
     records: Vec<Record>,
     boxes: Vec<(PixelBox, usize)>,
     size: [u32; 2],
@@ -63,7 +64,8 @@ impl<T: Texel> TemporalChunk<T> {
     ///
     /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record
     /// overlap, frames ascend, and the first record is a keyframe.
-    pub fn parse(payload: Vec<u8>, size: [u32; 2], frame_count: u32) -> Result<Self> {
+    pub fn parse(payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
+        let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
         let count = fields.u32()?;
         if u64::from(count) * RECORD_ROW_BYTES as u64 > fields.remaining() as u64 || count > frame_count || count == 0 {
@@ -71,7 +73,7 @@ impl<T: Texel> TemporalChunk<T> {
         }
         let table = (0..count).map(|_| Ok((fields.u32()?, fields.u32()?))).collect::<Result<Vec<_>>>()?;
         let mut chunk = TemporalChunk {
-            payload: Vec::new(),
+            payload: Payload::from(Vec::new()),
             records: Vec::with_capacity(table.len()),
             boxes: Vec::new(),
             size,
@@ -143,8 +145,8 @@ impl<T: Texel> TemporalChunk<T> {
     }
 
     /// The payload's memory, for the next chunk.
-    pub fn into_payload(self) -> Vec<u8> {
-        self.payload
+    pub fn into_spare(self) -> Vec<u8> {
+        self.payload.into_spare()
     }
 
     /// All records in order of their frames; frames without one change nothing.

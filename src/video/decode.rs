@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::color::blend::{HalfKey, Sample};
 use crate::color::cells::CellChunk;
 use crate::container::index::ProbeEntry;
-use crate::container::{ChunkEntry, Reader, StreamEntry};
+use crate::container::{ChunkEntry, Payload, Reader, StreamEntry};
 use crate::dataset::stream::StreamKind;
 use crate::depth::records::TemporalChunk;
 use crate::depth::texel::Texel;
@@ -175,7 +175,7 @@ impl ChunkSource<'_> {
             .ok_or_else(|| Error::invalid(format!("no chunk holds frame {frame}")).in_file(self.reader.path()))
     }
 
-    fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Vec<u8>) -> Result<T>) -> Result<T> {
+    fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
         let start = Instant::now();
         let payload = self.reader.fetch_into(chunk, std::mem::take(&mut self.spare))?;
         let parsed = parse(payload).map_err(|error| self.reader.blame(chunk, error))?;
@@ -226,10 +226,10 @@ impl UnitDecoder<'_> {
     /// The memory of its last chunk, for another unit.
     pub fn into_spare(self) -> Vec<u8> {
         match self.state {
-            State::Depth(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
-            State::Material(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
-            State::Color8(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
-            State::ColorHalf(state) => state.chunk.map(|(_, chunk)| chunk.into_payload()),
+            State::Depth(state) => state.chunk.map(|(_, chunk)| chunk.into_spare()),
+            State::Material(state) => state.chunk.map(|(_, chunk)| chunk.into_spare()),
+            State::Color8(state) => state.chunk.map(|(_, chunk)| chunk.into_spare()),
+            State::ColorHalf(state) => state.chunk.map(|(_, chunk)| chunk.into_spare()),
         }
         .unwrap_or(self.source.spare)
     }
@@ -261,7 +261,7 @@ impl<T: Texel> TemporalState<T> {
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
             let size = self.size;
             if let Some((_, old)) = self.chunk.take() {
-                source.spare = old.into_payload();
+                source.spare = old.into_spare();
             }
             let parsed = source.fetch(&entry, |payload| TemporalChunk::parse(payload, size, entry.key.frame_count))?;
             self.chunk = Some((index, parsed));
@@ -335,7 +335,7 @@ impl<S: Sample> CellState<S> {
     fn load(&mut self, source: &mut ChunkSource<'_>, index: usize, entry: &ChunkEntry) -> Result<()> {
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
             if let Some((_, old)) = self.chunk.take() {
-                source.spare = old.into_payload();
+                source.spare = old.into_spare();
             }
             self.chunk = Some((index, self.parse(source, entry)?));
         }

@@ -83,8 +83,8 @@ pub fn pack<W: Write>(inputs: &[Reader], repack: Repack, out: W, monitor: &dyn M
                     let key = ChunkKey { stream: stream_of[chunk.key.stream as usize], ..chunk.key };
                     match repack {
                         Repack::Keep => PackedChunk::stored(chunk, key, reader.fetch_stored(chunk)?),
-                        Repack::Lzma2(level) => PackedChunk::new(key, reader.fetch(chunk)?, Some(level)),
-                        Repack::Raw => PackedChunk::new(key, reader.fetch(chunk)?, None),
+                        Repack::Lzma2(level) => PackedChunk::new(key, reader.fetch(chunk)?.into_vec(), Some(level)),
+                        Repack::Raw => PackedChunk::new(key, reader.fetch(chunk)?.into_vec(), None),
                     }
                 })
                 .collect::<Result<Vec<_>>>()?;

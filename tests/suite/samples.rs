@@ -212,7 +212,7 @@ pub fn with_payloads(file: &[u8], mut change: impl FnMut(usize, &mut Vec<u8>)) -
     let mut index = reader.index().clone();
     let mut stored = Vec::new();
     for (at, chunk) in index.chunks.iter_mut().enumerate() {
-        let mut payload = reader.fetch(chunk).unwrap();
+        let mut payload = reader.fetch(chunk).unwrap().into_vec();
         change(at, &mut payload);
         chunk.offset = 16 + stored.len() as u64;
         chunk.stored_bytes = payload.len() as u32;

@@ -1,0 +1,85 @@
+//! The bytes of a chunk: read into memory of their own, or a part of a container that lies in memory as a whole.
+
+use std::ops::{Deref, Range};
+use std::sync::Arc;
+
+#[derive(Debug, Clone)]
+enum Backing {
+    Own(Vec<u8>),
+    Shared(Arc<Vec<u8>>),
+}
+
+/// Bytes of a chunk, as a slice.
+#[derive(Debug, Clone)]
+pub struct Payload {
+    backing: Backing,
+    range: Range<usize>,
+}
+
+impl Payload {
+    /// A part of shared memory; `range` lies inside it.
+    pub fn shared(memory: &Arc<Vec<u8>>, range: Range<usize>) -> Payload {
+        Payload { backing: Backing::Shared(Arc::clone(memory)), range }
+    }
+
+    /// The first `length` bytes of memory that may be longer, so that it need not be cleared to be used again.
+    pub fn front_of(memory: Vec<u8>, length: usize) -> Payload {
+        let length = length.min(memory.len());
+        Payload { backing: Backing::Own(memory), range: 0..length }
+    }
+
+    /// The memory, for the next chunk to be read into; none where it is shared.
+    pub fn into_spare(self) -> Vec<u8> {
+        match self.backing {
+            Backing::Own(memory) => memory,
+            Backing::Shared(_) => Vec::new(),
+        }
+    }
+
+    /// The bytes as a vector of their own.
+    pub fn into_vec(self) -> Vec<u8> {
+        match self.backing {
+            Backing::Own(mut memory) => {
+                memory.truncate(self.range.end);
+                memory
+            }
+            Backing::Shared(memory) => memory[self.range].to_vec(),
+        }
+    }
+}
+
+impl From<Vec<u8>> for Payload {
+    fn from(memory: Vec<u8>) -> Payload {
+        let length = memory.len();
+        Payload::front_of(memory, length)
+    }
+}
+
+impl Deref for Payload {
+    type Target = [u8];
+
+    fn deref(&self) -> &[u8] {
+        match &self.backing {
+            Backing::Own(memory) => &memory[self.range.clone()],
+            Backing::Shared(memory) => &memory[self.range.clone()],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_kinds_show_just_their_bytes() {
+        let memory = Arc::new(vec![1, 2, 3, 4, 5]);
+        let shared = Payload::shared(&memory, 1..3);
+        assert_eq!(*shared, [2, 3]);
+        assert_eq!(shared.clone().into_vec(), [2, 3]);
+        assert!(shared.into_spare().is_empty());
+        let front = Payload::front_of(vec![9, 8, 7], 2);
+        assert_eq!(*front, [9, 8]);
+        assert_eq!(front.clone().into_spare(), [9, 8, 7]);
+        assert_eq!(front.into_vec(), [9, 8]);
+    }
+}
