@@ -11,6 +11,7 @@ use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
+use crate::dataset::manifest::MANIFEST_NAME;
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
@@ -49,7 +50,7 @@ pub struct Args {
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Kind of files; png holds codes: 8-bit colour, 16-bit log depth
+    /// Kind of files; png holds codes: 8-bit colour, and 16-bit log depth that is for looking at, not for reading back
     #[arg(long, value_enum, default_value_t = FormatArg::Exr)]
     pub format: FormatArg,
     /// Report as JSON
@@ -106,15 +107,29 @@ fn write(
         FormatArg::Exr => FileFormat::Exr,
         FormatArg::Png => FileFormat::Png,
     };
-    let file_name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let pattern = Pattern::parse(&file_name).ok().filter(Pattern::has_field);
-    let Some(pattern) = pattern else {
+    if output == Path::new("-") {
+        return Err(Error::Usage("decode writes image files, which standard output cannot hold: name a folder".into()));
+    }
+    let Some(pattern) = file_pattern(output)? else {
+        if output.join(MANIFEST_NAME).exists() {
+            output::note(format_args!(
+                "{}: holds a dataset already; files of the same names are replaced, others stay",
+                output.display()
+            ));
+        }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
         let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
         folder.commit()?;
         return Ok(summary);
     };
+    let images: u64 = chosen.iter().map(|(_, frames)| frames.count()).sum();
+    if !pattern.has_field() && images != 1 {
+        return Err(Error::Usage(format!(
+            "{}: one file, and {images} images are chosen; name a pattern such as depth.%04d.exr, or a folder",
+            output.display()
+        )));
+    }
     if chosen.len() != 1 {
         return Err(Error::Usage(format!(
             "{}: a pattern names the files of one stream, {} are chosen; use --probe, --face and --stream, or name a folder",
@@ -135,6 +150,17 @@ fn write(
     let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
     folder.commit()?;
     Ok(summary)
+}
+
+/// The pattern that an output path is, or none where it names a folder.
+fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
+    let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let image = output.extension().is_some_and(|extension| extension == "exr" || extension == "png");
+    match Pattern::parse(&name) {
+        Ok(pattern) if pattern.has_field() || image => Ok(Some(pattern)),
+        Ok(_) => Ok(None),
+        Err(error) => Err(error.in_file(output)),
+    }
 }
 
 /// How long it took.
@@ -167,17 +193,18 @@ fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs)
         }));
     }
     let line = format!(
-        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} written, {seconds:.3} s, {speed:.0} Mpixel/s",
+        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} {}, {seconds:.3} s, {speed:.0} Mpixel/s",
         summary.frames,
         summary.pixels as f64 / 1e6,
         human_bytes(summary.cost.bytes_read),
         human_bytes(summary.bytes_out),
+        if args.null { "decoded" } else { "written" },
     );
     match &args.output {
         None => output::print_text(&format!("{line}\n")),
         Some(output) => {
             if !global.quiet {
-                eprintln!("{}: {line}", output.display());
+                output::note(format_args!("{}: {line}", output.display()));
             }
             Ok(())
         }

@@ -325,7 +325,7 @@ fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
     if lines.is_empty() {
         let text = match (verdict.equal, verdict.bounded) {
             (true, _) if comparison.bits().is_some() => "equal in every bit",
-            (true, _) => "equal",
+            (true, _) => "equal in codes",
             (false, true) => "within bounds",
             (false, false) => "different; no bound was given",
         };

@@ -9,6 +9,7 @@ use crate::cli::options::{self, ColorArgs, DepthArgs, FrameArgs, OutputArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
@@ -69,7 +70,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             args.input.display()
         )));
     }
+    if args.output.path.exists()
+        && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.path.canonicalize().ok()
+    {
+        return Err(Error::Usage(format!("{}: the manifest, which would be overwritten", args.output.path.display())));
+    }
     let source = options::open_dataset(&args.input, &options)?;
+    let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
+    if let (Some(asked), Some(there)) = (asked, there)
+        && (asked.first < there.first || asked.last > there.last)
+    {
+        return Err(Error::Usage(format!("--frames {asked}: the dataset has the frames {there}")));
+    }
     encode_to(&source, &settings, &args.output, global)
 }
 
@@ -82,6 +94,9 @@ pub fn encode_to(
 ) -> Result<Outcome> {
     output.check()?;
     let path = &output.path;
+    if is_input(source, settings, path) {
+        return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
+    }
     let start = Instant::now();
     let images = encode::selected_groups(source, settings)
         .iter()
@@ -97,9 +112,18 @@ pub fn encode_to(
     if output.json {
         output::print_json(&summary_json(&summary, seconds))?;
     } else if !global.quiet {
-        eprintln!("{}", summary_text(&summary, path, seconds));
+        output::note(summary_text(&summary, path, seconds));
     }
     Ok(Outcome::Fine)
+}
+
+/// Whether the output would replace a file that is about to be read.
+fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
+    let Ok(output) = path.canonicalize() else { return false };
+    let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == output);
+    encode::selected_groups(source, settings)
+        .iter()
+        .any(|(_, group)| group.frames.iter().any(|frame| source.file(group, frame).is_ok_and(|file| same(&file))))
 }
 
 fn summary_json(summary: &EncodeSummary, seconds: f64) -> serde_json::Value {

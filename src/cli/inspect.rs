@@ -129,7 +129,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 fn tell_verdict(report: &Report<'_>) -> Result<Outcome> {
     let damaged = report.inspection.damaged.len();
     if report.args.csv {
-        eprint!("{}", text::verdict(report));
+        output::note(text::verdict(report).trim_end());
     } else if !report.args.json {
         output::print_text(&text::verdict(report))?;
     }

@@ -40,7 +40,7 @@ pub struct GlobalArgs {
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 fine, 1 the things compared differ, 2 bad input or usage, 130 interrupted.\n\n\
+    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, 2 bad input or usage, 130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
@@ -104,7 +104,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(Outcome::Differs) => ExitCode::from(crate::error::EXIT_DIFFERS),
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("lightfold: {error}");
+            output::note(format_args!("lightfold: {error}"));
             ExitCode::from(error.exit_code())
         }
     }

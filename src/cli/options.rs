@@ -32,6 +32,15 @@ pub fn parse_frames(text: &str) -> Result<FrameRange, String> {
     text.parse::<FrameRange>().map_err(|error: Error| error.to_string())
 }
 
+/// Parses a background: a finite float, or +inf.
+pub fn parse_background(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
+        return Err(format!("'{text}' is neither a finite 32-bit float nor inf"));
+    }
+    Ok(value)
+}
+
 /// Which frames of the input.
 #[derive(Debug, Clone, Args)]
 pub struct FrameArgs {
@@ -85,7 +94,7 @@ pub struct DepthReadingArgs {
     #[arg(long, value_name = "M")]
     pub depth_scale: Option<f64>,
     /// The value in the files that means "nothing there"; +inf always does
-    #[arg(long, value_name = "VALUE", allow_negative_numbers = true)]
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]
     pub background: Option<f32>,
     /// What depth values measure [default: as the manifest says, or distance]
     #[arg(long, value_name = "KIND", value_enum)]
@@ -123,10 +132,10 @@ pub struct ColorArgs {
     #[arg(long, value_name = "DB", default_value_t = SearchSettings::default().min_psnr_db)]
     pub psnr: f64,
     /// From light to 8-bit codes
-    #[arg(long, value_enum, default_value_t = TransferArg::Srgb)]
+    #[arg(long, value_enum, default_value_t = TransferArg::Srgb, conflicts_with = "hdr")]
     pub transfer: TransferArg,
     /// Stops by which light is brightened before it becomes 8 bits, -8 to 8
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: f32,
     /// Keep half floats instead of 8 bits; quality is then the PSNR of the PU21 encoding
     #[arg(long)]
@@ -190,7 +199,7 @@ pub struct OutputArgs {
     /// The container to write, - for standard output
     #[arg(long = "output", short = 'o', value_name = "OUT.lfold")]
     pub path: PathBuf,
-    /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small)
+    /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small), 6 where none is given
     #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
         value_parser = clap::value_parser!(u32).range(0..=9))]
     pub lzma2: Option<u32>,

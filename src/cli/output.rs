@@ -25,6 +25,11 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
+/// Prints a line on standard error; where that is closed or full, nothing is lost but the line.
+pub fn note(line: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
 /// Prints text on standard output.
 pub fn print_text(text: &str) -> Result<()> {
     let mut out = std::io::stdout().lock();
@@ -87,7 +92,13 @@ impl OutputFile {
             // A result is as readable as any new file, not private as temporary files are.
             #[cfg(unix)]
             builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            Sink::Temporary(BufWriter::new(builder.tempfile_in(folder_of(path)).map_err(io)?))
+            let folder = folder_of(path);
+            if !folder.is_dir() {
+                return Err(Error::Usage(format!("{}: there is no folder {}", path.display(), folder.display())));
+            }
+            // The temporary file's own name would only puzzle.
+            let file = builder.tempfile_in(folder).map_err(|error| io(error.kind().into()))?;
+            Sink::Temporary(BufWriter::new(file))
         };
         Ok(OutputFile { path: path.to_path_buf(), sink })
     }
@@ -138,12 +149,14 @@ impl OutputFolder {
         if std::fs::metadata(path).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", path.display())));
         }
-        let parent = folder_of(path);
+        // Beside the folder, or inside where it exists: it may be a mount point or a link to another disk.
+        let parent = if path.exists() { path } else { folder_of(path) };
         if std::fs::metadata(parent).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", parent.display())));
         }
         std::fs::create_dir_all(parent).map_err(io)?;
-        let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent).map_err(io)?;
+        let work = tempfile::Builder::new().prefix(".lightfold.").suffix(".partial").tempdir_in(parent);
+        let work = work.map_err(|error| io(error.kind().into()))?;
         Ok(OutputFolder { path: path.to_path_buf(), work })
     }
 
@@ -158,10 +171,13 @@ impl OutputFolder {
         let io = |error| Error::io(path, error);
         #[cfg(unix)]
         std::fs::set_permissions(self.work.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).map_err(io)?;
-        if !path.exists() {
-            return std::fs::rename(self.work.keep(), path).map_err(io);
+        if path.exists() {
+            return move_into(self.work.path(), path).map_err(io);
         }
-        move_into(self.work.path(), path).map_err(io)
+        std::fs::rename(self.work.path(), path).map_err(io)?;
+        // There is nothing left to remove under the old name.
+        let _ = self.work.keep();
+        Ok(())
     }
 }
 

@@ -56,7 +56,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         }))?;
     } else if !global.quiet {
         let (from, to) = (human_bytes(input_bytes), human_bytes(bytes));
-        eprintln!("{}: {streams} streams, {from} became {to}", args.output.path.display());
+        output::note(format_args!("{}: {streams} streams, {from} became {to}", args.output.path.display()));
     }
     Ok(Outcome::Fine)
 }

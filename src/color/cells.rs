@@ -12,6 +12,8 @@ use crate::error::{Error, Result};
 const SECTION: &str = "color.md 4";
 /// Flag: the last keyframe's successor is the first keyframe of the cell's next chunk.
 const CLOSED_BY_NEXT: u8 = 1;
+/// Weights that a chunk may hold: more than twelve hours at 24 frames a second (color.md 4).
+pub const MAX_WEIGHTS: u32 = 1 << 20;
 /// Bytes of a cell payload before its table of keyframes.
 const FIXED_BYTES: usize = 8;
 /// Bytes of a row of the table of keyframes.
@@ -48,7 +50,11 @@ impl<S: Sample> CellChunk<S> {
         let (count, flags) = (fields.u16()?, fields.u8()?);
         fields.zeros(1)?;
         let weight_count = fields.u32()?;
-        if count == 0 || u32::from(count) > frame_count || flags > CLOSED_BY_NEXT || weight_count > frame_count {
+        if count == 0
+            || u32::from(count) > frame_count
+            || flags > CLOSED_BY_NEXT
+            || weight_count > frame_count.min(MAX_WEIGHTS)
+        {
             return Err(fields.error(format!(
                 "{count} keyframes, {weight_count} weights and flags {flags} for {frame_count} frames are impossible"
             )));
@@ -162,6 +168,9 @@ impl CellBuilder {
             return Err(Error::unsupported(format!("a chunk of {} keyframes", self.keyframes.len())));
         };
         let used = self.weights.iter().rposition(|&weight| weight != 0).map_or(0, |last| last + 1);
+        if used > MAX_WEIGHTS as usize {
+            return Err(Error::unsupported(format!("a chunk of {used} weights; at most {MAX_WEIGHTS} fit")));
+        }
         let last = self.keyframes.last().map_or(0, |&frame| frame as usize);
         let mut payload = Vec::with_capacity(self.bytes());
         payload.put_u16(count);
@@ -222,6 +231,23 @@ mod tests {
         }
         assert!(CellChunk::<u8>::parse(good.clone(), 3, 8).is_err());
         assert!(CellChunk::<u8>::parse(good, 2, 4).is_err());
+    }
+
+    #[test]
+    fn weights_are_limited() {
+        let mut builder = CellBuilder::default();
+        builder.push_keyframe::<u8>(&[1, 2, 3]);
+        builder.push_weight(7, MAX_WEIGHTS - 1);
+        let payload = builder.finish().unwrap();
+        assert!(CellChunk::<u8>::parse(payload.clone(), 1, MAX_WEIGHTS + 1).is_ok());
+        let mut more = payload;
+        more[4..8].copy_from_slice(&(MAX_WEIGHTS + 1).to_le_bytes());
+        more.insert(12, 7);
+        assert!(CellChunk::<u8>::parse(more, 1, MAX_WEIGHTS + 1).is_err());
+        let mut builder = CellBuilder::default();
+        builder.push_keyframe::<u8>(&[1, 2, 3]);
+        builder.push_weight(7, MAX_WEIGHTS);
+        assert!(builder.finish().is_err());
     }
 
     #[test]

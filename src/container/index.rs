@@ -155,6 +155,10 @@ impl Index {
             return Err(fields.error(format!("a frame rate of {fps} is not positive")));
         }
         let name = fields.string("the dataset's name")?;
+        // It is printed on terminals.
+        if name.chars().any(char::is_control) {
+            return Err(fields.error("the dataset's name holds control characters"));
+        }
         let fits = |fields: &Fields<'_>, what: &str, count: u32, least: usize| {
             if u64::from(count) * least as u64 > fields.remaining() as u64 {
                 return Err(fields.error(format!("{count} {what} do not fit into the rest of the index")));

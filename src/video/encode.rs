@@ -93,11 +93,13 @@ pub struct EncodeSummary {
     pub coding: Duration,
 }
 
-/// Bytes of an uncompressed pixel as CALF's table 1 counts it: 32-bit depth, 24-bit colour, three 8-bit materials.
-pub fn raw_pixel_bytes(kind: StreamKind) -> u64 {
-    match kind {
-        StreamKind::Depth => 4,
-        StreamKind::Color | StreamKind::Material => 3,
+/// Bytes of an uncompressed pixel as CALF's table 1 counts it: 32-bit depth, 24-bit colour, three 8-bit materials; and
+/// 48 bits for half-float colour, which the table does not have.
+pub fn raw_pixel_bytes(header: &CodecHeader) -> u64 {
+    match header {
+        CodecHeader::Depth(_) => 4,
+        CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => 6,
+        CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
     }
 }
 
@@ -209,7 +211,17 @@ impl<W: Write> Job<'_, W> {
                 let found = scan::scan_probe(self.source, groups, self.monitor)?;
                 self.summary.reading += found.reading;
                 let range = found.range;
-                (DepthRange::new(near.unwrap_or(range.near_m()), far.unwrap_or(range.far_m()))?, found.kept)
+                let (near, far) = (near.unwrap_or(range.near_m()), far.unwrap_or(range.far_m()));
+                let given = DepthRange::new(near, far).map_err(|_| {
+                    let probe = &self.source.probes()[groups[0].1.probe].name;
+                    Error::Usage(format!(
+                        "probe {probe}: --near {near} and --far {far} hold no depth; what was not given was found in the \
+                         footage, whose surfaces lie from {} m to {} m",
+                        range.near_m(),
+                        range.far_m()
+                    ))
+                })?;
+                (given, found.kept)
             }
         };
         for &(at, group) in groups {
@@ -259,6 +271,9 @@ impl<W: Write> Job<'_, W> {
                     self.monitor.advance(coded.len() as u64);
                     Ok(coded)
                 })
+                // All of them first, so that of several errors the first frame's is told, on any number of threads.
+                .collect::<Vec<_>>()
+                .into_iter()
                 .collect::<Result<Vec<_>>>()?;
             let packed = units
                 .par_iter_mut()
@@ -326,7 +341,7 @@ impl<W: Write> Job<'_, W> {
             let images = u64::from(frame_count);
             let pixels = images * u64::from(group.width) * u64::from(group.height);
             self.summary.frames += images;
-            self.summary.raw_bytes += pixels * raw_pixel_bytes(group.kind);
+            self.summary.raw_bytes += pixels * raw_pixel_bytes(&coder.header);
             self.summary.color_pixels += if group.kind == StreamKind::Color { pixels } else { 0 };
             self.summary.streams += 1;
             streams.push((self.writer.add_stream(entry.clone()), entry));

@@ -53,6 +53,16 @@ impl Selection {
         if let Some(kind) = self.kinds.iter().find(|kind| !has(&|stream| stream.kind == **kind)) {
             return missing(format!("{} stream", kind.name()));
         }
+        if let Some(asked) = self.frames {
+            let first = decoder.streams().iter().map(|stream| stream.frames.first).min().unwrap_or(0);
+            let last = decoder.streams().iter().map(|stream| stream.frames.last).max().unwrap_or(0);
+            if asked.first < first || asked.last > last {
+                return missing(format!(
+                    "frame {}: its frames are {first}-{last}",
+                    if asked.first < first { asked.first } else { asked.last }
+                ));
+            }
+        }
         let wanted = |stream: &&StreamInfo| {
             (self.probes.is_empty() || self.probes.iter().any(|probe| probe == name(stream)))
                 && (self.faces.is_empty() || self.faces.contains(&stream.face))
@@ -282,7 +292,8 @@ fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> 
         match (stream.header, format) {
             (CodecHeader::Depth(header), _) => {
                 let (near, far) = (header.range.near_m(), header.range.far_m());
-                ranges.insert(decoder.probe(stream).name.clone(), json!({ "near_m": near, "far_m": far }));
+                let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());
+                ranges.insert(name, json!({ "near_m": near, "far_m": far }));
                 if format == FileFormat::Exr {
                     files.depth = pattern;
                     let background = match header.background {
@@ -341,7 +352,7 @@ fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> 
     }
     Some(Manifest {
         lightfield: manifest::MANIFEST_VERSION,
-        name: index.name.clone(),
+        name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
         fps: index.fps,
         frames: [all.first, all.last],
         projection: if cube {

@@ -412,7 +412,7 @@ impl<'a> StreamMeasure<'a> {
             static_units,
             constant_units,
         };
-        stats.raw_bytes = stats.pixels() * raw_pixel_bytes(stream.kind);
+        stats.raw_bytes = stats.pixels() * raw_pixel_bytes(&stream.header);
         StreamMeasure { stats, rows, damaged }
     }
 }

@@ -385,7 +385,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
     let mut streams = Vec::new();
     for (at, group) in source.groups().iter().enumerate() {
         let probe = &source.probes()[group.probe].name;
-        let known = coding.stream(group.kind, probe).map_err(|error| error.in_file(path))?;
+        let known = coding.stream(group.kind, probe, group.faces[0]).map_err(|error| error.in_file(path))?;
         for (plane, &face) in group.faces.iter().enumerate() {
             streams.push(SideStream {
                 id: StreamId { kind: group.kind, probe: probe.clone(), face },
@@ -405,6 +405,7 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
 #[derive(Debug, Clone, Default, Deserialize)]
 struct ManifestCoding {
     color: Option<ColorCoding>,
+    /// By `probe/face`.
     depth: Option<std::collections::BTreeMap<String, DepthCoding>>,
 }
 
@@ -440,12 +441,14 @@ impl ManifestCoding {
             .map_err(|error| Error::invalid(format!("extra.lightfold is not as lightfold writes it: {error}")))
     }
 
-    fn stream(&self, kind: StreamKind, probe: &str) -> Result<Option<Coding>> {
+    fn stream(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Coding>> {
         Ok(match kind {
-            StreamKind::Depth => match self.depth.as_ref().and_then(|probes| probes.get(probe)) {
-                Some(range) => Some(Coding::Depth(DepthRange::new(range.near_m, range.far_m)?)),
-                None => None,
-            },
+            StreamKind::Depth => {
+                match self.depth.as_ref().and_then(|ranges| ranges.get(&format!("{probe}/{}", face.name()))) {
+                    Some(range) => Some(Coding::Depth(DepthRange::new(range.near_m, range.far_m)?)),
+                    None => None,
+                }
+            }
             StreamKind::Color => self.color.as_ref().map(|coding| match *coding {
                 ColorCoding::EightBit { transfer, exposure_ev, cell } => {
                     let transfer = match transfer {

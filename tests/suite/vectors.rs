@@ -458,6 +458,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         }),
         "more than a file of",
     ));
+    all.push(("dataset-name-control", edited(|i| i.name = "a\u{1b}[2J".into()), "control characters"));
     let coverage = "the chunk table breaks off";
     all.push(("stream-more-units", edited(|i| i.streams[0].unit_width = 2), coverage));
     all.push(("chunk-missing", edited(|i| i.chunks.truncate(5)), coverage));

@@ -13,6 +13,7 @@ import math
 import re
 import struct
 import sys
+import unicodedata
 import zlib
 
 MAX_SIZE = 16384
@@ -122,7 +123,7 @@ def read_index(index, end):
     probe_count, stream_count, chunk_count, projection = fields.take("3IB")
     fields.zeros(3)
     check(projection <= 1 and fields.take("d") > 0, "projection or frame rate is illegal")
-    fields.string()
+    check(not any(unicodedata.category(letter) == "Cc" for letter in fields.string()), "the name holds control characters")
     fields.fits(probe_count, 98)
     probes = [read_probe(fields) for _ in range(probe_count)]
     check(len(set(probes)) == probe_count, "two probes of one name")
@@ -251,7 +252,7 @@ def parse_cell(payload, pixels, frame_count, size):
     count, flags = fields.take("HB")
     fields.zeros(1)
     weight_count = fields.take("I")
-    check(1 <= count <= frame_count and flags <= 1 and weight_count <= frame_count, "a cell's counts are illegal")
+    check(1 <= count <= frame_count and flags <= 1 and weight_count <= min(frame_count, 1 << 20), "a cell's counts are illegal")
     fields.fits(count, 4)
     frames = [fields.take("I") for _ in range(count)]
     check(frames[0] == 0 and frames[-1] < frame_count, "keyframes are out of range")
