@@ -4,6 +4,7 @@
 //! batches of a fixed size, units of a batch are coded in parallel and written in order.
 
 use std::io::Write;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -171,7 +172,7 @@ enum Coded {
 struct GroupCoder<'a> {
     group: &'a SourceGroup,
     header: CodecHeader,
-    quantiser: Option<Quantiser>,
+    quantiser: Option<Arc<Quantiser>>,
     table: Option<EncodeTable>,
     pu21: Option<Pu21>,
     clipped: AtomicU64,
@@ -224,6 +225,7 @@ impl<W: Write> Job<'_, W> {
                 (given, found.kept)
             }
         };
+        let quantiser = Arc::new(Quantiser::new(range));
         for &(at, group) in groups {
             let header = CodecHeader::Depth(DepthHeader {
                 range,
@@ -231,7 +233,8 @@ impl<W: Write> Job<'_, W> {
                 kind: self.source.depth_stored(),
                 temporal: self.settings.temporal,
             });
-            self.encode_group(GroupCoder::new(group, header)?, |frame| kept.remove(&(at, frame)))?;
+            let coder = GroupCoder { quantiser: Some(Arc::clone(&quantiser)), ..GroupCoder::new(group, header)? };
+            self.encode_group(coder, |frame| kept.remove(&(at, frame)))?;
         }
         Ok(())
     }
@@ -359,7 +362,8 @@ impl<'a> GroupCoder<'a> {
         let mut coder =
             GroupCoder { group, header, quantiser: None, table: None, pu21: None, clipped: AtomicU64::new(0) };
         match header {
-            CodecHeader::Depth(depth) => coder.quantiser = Some(Quantiser::new(depth.range)),
+            // The tables take longer than a small frame; all faces of a probe share one.
+            CodecHeader::Depth(_) => {}
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
                 coder.table = Some(EncodeTable::new(&tone));
             }

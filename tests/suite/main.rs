@@ -1,6 +1,7 @@
 //! One test binary for everything that is tested from outside the crate.
 
 mod cli;
+mod commands;
 mod corrupt;
 mod diff;
 mod docs;

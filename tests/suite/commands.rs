@@ -1,0 +1,128 @@
+//! Commands one after the other, as a shell script calls them: what one writes, the next reads.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use lightfold::image::{Face, Plane};
+use tempfile::TempDir;
+
+use crate::footage::Footage;
+
+fn lightfold(arguments: &[&str], folder: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    command.args(arguments).current_dir(folder).output().unwrap()
+}
+
+/// Runs a command line that must succeed.
+fn fine(line: &str, folder: &Path) -> Output {
+    let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    output
+}
+
+/// Runs a command line that must be refused; answers what it said.
+fn refused(line: &str, folder: &Path) -> String {
+    let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
+    assert_eq!(output.status.code(), Some(2), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+/// Faces whose depths lie in ranges of their own, far apart.
+fn cube(folder: &Path) {
+    let depth = |face: Face, frame: u32| {
+        let scale = 10f32.powi(face as i32);
+        Plane::from_fn(16, 16, |x, y| scale * (1.0 + (x * y + frame) as f32 * 0.01))
+    };
+    Footage { faces: &Face::CUBE, frames: [0, 3], depth: Some(&depth), ..Footage::new(16, 16) }.write(folder);
+}
+
+#[test]
+fn faces_encoded_one_by_one_and_packed_decode_to_what_they_were() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    let mut inputs = Vec::new();
+    for face in Face::CUBE.map(Face::name) {
+        let sequence = format!("probe_00/face_{face}/depth.%04d.exr");
+        fine(&format!("encode-depth {sequence} --face {face} -o {face}.lfold"), folder.path());
+        inputs.push(format!("{face}.lfold"));
+    }
+    fine(&format!("pack {} -o all.lfold", inputs.join(" ")), folder.path());
+    fine("decode all.lfold -o decoded", folder.path());
+    fine("diff all.lfold decoded --exact", folder.path());
+    fine("diff . decoded --max-error 0", folder.path());
+}
+
+#[test]
+fn a_single_image_can_be_named() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    fine("encode . -o a.lfold", folder.path());
+    fine("decode a.lfold --face px --frames 2 -o one.exr", folder.path());
+    assert!(folder.path().join("one.exr").is_file());
+    fine("diff one.exr probe_00/face_px/depth.0002.exr --kind depth --max-error 65535", folder.path());
+    assert!(refused("decode a.lfold --face px -o one.exr", folder.path()).contains("4 images are chosen"));
+    assert!(refused("decode a.lfold -o -", folder.path()).contains("name a folder"));
+    assert!(refused("decode a.lfold --face px -o a%04d%04d.exr", folder.path()).contains("a%04d%04d.exr"));
+}
+
+#[test]
+fn an_output_that_is_an_input_is_refused() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    let frame = "probe_00/face_px/depth.0001.exr";
+    let before = std::fs::read(folder.path().join(frame)).unwrap();
+    let said = refused(&format!("encode-depth probe_00/face_px/depth.%04d.exr -o {frame}"), folder.path());
+    assert!(said.contains("overwritten"), "{said}");
+    assert!(refused("encode . -o lightfield.json", folder.path()).contains("overwritten"));
+    assert_eq!(std::fs::read(folder.path().join(frame)).unwrap(), before);
+}
+
+#[test]
+fn frames_that_are_not_there_are_refused() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    assert!(refused("encode . --frames 2-9 -o a.lfold", folder.path()).contains("0-3"));
+    fine("encode . -o a.lfold", folder.path());
+    assert!(refused("decode a.lfold --frames 2-9 --null", folder.path()).contains("0-3"));
+    assert!(!folder.path().join("b.lfold").exists());
+}
+
+#[test]
+fn a_failed_decode_leaves_nothing_and_a_second_one_joins_the_first() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    fine("encode . -o a.lfold", folder.path());
+    let long = "n".repeat(300);
+    refused(&format!("decode a.lfold -o out/{long}"), folder.path());
+    let left: Vec<_> = std::fs::read_dir(folder.path().join("out")).map_or(Vec::new(), |entries| entries.collect());
+    assert!(left.is_empty(), "{left:?}");
+    fine("decode a.lfold --face px -o out", folder.path());
+    let again = fine("decode a.lfold --face nx -o out", folder.path());
+    assert!(String::from_utf8(again.stderr).unwrap().contains("holds a dataset already"));
+    assert!(folder.path().join("out/probe_00/face_px/depth.0003.exr").is_file());
+    assert!(folder.path().join("out/probe_00/face_nx/depth.0003.exr").is_file());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_error_that_cannot_be_printed_keeps_its_exit_code() {
+    let folder = TempDir::new().unwrap();
+    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    let status = command.args(["inspect", "nothing"]).current_dir(folder.path()).stderr(full()).status().unwrap();
+    assert_eq!(status.code(), Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_container_is_read_from_a_pipe_that_has_a_name() {
+    let folder = TempDir::new().unwrap();
+    cube(folder.path());
+    fine("encode . -o a.lfold", folder.path());
+    let bash = "lightfold=$0; \"$lightfold\" inspect <(cat a.lfold) --json && \"$lightfold\" inspect - </dev/zero";
+    let mut command = Command::new("bash");
+    let output =
+        command.args(["-c", bash, env!("CARGO_BIN_EXE_lightfold")]).current_dir(folder.path()).output().unwrap();
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\"streams\""));
+    assert_eq!(output.status.code(), Some(2), "an endless input is no container");
+}
