@@ -10,6 +10,7 @@ mod footage;
 mod house;
 mod input;
 mod inspect;
+mod quality;
 mod roundtrip;
 mod samples;
 mod vectors;

@@ -1,0 +1,159 @@
+//! Bytes and quality that may not get worse: tests/baselines/footage.csv, one row for each set and kind of stream.
+//!
+//! `cargo test --test suite write_baselines -- --ignored` writes the file anew, for a change that means to.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use lightfold::container::Reader;
+use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::dataset::stream::StreamKind;
+use lightfold::image::transfer::{EncodeTable, ToneMap};
+use lightfold::metrics::psnr::CodeError;
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use lightfold::video::codec::CodecHeader;
+use lightfold::video::convert;
+use lightfold::video::decode::{Decoder, Picture};
+use lightfold::video::encode::{EncodeSettings, encode};
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
+const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";
+
+/// What one kind of streams of one set costs, and how far it is from its source.
+#[derive(Debug, PartialEq)]
+struct Row {
+    name: String,
+    kind: &'static str,
+    lzma2: bool,
+    bytes: u64,
+    max_error_codes: u16,
+    /// Of any frame; for colour.
+    min_psnr_db: f64,
+}
+
+impl Row {
+    fn line(&self) -> String {
+        let Row { name, kind, lzma2, bytes, max_error_codes, min_psnr_db } = self;
+        format!("{name},{kind},{lzma2},{bytes},{max_error_codes},{min_psnr_db:.3}")
+    }
+}
+
+fn measure(name: &str, folder: &Path) -> Vec<Row> {
+    let source = Source::open(folder, &SourceOptions::default()).unwrap();
+    let mut rows = Vec::new();
+    for kind in StreamKind::ALL {
+        if source.groups().iter().all(|group| group.kind != kind) {
+            continue;
+        }
+        for lzma2 in [None, Some(6)] {
+            let settings = EncodeSettings { kinds: vec![kind], lzma2, ..EncodeSettings::default() };
+            let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
+            let (max_error_codes, min_psnr_db) = distance(&source, &bytes);
+            rows.push(Row {
+                name: name.into(),
+                kind: kind.name(),
+                lzma2: lzma2.is_some(),
+                bytes: bytes.len() as u64,
+                max_error_codes,
+                min_psnr_db,
+            });
+        }
+    }
+    rows
+}
+
+/// The largest error of any depth or material pixel in codes, and the lowest PSNR of any colour image.
+fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
+    let decoder = Decoder::new(Reader::from_memory(container.to_vec()).unwrap()).unwrap();
+    let table = EncodeTable::new(&ToneMap::default());
+    let (mut worst, mut lowest) = (0, f64::INFINITY);
+    for stream in decoder.streams() {
+        let same = |group: &&lightfold::dataset::source::SourceGroup| {
+            (group.kind, group.probe) == (stream.kind, stream.probe) && group.faces.contains(&stream.face)
+        };
+        let group = source.groups().iter().find(same).unwrap();
+        let at = group.faces.iter().position(|face| *face == stream.face).unwrap();
+        let mut face = decoder.face(stream);
+        for frame in stream.frames.iter() {
+            match face.decode(frame).unwrap() {
+                Picture::Depth(codes) => {
+                    let CodecHeader::Depth(header) = stream.header else { panic!("a depth header") };
+                    let wanted = source.read_depth(group, frame).unwrap()[at].map(|&z| header.range.code(z));
+                    let errors = wanted.data().iter().zip(codes.data()).map(|(a, b)| a.abs_diff(*b));
+                    worst = worst.max(errors.max().unwrap());
+                }
+                Picture::Color8(shown) => {
+                    let (wanted, _) = convert::color_codes(&source.read_color(group, frame).unwrap()[at], &table);
+                    let error = CodeError::of_u8(wanted.data().as_flattened(), shown.data().as_flattened()).unwrap();
+                    lowest = lowest.min(error.psnr_db());
+                }
+                Picture::Material(codes) => {
+                    let wanted = convert::material_codes(&source.read_material(group, frame).unwrap()[at]).unwrap();
+                    let pairs = wanted.data().as_flattened().iter().zip(codes.data().as_flattened());
+                    worst = worst.max(pairs.map(|(a, b)| u16::from(a.abs_diff(*b))).max().unwrap());
+                }
+                Picture::ColorHalf(_) => panic!("8-bit colour was asked for"),
+            }
+        }
+    }
+    (worst, lowest)
+}
+
+fn demo() -> Vec<Row> {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 12, face_size: 64, probes: 1 };
+    plan.write(folder.path(), &Silent).unwrap();
+    measure("demo", folder.path())
+}
+
+#[cfg(footage_at_hand)]
+fn shared() -> Vec<Row> {
+    let data = PathBuf::from(env!("LIGHTFOLD_DATA"));
+    let sets = ["sponza", "sponza9", "sponza1k", "glass", "object", "equirect"];
+    sets.into_iter().flat_map(|name| measure(name, &data.join(name))).collect()
+}
+
+#[cfg(not(footage_at_hand))]
+fn shared() -> Vec<Row> {
+    let _: Option<PathBuf> = None;
+    Vec::new()
+}
+
+fn check(rows: &[Row]) {
+    let text = std::fs::read_to_string(FILE).unwrap();
+    assert_eq!(text.lines().next(), Some(HEAD));
+    for row in rows {
+        println!("{}", row.line());
+        let key = format!("{},{},{},", row.name, row.kind, row.lzma2);
+        let line = text.lines().find(|line| line.starts_with(&key)).unwrap_or_else(|| panic!("{key} has no baseline"));
+        let numbers: Vec<f64> = line[key.len()..].split(',').map(|number| number.parse().unwrap()).collect();
+        assert!(row.bytes as f64 <= numbers[0], "{key} {} bytes are more than {}", row.bytes, numbers[0]);
+        assert!(f64::from(row.max_error_codes) <= numbers[1], "{key} an error of {} codes", row.max_error_codes);
+        // The file holds three decimals.
+        assert!(row.min_psnr_db >= numbers[2] - 0.0005, "{key} {} dB are less than {}", row.min_psnr_db, numbers[2]);
+    }
+}
+
+#[test]
+fn the_demo_costs_no_more_and_is_no_worse() {
+    check(&demo());
+}
+
+#[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn real_footage_costs_no_more_and_is_no_worse() {
+    let rows = shared();
+    assert_eq!(rows.len(), 24);
+    check(&rows);
+}
+
+#[test]
+#[ignore = "writes tests/baselines"]
+fn write_baselines() {
+    let mut text = format!("{HEAD}\n");
+    for row in demo().iter().chain(&shared()) {
+        writeln!(text, "{}", row.line()).unwrap();
+    }
+    std::fs::write(FILE, text).unwrap();
+}
