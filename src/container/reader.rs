@@ -54,7 +54,7 @@ impl Reader {
         let path = path.as_ref();
         let io = |error| Error::io(path, error);
         if path == Path::new("-") {
-            let memory = read_stream(std::io::stdin().lock()).map_err(|error| error.in_file(path))?;
+            let memory = read_stream(std::io::stdin().lock(), "standard input").map_err(|error| error.in_file(path))?;
             return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
         }
         let file = File::open(path).map_err(io)?;
@@ -64,8 +64,11 @@ impl Reader {
         }
         if !metadata.is_file() {
             // A pipe, as a shell's process substitution makes one.
-            let memory = read_stream(file).map_err(|error| error.in_file(path))?;
+            let memory = read_stream(file, "this file").map_err(|error| error.in_file(path))?;
             return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
+        }
+        if metadata.len() == 0 {
+            return Err(empty("this file").in_file(path));
         }
         Self::new(path, Bytes::File(file), limits)
     }
@@ -230,11 +233,19 @@ impl Reader {
     }
 }
 
-/// Reads a stream to its end, which an endless one that is no container never reaches.
-fn read_stream(mut stream: impl Read) -> Result<Vec<u8>> {
+/// What is said of a named input without a single byte, as a command that failed before a pipe leaves it.
+fn empty(what: &str) -> Error {
+    Error::invalid(format!("{what} is empty, where a .lfold container was expected"))
+}
+
+/// Reads a stream to its end, which an endless one that is no container never reaches; errors call it `what`.
+fn read_stream(mut stream: impl Read, what: &str) -> Result<Vec<u8>> {
     let io = |error| Error::io("", error);
     let mut memory = Vec::new();
     stream.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut memory).map_err(io)?;
+    if memory.is_empty() {
+        return Err(empty(what));
+    }
     header::read_head(&memory)?;
     stream.read_to_end(&mut memory).map_err(io)?;
     Ok(memory)
@@ -258,4 +269,21 @@ fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> std::io:
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_input_is_called_empty() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("none.lfold");
+        std::fs::write(&path, b"").unwrap();
+        let message = Reader::open(&path).unwrap_err().to_string();
+        let words = "none.lfold: this file is empty, where a .lfold container was expected";
+        assert!(message.ends_with(words), "{message}");
+        let message = read_stream(&b""[..], "standard input").unwrap_err().in_file("-").to_string();
+        assert_eq!(message, "-: standard input is empty, where a .lfold container was expected");
+    }
 }

@@ -99,15 +99,15 @@ impl Unit {
 }
 
 /// What depth values mean.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
     /// Distance or planar Z.
     #[serde(default)]
     pub kind: DepthKind,
-    /// Unit of the values.
-    #[serde(default)]
-    pub unit: Unit,
+    /// Unit of the values. Metres when neither it nor `scale` is there, except in integer files, which need one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<Unit>,
     /// Metres per unit, where `unit` does not say it; for integer files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
@@ -120,6 +120,27 @@ pub struct DepthInfo {
     /// Farthest depth in metres, above `near`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far: Option<f64>,
+}
+
+impl Default for DepthInfo {
+    /// Distances in metres, and a unit that says so.
+    fn default() -> Self {
+        DepthInfo {
+            kind: DepthKind::Distance,
+            unit: Some(Unit::M),
+            scale: None,
+            background: Background::default(),
+            near: None,
+            far: None,
+        }
+    }
+}
+
+impl DepthInfo {
+    /// Metres per unit of the files, if the manifest says it.
+    pub fn stated_scale(&self) -> Option<f64> {
+        self.scale.or(self.unit.map(Unit::metres))
+    }
 }
 
 /// A number, or the word `inf`.
@@ -241,7 +262,8 @@ pub struct Probe {
     /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
-    /// Vertical field of view in degrees, 0..180 exclusive; perspective only.
+    /// Vertical field of view in degrees, 0..180 exclusive; perspective only. Without it and without `intrinsics` the
+    /// camera is unknown, and planar depth stays planar.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fov_y_deg: Option<f64>,
     /// fx, fy, cx, cy in pixels; perspective only.
@@ -413,7 +435,7 @@ impl Manifest {
         if !metric(depth.scale) {
             return wrong("depth \"scale\" must be above 0 metres per unit".into());
         }
-        if depth.scale.is_some() && depth.unit != Unit::M {
+        if depth.scale.is_some() && depth.unit.is_some_and(|unit| unit != Unit::M) {
             return wrong("depth has both a \"scale\" and a \"unit\" other than m: leave one out".into());
         }
         if !metric(depth.near) || !metric(depth.far) {
@@ -480,13 +502,9 @@ impl Manifest {
                     return wrong("\"orientation\" must be a quaternion of length 1".into());
                 }
             }
-            let perspective = self.projection == Projection::Perspective;
-            if perspective != (probe.fov_y_deg.is_some() || probe.intrinsics.is_some()) {
-                return wrong(if perspective {
-                    "a perspective probe needs \"fov_y_deg\" or \"intrinsics\"".into()
-                } else {
-                    "\"fov_y_deg\" and \"intrinsics\" are only for projection \"perspective\"".into()
-                });
+            let has_lens = probe.fov_y_deg.is_some() || probe.intrinsics.is_some();
+            if has_lens && self.projection != Projection::Perspective {
+                return wrong("\"fov_y_deg\" and \"intrinsics\" are only for projection \"perspective\"".into());
             }
             if probe.fov_y_deg.is_some() && probe.intrinsics.is_some() {
                 return wrong("it has both \"fov_y_deg\" and \"intrinsics\": leave one out".into());

@@ -42,16 +42,15 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
                 InvalidDepth::Far => f32::INFINITY,
                 InvalidDepth::Near => 0.0,
                 InvalidDepth::Refuse => {
+                    let say = "say what to make of it with --invalid-depth far|near";
                     let what = match depth {
-                        depth if depth.is_nan() => "not a number".to_string(),
-                        0.0 => "zero".to_string(),
-                        depth => format!("negative ({depth})"),
+                        depth if depth.is_nan() => format!("not a number; {say}, as --background cannot name it"),
+                        0.0 => format!("zero; {say}, or --background 0 where it means that nothing is there"),
+                        depth => {
+                            format!("negative ({depth}); {say}, or with --background where nothing is there")
+                        }
                     };
-                    return Err(Error::invalid(format!(
-                        "depth at {} is {what}; name it as the background, or say what to make of it with \
-                         invalid-depth far or near",
-                        pixel(index, width)
-                    )));
+                    return Err(Error::invalid(format!("depth at {} is {what}", pixel(index, width))));
                 }
             }
         };

@@ -4,17 +4,16 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use super::manifest::{
-    FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
+    DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
 use super::pixels::{
     DepthRules, Geometry, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
 };
 use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};
-use crate::image::equirect::{FaceMap, resample_color, resample_depth, resample_nearest};
+use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_depth, resample_nearest};
 use crate::image::layout::{cut_faces, face_size};
 use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, MaterialPlane, Plane, ReadLimits,
@@ -53,7 +52,7 @@ pub struct SourceOptions {
     pub channel: Option<String>,
     /// Colour layer or channels of a manifest's colour files ([`ChannelSelect::Named`]).
     pub color_channel: Option<String>,
-    /// Metres per unit of depth, above 0. Default 1.
+    /// Metres per unit of depth, above 0. Default 1, except for integer (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
     /// The value in the files, before scaling, that means "nothing there". Default +inf.
     pub background: Option<f32>,
@@ -67,7 +66,8 @@ pub struct SourceOptions {
     pub invalid_color: InvalidColor,
     /// Only these frames.
     pub frames: Option<FrameRange>,
-    /// Side in pixels of cube faces that are resampled from equirectangular images. Default a quarter of the width.
+    /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
+    /// quarter of the width.
     pub face_size: Option<u32>,
     /// Caps on what files may claim.
     pub limits: ReadLimits,
@@ -161,6 +161,8 @@ pub struct Source {
     /// Size of each face as it is delivered.
     delivered_size: (u32, u32),
     rules: DepthRules,
+    /// Whether anyone said how many metres a unit of depth is.
+    scale_stated: bool,
     depth_stored: DepthKind,
     depth_kind: DepthKind,
     color_space: Option<ColorSpace>,
@@ -169,7 +171,8 @@ pub struct Source {
     material_channels: [String; 3],
     invalid_color: InvalidColor,
     limits: ReadLimits,
-    maps: [OnceLock<Result<FaceMap, String>>; 6],
+    /// One for each face of a cube, where images are equirectangular.
+    maps: Vec<FaceMap>,
 }
 
 impl Source {
@@ -189,14 +192,16 @@ impl Source {
         };
         let depth = manifest.depth.clone().unwrap_or_default();
         let kind = options.depth_kind.unwrap_or(depth.kind);
-        let scale = options.depth_scale.or(depth.scale).unwrap_or(depth.unit.metres());
+        let stated = manifest.depth.as_ref().and_then(DepthInfo::stated_scale);
+        let scale = options.depth_scale.or(stated);
         let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space.into()));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
         let mut source = Source::new(content, (manifest.size[0], manifest.size[1]), kind, options)
             .map_err(|error| error.in_file(&file))?;
         source.name.clone_from(&manifest.name);
         source.fps = manifest.fps;
-        source.rules.scale = scale;
+        source.rules.scale = scale.unwrap_or(1.0);
+        source.scale_stated = scale.is_some();
         source.rules.background = options.background.unwrap_or(depth.background.value());
         source.color_space = space;
         source.color_channel = options.color_channel.clone().into();
@@ -218,6 +223,21 @@ impl Source {
                 frames: wanted.and_then(|wanted| wanted.intersect(own)).unwrap_or(own),
                 intrinsics: probe.intrinsics_for(manifest.size),
             });
+        }
+        if manifest.projection == Projection::Perspective
+            && kind == DepthKind::Planar
+            && manifest.files.depth.is_some()
+            && let Some(unknown) = source.probes.iter().find(|probe| probe.intrinsics.is_none())
+        {
+            if source.probes.iter().any(|probe| probe.intrinsics.is_some()) {
+                let message = format!(
+                    "probe \"{}\" has neither \"fov_y_deg\" nor \"intrinsics\", but others have: planar depth becomes \
+                     distance for all probes or for none",
+                    unknown.name
+                );
+                return Err(Error::invalid(message).in_file(&file));
+            }
+            source.depth_stored = DepthKind::Planar;
         }
         let faces = manifest.faces();
         let together: Vec<&[Face]> =
@@ -325,6 +345,11 @@ impl Source {
             return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
         }
         let (width, height) = file_size;
+        if content == Content::Equirect && u64::from(width) != 2 * u64::from(height) {
+            return Err(Error::invalid(format!(
+                "an equirectangular image is twice as wide as it is high, but the size here is {width}x{height}"
+            )));
+        }
         let delivered_size = match (content, options.face_size) {
             (Content::Face, None) => file_size,
             (Content::Faces(layout), None) => {
@@ -337,11 +362,18 @@ impl Source {
                 if side == 0 || side > MAX_SIDE {
                     return Err(Error::Usage(format!("a face size is 1 to {MAX_SIDE} pixels, not {side}")));
                 }
+                check_face_size(side, width)?;
                 (side, side)
             }
             (_, Some(_)) => {
                 return Err(Error::Usage("a face size is only for equirectangular input".into()));
             }
+        };
+        let maps = match content {
+            Content::Equirect => {
+                Face::CUBE.into_iter().map(|face| FaceMap::new(face, delivered_size.0, width, height)).collect()
+            }
+            _ => Ok(Vec::new()),
         };
         let names = MaterialChannels::default();
         Ok(Source {
@@ -360,6 +392,7 @@ impl Source {
                 scale: options.depth_scale.unwrap_or(1.0),
                 invalid: options.invalid_depth,
             },
+            scale_stated: options.depth_scale.is_some(),
             depth_stored: DepthKind::Distance,
             depth_kind,
             color_space: options.color_space,
@@ -368,7 +401,7 @@ impl Source {
             material_channels: [names.reflection, names.refraction, names.ior],
             invalid_color: options.invalid_color,
             limits: options.limits,
-            maps: Default::default(),
+            maps: maps?,
         })
     }
 
@@ -479,6 +512,12 @@ impl Source {
 
     fn depth_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<DepthPlane>> {
         let mut plane = if is_png(path) {
+            if !self.scale_stated {
+                return Err(Error::invalid(
+                    "this file holds integers; say how many metres one of them is with --depth-scale (0.001 for \
+                     millimetres) or the manifest's depth.scale",
+                ));
+            }
             // The scale comes after the background is told apart, in the file's own units.
             png::read_depth(path, 1.0, &self.limits)?
         } else {
@@ -535,12 +574,8 @@ impl Source {
     }
 
     fn map(&self, face: Face) -> Result<&FaceMap> {
-        let (width, height) = self.file_size;
-        // Threads that need the same map wait for the first one. An error cannot be cloned, so its words are kept.
-        self.maps[face as usize % self.maps.len()]
-            .get_or_init(|| FaceMap::new(face, self.delivered_size.0, width, height).map_err(|error| error.to_string()))
-            .as_ref()
-            .map_err(|message| Error::unsupported(message.clone()))
+        let map = self.maps.iter().find(|map| map.face() == face);
+        map.ok_or_else(|| Error::Usage(format!("an equirectangular image has no face {}", face.name())))
     }
 }
 

@@ -91,6 +91,9 @@ impl ChannelName {
     }
 }
 
+/// The options that name a channel, as messages spell them.
+const OPTIONS: &str = "--channel (--depth-channel or --color-channel for a dataset)";
+
 /// At most this many channels are listed in a message.
 const LISTED: usize = 24;
 
@@ -130,7 +133,7 @@ fn lookup(names: &[ChannelName], wanted: &str, by: By, same: Same) -> Result<Opt
         [] => Ok(None),
         [one] => Ok(Some(*one)),
         _ => Err(Error::invalid(format!(
-            "several layers have a channel {wanted}: name one of {} with --channel",
+            "several layers have a channel {wanted}: name one of {} with {OPTIONS}",
             plain.iter().map(|&i| names[i].full()).collect::<Vec<_>>().join(", ")
         ))),
     }
@@ -187,7 +190,7 @@ pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Resul
         ([one], _) => Ok(*one),
         ([], [_only]) => Ok(0),
         _ => Err(Error::invalid(format!(
-            "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with --channel; the channels are: {}",
+            "no channel has a usual name of depth (Z, depth.Z, Depth, ...): name one with {OPTIONS}; the channels are: {}",
             list(names)
         ))),
     }
@@ -254,7 +257,7 @@ pub(crate) fn find_color(names: &[ChannelName], select: &ChannelSelect) -> Resul
         }
     }
     Err(Error::invalid(format!(
-        "no usual names of colour (R, G, B): name a layer or three channels with --channel; the channels are: {}",
+        "no usual names of colour (R, G, B): name a layer or three channels with {OPTIONS}; the channels are: {}",
         list(names)
     )))
 }
@@ -296,6 +299,7 @@ mod tests {
         assert!(depth(&["N.X", "N.Y", "N.Z"]).is_err());
         let message = depth(&["left|Z", "right!|Z"]).unwrap_err().to_string();
         assert!(message.contains("left.Z") && message.contains("right!.Z"), "{message}");
+        assert!(message.contains("--channel") && message.contains("--depth-channel"), "{message}");
     }
 
     #[test]

@@ -3,6 +3,9 @@
 //! lon = (2(col + 0.5)/W − 1)π, lat = (0.5 − (row + 0.5)/H)π, direction = (sin lon cos lat, sin lat, −cos lon cos lat).
 
 use std::f64::consts::PI;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::thread;
 
 use glam::DVec3;
 use half::f16;
@@ -13,6 +16,9 @@ use crate::error::{Error, Result};
 
 /// Lookups along each side of a cube pixel.
 const SUPERSAMPLES: u32 = 4;
+
+/// Longest side of a face, so that the six plans for colour stay within 30 GiB.
+pub const MAX_FACE_SIDE: u32 = 8192;
 
 /// Continuous position, in pixels, of a direction in an equirectangular image: x in 0..=W, y in 0..=H.
 pub fn position(direction: DVec3, width: u32, height: u32) -> (f64, f64) {
@@ -28,62 +34,114 @@ pub fn direction(col: u32, row: u32, width: u32, height: u32) -> DVec3 {
     DVec3::new(lon.sin() * lat.cos(), lat.sin(), -lon.cos() * lat.cos())
 }
 
+/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the image it is cut from.
+///
+/// A quarter of the width keeps the resolution of the equator; beyond half, four pixels and more would show one.
+///
+/// # Errors
+/// When the side is larger than one of the two.
+pub fn check_face_size(size: u32, width: u32) -> Result<()> {
+    if size > MAX_FACE_SIDE {
+        return Err(Error::unsupported(format!(
+            "faces of {size} pixels are too large to be cut from a panorama: {MAX_FACE_SIDE} are the most"
+        )));
+    }
+    let most = (width / 2).max(1);
+    if size <= most {
+        return Ok(());
+    }
+    Err(Error::invalid(format!(
+        "faces of {size} pixels are too large for a panorama {width} pixels wide: {} keep its resolution, {most} are \
+         the most",
+        (width / 4).max(1)
+    )))
+}
+
 /// Where each pixel of a cube face finds its samples in equirectangular images of one size.
 ///
-/// Building it costs far more than using it, so it is built once for all frames. It takes about 100 bytes for each
-/// pixel of the face.
+/// Planning costs far more than resampling, so each of two plans is made once for all frames, and only when it is first
+/// asked for: nearest samples, for depth and material, take 4 bytes for each pixel of the face; filters, for colour,
+/// about 75 bytes at a quarter of the image's width, and up to 520 for faces far smaller.
 #[derive(Debug, Clone)]
 pub struct FaceMap {
+    face: Face,
     size: u32,
     width: u32,
     height: u32,
-    /// First tap of each pixel, and one past the last.
-    starts: Vec<u32>,
+    filters: OnceLock<Vec<FilterRow>>,
+    nearest: OnceLock<Vec<Vec<u32>>>,
+}
+
+/// The filters of one row of pixels.
+#[derive(Debug, Clone)]
+struct FilterRow {
+    /// One past the last tap of each pixel.
+    ends: Box<[u32]>,
     /// Source pixel and weight; the weights of one pixel add up to 1.
-    taps: Vec<(u32, f32)>,
-    nearest: Vec<u32>,
+    taps: Box<[(u32, f32)]>,
 }
 
 impl FaceMap {
     /// Plans a face of `size`×`size` pixels cut from images of `width`×`height`.
     ///
     /// # Errors
-    /// When a side is 0, or so large that a plan cannot address the pixels.
+    /// When a side is 0, the image is so large that a plan cannot address its pixels, or the face is too large for it
+    /// ([`check_face_size`]).
     pub fn new(face: Face, size: u32, width: u32, height: u32) -> Result<FaceMap> {
-        let most = 16 * u64::from(size) * u64::from(size) * 4;
         if size == 0 || width == 0 || height == 0 {
             return Err(Error::invalid("an image without pixels cannot be resampled"));
         }
-        if most > u64::from(u32::MAX) || u64::from(width) * u64::from(height) > u64::from(u32::MAX) {
-            return Err(Error::unsupported(format!(
-                "resampling {width}x{height} pixels to faces of {size} is too large"
-            )));
+        if u64::from(width) * u64::from(height) > u64::from(u32::MAX) {
+            return Err(Error::unsupported(format!("a panorama of {width}x{height} pixels is too large")));
         }
-        let [forward, right, down] = face.axes();
-        let mut map = FaceMap { size, width, height, starts: vec![0], taps: Vec::new(), nearest: Vec::new() };
+        check_face_size(size, width)?;
+        Ok(FaceMap { face, size, width, height, filters: OnceLock::new(), nearest: OnceLock::new() })
+    }
+
+    /// The face that is cut out.
+    pub fn face(&self) -> Face {
+        self.face
+    }
+
+    fn filters(&self) -> &[FilterRow] {
+        self.filters.get_or_init(|| rows(self.size, |row| self.filter_row(row)))
+    }
+
+    fn nearest(&self) -> &[Vec<u32>] {
+        self.nearest.get_or_init(|| {
+            let (width, height, size) = (self.width, self.height, self.size);
+            let pixel = |col, row| {
+                let (x, y) = position(self.face.direction(col, row, size), width, height);
+                (y as u32).min(height - 1) * width + x as u32 % width
+            };
+            rows(size, |row| (0..size).map(|col| pixel(col, row)).collect())
+        })
+    }
+
+    fn filter_row(&self, row: u32) -> FilterRow {
+        let [forward, right, down] = self.face.axes();
+        let at = |pixel: u32, sub: u32| {
+            let offset = (f64::from(sub) + 0.5) / f64::from(SUPERSAMPLES);
+            2.0 * (f64::from(pixel) + offset) / f64::from(self.size) - 1.0
+        };
+        let (mut ends, mut all) = (Vec::with_capacity(self.size as usize), Vec::new());
         let mut pixel: Vec<(u32, f64)> = Vec::new();
-        for (row, col) in (0..size).flat_map(|row| (0..size).map(move |col| (row, col))) {
+        for col in 0..self.size {
             pixel.clear();
             for (j, i) in (0..SUPERSAMPLES).flat_map(|j| (0..SUPERSAMPLES).map(move |i| (j, i))) {
-                let at = |pixel: u32, sub: u32| {
-                    let offset = (f64::from(sub) + 0.5) / f64::from(SUPERSAMPLES);
-                    2.0 * (f64::from(pixel) + offset) / f64::from(size) - 1.0
-                };
-                map.add_bilinear(forward + at(col, i) * right + at(row, j) * down, &mut pixel);
+                self.add_bilinear(forward + at(col, i) * right + at(row, j) * down, &mut pixel);
             }
             pixel.sort_by_key(|tap| tap.0);
             let scale = 1.0 / f64::from(SUPERSAMPLES * SUPERSAMPLES);
             for taps in pixel.chunk_by(|a, b| a.0 == b.0) {
                 let weight = taps.iter().map(|tap| tap.1).sum::<f64>() * scale;
                 if weight > 0.0 {
-                    map.taps.push((taps[0].0, weight as f32));
+                    all.push((taps[0].0, weight as f32));
                 }
             }
-            map.starts.push(map.taps.len() as u32);
-            let (x, y) = position(face.direction(col, row, size), width, height);
-            map.nearest.push((y as u32).min(height - 1) * width + x as u32 % width);
+            ends.push(all.len() as u32);
         }
-        Ok(map)
+        FilterRow { ends: ends.into(), taps: all.into() }
     }
 
     /// Adds the four pixels around a direction. Columns wrap; beyond a pole the picture goes on half a turn away.
@@ -114,6 +172,31 @@ impl FaceMap {
     }
 }
 
+/// Makes rows 0 to `count` on several threads; the order in which they are made changes nothing.
+///
+/// The threads are not those of rayon: its workers wait for the plan, and one that waits must not be given work that
+/// asks for the same plan again.
+fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
+    let next = AtomicU32::new(0);
+    let work = || {
+        let taken = std::iter::from_fn(|| Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&row| row < count));
+        taken.map(|row| (row, make(row))).collect::<Vec<_>>()
+    };
+    let mut made = thread::scope(|scope| {
+        // As many as the caller allows itself. Where the system refuses a thread, the others do its share.
+        let helpers: Vec<_> = (1..rayon::current_num_threads().min(count as usize))
+            .map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok())
+            .collect();
+        let mut made = work();
+        for helper in helpers {
+            made.extend(helper.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        }
+        made
+    });
+    made.sort_unstable_by_key(|(row, _)| *row);
+    made.into_iter().map(|(_, row)| row).collect()
+}
+
 /// Filtered colour of a face: 4×4 bilinear lookups a pixel, weighted equally.
 ///
 /// # Errors
@@ -121,16 +204,21 @@ impl FaceMap {
 pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     map.check(image.width(), image.height())?;
     let data = image.data();
-    let pixels = map.starts.windows(2).map(|range| {
-        let mut sum = [0f32; 3];
-        for &(index, weight) in &map.taps[range[0] as usize..range[1] as usize] {
-            for (sum, component) in sum.iter_mut().zip(data[index as usize]) {
-                *sum += weight * component.to_f32();
+    let mut pixels = Vec::with_capacity(map.size as usize * map.size as usize);
+    for row in map.filters() {
+        let mut start = 0;
+        for &end in &row.ends {
+            let mut sum = [0f32; 3];
+            for &(index, weight) in &row.taps[start..end as usize] {
+                for (sum, component) in sum.iter_mut().zip(data[index as usize]) {
+                    *sum += weight * component.to_f32();
+                }
             }
+            pixels.push(sum.map(f16::from_f32));
+            start = end as usize;
         }
-        sum.map(f16::from_f32)
-    });
-    Plane::new(map.size, map.size, pixels.collect())
+    }
+    Plane::new(map.size, map.size, pixels)
 }
 
 /// Depth of a face: the sample nearest to the direction of each pixel's centre, so that two surfaces never mix.
@@ -147,7 +235,7 @@ pub fn resample_depth(image: &DepthPlane, map: &FaceMap) -> Result<DepthPlane> {
 /// As for [`resample_color`].
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
-    Plane::new(map.size, map.size, map.nearest.iter().map(|&index| image.data()[index as usize]).collect())
+    Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())
 }
 
 #[cfg(test)]
@@ -190,16 +278,39 @@ mod tests {
 
     #[test]
     fn tiny_images() {
-        for (width, height) in [(1, 1), (3, 1), (3, 2), (1, 4)] {
+        for (width, height) in [(1, 1), (2, 1), (3, 1), (3, 2), (1, 4), (6, 3)] {
+            let size = (width / 2).max(1);
             let image = Plane::filled(width, height, [f16::from_f32(2.5); 3]);
             for face in Face::CUBE {
-                let map = FaceMap::new(face, 3, width, height).unwrap();
+                let map = FaceMap::new(face, size, width, height).unwrap();
                 let out = resample_color(&image, &map).unwrap();
                 assert!(out.data().iter().all(|pixel| *pixel == [f16::from_f32(2.5); 3]));
                 assert!(resample_color(&Plane::filled(9, 9, [f16::ZERO; 3]), &map).is_err());
             }
         }
         assert!(FaceMap::new(Face::Px, 0, 4, 2).is_err());
-        assert!(FaceMap::new(Face::Px, 60_000, 4, 2).is_err());
+        assert!(FaceMap::new(Face::Px, 1, 1 << 17, 1 << 16).is_err());
+        let message = FaceMap::new(Face::Px, 513, 1024, 512).unwrap_err().to_string();
+        assert!(message.contains("513") && message.contains("1024") && message.contains("256"), "{message}");
+        FaceMap::new(Face::Px, 512, 1024, 512).unwrap();
+        assert!(FaceMap::new(Face::Px, MAX_FACE_SIDE + 1, 1 << 16, 1 << 15).is_err());
+    }
+
+    #[test]
+    fn plans_are_made_when_asked_for_and_on_any_threads_alike() {
+        let image = Plane::from_fn(128, 64, |x, y| [x as f32, y as f32, 1.0].map(f16::from_f32));
+        let cut = |threads: usize| {
+            let map = FaceMap::new(Face::Py, 33, 128, 64).unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let nearest = resample_nearest(&image, &map).unwrap();
+                assert!(map.filters.get().is_none(), "depth alone needs no filters");
+                (nearest, resample_color(&image, &map).unwrap())
+            })
+        };
+        assert!([2, 3, 16].into_iter().all(|threads| cut(threads) == cut(1)));
+        let map = FaceMap::new(Face::Py, 33, 128, 64).unwrap();
+        resample_color(&image, &map).unwrap();
+        assert!(map.nearest.get().is_none(), "colour alone needs no nearest samples");
     }
 }

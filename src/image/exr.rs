@@ -5,7 +5,7 @@
 //! Files are decoded on the calling thread; callers read several at once.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -30,6 +30,8 @@ use crate::error::{Error, Result};
 const PIXEL_FLOOR: u64 = 16 << 20;
 /// A display window may be larger than its data (an autocropped render), so it may claim more.
 const DISPLAY_FLOOR: u64 = 64 << 20;
+/// First bytes of every OpenEXR file.
+const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 /// No side of an image or tile may be longer; keeps all products of sides and sample sizes inside 64 bits.
 const MAX_SIDE: usize = 1 << 24;
 
@@ -113,8 +115,15 @@ fn open(path: &Path) -> Result<(Reader, u64)> {
     if meta.is_dir() {
         return Err(Error::invalid("this is a folder, not an EXR file").in_file(path));
     }
-    let reader = exr::block::read(BufReader::with_capacity(1 << 16, file), false)
-        .map_err(|error| translate(error).in_file(path))?;
+    let mut file = BufReader::with_capacity(1 << 16, file);
+    let start = file.fill_buf().map_err(|error| Error::io(path, error))?;
+    if start.is_empty() {
+        return Err(Error::invalid("this file is empty, where an OpenEXR file was expected").in_file(path));
+    }
+    if !start.starts_with(&MAGIC) {
+        return Err(Error::invalid("this is not an OpenEXR file").in_file(path));
+    }
+    let reader = exr::block::read(file, false).map_err(|error| translate(error).in_file(path))?;
     Ok((reader, meta.len()))
 }
 

@@ -115,6 +115,9 @@ fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>>
     if meta.is_dir() {
         return Err(Error::invalid("this is a folder, not a PNG file").in_file(path));
     }
+    if meta.len() == 0 {
+        return Err(Error::invalid("this file is empty, where a PNG file was expected").in_file(path));
+    }
     let cap = limits.believable(meta.len(), PIXEL_FLOOR);
     let mut decoder_limits = Limits::default();
     decoder_limits.max_alloc = Some(cap);
@@ -192,6 +195,9 @@ mod tests {
         std::fs::write(&path, &good[..40]).unwrap();
         let message = read_depth(&path, 1.0, &ReadLimits::default()).unwrap_err().to_string();
         assert!(message.contains("d.png"), "{message}");
+        std::fs::write(&path, b"").unwrap();
+        let message = read_depth(&path, 1.0, &ReadLimits::default()).unwrap_err().to_string();
+        assert!(message.contains("d.png") && message.contains("empty"), "{message}");
         std::fs::write(&path, &good).unwrap();
         assert!(read_depth(&path, 1.0, &ReadLimits { max_image_bytes: 125 }).is_err());
         assert!(write_depth16(&path, &Plane::filled(0, 0, 0)).is_err());

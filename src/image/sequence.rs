@@ -73,9 +73,35 @@ impl FromStr for FrameRange {
 pub struct Pattern {
     directory: PathBuf,
     before: String,
-    /// Least number of digits; `None` for a plain file name.
-    digits: Option<usize>,
+    /// `None` for a plain file name.
+    field: Option<Field>,
     after: String,
+}
+
+/// The place of the frame number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Field {
+    /// Least number of digits.
+    digits: usize,
+    /// As it was written, `####` or `%04d`, for messages.
+    text: String,
+}
+
+impl Field {
+    /// Written the way of `%04d`.
+    fn percent(digits: usize) -> Field {
+        Field { digits, text: if digits == 1 { "%d".into() } else { format!("%0{digits}d") } }
+    }
+
+    /// A field of other width, written the same way as this one.
+    fn of_width(&self, digits: usize) -> Field {
+        match self.text.chars().next() {
+            Some(mark @ ('#' | '@')) if (mark, digits) != ('#', 1) => {
+                Field { digits, text: mark.to_string().repeat(digits) }
+            }
+            _ => Field::percent(digits),
+        }
+    }
 }
 
 impl Pattern {
@@ -93,7 +119,7 @@ impl Pattern {
             return Err(Error::Usage(format!("\"{text}\" names no file")));
         };
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        let mut pattern = Pattern { directory, before: String::new(), digits: None, after: String::new() };
+        let mut pattern = Pattern { directory, before: String::new(), field: None, after: String::new() };
         let mut rest = name;
         while let Some(first) = rest.chars().next() {
             let (digits, used) = match first {
@@ -111,15 +137,15 @@ impl Pattern {
                 _ => (None, first.len_utf8()),
             };
             match digits {
-                Some(_) if pattern.digits.is_some() => {
+                Some(_) if pattern.field.is_some() => {
                     return Err(Error::Usage(format!("\"{text}\" has more than one place for the frame number")));
                 }
                 Some(digits) if digits > 20 => {
                     return Err(Error::Usage(format!("\"{text}\" asks for a frame number of {digits} digits")));
                 }
-                Some(digits) => pattern.digits = Some(digits),
+                Some(digits) => pattern.field = Some(Field { digits, text: rest[..used].into() }),
                 None => {
-                    let side = if pattern.digits.is_some() { &mut pattern.after } else { &mut pattern.before };
+                    let side = if pattern.field.is_some() { &mut pattern.after } else { &mut pattern.before };
                     side.push(first);
                 }
             }
@@ -130,13 +156,13 @@ impl Pattern {
 
     /// Whether the name has a place for the frame number.
     pub fn has_field(&self) -> bool {
-        self.digits.is_some()
+        self.field.is_some()
     }
 
     /// The file of a frame; without a place for the number, the one file.
     pub fn path(&self, frame: u32) -> PathBuf {
-        let name = match self.digits {
-            Some(digits) => format!("{}{frame:0digits$}{}", self.before, self.after),
+        let name = match &self.field {
+            Some(Field { digits, .. }) => format!("{}{frame:0digits$}{}", self.before, self.after),
             None => self.before.clone(),
         };
         self.directory.join(name)
@@ -149,22 +175,39 @@ impl Pattern {
         self
     }
 
+    /// The digits in a file name, if it differs from the pattern in nothing but their number.
+    fn number_of<'a>(&self, name: &'a str) -> Option<&'a str> {
+        let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;
+        (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(number)
+    }
+
     /// The frame number in a file name, if the name is one that [`Pattern::path`] would write.
     fn frame_of(&self, name: &str) -> Option<u32> {
-        let digits = self.digits?;
-        let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;
+        let digits = self.field.as_ref()?.digits;
+        let number = self.number_of(name)?;
         let padded = number.len() == digits || (number.len() > digits && !number.starts_with('0'));
-        let plain = padded && number.bytes().all(|byte| byte.is_ascii_digit());
-        if plain { number.parse().ok() } else { None }
+        if padded { number.parse().ok() } else { None }
+    }
+
+    /// What to ask for instead where none of `names` matches but some differ in the width of the number.
+    fn other_width(&self, names: &[String]) -> Option<String> {
+        let field = self.field.as_ref()?;
+        // The shortest number tells the padding, as in a folder.
+        let near = names.iter().filter_map(|name| {
+            let number = self.number_of(name)?;
+            let usable = number.len() != field.digits && number.parse::<u32>().is_ok();
+            usable.then_some((number.len(), name))
+        });
+        let (width, name) = near.min()?;
+        Some(format!("{name} is there: did you mean {}?", field.of_width(width).text))
     }
 }
 
 impl fmt::Display for Pattern {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let escape = |text: &str| text.replace('%', "%%");
-        let name = match self.digits {
-            Some(1) => format!("{}%d{}", escape(&self.before), escape(&self.after)),
-            Some(digits) => format!("{}%0{digits}d{}", escape(&self.before), escape(&self.after)),
+        let name = match &self.field {
+            Some(field) => format!("{}{}{}", escape(&self.before), field.text, escape(&self.after)),
             None => escape(&self.before),
         };
         write!(f, "{}", self.directory.join(name).display())
@@ -240,7 +283,7 @@ impl Sequence {
             return Err(Error::invalid(message).in_file(path));
         }
         let directory = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        let pattern = Pattern { directory, before: name.to_string(), digits: None, after: String::new() };
+        let pattern = Pattern { directory, before: name.to_string(), field: None, after: String::new() };
         Ok(Sequence { pattern, frames: FrameRange { first: frame, last: frame } })
     }
 
@@ -248,13 +291,22 @@ impl Sequence {
         if !pattern.has_field() {
             return Sequence::of_file(&pattern.path(0), frames);
         }
-        if let Some(frames) = frames {
+        let folder = if pattern.directory.as_os_str().is_empty() { Path::new(".") } else { &pattern.directory };
+        let names = match (file_names(folder), frames) {
+            (Ok(names), _) => names,
+            // A folder that can be entered but not listed still holds known names.
+            (Err(_), Some(_)) => Vec::new(),
+            (Err(error), None) => return Err(error),
+        };
+        let numbers: BTreeSet<u32> = names.iter().filter_map(|name| pattern.frame_of(name)).collect();
+        let hint = if numbers.is_empty() { pattern.other_width(&names) } else { None };
+        if let (Some(frames), None) = (frames, &hint) {
             return Sequence::known(pattern, frames);
         }
-        let folder = if pattern.directory.as_os_str().is_empty() { Path::new(".") } else { &pattern.directory };
-        let numbers: BTreeSet<u32> = file_names(folder)?.iter().filter_map(|name| pattern.frame_of(name)).collect();
         let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
-            return Err(Error::invalid("no file matches this pattern").in_file(pattern.to_string()));
+            let hint = hint.map(|hint| format!("; {hint}")).unwrap_or_default();
+            let message = format!("no file matches this pattern{hint}");
+            return Err(Error::invalid(message).in_file(pattern.to_string()));
         };
         // Ordered and distinct: the first number that is not the expected one follows the hole.
         if let Some((missing, _)) = (first..=last).zip(&numbers).find(|(expected, found)| expected != *found) {
@@ -329,7 +381,12 @@ fn only_sequence(folder: &Path) -> Result<Pattern> {
     }
     let patterns: Vec<Pattern> = found
         .into_iter()
-        .map(|((before, after), digits)| Pattern { directory: folder.to_path_buf(), before, digits, after })
+        .map(|((before, after), digits)| Pattern {
+            directory: folder.to_path_buf(),
+            before,
+            field: digits.map(Field::percent),
+            after,
+        })
         .collect();
     match patterns.as_slice() {
         [] => Err(Error::invalid("the folder holds no .exr or .png files").in_file(folder)),
@@ -387,7 +444,9 @@ mod tests {
         for bad in ["", "a/", "#.#.exr", "%d@.exr", "%4d.exr", "%s.exr", "%", "%0xd", "%99d", "%099d"] {
             assert!(Pattern::parse(bad).is_err(), "{bad}");
         }
-        assert_eq!(Pattern::parse("a/x%%.####.exr").unwrap().to_string(), "a/x%%.%04d.exr");
+        for text in ["a/x%%.####.exr", "x.#.exr", "x.@@.exr", "x.%d.exr", "x.%01d.exr", "x.%04d.exr"] {
+            assert_eq!(Pattern::parse(text).unwrap().to_string(), text);
+        }
     }
 
     #[test]
@@ -409,6 +468,30 @@ mod tests {
         assert_eq!(single.frames(), FrameRange { first: 6, last: 6 });
         assert_eq!(single.path(6), at.join("c.0006.exr"));
         assert!(Sequence::find(&spec(at, "c.0006.exr"), some).is_err());
+    }
+
+    #[test]
+    fn another_width_is_proposed() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path();
+        touch(at, &["frame-000150.depth.png", "frame-000151.depth.png", "frame-.depth.png", "s9.exr", "s10.exr"]);
+        let frames = Some(FrameRange { first: 150, last: 151 });
+        for (name, frames, words) in [
+            (
+                "frame-%04d.depth.png",
+                None,
+                "frame-%04d.depth.png: no file matches this pattern; frame-000150.depth.png is there: did you mean %06d?",
+            ),
+            ("frame-%04d.depth.png", frames, "did you mean %06d?"),
+            ("frame-####.depth.png", None, "did you mean ######?"),
+            ("frame-@.depth.png", frames, "did you mean @@@@@@?"),
+            ("s####.exr", None, "####.exr: no file matches this pattern; s9.exr is there: did you mean %d?"),
+            ("frame-%04d.png", None, "frame-%04d.png: no file matches this pattern"),
+            ("frame-%06d.depth.png", Some(FrameRange { first: 7, last: 8 }), "frame 7 is missing"),
+        ] {
+            let message = Sequence::find(&spec(at, name), frames).unwrap_err().to_string();
+            assert!(message.ends_with(words) || message.contains("is missing") && message.contains(words), "{message}");
+        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Finds how near and how far the surfaces of a probe are, reading each frame once where memory allows.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -27,23 +27,41 @@ pub struct ProbeScan {
 }
 
 /// Scans all depth `groups` (with their indices) of one probe.
+///
+/// # Errors
+/// Of all images that cannot be read, the first in the order of groups and frames is named, whichever thread came
+/// upon one first.
 pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &dyn Monitor) -> Result<ProbeScan> {
     let budget = AtomicU64::new(0);
     let jobs: Vec<_> =
         groups.iter().flat_map(|&(at, group)| group.frames.iter().map(move |frame| (at, group, frame))).collect();
-    let scanned: Vec<_> = jobs
+    let scan = |at: usize, group: &SourceGroup, frame: u32| {
+        monitor.check()?;
+        let start = std::time::Instant::now();
+        let planes = source.read_depth(group, frame)?;
+        let reading = start.elapsed();
+        let extent = planes.iter().filter_map(extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
+        let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= KEEP_BYTES;
+        Ok((extent, reading, keep.then_some(((at, frame), planes))))
+    };
+    // The earliest job known to have failed: later ones are left out, earlier ones still run.
+    let failed = AtomicUsize::new(usize::MAX);
+    let results: Vec<Option<Result<_>>> = jobs
         .into_par_iter()
-        .map(|(at, group, frame)| {
-            monitor.check()?;
-            let start = std::time::Instant::now();
-            let planes = source.read_depth(group, frame)?;
-            let reading = start.elapsed();
-            let extent = planes.iter().filter_map(extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-            let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
-            let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= KEEP_BYTES;
-            Ok((extent, reading, keep.then_some(((at, frame), planes))))
+        .enumerate()
+        .map(|(order, (at, group, frame))| {
+            if order > failed.load(Ordering::Relaxed) {
+                return None;
+            }
+            let scanned = scan(at, group, frame);
+            if scanned.is_err() {
+                failed.fetch_min(order, Ordering::Relaxed);
+            }
+            Some(scanned)
         })
-        .collect::<Result<_>>()?;
+        .collect();
+    let scanned: Vec<_> = results.into_iter().flatten().collect::<Result<_>>()?;
     let reading = scanned.iter().map(|(_, reading, _)| *reading).sum();
     let extent = scanned.iter().filter_map(|(extent, ..)| *extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let range = match extent {
@@ -62,4 +80,30 @@ pub fn extent(plane: &DepthPlane) -> Option<(f32, f32)> {
         far = if surface && z > far { z } else { far };
     }
     (near <= far).then_some((near, far))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::source::{SequenceLayout, SourceOptions};
+    use crate::dataset::stream::StreamKind;
+    use crate::image::{Plane, exr};
+    use crate::monitor::Silent;
+
+    #[test]
+    fn the_first_bad_frame_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        for frame in 0..40 {
+            let value = if [11, 12, 25, 39].contains(&frame) { -1.0 } else { 1.0 };
+            exr::write_depth(&folder.path().join(format!("z.{frame}.exr")), &Plane::filled(2, 2, value)).unwrap();
+        }
+        let spec = folder.path().join("z.%d.exr");
+        let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
+        let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
+        for threads in [1, 2, 8, 8, 8, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let error = pool.install(|| scan_probe(&source, &[(0, &source.groups()[0])], &Silent)).unwrap_err();
+            assert!(error.to_string().contains("z.11.exr"), "{error}");
+        }
+    }
 }

@@ -273,6 +273,14 @@ fn claims_beyond_the_file_are_refused() {
     assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["big.exr", "2560000000 bytes"]);
     assert!(ours::read_depth(folder.path(), &AUTO, &limits()).is_err());
     assert_says(&message(ours::read_depth(&folder.path().join("no.exr"), &AUTO, &limits())), &["no.exr"]);
+    for (bytes, words) in
+        [(&b""[..], "is empty"), (b"v/", "not an OpenEXR file"), (b"PK\x03\x04 and so on", "not an OpenEXR file")]
+    {
+        let path = folder.path().join("other.exr");
+        std::fs::write(&path, bytes).unwrap();
+        assert_says(&message(ours::read_color(&path, &AUTO, &limits())), &["other.exr", words]);
+        assert_says(&message(ours::read_size(&path, &limits())), &["other.exr", words]);
+    }
     std::fs::write(&path, b"").unwrap();
     assert!(ours::read_depth(&path, &AUTO, &limits()).is_err());
 }

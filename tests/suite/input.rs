@@ -179,8 +179,84 @@ fn equirect_images_become_a_cube() {
             assert!(relative < 0.06, "{face:?} {x},{y} {relative}");
         }
     }
-    let size = SourceOptions { face_size: Some(5), ..SourceOptions::default() };
-    assert_eq!(Source::open(set.folder.path(), &size).unwrap().groups()[0].height, 5);
+    let sized = |pixels| {
+        let options = SourceOptions { face_size: Some(pixels), ..SourceOptions::default() };
+        Source::open(set.folder.path(), &options)
+    };
+    assert_eq!(sized(5).unwrap().groups()[0].height, 5);
+    assert_eq!(sized(128).unwrap().groups()[0].height, 128);
+    assert_says(&message(sized(129)), &["lightfield.json", "129", "256", "64"]);
+}
+
+#[test]
+fn equirect_images_are_twice_as_wide_as_high() {
+    let set = Set::new(&manifest("equirect", [256, 100], "", r#""color": "c.%d.exr""#, ""));
+    assert_says(&message(set.open()), &["lightfield.json", "256x100", "twice as wide"]);
+    let path = set.path("c.0.exr");
+    ours::write_color(&path, &Plane::filled(6, 4, [f16::ONE; 3])).unwrap();
+    let layout = SequenceLayout { arrangement: Arrangement::Equirect, ..SequenceLayout::default() };
+    let lone =
+        |options: &SourceOptions| Source::from_sequence(StreamKind::Color, path.to_str().unwrap(), &layout, options);
+    assert_says(&message(lone(&SourceOptions::default())), &["c.0.exr", "6x4", "twice as wide"]);
+}
+
+#[test]
+fn perspective_without_a_lens() {
+    let both = r#""depth": "z_{probe}.%d.exr""#;
+    let probes = |b: &str, c: &str| {
+        format!(r#", "frames": [0, 0]{b}}}, {{"name": "b", "position": [0, 0, 0], "frames": [0, 0]{c}"#)
+    };
+    let lens = r#", "fov_y_deg": 60"#;
+    for (kind, a, b, stored) in [
+        ("distance", "", "", Some(DepthKind::Distance)),
+        ("distance", lens, "", Some(DepthKind::Distance)),
+        ("planar", "", "", Some(DepthKind::Planar)),
+        ("planar", lens, lens, Some(DepthKind::Distance)),
+        ("planar", lens, "", None),
+    ] {
+        let depth = format!(r#""depth": {{"kind": "{kind}"}},"#);
+        let set = Set::new(&manifest("perspective", [3, 2], &depth, both, &probes(a, b)));
+        for name in ["a", "b"] {
+            ours::write_depth(&set.path(&format!("z_{name}.0.exr")), &ramp(3, 2)).unwrap();
+        }
+        let Some(stored) = stored else {
+            assert_says(&message(set.open()), &["lightfield.json", "probe \"b\"", "fov_y_deg", "intrinsics"]);
+            continue;
+        };
+        let source = set.open().unwrap();
+        assert_eq!(source.depth_stored(), stored, "{kind} {a} {b}");
+        let converted = kind == "planar" && stored == DepthKind::Distance;
+        assert_eq!(source.read_depth(&source.groups()[0], 0).unwrap()[0] != ramp(3, 2), converted);
+        let distance = SourceOptions { depth_kind: Some(DepthKind::Distance), ..SourceOptions::default() };
+        assert_eq!(set.depth(&distance).unwrap(), [ramp(3, 2)]);
+    }
+}
+
+#[test]
+fn integers_need_a_scale() {
+    let files = r#""depth": "z.%d.png""#;
+    let codes = Plane::filled(2, 1, 1500u16);
+    let with = |depth: &str, depth_scale| {
+        let set = Set::new(&manifest("perspective", [2, 1], depth, files, r#", "fov_y_deg": 60"#));
+        for frame in 0..2 {
+            png::write_depth16(&set.path(&format!("z.{frame}.png")), &codes).unwrap();
+        }
+        let options = SourceOptions { depth_scale, ..SourceOptions::default() };
+        set.depth(&options).map(|planes| planes[0].get(0, 0))
+    };
+    let words = ["z.0.png", "holds integers", "--depth-scale", "0.001 for millimetres", "depth.scale"];
+    assert_says(&message(with("", None)), &words);
+    assert_says(&message(with(r#""depth": {"kind": "distance"},"#, None)), &words);
+    for (depth, scale, metres) in [
+        ("", Some(0.01), 15.0),
+        ("", Some(1.0), 1500.0),
+        (r#""depth": {"unit": "m"},"#, None, 1500.0),
+        (r#""depth": {"unit": "mm"},"#, None, 1.5),
+        (r#""depth": {"scale": 1},"#, None, 1500.0),
+        (r#""depth": {"scale": 0.001},"#, Some(0.1), 150.0),
+    ] {
+        assert_eq!(with(depth, scale).unwrap(), metres, "{depth} {scale:?}");
+    }
 }
 
 #[test]
@@ -234,7 +310,8 @@ fn depth_that_is_none() {
     let none = [(f32::NAN, "not a number"), (0.0, "zero"), (-0.0, "zero"), (-3.5, "-3.5"), (f32::NEG_INFINITY, "-inf")];
     for (value, word) in none {
         write(value);
-        assert_says(&message(read(&with(InvalidDepth::Refuse, None))), &["z.0.exr", "frame 0", "pixel (2, 0)", word]);
+        let text = message(read(&with(InvalidDepth::Refuse, None)));
+        assert_says(&text, &["z.0.exr", "frame 0", "pixel (2, 0)", word, "--invalid-depth far|near", "--background"]);
         assert_eq!(read(&with(InvalidDepth::Far, None)).unwrap(), [1.0, inf, inf]);
         assert_eq!(read(&with(InvalidDepth::Near, None)).unwrap(), [1.0, inf, 0.0]);
         if !value.is_nan() {
@@ -365,7 +442,9 @@ fn single_sequences() {
     let single = open(&at("depth.0007.exr"), Arrangement::Single(Face::View), &options).unwrap();
     assert_eq!(single.groups()[0].frames, FrameRange { first: 7, last: 7 });
     assert_says(&message(open(&at("depth.0007.exr"), Arrangement::Cross, &options)), &["depth.0007.exr", "4:3"]);
-    assert!(open(&at("depth.0007.exr"), Arrangement::Equirect, &options).is_ok());
+    assert_says(&message(open(&at("depth.0007.exr"), Arrangement::Equirect, &options)), &["depth.0007.exr", "4x4"]);
+    ours::write_depth(Path::new(&at("wide.0.exr")), &ramp(4, 2)).unwrap();
+    assert!(open(&at("wide.0.exr"), Arrangement::Equirect, &options).is_ok());
     assert!(open(&at("nothing.%04d.exr"), face, &options).is_err());
     let planar = SourceOptions { depth_kind: Some(DepthKind::Planar), ..SourceOptions::default() };
     assert!(open(&at("depth.0007.exr"), Arrangement::Equirect, &planar).is_err());
