@@ -119,7 +119,8 @@ fn write(
         }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
+        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+            .map_err(|error| folder.present(error))?;
         folder.commit()?;
         return Ok(summary);
     };
@@ -147,7 +148,8 @@ fn write(
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
     let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)?;
+    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+        .map_err(|error| folder.present(error))?;
     folder.commit()?;
     Ok(summary)
 }
@@ -156,11 +158,11 @@ fn write(
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let image = output.extension().is_some_and(|extension| extension == "exr" || extension == "png");
-    match Pattern::parse(&name) {
-        Ok(pattern) if pattern.has_field() || image => Ok(Some(pattern)),
-        Ok(_) => Ok(None),
-        Err(error) => Err(error.in_file(output)),
+    if !image && !name.contains('%') {
+        return Ok(None);
     }
+    let pattern = Pattern::parse(&name).map_err(|error| error.in_file(output))?;
+    Ok((pattern.has_field() || image).then_some(pattern))
 }
 
 /// How long it took.

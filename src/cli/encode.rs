@@ -137,6 +137,7 @@ fn summary_json(summary: &EncodeSummary, seconds: f64) -> serde_json::Value {
         "clipped_pixels": summary.clipped_pixels,
         "color_pixels": summary.color_pixels,
         "reading_thread_seconds": summary.reading.as_secs_f64(),
+        "scanning_thread_seconds": summary.scanning.as_secs_f64(),
         "coding_thread_seconds": summary.coding.as_secs_f64(),
     })
 }

@@ -143,7 +143,8 @@ pub struct ColorArgs {
     /// Luminance of the value 1.0 for --hdr, in cd/m²
     #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2)]
     pub white: f64,
-    /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time
+    /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time;
+    /// at most as many as fit 768 MiB for all faces of an image
     #[arg(long, value_name = "N", default_value_t = SearchSettings::default().reach,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub keyframe_reach: u32,

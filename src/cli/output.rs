@@ -165,6 +165,17 @@ impl OutputFolder {
         self.work.path()
     }
 
+    /// Names the final folder in an error that speaks of the temporary one.
+    pub fn present(&self, error: Error) -> Error {
+        match error {
+            Error::Io { file, source } => {
+                let file = file.strip_prefix(self.work_path()).map_or(file.clone(), |below| self.path.join(below));
+                Error::Io { file, source }
+            }
+            other => other,
+        }
+    }
+
     /// Moves everything to the final folder; files of the same names there are replaced.
     pub fn commit(self) -> Result<()> {
         let path = &self.path;

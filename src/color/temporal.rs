@@ -12,7 +12,7 @@ use crate::error::Result;
 
 /// A chunk is closed at the first keyframe after it has grown to this many bytes. Larger chunks compress better,
 /// smaller ones cost less to reach into.
-const CLOSE_AT_BYTES: usize = 512 << 10;
+pub const CLOSE_AT_BYTES: usize = 512 << 10;
 /// Keyframes that a chunk may hold.
 const MAX_KEYFRAMES: usize = 4096;
 
@@ -27,6 +27,7 @@ struct Entry<S> {
 #[derive(Debug)]
 pub struct CellEncoder<S> {
     settings: SearchSettings,
+    close_at_bytes: usize,
     /// The last keyframe, and what came after it.
     pending: Vec<Entry<S>>,
     open: CellBuilder,
@@ -34,9 +35,9 @@ pub struct CellEncoder<S> {
 }
 
 impl<S: Sample> CellEncoder<S> {
-    /// An encoder for one cell.
-    pub fn new(settings: SearchSettings) -> Self {
-        CellEncoder { settings, pending: Vec::new(), open: CellBuilder::default(), chunk_first: 0 }
+    /// An encoder for one cell that closes chunks at `close_at_bytes`, [`CLOSE_AT_BYTES`] unless memory is short.
+    pub fn new(settings: SearchSettings, close_at_bytes: usize) -> Self {
+        CellEncoder { settings, close_at_bytes, pending: Vec::new(), open: CellBuilder::default(), chunk_first: 0 }
     }
 
     /// Takes the next frame; all frames have the same number of samples. Answers the chunk that it closes, if any.
@@ -88,7 +89,7 @@ impl<S: Sample> CellEncoder<S> {
             self.open.push_weight(weight, entry.run);
         }
         self.pending.drain(..next);
-        let full = self.open.bytes() >= CLOSE_AT_BYTES || self.open.keyframe_count() >= MAX_KEYFRAMES;
+        let full = self.open.bytes() >= self.close_at_bytes || self.open.keyframe_count() >= MAX_KEYFRAMES;
         let closed = if full { Some(self.close()?) } else { None };
         self.open.push_keyframe(&self.pending[0].samples);
         Ok(closed)
@@ -110,7 +111,7 @@ mod tests {
     use crate::color::quality::EightBit;
 
     fn encode(frames: &[Vec<u8>], settings: SearchSettings) -> Vec<(EncodedChunk, CellChunk<u8>)> {
-        let mut encoder = CellEncoder::new(settings);
+        let mut encoder = CellEncoder::new(settings, CLOSE_AT_BYTES);
         let mut chunks = Vec::new();
         for frame in frames {
             chunks.extend(encoder.push(frame, &EightBit).unwrap());

@@ -442,7 +442,7 @@ impl Manifest {
             return wrong("depth \"near\" and \"far\" must be above 0 metres".into());
         }
         if let (Some(near), Some(far)) = (depth.near, depth.far)
-            && near >= far
+            && near > far
         {
             return wrong(format!("depth \"near\" is {near}, it must be below \"far\", {far}"));
         }
@@ -525,7 +525,7 @@ impl Manifest {
 /// Whether a probe may be called that: file names are made of it.
 pub fn is_probe_name(name: &str) -> bool {
     let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
-    (1..=100).contains(&name.len()) && name.bytes().all(allowed) && name != "." && name != ".."
+    (1..=100).contains(&name.len()) && name.bytes().all(allowed) && !name.starts_with('.')
 }
 
 /// Checks fx, fy, cx, cy: all finite, focal lengths above 0.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::color::blend::HalfKey;
 use crate::color::keyframes::SearchSettings;
 use crate::color::quality::{EightBit, Pu21};
-use crate::color::temporal::CellEncoder;
+use crate::color::temporal::{CLOSE_AT_BYTES, CellEncoder};
 use crate::container::index::MAX_SIZE;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, StreamEntry, Writer};
 use crate::dataset::source::{Source, SourceGroup};
@@ -31,6 +31,10 @@ use crate::video::{convert, scan};
 const BATCH_FRAMES: usize = 16;
 /// Pixels that a batch may hold, so that large faces do not multiply: batches shrink instead.
 const BATCH_PIXELS: usize = 64 << 20;
+/// Pictures that the cells of a group may wait for their next keyframe with: bounds how far it may lie.
+const PENDING_BYTES: u64 = 768 << 20;
+/// Keyframes that the open chunks of a group may hold.
+const OPEN_BYTES: usize = 384 << 20;
 /// Tiles are a multiple of this, so that later stages can split them in halves down to blocks.
 const TILE_ALIGN: u32 = 8;
 
@@ -90,6 +94,8 @@ pub struct EncodeSummary {
     pub color_pixels: u64,
     /// Time that threads spent reading and decompressing source files, added up.
     pub reading: Duration,
+    /// Time that threads spent reading images only to find near and far, which encoding then had to read again.
+    pub scanning: Duration,
     /// Time that threads spent converting, coding and compressing, added up.
     pub coding: Duration,
 }
@@ -211,25 +217,16 @@ impl<W: Write> Job<'_, W> {
             _ => {
                 let found = scan::scan_probe(self.source, groups, self.monitor)?;
                 self.summary.reading += found.reading;
-                let range = found.range;
-                let (near, far) = (near.unwrap_or(range.near_m()), far.unwrap_or(range.far_m()));
-                let given = DepthRange::new(near, far).map_err(|_| {
-                    let probe = &self.source.probes()[groups[0].1.probe].name;
-                    Error::Usage(format!(
-                        "probe {probe}: --near {near} and --far {far} hold no depth; what was not given was found in the \
-                         footage, whose surfaces lie from {} m to {} m",
-                        range.near_m(),
-                        range.far_m()
-                    ))
-                })?;
-                (given, found.kept)
+                self.summary.scanning += found.scanning;
+                let probe = &self.source.probes()[groups[0].1.probe].name;
+                (found_range(probe, [near, far], &found)?, found.kept)
             }
         };
         let quantiser = Arc::new(Quantiser::new(range));
         for &(at, group) in groups {
             let header = CodecHeader::Depth(DepthHeader {
                 range,
-                background: self.source.background(),
+                background: presented_background(self.source.background(), range),
                 kind: self.source.depth_stored(),
                 temporal: self.settings.temporal,
             });
@@ -246,24 +243,20 @@ impl<W: Write> Job<'_, W> {
     ) -> Result<()> {
         let group = coder.group;
         let streams = self.declare_streams(&coder)?;
-        let mut units: Vec<(u32, u32, [u32; 4], Unit)> = Vec::new();
+        let unit_count = streams.iter().map(|(_, entry)| entry.unit_count()).sum();
+        let memory = ColorMemory::new(group, &coder.header, self.settings.search, unit_count);
+        let mut units = Vec::new();
         for (face, (stream, entry)) in streams.iter().enumerate() {
             for unit in 0..entry.unit_count() {
                 let rect = entry.unit_rect(unit);
-                units.push((face as u32, unit, rect, coder.unit_encoder(rect, self.settings)));
+                units.push(UnitJob { face, stream: *stream, unit, rect, encoder: coder.unit_encoder(rect, &memory) });
             }
-            debug_assert_eq!(*stream, streams[0].0 + face as u32);
         }
         let face_pixels = group.width as usize * group.height as usize * group.faces.len();
         let batch = (BATCH_PIXELS / face_pixels.max(1)).clamp(1, BATCH_FRAMES);
         let frames: Vec<u32> = group.frames.iter().collect();
         let (reading, coding) = (AtomicU64::new(0), AtomicU64::new(0));
         let level = self.settings.lzma2;
-        let pack = |chunk: EncodedChunk, face: u32, unit: u32| {
-            let first_frame = group.frames.first + chunk.first_frame;
-            let key = ChunkKey { stream: streams[0].0 + face, unit, first_frame, frame_count: chunk.frame_count };
-            PackedChunk::new(key, chunk.payload, level)
-        };
         for batch in frames.chunks(batch) {
             let inputs: Vec<_> = batch.iter().map(|&frame| (frame, kept(frame))).collect();
             let pictures = inputs
@@ -280,28 +273,12 @@ impl<W: Write> Job<'_, W> {
                 .collect::<Result<Vec<_>>>()?;
             let packed = units
                 .par_iter_mut()
-                .map(|(face, unit, rect, encoder)| {
-                    timed(&coding, || {
-                        let mut packed = Vec::new();
-                        for picture in &pictures {
-                            let chunk = encoder.push(&picture[*face as usize], *rect, &coder)?;
-                            packed.extend(chunk.map(|chunk| pack(chunk, *face, *unit)).transpose()?);
-                        }
-                        Ok(packed)
-                    })
-                })
+                .map(|job| timed(&coding, || job.push(&pictures, &coder, level)))
                 .collect::<Result<Vec<_>>>()?;
             self.write(packed)?;
         }
-        let packed = units
-            .par_iter_mut()
-            .map(|(face, unit, _, encoder)| {
-                timed(&coding, || {
-                    let chunks = encoder.finish(&coder)?;
-                    chunks.into_iter().map(|chunk| pack(chunk, *face, *unit)).collect::<Result<Vec<_>>>()
-                })
-            })
-            .collect::<Result<Vec<_>>>()?;
+        let packed =
+            units.par_iter_mut().map(|job| timed(&coding, || job.finish(&coder, level))).collect::<Result<Vec<_>>>()?;
         self.write(packed)?;
         self.summary.reading += Duration::from_nanos(reading.into_inner());
         self.summary.coding += Duration::from_nanos(coding.into_inner());
@@ -357,6 +334,23 @@ impl<W: Write> Job<'_, W> {
     }
 }
 
+/// What the encoders of a group's colour cells may hold, so that large groups stay within memory. It follows from the
+/// footage and the settings alone, because the file depends on it.
+struct ColorMemory {
+    search: SearchSettings,
+    close_at_bytes: usize,
+}
+
+impl ColorMemory {
+    fn new(group: &SourceGroup, header: &CodecHeader, search: SearchSettings, unit_count: u32) -> ColorMemory {
+        let faces = group.faces.len() as u64;
+        let picture = u64::from(group.width) * u64::from(group.height) * faces * raw_pixel_bytes(header);
+        let reach = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.reach)) as u32;
+        let close_at_bytes = CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
+        ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
+    }
+}
+
 impl<'a> GroupCoder<'a> {
     fn new(group: &'a SourceGroup, header: CodecHeader) -> Result<GroupCoder<'a>> {
         let mut coder =
@@ -375,14 +369,14 @@ impl<'a> GroupCoder<'a> {
         Ok(coder)
     }
 
-    fn unit_encoder(&self, rect: [u32; 4], settings: &EncodeSettings) -> Unit {
+    fn unit_encoder(&self, rect: [u32; 4], memory: &ColorMemory) -> Unit {
         match self.header {
             CodecHeader::Depth(header) => Unit::Depth(TemporalEncoder::new(rect[2], header.temporal)),
             CodecHeader::Material(header) => Unit::Material(TemporalEncoder::new(rect[2], header.temporal)),
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Unit::Color8(CellEncoder::new(settings.search))
+                Unit::Color8(CellEncoder::new(memory.search, memory.close_at_bytes))
             }
-            CodecHeader::Color(_) => Unit::ColorHalf(CellEncoder::new(settings.search)),
+            CodecHeader::Color(_) => Unit::ColorHalf(CellEncoder::new(memory.search, memory.close_at_bytes)),
         }
     }
 
@@ -442,6 +436,44 @@ impl<'a> GroupCoder<'a> {
     }
 }
 
+/// One unit of one stream at work.
+struct UnitJob {
+    /// Index among the faces of the group.
+    face: usize,
+    stream: u32,
+    unit: u32,
+    rect: [u32; 4],
+    encoder: Unit,
+}
+
+impl UnitJob {
+    /// Codes this unit of each picture (by frame, by face); answers the chunks that were closed.
+    fn push(
+        &mut self,
+        pictures: &[Vec<Coded>],
+        coder: &GroupCoder<'_>,
+        level: Option<u32>,
+    ) -> Result<Vec<PackedChunk>> {
+        let mut packed = Vec::new();
+        for picture in pictures {
+            let chunk = self.encoder.push(&picture[self.face], self.rect, coder)?;
+            packed.extend(chunk.map(|chunk| self.pack(chunk, coder, level)).transpose()?);
+        }
+        Ok(packed)
+    }
+
+    fn finish(&mut self, coder: &GroupCoder<'_>, level: Option<u32>) -> Result<Vec<PackedChunk>> {
+        let chunks = self.encoder.finish(coder)?;
+        chunks.into_iter().map(|chunk| self.pack(chunk, coder, level)).collect()
+    }
+
+    fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>, level: Option<u32>) -> Result<PackedChunk> {
+        let first_frame = coder.group.frames.first + chunk.first_frame;
+        let key = ChunkKey { stream: self.stream, unit: self.unit, first_frame, frame_count: chunk.frame_count };
+        PackedChunk::new(key, chunk.payload, level)
+    }
+}
+
 impl Unit {
     fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
         match (self, picture) {
@@ -465,6 +497,34 @@ impl Unit {
             Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
         }
     }
+}
+
+/// The range of a probe from what was given and what was found; at most one of near and far is given.
+fn found_range(probe: &str, given: [Option<f32>; 2], found: &scan::ProbeScan) -> Result<DepthRange> {
+    let Some(range) = found.range else {
+        return match given[0].or(given[1]) {
+            Some(bound) => DepthRange::new(bound, bound),
+            None if found.taken_as_near => Err(Error::invalid(format!(
+                "probe {probe} has no valid depth at all, so that invalid ones cannot be taken as its nearest: give --near"
+            ))),
+            None => Ok(DepthRange::empty()),
+        };
+    };
+    let (near, far) = (given[0].unwrap_or(range.near_m()), given[1].unwrap_or(range.far_m()));
+    DepthRange::new(near, far).map_err(|_| {
+        Error::Usage(format!(
+            "probe {probe}: near {near} m and far {far} m hold no depth; what was not given was found in the footage, \
+             whose surfaces lie from {} m to {} m",
+            range.near_m(),
+            range.far_m()
+        ))
+    })
+}
+
+/// What a decoder writes where nothing is: the value that the source files had there, unless it could be taken for a
+/// surface. (It is in the files' unit, surfaces are in metres.)
+fn presented_background(value: f32, range: DepthRange) -> f32 {
+    if (range.near_m()..=range.far_m()).contains(&value) { f32::INFINITY } else { value }
 }
 
 /// The pixels of a rectangle (left, top, width, height), row-major.

@@ -18,12 +18,16 @@ const KEEP_BYTES: u64 = 512 << 20;
 /// What a scan found.
 #[derive(Debug)]
 pub struct ProbeScan {
-    /// Nearest and farthest surface; empty range where there is none.
-    pub range: DepthRange,
+    /// Nearest and farthest surface, if there is any.
+    pub range: Option<DepthRange>,
+    /// Whether there are invalid readings that are to be taken as near.
+    pub taken_as_near: bool,
     /// Images kept, by index of the group and frame.
     pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
-    /// Time that threads spent reading.
+    /// Time that threads spent reading the images that were kept.
     pub reading: Duration,
+    /// Time that threads spent reading images that encoding will have to read again.
+    pub scanning: Duration,
 }
 
 /// Scans all depth `groups` (with their indices) of one probe.
@@ -43,7 +47,8 @@ pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &d
         let extent = planes.iter().filter_map(extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
         let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= KEEP_BYTES;
-        Ok((extent, reading, keep.then_some(((at, frame), planes))))
+        let taken_as_near = planes.iter().any(|plane| plane.data().contains(&0.0));
+        Ok(Scanned { extent, taken_as_near, reading, kept: keep.then_some(((at, frame), planes)) })
     };
     // The earliest job known to have failed: later ones are left out, earlier ones still run.
     let failed = AtomicUsize::new(usize::MAX);
@@ -62,13 +67,27 @@ pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &d
         })
         .collect();
     let scanned: Vec<_> = results.into_iter().flatten().collect::<Result<_>>()?;
-    let reading = scanned.iter().map(|(_, reading, _)| *reading).sum();
-    let extent = scanned.iter().filter_map(|(extent, ..)| *extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let range = match extent {
-        Some((near, far)) => DepthRange::new(near, far)?,
-        None => DepthRange::empty(),
+    let extent = scanned.iter().filter_map(|scanned| scanned.extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let read = |kept: bool| {
+        let frames = scanned.iter().filter(|scanned| scanned.kept.is_some() == kept);
+        frames.map(|scanned| scanned.reading).sum::<Duration>()
     };
-    Ok(ProbeScan { range, kept: scanned.into_iter().filter_map(|(.., kept)| kept).collect(), reading })
+    let (reading, scanning) = (read(true), read(false));
+    Ok(ProbeScan {
+        range: extent.map(|(near, far)| DepthRange::new(near, far)).transpose()?,
+        taken_as_near: scanned.iter().any(|scanned| scanned.taken_as_near),
+        reading,
+        scanning,
+        kept: scanned.into_iter().filter_map(|scanned| scanned.kept).collect(),
+    })
+}
+
+/// What one frame of one group held.
+struct Scanned {
+    extent: Option<(f32, f32)>,
+    taken_as_near: bool,
+    reading: Duration,
+    kept: Option<((usize, u32), Vec<DepthPlane>)>,
 }
 
 /// Smallest and largest depth of the surfaces of an image; 0 marks an invalid reading and is none.

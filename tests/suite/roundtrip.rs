@@ -4,7 +4,7 @@ use half::f16;
 use lightfold::color::keyframes::{Effort, SearchSettings};
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::Reader;
-use lightfold::dataset::source::Source;
+use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
@@ -280,4 +280,43 @@ fn static_and_empty_footage_costs_no_pixels_after_its_first_frame() {
     // Pixels: one picture of colour, one of depth, one black cell; everything else is shared or one value.
     let pixels = 64 * 64 * 3 + 64 * 64 * 2 + 32 * 32 * 3;
     assert!(bytes.len() < pixels + 3000, "{} bytes", bytes.len());
+}
+
+#[test]
+fn a_background_that_a_surface_could_have_is_decoded_as_infinity() {
+    for (background, shown) in [(5.0, f32::INFINITY), (0.5, 0.5), (1000.0, 1000.0)] {
+        let folder = tempfile::tempdir().unwrap();
+        let depth = |_: Face, _: u32| Plane::from_fn(8, 8, |x, y| if x == y { background } else { 1.0 + x as f32 });
+        let footage = Footage { frames: [0, 0], depth: Some(&depth), ..Footage::new(8, 8) };
+        footage.write(folder.path());
+        let options = SourceOptions { background: Some(background), ..SourceOptions::default() };
+        let source = Source::open(folder.path(), &options).unwrap();
+        let decoder = decoder(&encoded(&source, &EncodeSettings::default()));
+        let CodecHeader::Depth(header) = decoder.streams()[0].header else { panic!("depth expected") };
+        assert_eq!(header.background, shown);
+    }
+}
+
+#[test]
+fn a_probe_that_sees_nothing_takes_the_bound_that_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let depth = |_: Face, _: u32| Plane::filled(8, 8, f32::INFINITY);
+    let source = Footage { depth: Some(&depth), ..Footage::new(8, 8) }.open(folder.path());
+    for (near_m, far_m) in [(Some(5.0), None), (None, Some(3.0)), (None, None), (Some(1.0), Some(1.0))] {
+        let bytes = encoded(&source, &EncodeSettings { near_m, far_m, ..EncodeSettings::default() });
+        check_depth(&source, &bytes, 0);
+    }
+}
+
+#[test]
+fn invalid_readings_alone_are_no_nearest_surface() {
+    let folder = tempfile::tempdir().unwrap();
+    let depth = |_: Face, _: u32| Plane::filled(8, 8, -1.0);
+    Footage { depth: Some(&depth), ..Footage::new(8, 8) }.write(folder.path());
+    let options = SourceOptions { invalid_depth: InvalidDepth::Near, ..SourceOptions::default() };
+    let source = Source::open(folder.path(), &options).unwrap();
+    let error = encode(&source, &EncodeSettings::default(), Vec::new(), &Silent).unwrap_err().to_string();
+    assert!(error.contains("--near"), "{error}");
+    let settings = EncodeSettings { near_m: Some(2.0), ..EncodeSettings::default() };
+    encoded(&source, &settings);
 }

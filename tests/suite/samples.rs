@@ -108,7 +108,7 @@ pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> 
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let rect = entry.unit_rect(unit);
-        let mut encoder = CellEncoder::<u8>::new(search);
+        let mut encoder = CellEncoder::<u8>::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
         for image in images {
             let cell = cut(image, entry.width, rect);
             chunks.extend(encoder.push(cell.as_flattened(), &EightBit).unwrap().map(|chunk| (unit, chunk)));
@@ -124,7 +124,7 @@ pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let rect = entry.unit_rect(unit);
-        let mut encoder = CellEncoder::<HalfKey>::new(search);
+        let mut encoder = CellEncoder::<HalfKey>::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
         for image in images {
             let cell = cut(image, entry.width, rect);
             let keys: Vec<_> = cell.as_flattened().iter().map(|v| HalfKey::from_bits(v.to_bits())).collect();
