@@ -297,7 +297,7 @@ impl Manifest {
     /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or contradicts itself.
     pub fn read(path: &Path) -> Result<Manifest> {
         let path = manifest_path(path);
-        let file = std::fs::File::open(&path).map_err(|error| Error::io(&path, error))?;
+        let file = crate::image::open_regular(&path)?;
         let mut text = Vec::new();
         // Reads one byte more than allowed instead of trusting the file's stated length.
         file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(&path, error))?;

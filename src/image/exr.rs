@@ -110,7 +110,7 @@ impl Sample for f32 {
 type Reader = exr::block::reader::Reader<BufReader<File>>;
 
 fn open(path: &Path) -> Result<(Reader, u64)> {
-    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    let file = super::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
     if meta.is_dir() {
         return Err(Error::invalid("this is a folder, not an EXR file").in_file(path));

@@ -1,5 +1,10 @@
 //! Images: planes of pixels, the files they live in, and the projections they are seen through.
 
+use std::fs::File;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
 pub mod channels;
 pub mod cube;
 pub mod equirect;
@@ -19,3 +24,12 @@ pub use plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 pub use png::ColorSpace;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+
+/// Opens a file that is one: a named pipe would wait for a writer without end.
+pub(crate) fn open_regular(path: &Path) -> Result<File> {
+    let io = |error| Error::io(path, error);
+    if std::fs::metadata(path).map_err(io)?.is_file() {
+        return File::open(path).map_err(io);
+    }
+    Err(Error::invalid("not a regular file").in_file(path))
+}

@@ -110,7 +110,7 @@ fn write<T>(path: &Path, plane: &Plane<T>, bytes: &[u8], color: ExtendedColorTyp
 }
 
 fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
-    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    let file = super::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
     if meta.is_dir() {
         return Err(Error::invalid("this is a folder, not a PNG file").in_file(path));
