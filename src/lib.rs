@@ -12,6 +12,7 @@ pub mod error;
 pub mod image;
 pub mod metrics;
 pub mod monitor;
+pub mod ordered;
 pub mod report;
 pub mod scene;
 pub mod video;

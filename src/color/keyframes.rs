@@ -167,7 +167,7 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
 /// Σ (x − m)(n − m) over keys. Exact: a cell has at most 2^28 samples of at most 16 bits.
 fn dot<S: Sample>(m: &[S], x: &[S], n: &[S]) -> i64 {
     if S::BYTES == 1 {
-        // 2^15 products of two 9-bit differences fit into 32 bits, which runs twice as fast.
+        // 2^14 products of two differences of at most 255 stay below 2^30 and fit into 32 bits, which runs twice as fast.
         let blocks = m.chunks(1 << 14).zip(x.chunks(1 << 14)).zip(n.chunks(1 << 14));
         return blocks
             .map(|((m, x), n)| {

@@ -196,7 +196,7 @@ impl Index {
     }
 
     /// No two probes of one name, no two streams of one kind, probe and face.
-    pub fn check_unique(&self) -> Result<()> {
+    fn check_unique(&self) -> Result<()> {
         let mut names = HashSet::new();
         if let Some(probe) = self.probes.iter().find(|probe| !names.insert(&probe.name)) {
             return Err(Error::invalid(format!("two probes are named '{}'", probe.name)));
@@ -209,7 +209,7 @@ impl Index {
     }
 
     /// Every unit of every stream has chunks that cover its frames, each once, in order; nothing else has.
-    pub fn check_coverage(&self) -> Result<()> {
+    fn check_coverage(&self) -> Result<()> {
         let broken = |stream: usize, unit: u32, frame: u64| {
             Error::invalid(format!(
                 "the chunk table breaks off at stream {stream}, unit {unit}, frame {frame}: each unit's chunks must \

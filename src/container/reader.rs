@@ -23,7 +23,7 @@ pub struct OpenLimits {
 
 impl Default for OpenLimits {
     fn default() -> Self {
-        OpenLimits { image_floor_bytes: 256 << 20, image_ratio: 1024 }
+        OpenLimits { image_floor_bytes: 512 << 20, image_ratio: 1024 }
     }
 }
 
@@ -117,23 +117,7 @@ impl Reader {
             ));
         }
         let index = Index::read(&bytes, foot.index_offset)?;
-        let allowed = limits.image_floor_bytes.max(limits.image_ratio.saturating_mul(self.file_bytes));
-        for (at, stream) in index.streams.iter().enumerate() {
-            // Six bytes a pixel is the most that any stream of version 1 decodes to.
-            let wanted = u64::from(stream.width) * u64::from(stream.height) * 6;
-            if wanted > allowed {
-                return Err(Error::invalid(format!(
-                    "stream {at} claims {}x{} pixels, more than a file of {} bytes justifies",
-                    stream.width, stream.height, self.file_bytes
-                )));
-            }
-        }
-        if let Some(chunk) = index.chunks.iter().find(|chunk| u64::from(chunk.raw_bytes) > allowed) {
-            return Err(Error::invalid(format!(
-                "stream {} has a chunk that claims {} bytes, more than a file of {} bytes justifies",
-                chunk.key.stream, chunk.raw_bytes, self.file_bytes
-            )));
-        }
+        justify(&index, self.file_bytes, limits)?;
         Ok((index, foot.index_bytes))
     }
 
@@ -231,6 +215,28 @@ impl Reader {
             }
         }
     }
+}
+
+/// Refuses an index whose images or payloads are larger than `limits` allow for a file of `file_bytes`.
+pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
+    let allowed = limits.image_floor_bytes.max(limits.image_ratio.saturating_mul(file_bytes));
+    for (at, stream) in index.streams.iter().enumerate() {
+        // Six bytes a pixel is the most that any stream of version 1 decodes to.
+        let wanted = u64::from(stream.width) * u64::from(stream.height) * 6;
+        if wanted > allowed {
+            return Err(Error::invalid(format!(
+                "stream {at} claims {}x{} pixels, more than a file of {} bytes justifies",
+                stream.width, stream.height, file_bytes
+            )));
+        }
+    }
+    if let Some(chunk) = index.chunks.iter().find(|chunk| u64::from(chunk.raw_bytes) > allowed) {
+        return Err(Error::invalid(format!(
+            "stream {} has a chunk that claims {} bytes, more than a file of {} bytes justifies",
+            chunk.key.stream, chunk.raw_bytes, file_bytes
+        )));
+    }
+    Ok(())
 }
 
 /// What is said of a named input without a single byte, as a command that failed before a pipe leaves it.

@@ -5,9 +5,10 @@ use std::hash::{DefaultHasher, Hasher};
 use std::io::Write;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
-use crate::container::header::{self, Foot};
+use crate::container::header::{self, FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
 use crate::container::lzma2;
+use crate::container::reader::{self, OpenLimits};
 use crate::error::{Error, Result};
 
 /// A payload made ready for storing: compressing it is the slow part, and needs no writer.
@@ -18,8 +19,13 @@ pub struct PackedChunk {
     storage: Storage,
     raw_bytes: u32,
     crc32: u32,
+    /// Of the stored bytes.
+    identity: Identity,
     stored: Vec<u8>,
 }
+
+/// 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
+type Identity = [u64; 3];
 
 impl PackedChunk {
     /// Compresses at LZMA2 preset `level` where one is given and it helps.
@@ -27,7 +33,8 @@ impl PackedChunk {
         let raw_bytes = u32::try_from(payload.len()).ok().filter(|&bytes| bytes <= MAX_CHUNK_BYTES);
         let Some(raw_bytes) = raw_bytes else {
             return Err(Error::unsupported(format!(
-                "a chunk of {} bytes: at most {MAX_CHUNK_BYTES} fit, so use a shorter keyframe interval or more tiles",
+                "a chunk of {} bytes: at most {MAX_CHUNK_BYTES} fit, so use a shorter --keyframe-interval, more --tiles or \
+                 a smaller --cell",
                 payload.len()
             )));
         };
@@ -36,7 +43,8 @@ impl PackedChunk {
             Some(compressed) if compressed.len() < payload.len() => (Storage::Lzma2, compressed),
             _ => (Storage::Raw, payload),
         };
-        Ok(PackedChunk { key, storage, raw_bytes, crc32: crc32fast::hash(&stored), stored })
+        let crc32 = crc32fast::hash(&stored);
+        Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
     }
 
     /// Takes the stored bytes of a chunk of another container as they are.
@@ -45,13 +53,23 @@ impl PackedChunk {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
         }
         let ChunkEntry { storage, raw_bytes, crc32, .. } = *entry;
-        Ok(PackedChunk { key, storage, raw_bytes, crc32, stored })
+        Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
     }
 
     /// Bytes that the file will hold for it.
     pub fn stored_bytes(&self) -> usize {
         self.stored.len()
     }
+}
+
+fn identity(stored: &[u8], crc32: u32) -> Identity {
+    let hash = |salt: u8| {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_u8(salt);
+        hasher.write(stored);
+        hasher.finish()
+    };
+    [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
 }
 
 /// Writes chunks as they come and the index at the end.
@@ -62,7 +80,7 @@ pub struct Writer<W: Write> {
     out: W,
     position: u64,
     index: Index,
-    stored: HashMap<[u64; 3], u64>,
+    stored: HashMap<Identity, u64>,
 }
 
 impl<W: Write> Writer<W> {
@@ -93,21 +111,13 @@ impl<W: Write> Writer<W> {
 
     /// Appends a chunk.
     pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
-        let hash = |salt: u8| {
-            let mut hasher = DefaultHasher::new();
-            hasher.write_u8(salt);
-            hasher.write(&chunk.stored);
-            hasher.finish()
-        };
-        // 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
-        let identity = [hash(1), hash(2), u64::from(chunk.crc32) << 32 | chunk.stored.len() as u64];
-        let offset = match self.stored.get(&identity) {
+        let offset = match self.stored.get(&chunk.identity) {
             Some(&offset) => offset,
             None => {
                 self.out.write_all(&chunk.stored).map_err(|error| Error::io("", error))?;
                 let offset = self.position;
                 self.position += chunk.stored.len() as u64;
-                self.stored.insert(identity, offset);
+                self.stored.insert(chunk.identity, offset);
                 offset
             }
         };
@@ -125,16 +135,18 @@ impl<W: Write> Writer<W> {
     /// Writes index and foot, flushes, and gives back the sink and the file's size.
     pub fn finish(mut self) -> Result<(W, u64)> {
         self.index.chunks.sort_by_key(|chunk| chunk.key);
-        self.index.check_unique()?;
-        self.index.check_coverage()?;
         let index = self.index.write()?;
+        let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
+        // What no reader would open is an error now, not when it is opened.
+        Index::read(&index, self.position)
+            .and_then(|read| reader::justify(&read, bytes, OpenLimits::default()))
+            .map_err(|error| error.context("this container could not be opened again"))?;
         let foot =
             Foot { index_offset: self.position, index_bytes: index.len() as u64, index_crc32: crc32fast::hash(&index) };
         let foot = foot.write();
         let written =
             self.out.write_all(&index).and_then(|()| self.out.write_all(&foot)).and_then(|()| self.out.flush());
         written.map_err(|error| Error::io("", error))?;
-        let bytes = self.position + index.len() as u64 + foot.len() as u64;
         Ok((self.out, bytes))
     }
 }

@@ -3,8 +3,6 @@
 //! Based on: CALF 5.2, figure 6: start from one tight box and keep splitting. Every split position of every box is
 //! tried, the one that drops most pixels is taken, both halves are shrunk to what they hold.
 
-use rayon::prelude::*;
-
 /// The largest `--max-aabbs`; the format stops there too (depth.md 4).
 pub const MAX_BOXES: u16 = 256;
 
@@ -66,7 +64,7 @@ pub fn cover(mask: Mask<'_>, budget: BoxBudget) -> Vec<PixelBox> {
         let Some(at) = best.filter(|&at| done[at].saving > budget.min_saving) else { break };
         let halves = done[at].halves;
         // A split position lies between two set pixels, so neither half is empty.
-        let mut parts: Vec<_> = halves.par_iter().filter_map(|&half| Candidate::new(mask, half)).collect();
+        let mut parts: Vec<_> = halves.iter().filter_map(|&half| Candidate::new(mask, half)).collect();
         let Some(second) = parts.pop() else { break };
         let Some(first) = parts.pop() else { break };
         done[at] = first;
@@ -153,24 +151,26 @@ fn occupied(lines: &[[u16; 2]]) -> Option<[usize; 2]> {
 
 /// The cut that leaves the fewest pixels in two tight boxes: its position (lines before it) and those pixels.
 fn best_split(lines: &[[u16; 2]]) -> Option<(usize, u32)> {
-    let areas = |lines: &mut dyn Iterator<Item = &[u16; 2]>| -> Vec<u32> {
-        let (mut low, mut high, mut depth, mut held) = (u16::MAX, 0, 0, 0);
-        lines
-            .map(|&[first, last]| {
-                depth += 1;
-                if first <= last {
-                    low = low.min(first);
-                    high = high.max(last);
-                    held = depth;
-                }
-                held * (u32::from(high) + 1 - u32::from(low.min(high)))
-            })
-            .collect()
-    };
     // The outermost lines are occupied, so both sides of every cut hold something.
-    let before = areas(&mut lines.iter());
-    let after = areas(&mut lines.iter().rev());
+    let before = areas(lines.iter());
+    let after = areas(lines.iter().rev());
     (1..lines.len()).map(|cut| (cut, before[cut - 1] + after[lines.len() - cut - 1])).min_by_key(|&(_, kept)| kept)
+}
+
+/// Area of the tight box around the first line, around the first two, and so on.
+fn areas<'a>(lines: impl Iterator<Item = &'a [u16; 2]>) -> Vec<u32> {
+    let (mut low, mut high, mut depth, mut held) = (u16::MAX, 0, 0, 0);
+    lines
+        .map(|&[first, last]| {
+            depth += 1;
+            if first <= last {
+                low = low.min(first);
+                high = high.max(last);
+                held = depth;
+            }
+            held * (u32::from(high) + 1 - u32::from(low.min(high)))
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -42,12 +42,6 @@ impl DepthRange {
         self.far_m
     }
 
-    /// Widens the range to hold `other` too.
-    #[must_use]
-    pub fn union(self, other: DepthRange) -> DepthRange {
-        DepthRange { near_m: self.near_m.min(other.near_m), far_m: self.far_m.max(other.far_m) }
-    }
-
     /// ln(far/near), exact to a few ulp also where far and near are neighbouring floats.
     fn log_span(self) -> f64 {
         let (near, far) = (f64::from(self.near_m), f64::from(self.far_m));

@@ -260,6 +260,8 @@ impl<T: Texel> ChunkBuilder<T> {
     /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
     pub fn push_boxes(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
         self.begin(frame, BOXES, boxes.len() as u16);
+        let pixels: usize = boxes.iter().map(|b| b.area() as usize).sum();
+        self.data.reserve(8 * boxes.len() + T::BYTES * pixels);
         for b in boxes {
             [b.x, b.y, b.width, b.height].iter().for_each(|&value| self.data.put_u16(value));
         }

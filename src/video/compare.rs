@@ -4,8 +4,6 @@
 //! a transfer function or half floats, as the side that is a container codes them. One frame of each stream is in
 //! memory at a time; streams are compared in parallel, and the result does not depend on how many at once.
 
-use rayon::prelude::*;
-
 use crate::color::quality::Pu21;
 use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::DepthRange;
@@ -14,6 +12,7 @@ use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
+use crate::ordered::try_map_ordered;
 use crate::video::codec::ColorFormat;
 use crate::video::comparison::{Comparison, Measured, Missing, StreamReport};
 use crate::video::difference::{BitErrors, DepthErrors, SampleErrors, half_levels, half_peak};
@@ -196,7 +195,7 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
     let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
     let job = Job { sides: pairing.sides, settings, monitor };
     let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
-    let reports = jobs.into_par_iter().map(|pairs| job.run(pairs)).collect::<Result<Vec<_>>>()?;
+    let reports = try_map_ordered(jobs, |pairs| job.run(pairs))?;
     Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
 }
 
@@ -239,21 +238,18 @@ fn domains(pairing: &Pairing<'_>, monitor: &dyn Monitor) -> Result<Vec<Domain>> 
     let unknown: Vec<Pair<'_>> =
         pairing.pairs.iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
     let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();
-    let extents = chunks
-        .into_par_iter()
-        .map(|pairs| {
-            let mut extents = vec![None; pairs.len()];
-            visit(pairing.sides, pairs, monitor, |at, _, images| {
-                for image in &images {
-                    if let Image::Depth(plane) = image {
-                        extents[at] = union(extents[at], scan::extent(plane));
-                    }
+    let extents = try_map_ordered(chunks, |pairs| {
+        let mut extents = vec![None; pairs.len()];
+        visit(pairing.sides, pairs, monitor, |at, _, images| {
+            for image in &images {
+                if let Image::Depth(plane) = image {
+                    extents[at] = union(extents[at], scan::extent(plane));
                 }
-                Ok(())
-            })?;
-            Ok(extents)
-        })
-        .collect::<Result<Vec<Vec<_>>>>()?;
+            }
+            Ok(())
+        })?;
+        Ok(extents)
+    })?;
     let scanned: Vec<_> = unknown.iter().zip(extents.into_iter().flatten()).collect();
     let range_of = |pair: &Pair<'_>| {
         // One range for all faces of a probe, as a container has it.

@@ -1,7 +1,5 @@
 //! Between what files hold and what codecs code: metres and codes, light and 8 bits, weights and bytes.
 
-use half::f16;
-
 use crate::dataset::source::{Source, SourceGroup};
 use crate::depth::quantise::Quantiser;
 use crate::error::{Error, Result};
@@ -80,16 +78,6 @@ pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
         let unit = |code: u8| f32::from(code) / 255.0;
         [unit(reflect), unit(refract), low + unit(ior) * (high - low)]
     })
-}
-
-/// The samples of a colour image, one after the other.
-pub fn samples_of<T: Copy>(plane: &Plane<[T; 3]>) -> &[T] {
-    plane.data().as_flattened()
-}
-
-/// Half floats of a colour image as bit patterns.
-pub fn half_bits(samples: &[f16]) -> impl Iterator<Item = u16> {
-    samples.iter().map(|sample| sample.to_bits())
 }
 
 /// Says which frame of which stream an error came from.

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use half::f16;
-use rayon::prelude::*;
 
 use crate::color::blend::{HalfKey, Sample};
 use crate::color::cells::CellChunk;
@@ -17,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
+use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
 
 /// A stream of an open container, typed.
@@ -288,6 +288,8 @@ struct CellState<S> {
     /// Index of the chunk, keyframe in it, weight.
     recipe: Option<(usize, usize, u8)>,
     chunk: Option<(usize, CellChunk<S>)>,
+    /// The chunk after it, once its first keyframe was needed.
+    next_chunk: Option<(usize, CellChunk<S>)>,
     keyframes: [Keyframe<S>; 2],
 }
 
@@ -300,7 +302,14 @@ struct Keyframe<S> {
 
 impl<S: Sample> CellState<S> {
     fn new(pixels: usize) -> Self {
-        CellState { pixels, shown: Vec::new(), recipe: None, chunk: None, keyframes: Default::default() }
+        CellState {
+            pixels,
+            shown: Vec::new(),
+            recipe: None,
+            chunk: None,
+            next_chunk: None,
+            keyframes: Default::default(),
+        }
     }
 
     fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
@@ -337,7 +346,10 @@ impl<S: Sample> CellState<S> {
             if let Some((_, old)) = self.chunk.take() {
                 source.spare = old.into_spare();
             }
-            self.chunk = Some((index, self.parse(source, entry)?));
+            self.chunk = match self.next_chunk.take() {
+                Some((held, next)) if held == index => Some((held, next)),
+                _ => Some((index, self.parse(source, entry)?)),
+            };
         }
         Ok(())
     }
@@ -357,17 +369,17 @@ impl<S: Sample> CellState<S> {
             return Ok(());
         }
         let (chunk_index, keyframe) = of;
-        let other = match &self.chunk {
-            Some((held, _)) if *held == chunk_index => None,
-            _ => {
-                let Some(&entry) = source.chunks.get(chunk_index) else {
-                    return Err(Error::invalid("a cell's last chunk leads to a next one, and there is none")
-                        .in_file(source.reader.path()));
-                };
-                Some(self.parse(source, &entry)?)
-            }
-        };
-        let chunk = other.as_ref().or(self.chunk.as_ref().map(|(_, chunk)| chunk));
+        let holds =
+            |chunk: &Option<(usize, CellChunk<S>)>| chunk.as_ref().is_some_and(|(held, _)| *held == chunk_index);
+        if !holds(&self.chunk) && !holds(&self.next_chunk) {
+            let Some(&entry) = source.chunks.get(chunk_index) else {
+                return Err(Error::invalid("a cell's last chunk leads to a next one, and there is none")
+                    .in_file(source.reader.path()));
+            };
+            self.next_chunk = Some((chunk_index, self.parse(source, &entry)?));
+        }
+        let held = if holds(&self.chunk) { &self.chunk } else { &self.next_chunk };
+        let chunk = held.as_ref().map(|(_, chunk)| chunk);
         let target = &mut self.keyframes[slot];
         target.samples.resize(self.pixels * 3, S::default());
         if let Some(chunk) = chunk {
@@ -388,7 +400,7 @@ pub struct FaceDecoder<'a> {
 impl FaceDecoder<'_> {
     /// The image of a frame.
     pub fn decode(&mut self, frame: u32) -> Result<Picture> {
-        self.units.par_iter_mut().try_for_each(|unit| unit.decode(frame).map(|_| ()))?;
+        try_map_ordered(self.units.iter_mut().collect(), |unit| unit.decode(frame))?;
         let (width, height) = (self.stream.entry.width, self.stream.entry.height);
         Ok(match self.stream.header {
             CodecHeader::Depth(_) => Picture::Depth(self.assemble(width, height, |unit| match &unit.state {

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
 use serde_json::json;
 
 use crate::dataset::manifest::{self, Manifest};
@@ -15,6 +14,7 @@ use crate::image::sequence::{FrameRange, Pattern};
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 use crate::image::{exr, png};
 use crate::monitor::Monitor;
+use crate::ordered::{try_map_ordered, try_map_ordered_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
 use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
@@ -138,28 +138,27 @@ pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn
         .iter()
         .flat_map(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
         .collect();
-    jobs.into_par_iter()
-        .map_init(Vec::new, |spare, (stream, frames, unit)| {
-            let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
-            for frame in frames.iter() {
-                monitor.check()?;
-                decoder.decode(frame)?;
-            }
-            let [_, _, width, height] = decoder.rect();
-            let first = unit == 0;
-            if first {
-                monitor.advance(frames.count());
-            }
-            let cost = decoder.cost();
-            *spare = decoder.into_spare();
-            Ok(DecodeSummary {
-                frames: if first { frames.count() } else { 0 },
-                pixels: frames.count() * u64::from(width) * u64::from(height),
-                bytes_out: cost.updated_pixels * decoded_pixel_bytes(&stream.header),
-                cost,
-            })
+    let summaries = try_map_ordered_with(jobs, Vec::new, |spare, (stream, frames, unit)| {
+        let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
+        for frame in frames.iter() {
+            monitor.check()?;
+            decoder.decode(frame)?;
+        }
+        let [_, _, width, height] = decoder.rect();
+        let first = unit == 0;
+        if first {
+            monitor.advance(frames.count());
+        }
+        let cost = decoder.cost();
+        *spare = decoder.into_spare();
+        Ok(DecodeSummary {
+            frames: if first { frames.count() } else { 0 },
+            pixels: frames.count() * u64::from(width) * u64::from(height),
+            bytes_out: cost.updated_pixels * decoded_pixel_bytes(&stream.header),
+            cost,
         })
-        .try_reduce(DecodeSummary::default, |a, b| Ok(a.plus(b)))
+    })?;
+    Ok(summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus))
 }
 
 /// Where images go.
@@ -180,34 +179,32 @@ pub fn decode_to_files(
     monitor: &dyn Monitor,
 ) -> Result<DecodeSummary> {
     let written = AtomicU64::new(0);
-    let mut summary = chosen
-        .par_iter()
-        .map(|&(stream, frames)| {
-            let writer = ImageWriter::new(stream, format);
-            let mut face = decoder.face(stream);
-            for frame in frames.iter() {
-                monitor.check()?;
-                let path = match destination {
-                    Destination::Files(pattern) => pattern.path(frame),
-                    Destination::Dataset(folder) => {
-                        let pattern = file_pattern(decoder, stream.kind, format);
-                        let probe = &decoder.probe(stream).name;
-                        let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
-                        Pattern::parse(&name)?.below(folder).path(frame)
-                    }
-                };
-                if let Some(parent) = path.parent() {
-                    std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+    let summaries = try_map_ordered(chosen.to_vec(), |(stream, frames)| {
+        let writer = ImageWriter::new(stream, format);
+        let mut face = decoder.face(stream);
+        for frame in frames.iter() {
+            monitor.check()?;
+            let path = match destination {
+                Destination::Files(pattern) => pattern.path(frame),
+                Destination::Dataset(folder) => {
+                    let pattern = file_pattern(decoder, stream.kind, format);
+                    let probe = &decoder.probe(stream).name;
+                    let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
+                    Pattern::parse(&name)?.below(folder).path(frame)
                 }
-                writer.write(&path, face.decode(frame)?).map_err(|error| error.in_file(&path))?;
-                let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
-                written.fetch_add(bytes, Ordering::Relaxed);
-                monitor.advance(1);
+            };
+            if let Some(parent) = path.parent() {
+                std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
-            let pixels = frames.count() * u64::from(stream.entry.width) * u64::from(stream.entry.height);
-            Ok(DecodeSummary { frames: frames.count(), pixels, bytes_out: 0, cost: face.cost() })
-        })
-        .try_reduce(DecodeSummary::default, |a, b| Ok(a.plus(b)))?;
+            writer.write(&path, face.decode(frame)?).map_err(|error| error.in_file(&path))?;
+            let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
+            written.fetch_add(bytes, Ordering::Relaxed);
+            monitor.advance(1);
+        }
+        let pixels = frames.count() * u64::from(stream.entry.width) * u64::from(stream.entry.height);
+        Ok(DecodeSummary { frames: frames.count(), pixels, bytes_out: 0, cost: face.cost() })
+    })?;
+    let mut summary = summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus);
     if let Destination::Dataset(folder) = destination
         && let Some(manifest) = manifest_of(decoder, chosen, format)
     {

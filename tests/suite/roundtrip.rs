@@ -1,10 +1,12 @@
 //! Footage goes in, is decoded, and is what it was: sizes, ranges and settings that are easy to get wrong.
 
 use half::f16;
+use lightfold::color::cells::CellBuilder;
 use lightfold::color::keyframes::{Effort, SearchSettings};
 use lightfold::color::quality::{EightBit, Pu21, Quality};
-use lightfold::container::Reader;
+use lightfold::container::{Reader, Writer};
 use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
+use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
@@ -14,8 +16,10 @@ use lightfold::video::codec::{CodecHeader, ColorFormat};
 use lightfold::video::convert;
 use lightfold::video::decode::{Decoder, Picture};
 use lightfold::video::encode::{EncodeSettings, encode};
+use lightfold::video::export::{Selection, decode_to_nothing};
 
 use crate::footage::{Footage, Random, drifting_color};
+use crate::samples;
 
 fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
     let (bytes, summary) = encode(source, settings, Vec::new(), &Silent).unwrap();
@@ -319,4 +323,63 @@ fn invalid_readings_alone_are_no_nearest_surface() {
     assert!(error.contains("--near"), "{error}");
     let settings = EncodeSettings { near_m: Some(2.0), ..EncodeSettings::default() };
     encoded(&source, &settings);
+}
+
+#[test]
+fn a_large_image_of_background_opens_again_and_what_no_reader_takes_is_not_written() {
+    let (settings, side) = (TemporalSettings::default(), 1024);
+    let shape = samples::Shape { face: 0, size: [8192, 8192], unit: [side, side], first_frame: 0, frame_count: 1 };
+    let entry = samples::entry(shape, &samples::depth_header([1.0, 2.0], settings));
+    let mut encoder = TemporalEncoder::new(side, settings);
+    assert!(encoder.push(&vec![BACKGROUND_CODE; (side * side) as usize]).unwrap().is_none());
+    let chunk = encoder.finish().unwrap().unwrap();
+    let chunks = (0..64).map(|unit| (unit, chunk.clone())).collect();
+    let file = samples::container(0, samples::probe("00", 0), &[samples::Stream { entry, chunks }], None);
+    assert_eq!(decoder(&file).streams().len(), 1);
+
+    let refused = |name: &str, probe: &str| {
+        let mut writer = Writer::new(Vec::new(), name, 24.0, 0).unwrap();
+        writer.add_probe(samples::probe(probe, 0)).unwrap();
+        writer.finish().map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(refused("a\u{1b}b", "00").contains("control characters"));
+    assert!(refused("a", "../b").contains("could not be opened again"));
+}
+
+#[test]
+fn sequential_colour_reads_each_chunk_once() {
+    let search = SearchSettings::default();
+    let shape = samples::Shape { face: 0, size: [2, 1], unit: [2, 1], first_frame: 0, frame_count: 9 };
+    let cell = |value: u8| {
+        let mut cell = CellBuilder::default();
+        cell.push_keyframe::<u8>(&[value; 6]);
+        cell.push_weight(if value < 30 { 128 } else { 0 }, 2);
+        cell
+    };
+    let stream = samples::cells_by_hand(shape, &samples::color8_header(&search), [10, 20, 30].map(cell).into());
+    let decoder = decoder(&samples::container(0, samples::probe("00", 8), &[stream], None));
+    let mut unit = decoder.unit(&decoder.streams()[0], 0);
+    (0..9).for_each(|frame| assert!(unit.decode(frame).is_ok()));
+    let stored: u64 = decoder.reader().index().chunks.iter().map(|chunk| u64::from(chunk.stored_bytes)).sum();
+    assert_eq!((decoder.reader().index().chunks.len(), unit.cost().bytes_read), (3, stored));
+}
+
+#[test]
+fn of_two_damaged_chunks_the_first_is_named() {
+    let settings = TemporalSettings::default();
+    let shape = samples::Shape { face: 0, size: [8, 8], unit: [2, 2], first_frame: 0, frame_count: 1 };
+    let stream = samples::depth(shape, [1.0, 2.0], &samples::moving_codes([8, 8], 1, 3), settings);
+    let file = samples::container(0, samples::probe("00", 0), &[stream], None);
+    let damage = |at: usize, payload: &mut Vec<u8>| payload.truncate(if [3, 12].contains(&at) { 1 } else { 1 << 20 });
+    let decoder = decoder(&samples::with_payloads(&file, damage));
+    let chosen = Selection::default().choose(&decoder).unwrap();
+    for threads in [1, 4] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        for _ in 0..20 {
+            let error = pool.install(|| decode_to_nothing(&decoder, &chosen, &Silent)).unwrap_err().to_string();
+            assert!(error.contains("unit 3,"), "{error}");
+            let error = pool.install(|| decoder.face(chosen[0].0).decode(0)).unwrap_err().to_string();
+            assert!(error.contains("unit 3,"), "{error}");
+        }
+    }
 }
