@@ -24,6 +24,7 @@ use crate::error::{Error, Result};
 use crate::image::plane::{DepthPlane, Plane};
 use crate::image::transfer::EncodeTable;
 use crate::monitor::Monitor;
+use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 use crate::video::{convert, scan};
 
@@ -259,18 +260,12 @@ impl<W: Write> Job<'_, W> {
         let level = self.settings.lzma2;
         for batch in frames.chunks(batch) {
             let inputs: Vec<_> = batch.iter().map(|&frame| (frame, kept(frame))).collect();
-            let pictures = inputs
-                .into_par_iter()
-                .map(|(frame, kept)| {
-                    self.monitor.check()?;
-                    let coded = coder.read(self.source, frame, kept, &reading, &coding)?;
-                    self.monitor.advance(coded.len() as u64);
-                    Ok(coded)
-                })
-                // All of them first, so that of several errors the first frame's is told, on any number of threads.
-                .collect::<Vec<_>>()
-                .into_iter()
-                .collect::<Result<Vec<_>>>()?;
+            let pictures = try_map_ordered(inputs, |(frame, kept)| {
+                self.monitor.check()?;
+                let coded = coder.read(self.source, frame, kept, &reading, &coding)?;
+                self.monitor.advance(coded.len() as u64);
+                Ok(coded)
+            })?;
             let packed = units
                 .par_iter_mut()
                 .map(|job| timed(&coding, || job.push(&pictures, &coder, level)))

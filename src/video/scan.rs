@@ -1,16 +1,15 @@
 //! Finds how near and how far the surfaces of a probe are, reading each frame once where memory allows.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
-
-use rayon::prelude::*;
 
 use crate::dataset::source::{Source, SourceGroup};
 use crate::depth::quantise::DepthRange;
 use crate::error::Result;
 use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
+use crate::ordered::try_map_ordered;
 
 /// Frames that the scan may keep so that encoding need not read them again.
 const KEEP_BYTES: u64 = 512 << 20;
@@ -39,7 +38,7 @@ pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &d
     let budget = AtomicU64::new(0);
     let jobs: Vec<_> =
         groups.iter().flat_map(|&(at, group)| group.frames.iter().map(move |frame| (at, group, frame))).collect();
-    let scan = |at: usize, group: &SourceGroup, frame: u32| {
+    let scanned = try_map_ordered(jobs, |(at, group, frame)| {
         monitor.check()?;
         let start = std::time::Instant::now();
         let planes = source.read_depth(group, frame)?;
@@ -49,24 +48,7 @@ pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &d
         let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= KEEP_BYTES;
         let taken_as_near = planes.iter().any(|plane| plane.data().contains(&0.0));
         Ok(Scanned { extent, taken_as_near, reading, kept: keep.then_some(((at, frame), planes)) })
-    };
-    // The earliest job known to have failed: later ones are left out, earlier ones still run.
-    let failed = AtomicUsize::new(usize::MAX);
-    let results: Vec<Option<Result<_>>> = jobs
-        .into_par_iter()
-        .enumerate()
-        .map(|(order, (at, group, frame))| {
-            if order > failed.load(Ordering::Relaxed) {
-                return None;
-            }
-            let scanned = scan(at, group, frame);
-            if scanned.is_err() {
-                failed.fetch_min(order, Ordering::Relaxed);
-            }
-            Some(scanned)
-        })
-        .collect();
-    let scanned: Vec<_> = results.into_iter().flatten().collect::<Result<_>>()?;
+    })?;
     let extent = scanned.iter().filter_map(|scanned| scanned.extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let read = |kept: bool| {
         let frames = scanned.iter().filter(|scanned| scanned.kept.is_some() == kept);
