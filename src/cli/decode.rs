@@ -6,18 +6,16 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::json;
 
-use crate::cli::options::{self, FrameArgs};
+use crate::cli::options::{FrameArgs, SelectionArgs};
 use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
 use crate::dataset::manifest::MANIFEST_NAME;
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
 use crate::image::sequence::Pattern;
 use crate::video::decode::Decoder;
-use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat, Selection};
+use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -38,15 +36,9 @@ pub struct Args {
     /// Decode everything and write nothing; reports the time of the decoding alone
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
-    /// Only these probes
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub probe: Vec<String>,
-    /// Only these faces
-    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
-    pub face: Vec<Face>,
-    /// Only streams of these kinds: color, depth, material
-    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
-    pub stream: Vec<StreamKind>,
+    /// Streams.
+    #[command(flatten)]
+    pub selection: SelectionArgs,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
@@ -75,13 +67,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let in_memory = args.null && reader.load(LOAD_BYTES)?;
     let reading = start.elapsed();
     let decoder = Decoder::new(reader)?;
-    let selection = Selection {
-        probes: args.probe.clone(),
-        faces: args.face.clone(),
-        kinds: args.stream.clone(),
-        frames: args.frames.frames,
-    };
-    let chosen = selection.choose(&decoder)?;
+    let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
     let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
     let progress = Progress::start(global, "decoding", images)?;
     let start = Instant::now();

@@ -8,15 +8,13 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use crate::cli::options::{self, SelectionArgs};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome, options, output};
-use crate::dataset::stream::StreamKind;
+use crate::cli::{GlobalArgs, Outcome, output};
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 use crate::report;
 use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::export::Selection;
 use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
 
 /// Arguments.
@@ -33,15 +31,9 @@ pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold")]
     pub input: PathBuf,
-    /// Only these probes
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub probe: Vec<String>,
-    /// Only these faces
-    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
-    pub face: Vec<Face>,
-    /// Only streams of these kinds: color, depth, material
-    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
-    pub stream: Vec<StreamKind>,
+    /// Streams.
+    #[command(flatten)]
+    pub selection: SelectionArgs,
     /// One row for every stream, also where there are many; else they are summed up for each probe and kind
     #[arg(long)]
     pub streams: bool,
@@ -95,8 +87,7 @@ struct Document<'a> {
 /// Inspects.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let decoder = Decoder::open(&args.input)?;
-    let selection =
-        Selection { probes: args.probe.clone(), faces: args.face.clone(), kinds: args.stream.clone(), frames: None };
+    let selection = args.selection.with(None);
     let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|(stream, _)| stream).collect();
     let settings = InspectSettings {
         rows: match (args.frames, args.range) {

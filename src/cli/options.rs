@@ -16,6 +16,7 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::video::codec::ColorFormat;
 use crate::video::encode::EncodeSettings;
+use crate::video::export::Selection;
 
 /// Parses a stream kind.
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
@@ -47,6 +48,27 @@ pub struct FrameArgs {
     /// Only these frames, such as 10-99 or 12
     #[arg(long, value_name = "A-B", value_parser = parse_frames)]
     pub frames: Option<FrameRange>,
+}
+
+/// Which streams of a container.
+#[derive(Debug, Clone, Args)]
+pub struct SelectionArgs {
+    /// Only these probes
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub probe: Vec<String>,
+    /// Only these faces
+    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = parse_face)]
+    pub face: Vec<Face>,
+    /// Only streams of these kinds: color, depth, material
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
+    pub stream: Vec<StreamKind>,
+}
+
+impl SelectionArgs {
+    /// The selection of these streams and of `frames`.
+    pub fn with(&self, frames: Option<FrameRange>) -> Selection {
+        Selection { probes: self.probe.clone(), faces: self.face.clone(), kinds: self.stream.clone(), frames }
+    }
 }
 
 /// How depth is read and coded.
