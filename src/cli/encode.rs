@@ -75,7 +75,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     {
         return Err(Error::Usage(format!("{}: the manifest, which would be overwritten", args.output.path.display())));
     }
-    let source = options::open_dataset(&args.input, &options)?;
+    let source = Source::open(&args.input, &options)?;
     let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
     if let (Some(asked), Some(there)) = (asked, there)
         && (asked.first < there.first || asked.last > there.last)

@@ -313,11 +313,6 @@ pub fn is_dataset(path: &Path) -> bool {
         || path.join(crate::dataset::manifest::MANIFEST_NAME).is_file()
 }
 
-/// Opens a dataset.
-pub fn open_dataset(path: &Path, options: &SourceOptions) -> Result<Source> {
-    Source::open(path, options)
-}
-
 /// `--color-space` of a lone sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorSpaceArg {

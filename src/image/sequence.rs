@@ -326,17 +326,6 @@ impl Sequence {
     pub fn frames(&self) -> FrameRange {
         self.frames
     }
-
-    /// The pattern of the files.
-    pub fn pattern(&self) -> &Pattern {
-        &self.pattern
-    }
-
-    /// The same files, but only the frames of `range`; `None` when none is left.
-    #[must_use]
-    pub fn limited(&self, range: FrameRange) -> Option<Sequence> {
-        self.frames.intersect(range).map(|frames| Sequence { pattern: self.pattern.clone(), frames })
-    }
 }
 
 /// Names, as far as they are UTF-8, of the files in a folder.
