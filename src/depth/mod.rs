@@ -2,6 +2,7 @@
 //!
 //! Enters: metres. Leaves: chunk payloads whose decoding is within the promised bound in every pixel.
 
+pub mod block;
 pub mod boxes;
 pub mod quantise;
 pub mod records;
