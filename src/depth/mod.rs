@@ -2,12 +2,30 @@
 //!
 //! Enters: metres. Leaves: chunk payloads whose decoding is within the promised bound in every pixel.
 
+pub mod bc4w;
+pub mod biquadratic;
+pub mod bits;
 pub mod block;
+pub mod block_chunk;
 pub mod boxes;
+pub mod census;
+pub mod domain;
+pub mod limit;
+pub mod mode_decision;
+pub mod node_chunk;
+pub mod node_encoder;
+pub mod nodes;
+pub mod platelet;
+pub mod precision;
+pub mod quadtree;
 pub mod quantise;
+pub mod record_table;
 pub mod records;
+pub mod runtime;
+pub mod storage;
 pub mod temporal;
 pub mod texel;
+pub mod tree_chunk;
 pub mod window;
 
 pub use boxes::PixelBox;

@@ -7,8 +7,9 @@ use std::marker::PhantomData;
 use crate::container::Payload;
 use crate::container::fields::{Fields, PutFields};
 use crate::depth::boxes::{MAX_BOXES, PixelBox};
+use crate::depth::record_table::{self, TableBuilder};
 use crate::depth::texel::Texel;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// The whole unit follows, row-major.
 const WHOLE: u8 = 0;
@@ -17,8 +18,6 @@ const CONSTANT: u8 = 1;
 /// Boxes follow, then their pixels.
 const BOXES: u8 = 2;
 const SECTION: &str = "depth.md 4";
-/// Bytes of a row of the record table.
-const RECORD_ROW_BYTES: usize = 8;
 /// Bytes of a record before its boxes or values.
 const RECORD_HEAD_BYTES: usize = 4;
 /// Bytes of a box before its values.
@@ -67,11 +66,7 @@ impl<T: Texel> TemporalChunk<T> {
     pub fn parse(payload: impl Into<Payload>, size: [u32; 2], frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
-        let count = fields.u32()?;
-        if u64::from(count) * RECORD_ROW_BYTES as u64 > fields.remaining() as u64 || count > frame_count || count == 0 {
-            return Err(fields.error(format!("{count} records for {frame_count} frames do not fit")));
-        }
-        let table = (0..count).map(|_| Ok((fields.u32()?, fields.u32()?))).collect::<Result<Vec<_>>>()?;
+        let table = record_table::read(&mut fields, frame_count)?;
         let mut chunk = TemporalChunk {
             payload: Payload::from(Vec::new()),
             records: Vec::with_capacity(table.len()),
@@ -79,19 +74,13 @@ impl<T: Texel> TemporalChunk<T> {
             size,
             texel: PhantomData,
         };
-        for (at, &(frame, offset)) in table.iter().enumerate() {
-            let ascends = if at == 0 { frame == 0 } else { frame > table[at - 1].0 };
-            if !ascends || frame >= frame_count {
-                return Err(fields.error(format!("record {at} is for frame {frame}, out of order or out of range")));
-            }
-            if u64::from(offset) != fields.offset() {
-                return Err(fields.error(format!("record {at} was announced at offset {offset}")));
-            }
+        for (at, &row) in table.iter().enumerate() {
+            record_table::check_start(&fields, at, row)?;
             let body = chunk.parse_body(&mut fields)?;
             if at == 0 && matches!(body, Body::Boxes { .. }) {
                 return Err(fields.error("a chunk's first record must be a whole picture"));
             }
-            chunk.records.push(Record { frame, body });
+            chunk.records.push(Record { frame: row.frame, body });
         }
         fields.finish()?;
         chunk.payload = payload;
@@ -177,7 +166,7 @@ impl<T: Texel> TemporalChunk<T> {
             _ => self.updated_pixels(body),
         };
         let boxes = self.boxes(body).len() * BOX_BYTES;
-        (RECORD_ROW_BYTES + RECORD_HEAD_BYTES + boxes) as u64 + values * T::BYTES as u64
+        (record_table::ROW_BYTES + RECORD_HEAD_BYTES + boxes) as u64 + values * T::BYTES as u64
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
@@ -185,27 +174,9 @@ impl<T: Texel> TemporalChunk<T> {
     ///
     /// Both frames count from the chunk's first. Going back starts over at the keyframe.
     pub fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
-        let mut updated = 0;
-        let mut frame = match at {
-            Some(frame) if frame <= target => frame,
-            _ => {
-                updated += self.apply(picture, self.records[0].body);
-                0
-            }
-        };
-        let window = u32::from(window.max(1));
-        while frame < target {
-            // Steps that land on no record do nothing: they are taken at once, or a payload of a few bytes that
-            // claims 2^31 frames would take as many steps.
-            let next = self.records.partition_point(|record| record.frame <= frame);
-            let stop = self.records.get(next).map_or(target, |record| record.frame.min(target));
-            frame += (stop - frame - 1) / window * window;
-            frame += window.min(target - frame);
-            if let Ok(found) = self.records.binary_search_by_key(&frame, |record| record.frame) {
-                updated += self.apply(picture, self.records[found].body);
-            }
-        }
-        updated
+        record_table::steps(&self.records, |record| record.frame, at, target, window)
+            .map(|found| self.apply(picture, self.records[found].body))
+            .sum()
     }
 
     /// Writes what one record holds into `picture`; answers how many pixels that were.
@@ -235,65 +206,52 @@ impl<T: Texel> TemporalChunk<T> {
 /// Builds a payload record by record.
 #[derive(Debug)]
 pub struct ChunkBuilder<T> {
-    table: Vec<(u32, u32)>,
-    data: Vec<u8>,
+    records: TableBuilder,
     texel: PhantomData<T>,
 }
 
 impl<T: Texel> ChunkBuilder<T> {
     /// Starts with the keyframe.
     pub fn new(keyframe: &[T]) -> Self {
-        let mut builder = ChunkBuilder { table: Vec::new(), data: Vec::new(), texel: PhantomData };
+        let mut builder = ChunkBuilder { records: TableBuilder::default(), texel: PhantomData };
         let constant = keyframe.iter().all(|value| *value == keyframe[0]);
         let (kind, values) = if constant { (CONSTANT, &keyframe[..1]) } else { (WHOLE, keyframe) };
-        builder.begin(0, kind, 0);
-        values.iter().for_each(|value| value.put(&mut builder.data));
+        let data = builder.begin(0, kind, 0);
+        values.iter().for_each(|value| value.put(data));
         builder
     }
 
-    fn begin(&mut self, frame: u32, kind: u8, count: u16) {
-        self.table.push((frame, self.data.len() as u32));
-        self.data.extend_from_slice(&[kind, 0]);
-        self.data.put_u16(count);
+    fn begin(&mut self, frame: u32, kind: u8, count: u16) -> &mut Vec<u8> {
+        let data = self.records.begin(frame);
+        data.extend_from_slice(&[kind, 0]);
+        data.put_u16(count);
+        data
     }
 
     /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
     pub fn push_boxes(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
-        self.begin(frame, BOXES, boxes.len() as u16);
+        let data = self.begin(frame, BOXES, boxes.len() as u16);
         let pixels: usize = boxes.iter().map(|b| b.area() as usize).sum();
-        self.data.reserve(8 * boxes.len() + T::BYTES * pixels);
+        data.reserve(8 * boxes.len() + T::BYTES * pixels);
         for b in boxes {
-            [b.x, b.y, b.width, b.height].iter().for_each(|&value| self.data.put_u16(value));
+            [b.x, b.y, b.width, b.height].iter().for_each(|&value| data.put_u16(value));
         }
         for b in boxes {
             for y in usize::from(b.y)..usize::from(b.y) + usize::from(b.height) {
                 let start = y * width + usize::from(b.x);
-                picture[start..start + usize::from(b.width)].iter().for_each(|value| value.put(&mut self.data));
+                picture[start..start + usize::from(b.width)].iter().for_each(|value| value.put(data));
             }
         }
     }
 
     /// Bytes gathered so far.
     pub fn bytes(&self) -> usize {
-        4 + self.table.len() * RECORD_ROW_BYTES + self.data.len()
+        self.records.bytes()
     }
 
     /// The payload.
     pub fn finish(self) -> Result<Vec<u8>> {
-        let start = 4 + self.table.len() * RECORD_ROW_BYTES;
-        if u32::try_from(start + self.data.len()).is_err() {
-            return Err(Error::unsupported(
-                "a chunk of more than 4 GiB: use a shorter keyframe interval or more tiles",
-            ));
-        }
-        let mut payload = Vec::with_capacity(start + self.data.len());
-        payload.put_u32(self.table.len() as u32);
-        for (frame, offset) in self.table {
-            payload.put_u32(frame);
-            payload.put_u32(start as u32 + offset);
-        }
-        payload.extend_from_slice(&self.data);
-        Ok(payload)
+        self.records.finish()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::depth::window::WindowState;
 use crate::error::{Error, Result};
 
 /// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
-const CLOSE_AT_BYTES: usize = 256 << 20;
+pub const CLOSE_AT_BYTES: usize = 256 << 20;
 
 /// How frames are coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

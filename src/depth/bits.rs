@@ -1,0 +1,67 @@
+//! Bits packed into bytes, the least significant first (depth.md 9).
+
+use crate::container::fields::Fields;
+use crate::error::Result;
+
+/// Appends bits to a byte vector.
+#[derive(Debug, Default)]
+pub struct BitWriter {
+    bytes: Vec<u8>,
+    /// Bits of the last byte that are taken; 0 means all.
+    taken: u32,
+}
+
+impl BitWriter {
+    /// Appends the `count` low bits of `value`, at most 16.
+    pub fn put(&mut self, value: u16, count: u32) {
+        for bit in 0..count {
+            if self.taken == 0 {
+                self.bytes.push(0);
+            }
+            if let Some(last) = self.bytes.last_mut() {
+                *last |= ((value >> bit & 1) as u8) << self.taken;
+            }
+            self.taken = (self.taken + 1) % 8;
+        }
+    }
+
+    /// The bytes; bits that were not taken are 0.
+    pub fn finish(self) -> Vec<u8> {
+        self.bytes
+    }
+}
+
+/// Reads bits from fields, byte by byte as they are needed.
+#[derive(Debug)]
+pub struct BitReader<'f, 'a> {
+    fields: &'f mut Fields<'a>,
+    current: u8,
+    left: u32,
+}
+
+impl<'f, 'a> BitReader<'f, 'a> {
+    /// Starts at the next byte.
+    pub fn new(fields: &'f mut Fields<'a>) -> Self {
+        BitReader { fields, current: 0, left: 0 }
+    }
+
+    /// The next bit.
+    pub fn bit(&mut self) -> Result<bool> {
+        if self.left == 0 {
+            self.current = self.fields.u8()?;
+            self.left = 8;
+        }
+        let bit = self.current & 1 == 1;
+        self.current >>= 1;
+        self.left -= 1;
+        Ok(bit)
+    }
+
+    /// Ends at a byte's end; the bits that are left must be 0.
+    pub fn finish(self) -> Result<()> {
+        if self.current != 0 {
+            return Err(self.fields.error("the bits after the last one are not zero"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+//! The payload of a chunk of plain BC4w blocks: each frame whole, at a fixed 4:1 (depth.md 12).
+//!
+//! Any frame and any block is found by its number alone. There is no bound on the error of a surface; the background
+//! is exact.
+
+use crate::container::Payload;
+use crate::container::fields::Fields;
+use crate::depth::bc4w::{self, Bc4w};
+use crate::depth::block::{Accuracy, Block, BlockMut};
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, function_of};
+use crate::effort::Effort;
+use crate::error::Result;
+
+const SECTION: &str = "depth.md 12";
+/// Level of BC4w blocks.
+const LEVEL: u8 = 1;
+
+/// A payload that has been checked.
+#[derive(Debug, Clone)]
+pub struct BlockChunk {
+    payload: Payload,
+    grid: Grid,
+}
+
+/// Top left pixels of the blocks of a picture, row by row.
+fn places(grid: Grid) -> impl Iterator<Item = [usize; 2]> {
+    let columns = grid.width.div_ceil(8) as usize;
+    (0..grid.height.div_ceil(8) as usize).flat_map(move |y| (0..columns).map(move |x| [8 * x, 8 * y]))
+}
+
+/// Bytes of the blocks of one picture.
+pub fn picture_bytes(grid: Grid) -> usize {
+    grid.width.div_ceil(8) as usize * grid.height.div_ceil(8) as usize * COEFFICIENT_BYTES
+}
+
+impl BlockChunk {
+    /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
+    pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32) -> Result<BlockChunk> {
+        let payload = payload.into();
+        let mut fields = Fields::new(&payload, 0, SECTION);
+        let expected = picture_bytes(grid) as u64 * u64::from(frame_count);
+        let blocks = fields.bytes(usize::try_from(expected).unwrap_or(usize::MAX))?;
+        if blocks.as_chunks().0.iter().any(|block| function_of(LEVEL, block) != Function::Bc4w) {
+            return Err(fields.error("a BC4w block that ends like another function"));
+        }
+        fields.finish()?;
+        Ok(BlockChunk { payload, grid })
+    }
+
+    /// Blocks of one frame.
+    pub fn blocks_of_frame(&self) -> u64 {
+        (picture_bytes(self.grid) / COEFFICIENT_BYTES) as u64
+    }
+
+    /// Shows frame `target` of the chunk; answers how many pixels were written.
+    pub fn show(&self, picture: &mut [u16], target: u32) -> u64 {
+        let bytes = picture_bytes(self.grid);
+        let blocks = self.payload[target as usize * bytes..][..bytes].as_chunks().0;
+        for (block, place) in blocks.iter().zip(places(self.grid)) {
+            Bc4w::from_bytes(*block).decode(&mut BlockMut::of(picture, self.grid.width as usize, LEVEL, place));
+        }
+        self.grid.pixel_count()
+    }
+
+    /// The payload's memory, for the next chunk.
+    pub fn into_spare(self) -> Vec<u8> {
+        self.payload.into_spare()
+    }
+}
+
+/// Appends the blocks of a picture; answers how close each of them is, row by row.
+pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec<u8>) -> Vec<Accuracy> {
+    let encode = |place| {
+        let (block, accuracy) = bc4w::encode(&Block::of(picture, grid.width as usize, LEVEL, place), effort);
+        out.extend_from_slice(block.as_bytes());
+        accuracy
+    };
+    places(grid).map(encode).collect()
+}

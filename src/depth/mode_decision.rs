@@ -1,0 +1,192 @@
+//! Which modelling function a node gets (BC4w 3.1; depth.md 7).
+
+use crate::depth::bc4w;
+use crate::depth::biquadratic::{self, Biquadratic, Order};
+use crate::depth::block::{Accuracy, Block};
+use crate::depth::domain::Domain;
+use crate::depth::limit::Limit;
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Node, Place};
+use crate::depth::platelet::{self, Platelet};
+use crate::depth::storage::stored_bytes;
+use crate::effort::Effort;
+
+/// From this PSNR on, in dB of 16-bit codes, BC4w is not tried: it would hardly be closer (BC4w 6.4).
+pub const GOOD_PSNR_DB: f64 = 85.0;
+/// A platelet takes at least a head, two numbers and a line.
+const LEAST_PLATELET_BYTES: usize = 7;
+/// A BC4w block takes a head and its 32 bytes.
+const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
+
+/// Which of the functions within the bound is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Decide {
+    /// The one with the least squared error.
+    #[default]
+    Mse,
+    /// The one that takes the fewest bytes.
+    Size,
+}
+
+/// How far the coefficients of planes and surfaces are rounded, so that they take fewer bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Rounding {
+    /// Not at all: for trees that are to serve any smaller bound.
+    Exact,
+    /// Until the squared error has grown by a tenth, and by what the rounding of codes itself adds.
+    Slight,
+    /// Until the bound is used up.
+    ToBound,
+}
+
+/// How nodes are approximated.
+#[derive(Debug, Clone, Copy)]
+pub struct Modelling<'a> {
+    /// The domain of the stream.
+    pub domain: &'a Domain,
+    /// Largest error in codes of a node that is kept.
+    pub bound: u16,
+    /// What is preferred.
+    pub decide: Decide,
+    /// What happens to coefficients.
+    pub rounding: Rounding,
+    /// How hard BC4w blocks are searched for.
+    pub effort: Effort,
+}
+
+/// An approximation of a node within the bound.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Approximation {
+    /// The node.
+    pub node: Node,
+    /// How close it is.
+    pub accuracy: Accuracy,
+}
+
+/// The best function for the block at `place`, whose level is at least 1; `None` where none is within the bound.
+pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Option<Approximation> {
+    let mut best = Best { place, modelling, found: None };
+    match modelling.decide {
+        Decide::Mse => {
+            best.biquadratic(block, Order::Full);
+            if !best.is_good(block) {
+                best.platelet(block);
+            }
+            if !best.is_good(block) {
+                best.bc4w(block);
+            }
+        }
+        Decide::Size => {
+            // What is tried later has more numbers; it is left out where it cannot be smaller.
+            for order in [Order::Constant, Order::Plane, Order::Full] {
+                best.biquadratic(block, order);
+            }
+            if best.bytes() > LEAST_PLATELET_BYTES {
+                best.platelet(block);
+            }
+            if best.bytes() > BC4W_BYTES {
+                best.bc4w(block);
+            }
+        }
+    }
+    best.found
+}
+
+/// The PSNR of a squared error, summed over `pixels`, in dB of 16-bit codes; infinite for no error.
+pub fn psnr_db(squared_error: u64, pixels: usize) -> f64 {
+    let peak = f64::from(u16::MAX);
+    10.0 * (peak * peak * pixels as f64 / squared_error as f64).log10()
+}
+
+struct Best<'a> {
+    place: Place,
+    modelling: &'a Modelling<'a>,
+    found: Option<Approximation>,
+}
+
+impl Best<'_> {
+    fn bytes(&self) -> usize {
+        self.found.map_or(usize::MAX, |found| stored_bytes(&found.node))
+    }
+
+    fn is_good(&self, block: &Block<'_>) -> bool {
+        self.found.is_some_and(|f| psnr_db(f.accuracy.squared_error, block.pixel_count()) > GOOD_PSNR_DB)
+    }
+
+    /// Takes a candidate where it is better than what was found; the earlier one wins a tie.
+    fn offer(&mut self, coefficients: [u8; COEFFICIENT_BYTES], accuracy: Accuracy) {
+        let new = Approximation { node: Node { place: self.place, coefficients }, accuracy };
+        let rank = |a: &Approximation| match self.modelling.decide {
+            Decide::Mse => (a.accuracy.squared_error, 0),
+            Decide::Size => (stored_bytes(&a.node) as u64, a.accuracy.squared_error),
+        };
+        if self.found.as_ref().is_none_or(|found| rank(&new) < rank(found)) {
+            self.found = Some(new);
+        }
+    }
+
+    fn biquadratic(&mut self, block: &Block<'_>, order: Order) {
+        let Modelling { domain, bound, .. } = *self.modelling;
+        if let Some((exact, accuracy)) = biquadratic::fit(block, domain, bound, order) {
+            let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
+                Some(limit) => exact.trim(block, domain, limit),
+                None => (exact, accuracy),
+            };
+            self.offer(rounded.to_bytes(), accuracy);
+        }
+    }
+
+    fn platelet(&mut self, block: &Block<'_>) {
+        let Modelling { domain, bound, .. } = *self.modelling;
+        if let Some((exact, accuracy)) = platelet::fit(block, domain, bound) {
+            let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
+                Some(limit) => exact.trim(block, domain, limit),
+                None => (exact, accuracy),
+            };
+            self.offer(rounded.to_bytes(), accuracy);
+        }
+    }
+
+    fn bc4w(&mut self, block: &Block<'_>) {
+        if self.place.level == 1
+            && let Some((blocks, accuracy)) = bc4w::encode_within(block, self.modelling.bound, self.modelling.effort)
+        {
+            self.offer(*blocks.as_bytes(), accuracy);
+        }
+    }
+}
+
+impl Modelling<'_> {
+    /// How far a function of this accuracy may be rounded; `None`: not at all.
+    fn limit(&self, block: &Block<'_>, accuracy: Accuracy) -> Option<Limit> {
+        let squared_error = match self.rounding {
+            Rounding::Exact => return None,
+            Rounding::Slight => accuracy.squared_error + accuracy.squared_error / 10 + block.pixel_count() as u64 / 12,
+            Rounding::ToBound => u64::MAX,
+        };
+        Some(Limit { max_error: self.bound, squared_error })
+    }
+}
+
+impl Approximation {
+    /// This approximation of `block`, rounded as far as `modelling` allows; `None` where it is beyond the bound.
+    pub fn rounded(&self, block: &Block<'_>, modelling: &Modelling<'_>) -> Option<Approximation> {
+        if self.accuracy.max_error > modelling.bound {
+            return None;
+        }
+        let Some(limit) = modelling.limit(block, self.accuracy) else { return Some(*self) };
+        let (coefficients, accuracy) = match self.node.function() {
+            Function::Biquadratic => {
+                let (rounded, accuracy) =
+                    Biquadratic::from_bytes(&self.node.coefficients).trim(block, modelling.domain, limit);
+                (rounded.to_bytes(), accuracy)
+            }
+            Function::Platelet => {
+                let (rounded, accuracy) =
+                    Platelet::from_bytes(&self.node.coefficients).trim(block, modelling.domain, limit);
+                (rounded.to_bytes(), accuracy)
+            }
+            Function::Raw | Function::Bc4w => return Some(*self),
+        };
+        Some(Approximation { node: Node { coefficients, ..self.node }, accuracy })
+    }
+}

@@ -1,0 +1,142 @@
+//! The payload of a chunk of packed nodes: a keyframe and the nodes that change after it (depth.md 9).
+//!
+//! Decoder first: [`NodeChunk`] checks a payload and brings it into the runtime form, which is then decoded.
+
+use crate::container::Payload;
+use crate::container::fields::Fields;
+use crate::depth::domain::Domain;
+use crate::depth::census::NodeCensus;
+use crate::depth::nodes::{Grid, Node};
+use crate::depth::record_table::{self, TableBuilder};
+use crate::depth::runtime::Runtime;
+use crate::depth::storage::{self, Coverage, SECTION};
+use crate::error::Result;
+
+const COMPLETE: u8 = 0;
+const PARTIAL: u8 = 1;
+
+/// What a record holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodeRecord {
+    /// Frames since the keyframe.
+    pub frame: u32,
+    /// Pixels that it writes.
+    pub updated_pixels: u64,
+    /// Payload bytes that it takes, its row of the table included.
+    pub bytes: u64,
+    /// Whether it covers the unit.
+    pub complete: bool,
+}
+
+/// A payload that has been checked, in the runtime form.
+#[derive(Debug, Clone)]
+pub struct NodeChunk {
+    runtime: Runtime,
+    /// Payload bytes of each record, its row in the table included.
+    record_bytes: Vec<u64>,
+    complete: Vec<bool>,
+    domain: Domain,
+    spare: Payload,
+}
+
+impl NodeChunk {
+    /// Checks a payload for a unit of `grid`'s size and `frame_count` frames.
+    ///
+    /// Afterwards all nodes lie in the unit, those of a record do not overlap, frames ascend, and the first record
+    /// covers the unit.
+    pub fn parse(payload: impl Into<Payload>, grid: Grid, frame_count: u32, domain: Domain) -> Result<NodeChunk> {
+        let payload = payload.into();
+        let mut fields = Fields::new(&payload, 0, SECTION);
+        let table = record_table::read(&mut fields, frame_count)?;
+        let (mut runtime, mut record_bytes, mut complete) = (Runtime::new(grid), Vec::new(), Vec::new());
+        for (at, &row) in table.iter().enumerate() {
+            record_table::check_start(&fields, at, row)?;
+            let start = fields.position();
+            let coverage = match fields.u8()? {
+                COMPLETE => Coverage::Complete,
+                PARTIAL if at > 0 => Coverage::Partial,
+                kind => return Err(fields.error(format!("record {at} is of kind {kind}, which it cannot be"))),
+            };
+            runtime.push(row.frame, &storage::read_nodes(grid, coverage, &mut fields)?);
+            record_bytes.push((fields.position() - start + record_table::ROW_BYTES) as u64);
+            complete.push(coverage == Coverage::Complete);
+        }
+        fields.finish()?;
+        Ok(NodeChunk { runtime, record_bytes, complete, domain, spare: payload })
+    }
+
+    /// The runtime form.
+    pub fn runtime(&self) -> &Runtime {
+        &self.runtime
+    }
+
+    /// The records, in order of their frames.
+    pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
+        let costs = self.record_bytes.iter().zip(&self.complete);
+        self.runtime.frames().iter().zip(costs).map(|(frame, (&bytes, &complete))| NodeRecord {
+            frame: frame.frame,
+            updated_pixels: frame.updated_pixels,
+            bytes,
+            complete,
+        })
+    }
+
+    /// All nodes of all records, counted.
+    pub fn census(&self) -> NodeCensus {
+        let mut census = NodeCensus::default();
+        for &frame in self.runtime.frames() {
+            for (place, &coefficients) in self.runtime.nodes(frame) {
+                census.count(self.runtime.grid(), &Node { place, coefficients });
+            }
+        }
+        census
+    }
+
+    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
+    /// most `window` frames; answers how many pixels were written.
+    pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
+        let frames = self.runtime.frames();
+        record_table::steps(frames, |frame| frame.frame, at, target, window)
+            .map(|found| self.runtime.apply(picture, frames[found], &self.domain))
+            .sum()
+    }
+
+    /// The payload's memory, for the next chunk.
+    pub fn into_spare(self) -> Vec<u8> {
+        self.spare.into_spare()
+    }
+}
+
+/// Builds a payload record by record.
+#[derive(Debug)]
+pub struct NodeChunkBuilder {
+    grid: Grid,
+    records: TableBuilder,
+}
+
+impl NodeChunkBuilder {
+    /// An empty chunk for a unit of `grid`'s size; the nodes that are pushed first must cover it.
+    pub fn new(grid: Grid) -> NodeChunkBuilder {
+        NodeChunkBuilder { grid, records: TableBuilder::default() }
+    }
+
+    /// Adds the nodes of a frame: they do not overlap and come in the order of the walk.
+    pub fn push(&mut self, frame: u32, nodes: &[Node]) {
+        let data = self.records.begin(frame);
+        data.push(match storage::coverage(self.grid, nodes) {
+            Coverage::Complete => COMPLETE,
+            Coverage::Partial => PARTIAL,
+        });
+        storage::write_nodes(self.grid, nodes, data);
+    }
+
+    /// Bytes gathered so far.
+    pub fn bytes(&self) -> usize {
+        self.records.bytes()
+    }
+
+    /// The payload.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        self.records.finish()
+    }
+}

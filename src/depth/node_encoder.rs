@@ -1,0 +1,345 @@
+//! Encodes the frames of one unit as packed nodes: a keyframe, then the nodes over what changes (BC4w 2.1, 3, 4).
+//!
+//! Enters: the unit's codes, frame by frame. Leaves: payloads of [`crate::depth::node_chunk`].
+//!
+//! The loop is closed: the source is compared with what the decoder holds, and a leaf is sent as soon as one of its
+//! pixels is farther from it than bound and epsilon together. Any path of steps of at most W frames must lead to the
+//! same picture, so a node is sent again, byte by byte, for W − 1 frames after its first. Where one of its leaves
+//! must change within that time, all of it is modelled anew: a part of it cannot be sent alone.
+
+use crate::container::EncodedChunk;
+use crate::depth::block::BlockMut;
+use crate::depth::domain::Domain;
+use crate::depth::mode_decision::{Decide, Modelling, Rounding};
+use crate::depth::node_chunk::NodeChunkBuilder;
+use crate::depth::nodes::{Grid, Node, Place};
+use crate::depth::quadtree::{self, Build, Leaf, Tree, Wanted};
+use crate::depth::runtime::decode_node;
+use crate::depth::temporal::CLOSE_AT_BYTES;
+use crate::depth::texel::Texel;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+
+/// How frames are coded as nodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodeSettings {
+    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
+    pub window: u8,
+    /// How far the source may move away from what is held, in codes, on top of the bound, before it is sent again.
+    pub epsilon: u16,
+    /// Frames from one keyframe to the next, at least 1.
+    pub keyframe_interval: u32,
+    /// Largest error of a node in any of its pixels, in codes.
+    pub bound: u16,
+    /// Which of the functions within the bound is taken.
+    pub decide: Decide,
+    /// How hard BC4w blocks are searched for.
+    pub effort: Effort,
+    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    pub min_children: u8,
+}
+
+impl Default for NodeSettings {
+    fn default() -> Self {
+        NodeSettings {
+            window: 2,
+            epsilon: 0,
+            keyframe_interval: 64,
+            bound: 100,
+            decide: Decide::Mse,
+            effort: Effort::Normal,
+            min_children: 3,
+        }
+    }
+}
+
+impl NodeSettings {
+    /// Refuses values that the format has no room for.
+    pub fn check(&self) -> Result<()> {
+        let wrong = |what: &str| Err(Error::Usage(what.to_owned()));
+        match self {
+            NodeSettings { window: 0, .. } => wrong("the depth window must be 1 to 255 frames"),
+            NodeSettings { keyframe_interval: 0, .. } => wrong("the keyframe interval must be at least 1 frame"),
+            NodeSettings { min_children, .. } if !(1..=4).contains(min_children) => {
+                wrong("the least number of children must be 1 to 4")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// How nodes are approximated in a stream of this domain.
+    pub fn modelling<'a>(&self, domain: &'a Domain) -> Modelling<'a> {
+        let rounding = match self.decide {
+            Decide::Mse => Rounding::Slight,
+            Decide::Size => Rounding::ToBound,
+        };
+        Modelling { domain, bound: self.bound, decide: self.decide, rounding, effort: self.effort }
+    }
+}
+
+/// A node that was sent within the last W frames.
+#[derive(Debug, Clone, Copy)]
+struct Recent {
+    node: Node,
+    first_sent: u32,
+}
+
+/// Encodes one unit.
+#[derive(Debug)]
+pub struct NodeEncoder {
+    settings: NodeSettings,
+    domain: Domain,
+    grid: Grid,
+    /// The picture that every decoder holds.
+    held: Vec<u16>,
+    recent: Vec<Recent>,
+    leaves: Vec<Leaf>,
+    open: Option<NodeChunkBuilder>,
+    chunk_first: u32,
+    next_frame: u32,
+}
+
+impl NodeEncoder {
+    /// An encoder for a unit of `grid`'s size, at most 1024×1024.
+    pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> NodeEncoder {
+        let [columns, rows] = grid.leaves();
+        NodeEncoder {
+            settings,
+            domain,
+            grid,
+            held: vec![0; grid.pixel_count() as usize],
+            recent: Vec::new(),
+            leaves: vec![Leaf::Free; columns * rows],
+            open: None,
+            chunk_first: 0,
+            next_frame: 0,
+        }
+    }
+
+    /// Takes the next frame. `known` are approximations of that frame's blocks that need not be searched for. Answers
+    /// the chunk that it closes, if any.
+    pub fn push(&mut self, source: &[u16], known: Option<&Tree>) -> Result<Option<EncodedChunk>> {
+        let frame = self.next_frame;
+        let full = |open: &NodeChunkBuilder| {
+            frame - self.chunk_first >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES
+        };
+        let finished = if self.open.as_ref().is_some_and(full) { self.finish()? } else { None };
+        self.next_frame += 1;
+        if self.open.is_none() {
+            self.chunk_first = frame;
+            self.recent.clear();
+            self.leaves.fill(Leaf::Wanted);
+        } else {
+            let window = u32::from(self.settings.window);
+            self.recent.retain(|recent| frame - recent.first_sent < window);
+            self.mark_changes(source);
+            self.settle_recent();
+        }
+        let nodes = self.model(source, known);
+        for node in &nodes {
+            let target = &mut BlockMut::of(&mut self.held, self.grid.width as usize, node.place.level, node.place.pixel());
+            decode_node(node.place, &node.coefficients, &self.domain, target);
+        }
+        // The keyframe needs no repetition: no path enters a chunk elsewhere.
+        let keyframe = self.open.is_none();
+        let mut sent: Vec<Node> = self.recent.iter().map(|recent| recent.node).chain(nodes.iter().copied()).collect();
+        sent.sort_by_key(|node| node.place.walk_key());
+        if !keyframe {
+            self.recent.extend(nodes.into_iter().map(|node| Recent { node, first_sent: frame }));
+        }
+        let grid = self.grid;
+        let open = self.open.get_or_insert_with(|| NodeChunkBuilder::new(grid));
+        if !sent.is_empty() {
+            open.push(frame - self.chunk_first, &sent);
+        }
+        Ok(finished)
+    }
+
+    /// Closes the open chunk, if there is one.
+    pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
+        let Some(open) = self.open.take() else { return Ok(None) };
+        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
+        Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
+    }
+
+    /// The picture that a decoder shows after the last frame.
+    pub fn held(&self) -> &[u16] {
+        &self.held
+    }
+
+    /// Marks the leaves where what is held is too far from the source.
+    fn mark_changes(&mut self, source: &[u16]) {
+        let tolerance = self.settings.bound.saturating_add(self.settings.epsilon);
+        let (width, [columns, _]) = (self.grid.width as usize, self.grid.leaves());
+        self.leaves.fill(Leaf::Free);
+        for (y, (held, source)) in self.held.chunks(width).zip(source.chunks(width)).enumerate() {
+            let leaves = &mut self.leaves[y / 4 * columns..][..columns];
+            for ((leaf, held), source) in leaves.iter_mut().zip(held.chunks(4)).zip(source.chunks(4)) {
+                if held.iter().zip(source).any(|(&held, &source)| !u16::within(held, source, tolerance)) {
+                    *leaf = Leaf::Wanted;
+                }
+            }
+        }
+    }
+
+    /// Sends the leaves of recent nodes anew where one of them must change, and keeps the others from being covered.
+    fn settle_recent(&mut self) {
+        let (grid, leaves) = (self.grid, &mut self.leaves);
+        self.recent.retain(|recent| {
+            let changes = leaves_of(grid, recent.node.place).any(|at| leaves[at] == Leaf::Wanted);
+            let leaf = if changes { Leaf::Wanted } else { Leaf::Held };
+            leaves_of(grid, recent.node.place).for_each(|at| leaves[at] = leaf);
+            !changes
+        });
+    }
+
+    /// The nodes over the leaves that are wanted.
+    fn model(&self, source: &[u16], known: Option<&Tree>) -> Vec<Node> {
+        if !self.leaves.contains(&Leaf::Wanted) {
+            return Vec::new();
+        }
+        let wanted = Wanted { picture: source, grid: self.grid, leaves: &self.leaves };
+        let modelling = self.settings.modelling(&self.domain);
+        let build = Build { modelling, min_children: self.settings.min_children, known };
+        quadtree::flatten(&wanted, &quadtree::build(&wanted, &build))
+    }
+}
+
+/// Indices of the leaves of a place that lie in the picture.
+fn leaves_of(grid: Grid, place: Place) -> impl Iterator<Item = usize> {
+    let ([columns, rows], side) = (grid.leaves(), 1usize << place.level);
+    let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
+    (top..rows.min(top + side)).flat_map(move |y| (left..columns.min(left + side)).map(move |x| y * columns + x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::domain::DomainKind;
+    use crate::depth::node_chunk::NodeChunk;
+    use crate::depth::quantise::DepthRange;
+
+    const GRID: Grid = Grid { width: 29, height: 18 };
+
+    fn domain() -> Domain {
+        Domain::new(DomainKind::Log, DepthRange::new(1.0, 10.0).unwrap()).unwrap()
+    }
+
+    fn encode(frames: &[Vec<u16>], settings: NodeSettings) -> Vec<EncodedChunk> {
+        let mut encoder = NodeEncoder::new(GRID, domain(), settings);
+        let mut chunks = Vec::new();
+        for frame in frames {
+            chunks.extend(encoder.push(frame, None).unwrap());
+        }
+        chunks.extend(encoder.finish().unwrap());
+        assert_eq!(chunks.iter().map(|chunk| chunk.frame_count as usize).sum::<usize>(), frames.len());
+        chunks
+    }
+
+    /// Walks the canonical path and random legal ones; all must show the same pictures within the bound.
+    fn check_all_paths(frames: &[Vec<u16>], settings: NodeSettings) {
+        let mut seed = 7u32;
+        let domain = domain();
+        for chunk in encode(frames, settings) {
+            let parsed = NodeChunk::parse(chunk.payload, GRID, chunk.frame_count, domain.clone()).unwrap();
+            let mut canonical = vec![vec![0; frames[0].len()]];
+            parsed.advance(&mut canonical[0], None, 0, 1);
+            for frame in 1..chunk.frame_count {
+                let mut picture = canonical[frame as usize - 1].clone();
+                parsed.advance(&mut picture, Some(frame - 1), frame, 1);
+                canonical.push(picture);
+            }
+            for (at, picture) in canonical.iter().enumerate() {
+                let source = &frames[chunk.first_frame as usize + at];
+                let tolerance = settings.bound + settings.epsilon;
+                let ok = picture.iter().zip(source).all(|(&held, &source)| u16::within(held, source, tolerance));
+                assert!(ok, "frame {at} leaves the bound");
+            }
+            for _ in 0..30 {
+                let (mut picture, mut frame) = (canonical[0].clone(), 0);
+                while frame + 1 < chunk.frame_count {
+                    seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    let step = 1 + (seed >> 16) % u32::from(settings.window);
+                    let next = (frame + step).min(chunk.frame_count - 1);
+                    // One step, whatever its length: a window as long as the step is.
+                    parsed.advance(&mut picture, Some(frame), next, settings.window);
+                    frame = next;
+                    assert_eq!(picture, canonical[frame as usize], "frame {frame}");
+                }
+            }
+        }
+    }
+
+    fn random_frames(count: usize) -> Vec<Vec<u16>> {
+        let mut seed = 3u32;
+        let mut next = |n: u32| {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (seed >> 12) % n
+        };
+        let pixels = GRID.pixel_count() as usize;
+        let width = GRID.width as usize;
+        let plane = |x: usize, y: usize| (20_000 + 37 * x + 91 * y) as u16;
+        let mut frames = vec![(0..pixels).map(|at| plane(at % width, at / width)).collect::<Vec<u16>>()];
+        for _ in 1..count {
+            let mut frame = frames[frames.len() - 1].clone();
+            for _ in 0..next(4) {
+                let at = next(pixels as u32) as usize;
+                frame[at] = match next(4) {
+                    0 => u16::MAX,
+                    1 => frame[at].saturating_add(30),
+                    2 => plane(at % width, at / width),
+                    _ => next(65_536) as u16,
+                };
+            }
+            if next(5) == 0 {
+                // A block of another depth passes.
+                let (left, top) = (next(20) as usize, next(10) as usize);
+                for y in top..top + 8 {
+                    frame[y * width + left..][..9].fill(9000 + next(50) as u16);
+                }
+            }
+            frames.push(frame);
+        }
+        frames
+    }
+
+    #[test]
+    fn every_legal_path_shows_the_same_frames_within_the_bound() {
+        let frames = random_frames(40);
+        for window in [1, 2, 3, 16, 100] {
+            for (bound, epsilon) in [(0, 0), (30, 0), (100, 10), (1000, 0)] {
+                for (decide, min_children, keyframe_interval) in
+                    [(Decide::Mse, 3, 1000), (Decide::Size, 1, 20), (Decide::Size, 4, 1)]
+                {
+                    let settings = NodeSettings {
+                        window,
+                        epsilon,
+                        keyframe_interval,
+                        bound,
+                        decide,
+                        effort: Effort::Fast,
+                        min_children,
+                    };
+                    check_all_paths(&frames, settings);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn creep_for_600_frames_stays_within_bound_and_epsilon() {
+        let frames: Vec<Vec<u16>> =
+            (0..600u16).map(|n| vec![1000 + n; GRID.pixel_count() as usize]).collect();
+        let settings = NodeSettings { bound: 20, epsilon: 5, keyframe_interval: 1000, ..NodeSettings::default() };
+        check_all_paths(&frames, settings);
+    }
+
+    #[test]
+    fn a_static_unit_has_one_record() {
+        let frames = vec![random_frames(1).remove(0); 30];
+        let chunks = encode(&frames, NodeSettings::default());
+        assert_eq!(chunks.len(), 1);
+        let parsed = NodeChunk::parse(chunks[0].payload.clone(), GRID, 30, domain()).unwrap();
+        assert_eq!(parsed.records().count(), 1);
+    }
+}

@@ -1,0 +1,187 @@
+//! Nodes of the quadtree: where they lie, and the 32 bytes that say what they hold (depth.md 8, BC4w 4).
+
+use crate::depth::block::{BlockMut, side_of};
+
+/// Bytes of a node's coefficients in the runtime form, whatever its function.
+pub const COEFFICIENT_BYTES: usize = 32;
+
+/// What the pixels of a node are modelled with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Function {
+    /// 16 codes as they are; level 0 only.
+    Raw,
+    /// Two planes and a line; level 1 and above.
+    Platelet,
+    /// A constant, a plane or a biquadratic surface; level 1 and above.
+    Biquadratic,
+    /// A BC4w block; level 1 only.
+    Bc4w,
+}
+
+impl Function {
+    /// All, in the order of reports.
+    pub const ALL: [Function; 4] = [Function::Raw, Function::Platelet, Function::Biquadratic, Function::Bc4w];
+
+    /// The name in reports and JSON keys.
+    pub fn name(self) -> &'static str {
+        match self {
+            Function::Raw => "raw",
+            Function::Platelet => "platelet",
+            Function::Biquadratic => "biquadratic",
+            Function::Bc4w => "bc4w",
+        }
+    }
+}
+
+/// Where a node lies: its level, and its column and row counted in nodes of that level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Place {
+    /// 0 to 8: the side is 4 · 2^level pixels.
+    pub level: u8,
+    /// Column.
+    pub x: u8,
+    /// Row.
+    pub y: u8,
+}
+
+impl Place {
+    /// The top left pixel.
+    pub fn pixel(self) -> [usize; 2] {
+        let side = side_of(self.level);
+        [usize::from(self.x) * side, usize::from(self.y) * side]
+    }
+
+    /// The four places of the next finer level, in the order of the walk: along rows, from the top.
+    pub fn children(self) -> [Place; 4] {
+        let at = |x, y| Place { level: self.level.saturating_sub(1), x: 2 * self.x + x, y: 2 * self.y + y };
+        [at(0, 0), at(1, 0), at(0, 1), at(1, 1)]
+    }
+
+    /// Whether `other` lies in this place or is it.
+    pub fn holds(self, other: Place) -> bool {
+        let Some(up) = self.level.checked_sub(other.level) else { return false };
+        (other.x >> up, other.y >> up) == (self.x, self.y)
+    }
+
+    /// The rank of its top left leaf in the walk; nodes that do not overlap come in this order.
+    pub fn walk_key(self) -> u32 {
+        let spread = |value: u8| {
+            let value = u32::from(value) << self.level;
+            (0..8).fold(0, |sum, bit| sum | (value >> bit & 1) << (2 * bit))
+        };
+        spread(self.x) | spread(self.y) << 1
+    }
+}
+
+/// The picture that a quadtree covers: a unit of at most 1024×1024 pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Grid {
+    /// Columns of pixels.
+    pub width: u32,
+    /// Rows of pixels.
+    pub height: u32,
+}
+
+impl Grid {
+    /// The place that covers the picture: the finest level whose one node does.
+    pub fn root(self) -> Place {
+        let longer = self.width.max(self.height);
+        let level = (0..).find(|&level| side_of(level) as u64 >= u64::from(longer)).unwrap_or(0);
+        Place { level, x: 0, y: 0 }
+    }
+
+    /// Whether any pixel of a place lies in the picture.
+    pub fn has(self, place: Place) -> bool {
+        let [x, y] = place.pixel();
+        x < self.width as usize && y < self.height as usize
+    }
+
+    /// Pixels of a place that lie in the picture.
+    pub fn pixels_of(self, place: Place) -> u64 {
+        let ([x, y], side) = (place.pixel(), side_of(place.level));
+        let inside = |start: usize, size: u32| side.min((size as usize).saturating_sub(start)) as u64;
+        inside(x, self.width) * inside(y, self.height)
+    }
+
+    /// Pixels of the picture.
+    pub fn pixel_count(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    /// Columns and rows of leaves.
+    pub fn leaves(self) -> [usize; 2] {
+        [self.width.div_ceil(4) as usize, self.height.div_ceil(4) as usize]
+    }
+}
+
+/// A node with its function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Node {
+    /// Where it lies.
+    pub place: Place,
+    /// Its coefficients in the runtime form.
+    pub coefficients: [u8; COEFFICIENT_BYTES],
+}
+
+impl Node {
+    /// Its function: level 0 is raw; coarser nodes tell by their last bytes.
+    pub fn function(&self) -> Function {
+        function_of(self.place.level, &self.coefficients)
+    }
+}
+
+/// The function of a node of `level` with these coefficients.
+pub fn function_of(level: u8, coefficients: &[u8; COEFFICIENT_BYTES]) -> Function {
+    match (level, coefficients) {
+        (0, _) => Function::Raw,
+        (_, [.., 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF]) => Function::Biquadratic,
+        (_, [.., 0xFF, 0xFF, 0xFF, 0xFF]) => Function::Platelet,
+        _ => Function::Bc4w,
+    }
+}
+
+/// Codes of a raw node.
+pub mod raw {
+    use super::{BlockMut, COEFFICIENT_BYTES};
+    use crate::depth::block::Block;
+
+    /// Writes the codes that lie in the picture.
+    pub fn decode(coefficients: &[u8; COEFFICIENT_BYTES], target: &mut BlockMut<'_>) {
+        for (row, bytes) in target.rows_mut().zip(coefficients.as_chunks::<8>().0) {
+            for (code, bytes) in row.iter_mut().zip(bytes.as_chunks::<2>().0) {
+                *code = u16::from_le_bytes(*bytes);
+            }
+        }
+    }
+
+    /// The codes of a leaf; those outside of the picture repeat the last one inside.
+    pub fn encode(block: &Block<'_>) -> [u8; COEFFICIENT_BYTES] {
+        let mut out = [0; COEFFICIENT_BYTES];
+        for (at, bytes) in out.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+            let (x, y) = (at % 4, at / 4);
+            *bytes = block.row(y.min(block.height() - 1))[x.min(block.width() - 1)].to_le_bytes();
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_know_what_they_hold_and_where_they_come_in_the_walk() {
+        let root = Grid { width: 1024, height: 3 }.root();
+        assert_eq!(root, Place { level: 8, x: 0, y: 0 });
+        assert_eq!(Grid { width: 4, height: 1 }.root().level, 0);
+        assert_eq!(Grid { width: 5, height: 1 }.root().level, 1);
+        let place = Place { level: 2, x: 3, y: 1 };
+        assert!(place.children().iter().all(|&child| place.holds(child)));
+        assert!(!place.holds(Place { level: 1, x: 5, y: 2 }) && !place.holds(root) && root.holds(place));
+        let keys: Vec<_> = place.children().iter().map(|child| child.walk_key()).collect();
+        assert!(keys.is_sorted() && keys[0] == place.walk_key());
+        let grid = Grid { width: 50, height: 18 };
+        assert_eq!(grid.pixels_of(place), 2 * 2);
+        assert!(grid.has(place) && !grid.has(Place { level: 2, x: 4, y: 0 }));
+    }
+}

@@ -1,0 +1,151 @@
+//! Builds the partial quadtree over the leaves that a frame must send, bottom up (BC4w 3, 6.4; depth.md 7).
+//!
+//! Enters: a picture of codes and the leaves that must be sent. Leaves: for each place with such leaves the best
+//! function within the bound, where there is one. A place is tried only when enough of its children exist and all of
+//! these have one function each: a surface that no function follows at one level is not followed at the next.
+
+use std::collections::HashMap;
+
+use crate::depth::block::Block;
+use crate::depth::mode_decision::{Approximation, Modelling, decide};
+use crate::depth::nodes::{Grid, Node, Place, raw};
+
+/// Which leaves a node may and must cover.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Leaf {
+    /// Need not be sent; a coarser node may cover it, with codes within the bound.
+    #[default]
+    Free,
+    /// Must be sent.
+    Wanted,
+    /// Must not be covered: another node holds it.
+    Held,
+}
+
+/// A picture, and which of its leaves are wanted.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Codes, row-major.
+    pub picture: &'a [u16],
+    /// Size of the picture.
+    pub grid: Grid,
+    /// Row-major; [`Grid::leaves`] tells columns and rows.
+    pub leaves: &'a [Leaf],
+}
+
+/// The approximations of a frame by their places: the intermediate form. Raw leaves are not among them: their codes
+/// are the picture's.
+pub type Tree = HashMap<Place, Approximation>;
+
+/// How the quadtree is built.
+#[derive(Debug, Clone, Copy)]
+pub struct Build<'a> {
+    /// How nodes are approximated.
+    pub modelling: Modelling<'a>,
+    /// Children that must be wanted before their parent is tried, 1 to 4.
+    pub min_children: u8,
+    /// Approximations that need not be searched for again.
+    pub known: Option<&'a Tree>,
+}
+
+/// What a place came to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Visited {
+    /// No leaf in it is wanted, and a node may cover it.
+    Free,
+    /// No leaf in it is wanted, and one is held by another node.
+    Held,
+    /// One function serves all of it.
+    One,
+    /// Several nodes are needed.
+    Many,
+}
+
+impl Wanted<'_> {
+    /// The block of a place.
+    pub fn block(&self, place: Place) -> Block<'_> {
+        Block::of(self.picture, self.grid.width as usize, place.level, place.pixel())
+    }
+
+    /// Whether any leaf of a place is wanted.
+    pub fn any(&self, place: Place) -> bool {
+        let ([columns, rows], side) = (self.grid.leaves(), 1usize << place.level);
+        let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
+        let row = |y: usize| &self.leaves[y * columns..][left..columns.min(left + side)];
+        (top..rows.min(top + side)).any(|y| row(y).contains(&Leaf::Wanted))
+    }
+
+    fn leaf(&self, place: Place) -> Leaf {
+        self.leaves[usize::from(place.y) * self.grid.leaves()[0] + usize::from(place.x)]
+    }
+}
+
+/// Finds the functions of all places that are worth trying, the finest first.
+pub fn build(wanted: &Wanted<'_>, settings: &Build<'_>) -> Tree {
+    let mut builder = Builder { wanted, settings, tree: Tree::new() };
+    builder.visit(wanted.grid.root());
+    builder.tree
+}
+
+/// The flat form: the coarsest nodes of the tree that cover all wanted leaves, raw leaves where there is none. In the
+/// order of the walk; they do not overlap (BC4w 4).
+pub fn flatten(wanted: &Wanted<'_>, tree: &Tree) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    flatten_place(wanted, tree, wanted.grid.root(), &mut nodes);
+    nodes
+}
+
+fn flatten_place(wanted: &Wanted<'_>, tree: &Tree, place: Place, nodes: &mut Vec<Node>) {
+    if !wanted.grid.has(place) {
+        return;
+    }
+    if let Some(found) = tree.get(&place) {
+        nodes.push(found.node);
+    } else if place.level > 0 {
+        place.children().into_iter().for_each(|child| flatten_place(wanted, tree, child, nodes));
+    } else if wanted.leaf(place) == Leaf::Wanted {
+        nodes.push(Node { place, coefficients: raw::encode(&wanted.block(place)) });
+    }
+}
+
+struct Builder<'a> {
+    wanted: &'a Wanted<'a>,
+    settings: &'a Build<'a>,
+    tree: Tree,
+}
+
+impl Builder<'_> {
+    fn visit(&mut self, place: Place) -> Visited {
+        if place.level == 0 {
+            return match self.wanted.leaf(place) {
+                Leaf::Free => Visited::Free,
+                Leaf::Held => Visited::Held,
+                Leaf::Wanted => Visited::One,
+            };
+        }
+        let mut children = Vec::with_capacity(4);
+        for child in place.children() {
+            if self.wanted.grid.has(child) {
+                children.push(self.visit(child));
+            }
+        }
+        let wanted = children.iter().filter(|child| matches!(child, Visited::One | Visited::Many)).count();
+        if wanted == 0 {
+            return if children.contains(&Visited::Held) { Visited::Held } else { Visited::Free };
+        }
+        // A surface that no single function follows in a part is not followed as a whole.
+        let possible = children.iter().all(|child| matches!(child, Visited::One | Visited::Free));
+        if possible && wanted >= children.len().min(usize::from(self.settings.min_children)) {
+            let block = self.wanted.block(place);
+            let found = match self.settings.known.and_then(|known| known.get(&place)) {
+                Some(known) => known.rounded(&block, &self.settings.modelling),
+                None => decide(&block, place, &self.settings.modelling),
+            };
+            if let Some(found) = found {
+                self.tree.insert(place, found);
+                return Visited::One;
+            }
+        }
+        Visited::Many
+    }
+}

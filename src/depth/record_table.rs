@@ -1,0 +1,118 @@
+//! The table at the start of a chunk's payload, which leads from frames to records (depth.md 4), and the steps that a
+//! decoder takes over it. Chunks of boxes, of nodes and of trees share it.
+
+use crate::container::fields::{Fields, PutFields};
+use crate::error::{Error, Result};
+
+/// Bytes of a row.
+pub const ROW_BYTES: usize = 8;
+
+/// A row: the frame, counted from the chunk's first, and where its record starts in the payload.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Row {
+    /// Frames since the keyframe.
+    pub frame: u32,
+    /// Offset in the payload.
+    pub offset: u32,
+}
+
+/// Reads the table of a chunk of `frame_count` frames: at least one row, frame 0 first, frames ascending.
+pub fn read(fields: &mut Fields<'_>, frame_count: u32) -> Result<Vec<Row>> {
+    let count = fields.u32()?;
+    if u64::from(count) * ROW_BYTES as u64 > fields.remaining() as u64 || count > frame_count || count == 0 {
+        return Err(fields.error(format!("{count} records for {frame_count} frames do not fit")));
+    }
+    let rows =
+        (0..count).map(|_| Ok(Row { frame: fields.u32()?, offset: fields.u32()? })).collect::<Result<Vec<_>>>()?;
+    for (at, row) in rows.iter().enumerate() {
+        let ascends = if at == 0 { row.frame == 0 } else { row.frame > rows[at - 1].frame };
+        if !ascends || row.frame >= frame_count {
+            let frame = row.frame;
+            return Err(fields.error(format!("record {at} is for frame {frame}, out of order or out of range")));
+        }
+    }
+    Ok(rows)
+}
+
+/// Refuses a record that does not start where its row says.
+pub fn check_start(fields: &Fields<'_>, at: usize, row: Row) -> Result<()> {
+    if u64::from(row.offset) == fields.offset() {
+        return Ok(());
+    }
+    Err(fields.error(format!("record {at} was announced at offset {}", row.offset)))
+}
+
+/// Gathers records and puts the table before them.
+#[derive(Debug, Default)]
+pub struct TableBuilder {
+    rows: Vec<Row>,
+    data: Vec<u8>,
+}
+
+impl TableBuilder {
+    /// Starts the record of a frame; what is appended to the answer belongs to it.
+    pub fn begin(&mut self, frame: u32) -> &mut Vec<u8> {
+        self.rows.push(Row { frame, offset: self.data.len() as u32 });
+        &mut self.data
+    }
+
+    /// Bytes gathered so far, table included.
+    pub fn bytes(&self) -> usize {
+        self.start() + self.data.len()
+    }
+
+    fn start(&self) -> usize {
+        4 + self.rows.len() * ROW_BYTES
+    }
+
+    /// The payload.
+    pub fn finish(self) -> Result<Vec<u8>> {
+        let start = self.start();
+        if u32::try_from(self.bytes()).is_err() {
+            return Err(Error::unsupported(
+                "a chunk of more than 4 GiB: use a shorter keyframe interval or more tiles",
+            ));
+        }
+        let mut payload = Vec::with_capacity(self.bytes());
+        payload.put_u32(self.rows.len() as u32);
+        for row in self.rows {
+            payload.put_u32(row.frame);
+            payload.put_u32(start as u32 + row.offset);
+        }
+        payload.extend_from_slice(&self.data);
+        Ok(payload)
+    }
+}
+
+/// The records that a decoder applies to come from frame `at` of a chunk (`None`: nothing shown yet) to frame `target`
+/// in steps of at most `window` frames: their indices, in order. `frames` ascend and start with 0. Going back starts
+/// over at the keyframe.
+pub fn steps<'a, R>(
+    records: &'a [R],
+    frame_of: impl Fn(&R) -> u32 + Copy + 'a,
+    at: Option<u32>,
+    target: u32,
+    window: u8,
+) -> impl Iterator<Item = usize> + 'a {
+    let (start, first) = match at.filter(|&at| at <= target) {
+        Some(at) => (at, None),
+        None => (0, Some(0)),
+    };
+    let window = u32::from(window.max(1));
+    let mut frame = start;
+    let later = std::iter::from_fn(move || {
+        while frame < target {
+            // Steps that land on no record do nothing: they are taken at once, or a payload of a few bytes that
+            // claims 2^31 frames would take as many steps.
+            let next = records.partition_point(|record| frame_of(record) <= frame);
+            let stop = records.get(next).map_or(target, |record| frame_of(record).min(target));
+            frame += (stop - frame - 1) / window * window;
+            frame += window.min(target - frame);
+            if let Ok(found) = records.binary_search_by_key(&frame, |record| frame_of(record)) {
+                return Some(found);
+            }
+        }
+        None
+    });
+    first.into_iter().chain(later)
+}
