@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::cli::options::{self, ColorArgs, DepthArgs, FrameArgs, OutputArgs};
+use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, OutputArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -48,6 +48,9 @@ pub struct Args {
     /// Colour.
     #[command(flatten)]
     pub color: ColorArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
 }
 
 /// Encodes a dataset.
@@ -59,6 +62,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     options.face_size = args.face_size;
     options.channel = args.depth_channel.clone();
     options.color_channel = args.color_channel.clone();
+    args.effort.apply(&mut settings);
     settings.lzma2 = args.output.lzma2;
     if !args.stream.is_empty() {
         settings.kinds = args.stream.clone();

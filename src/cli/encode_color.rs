@@ -1,7 +1,7 @@
 //! `lightfold encode-color SEQ -o OUT`: one colour sequence.
 
 use crate::cli::encode::encode_to;
-use crate::cli::options::{ColorArgs, ColorSpaceArg, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{ColorArgs, ColorSpaceArg, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -32,6 +32,9 @@ pub struct Args {
     /// Colour.
     #[command(flatten)]
     pub color: ColorArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
 }
 
 /// Encodes a sequence.
@@ -40,6 +43,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     args.color.apply(&mut options, &mut settings)?;
     options.color_space = args.color_space.map(Into::into);
     options.frames = args.frames.frames;
+    args.effort.apply(&mut settings);
     settings.lzma2 = args.output.lzma2;
     let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
     encode_to(&source, &settings, &args.output, global)

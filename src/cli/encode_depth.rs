@@ -1,7 +1,7 @@
 //! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
 
 use crate::cli::encode::encode_to;
-use crate::cli::options::{DepthArgs, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{DepthArgs, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -31,6 +31,9 @@ pub struct Args {
     /// Depth.
     #[command(flatten)]
     pub depth: DepthArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
 }
 
 /// Encodes a sequence.
@@ -38,6 +41,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     args.depth.apply(&mut options, &mut settings);
     options.frames = args.frames.frames;
+    args.effort.apply(&mut settings);
     settings.lzma2 = args.output.lzma2;
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
     encode_to(&source, &settings, &args.output, global)

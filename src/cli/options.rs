@@ -4,10 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use crate::color::keyframes::{Effort, SearchSettings};
+use crate::color::keyframes::SearchSettings;
 use crate::dataset::source::{Arrangement, InvalidColor, InvalidDepth, SequenceLayout, Source, SourceOptions};
 use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::domain::DomainKind;
+use crate::depth::mode_decision::Decide;
+use crate::depth::node_encoder::NodeSettings;
 use crate::depth::temporal::TemporalSettings;
+use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::png::ColorSpace;
@@ -15,7 +19,7 @@ use crate::image::sequence::FrameRange;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use crate::video::codec::ColorFormat;
-use crate::video::encode::EncodeSettings;
+use crate::video::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound};
 use crate::video::export::Selection;
 
 /// Parses a stream kind.
@@ -75,15 +79,36 @@ impl SelectionArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthArgs {
+    /// How depth is stored
+    #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
+    pub depth_codec: DepthCodecArg,
+    /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless
+    #[arg(long, value_name = "CODES", default_value_t = NodeSettings::default().bound, conflicts_with = "error_relative",
+        value_parser = clap::value_parser!(u16).range(..=65534))]
+    pub error: u16,
+    /// Largest error of a decoded depth in proportion to it, such as 0.1%, for quadtree
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    pub error_relative: Option<f64>,
+    /// What modelling functions are fitted in
+    #[arg(long, value_name = "DOMAIN", value_enum, default_value_t = DomainArg::Log)]
+    pub depth_domain: DomainArg,
+    /// Which of the modelling functions within the bound a node gets
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = DecideArg::Mse)]
+    pub decide: DecideArg,
+    /// Of a node's four children, how many must have changed before one function is tried for all of it
+    #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
+        value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub min_children: u8,
     /// W: pixels are sent whenever they differ from any of the W frames before, so that a decoder may step over
     /// W − 1 of them
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
-    /// Largest difference between a decoded depth and its source, in 16-bit log codes; 0 is lossless
+    /// How far a depth may move, in 16-bit log codes, before it is sent again, on top of --error; with aabb this is
+    /// the largest error, and 0 is lossless
     #[arg(long, value_name = "CODES", default_value_t = 0)]
     pub epsilon: u16,
-    /// Most boxes that one frame of one tile is updated with
+    /// Most boxes that one frame of one tile is updated with, for aabb and material
     #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
         value_parser = clap::value_parser!(u16).range(1..=256))]
     pub max_aabbs: u16,
@@ -103,6 +128,92 @@ pub struct DepthArgs {
     /// Reading.
     #[command(flatten)]
     pub reading: DepthReadingArgs,
+}
+
+/// `--depth-codec`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthCodecArg {
+    /// Modelling functions in a quadtree, within --error of the source everywhere
+    Quadtree,
+    /// Codes as they are, in boxes around what changes
+    Aabb,
+    /// Blocks of 8x8 pixels at a fixed 4:1, without a bound
+    Bc4w,
+}
+
+/// `--depth-domain`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DomainArg {
+    /// Log codes
+    Log,
+    /// Metres
+    Linear,
+    /// One over metres, in which a plane is exact
+    Inverse,
+}
+
+/// `--decide`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DecideArg {
+    /// The closest
+    Mse,
+    /// The smallest
+    Size,
+}
+
+impl From<DomainArg> for DomainKind {
+    fn from(domain: DomainArg) -> DomainKind {
+        match domain {
+            DomainArg::Log => DomainKind::Log,
+            DomainArg::Linear => DomainKind::Linear,
+            DomainArg::Inverse => DomainKind::Inverse,
+        }
+    }
+}
+
+impl From<DecideArg> for Decide {
+    fn from(decide: DecideArg) -> Decide {
+        match decide {
+            DecideArg::Mse => Decide::Mse,
+            DecideArg::Size => Decide::Size,
+        }
+    }
+}
+
+/// Parses a share: `0.1%` or `0.001`.
+pub fn parse_share(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    let share = share * unit;
+    if !(0.0..=1.0).contains(&share) {
+        return Err(format!("'{text}' is not between 0 and 100%"));
+    }
+    Ok(share)
+}
+
+/// How hard searches try.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct EffortArgs {
+    /// How hard to search: for the farthest keyframe of colour, and for BC4w blocks of depth
+    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
+    pub effort: EffortArg,
+}
+
+impl EffortArgs {
+    /// The effort.
+    pub fn get(self) -> Effort {
+        match self.effort {
+            EffortArg::Fast => Effort::Fast,
+            EffortArg::Normal => Effort::Normal,
+            EffortArg::Exhaustive => Effort::Exhaustive,
+        }
+    }
+
+    /// Puts the option where the encoder reads it; after those of depth and colour.
+    pub fn apply(self, settings: &mut EncodeSettings) {
+        settings.search.effort = self.get();
+        settings.depth.effort = self.get();
+    }
 }
 
 /// How depth files are read.
@@ -170,9 +281,6 @@ pub struct ColorArgs {
     #[arg(long, value_name = "N", default_value_t = SearchSettings::default().reach,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub keyframe_reach: u32,
-    /// How hard to look for the farthest keyframe
-    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
-    pub effort: EffortArg,
     /// What becomes of NaN colours
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
     pub invalid_color: InvalidColorArg,
@@ -190,11 +298,11 @@ pub enum TransferArg {
 /// `--effort`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum EffortArg {
-    /// Bisection
+    /// Quick, at a small loss
     Fast,
-    /// Every distance between the last that served and the first that did not
+    /// What an exhaustive search finds, or nearly so
     Normal,
-    /// Every distance: the reference
+    /// Everything is tried: the reference, slow
     Exhaustive,
 }
 
@@ -250,6 +358,18 @@ impl DepthArgs {
             max_aabbs: self.max_aabbs,
             keyframe_interval: self.keyframe_interval,
         };
+        settings.depth = DepthSettings {
+            codec: match self.depth_codec {
+                DepthCodecArg::Quadtree => DepthCodec::Quadtree,
+                DepthCodecArg::Aabb => DepthCodec::Boxes,
+                DepthCodecArg::Bc4w => DepthCodec::Blocks,
+            },
+            error: self.error_relative.map_or(ErrorBound::Codes(self.error), ErrorBound::Relative),
+            domain: self.depth_domain.into(),
+            decide: self.decide.into(),
+            effort: settings.depth.effort,
+            min_children: self.min_children,
+        };
         settings.tiles = self.tiles;
         settings.near_m = self.near;
         settings.far_m = self.far;
@@ -284,15 +404,8 @@ impl ColorArgs {
             return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
         }
         settings.cell = self.cell;
-        settings.search = SearchSettings {
-            min_psnr_db: self.psnr,
-            effort: match self.effort {
-                EffortArg::Fast => Effort::Fast,
-                EffortArg::Normal => Effort::Normal,
-                EffortArg::Exhaustive => Effort::Exhaustive,
-            },
-            reach: self.keyframe_reach,
-        };
+        settings.search =
+            SearchSettings { min_psnr_db: self.psnr, effort: settings.search.effort, reach: self.keyframe_reach };
         let transfer = match self.transfer {
             TransferArg::Srgb => Transfer::Srgb,
             TransferArg::Linear => Transfer::Linear,

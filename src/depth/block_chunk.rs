@@ -3,11 +3,13 @@
 //! Any frame and any block is found by its number alone. There is no bound on the error of a surface; the background
 //! is exact.
 
-use crate::container::Payload;
 use crate::container::fields::Fields;
+use crate::container::{EncodedChunk, Payload};
 use crate::depth::bc4w::{self, Bc4w};
 use crate::depth::block::{Accuracy, Block, BlockMut};
-use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, function_of};
+use crate::depth::census::{NodeCensus, Share};
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Place, function_of};
+use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::effort::Effort;
 use crate::error::Result;
 
@@ -52,6 +54,18 @@ impl BlockChunk {
         (picture_bytes(self.grid) / COEFFICIENT_BYTES) as u64
     }
 
+    /// All blocks of all frames, counted.
+    pub fn census(&self) -> NodeCensus {
+        let mut census = NodeCensus::default();
+        let pictures = self.payload.len() / picture_bytes(self.grid);
+        let place = |[x, y]: [usize; 2]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 };
+        for place in (0..pictures).flat_map(|_| places(self.grid).map(place)) {
+            let share = Share { nodes: 1, pixels: self.grid.pixels_of(place), bytes: COEFFICIENT_BYTES as u64 };
+            census.add_share(LEVEL, Function::Bc4w, share);
+        }
+        census
+    }
+
     /// Shows frame `target` of the chunk; answers how many pixels were written.
     pub fn show(&self, picture: &mut [u16], target: u32) -> u64 {
         let bytes = picture_bytes(self.grid);
@@ -76,4 +90,39 @@ pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec
         accuracy
     };
     places(grid).map(encode).collect()
+}
+
+/// Encodes one unit as plain blocks.
+#[derive(Debug)]
+pub struct BlockEncoder {
+    grid: Grid,
+    effort: Effort,
+    keyframe_interval: u32,
+    open: Vec<u8>,
+    chunk_first: u32,
+    next_frame: u32,
+}
+
+impl BlockEncoder {
+    /// An encoder for a unit of `grid`'s size; chunks hold at most `keyframe_interval` frames.
+    pub fn new(grid: Grid, effort: Effort, keyframe_interval: u32) -> BlockEncoder {
+        BlockEncoder { grid, effort, keyframe_interval, open: Vec::new(), chunk_first: 0, next_frame: 0 }
+    }
+
+    /// Takes the next frame. Answers the chunk that it closes, if any.
+    pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
+        let full = self.next_frame - self.chunk_first >= self.keyframe_interval || self.open.len() >= CLOSE_AT_BYTES;
+        let finished = if full { self.finish() } else { None };
+        encode_picture(source, self.grid, self.effort, &mut self.open);
+        self.next_frame += 1;
+        finished
+    }
+
+    /// Closes the open chunk, if there is one.
+    pub fn finish(&mut self) -> Option<EncodedChunk> {
+        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
+        self.chunk_first = self.next_frame;
+        let payload = std::mem::take(&mut self.open);
+        (frame_count > 0).then_some(EncodedChunk { first_frame, frame_count, payload })
+    }
 }

@@ -33,7 +33,12 @@ impl NodeCensus {
     /// Counts a node of a unit of `grid`'s size.
     pub fn count(&mut self, grid: Grid, node: &Node) {
         let share = Share { nodes: 1, pixels: grid.pixels_of(node.place), bytes: stored_bytes(node) as u64 };
-        self.shares[usize::from(node.place.level)][node.function() as usize].add(share);
+        self.add_share(node.place.level, node.function(), share);
+    }
+
+    /// Adds nodes of a level, 0 to 8, and function.
+    pub fn add_share(&mut self, level: u8, function: Function, share: Share) {
+        self.shares[usize::from(level)][function as usize].add(share);
     }
 
     /// Adds another census.

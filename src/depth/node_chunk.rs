@@ -4,9 +4,9 @@
 
 use crate::container::Payload;
 use crate::container::fields::Fields;
-use crate::depth::domain::Domain;
 use crate::depth::census::NodeCensus;
-use crate::depth::nodes::{Grid, Node};
+use crate::depth::domain::Domain;
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::record_table::{self, TableBuilder};
 use crate::depth::runtime::Runtime;
 use crate::depth::storage::{self, Coverage, SECTION};
@@ -24,6 +24,8 @@ pub struct NodeRecord {
     pub updated_pixels: u64,
     /// Payload bytes that it takes, its row of the table included.
     pub bytes: u64,
+    /// Nodes.
+    pub nodes: u64,
     /// Whether it covers the unit.
     pub complete: bool,
 }
@@ -77,8 +79,18 @@ impl NodeChunk {
             frame: frame.frame,
             updated_pixels: frame.updated_pixels,
             bytes,
+            nodes: frame.nodes,
             complete,
         })
+    }
+
+    /// Whether every record fills the unit with one code.
+    pub fn is_constant(&self) -> bool {
+        let is_root = |place: Place| place == self.runtime.grid().root();
+        let constant = |(place, c): (Place, &[u8; COEFFICIENT_BYTES])| {
+            is_root(place) && function_of(place.level, c) == Function::Biquadratic && c[..20] == [0; 20]
+        };
+        self.runtime.frames().iter().all(|&frame| self.runtime.nodes(frame).all(constant))
     }
 
     /// All nodes of all records, counted.

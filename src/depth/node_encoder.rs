@@ -137,7 +137,8 @@ impl NodeEncoder {
         }
         let nodes = self.model(source, known);
         for node in &nodes {
-            let target = &mut BlockMut::of(&mut self.held, self.grid.width as usize, node.place.level, node.place.pixel());
+            let target =
+                &mut BlockMut::of(&mut self.held, self.grid.width as usize, node.place.level, node.place.pixel());
             decode_node(node.place, &node.coefficients, &self.domain, target);
         }
         // The keyframe needs no repetition: no path enters a chunk elsewhere.
@@ -328,8 +329,7 @@ mod tests {
 
     #[test]
     fn creep_for_600_frames_stays_within_bound_and_epsilon() {
-        let frames: Vec<Vec<u16>> =
-            (0..600u16).map(|n| vec![1000 + n; GRID.pixel_count() as usize]).collect();
+        let frames: Vec<Vec<u16>> = (0..600u16).map(|n| vec![1000 + n; GRID.pixel_count() as usize]).collect();
         let settings = NodeSettings { bound: 20, epsilon: 5, keyframe_interval: 1000, ..NodeSettings::default() };
         check_all_paths(&frames, settings);
     }

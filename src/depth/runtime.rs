@@ -4,9 +4,9 @@
 //! the nodes in two bytes each, and their coefficients in 32 bytes each, all on multiples of 16 bytes, so that any
 //! node is found by its number alone. A table leads from frames to offsets in the buffer.
 
+use crate::depth::bc4w::Bc4w;
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::block::{BlockMut, MAX_LEVEL};
-use crate::depth::bc4w::Bc4w;
 use crate::depth::domain::Domain;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of, raw};
 use crate::depth::platelet::Platelet;
@@ -24,6 +24,8 @@ pub struct RuntimeFrame {
     pub frame: u32,
     /// Offset of its header.
     pub offset: usize,
+    /// Its nodes.
+    pub nodes: u64,
     /// Pixels that its nodes write.
     pub updated_pixels: u64,
 }
@@ -70,7 +72,7 @@ impl Runtime {
         self.buffer.resize(self.buffer.len().next_multiple_of(ALIGN), 0);
         by_level().for_each(|node| self.buffer.extend_from_slice(&node.coefficients));
         let updated_pixels = nodes.iter().map(|node| self.grid.pixels_of(node.place)).sum();
-        self.frames.push(RuntimeFrame { frame, offset, updated_pixels });
+        self.frames.push(RuntimeFrame { frame, offset, nodes: nodes.len() as u64, updated_pixels });
     }
 
     /// The nodes of a frame with their places and coefficients, by level.
@@ -81,9 +83,8 @@ impl Runtime {
         let coefficients_at = (places_at + 2 * count).next_multiple_of(ALIGN);
         let places = self.buffer[places_at..places_at + 2 * count].as_chunks::<2>().0;
         let coefficients = self.buffer[coefficients_at..coefficients_at + COEFFICIENT_BYTES * count].as_chunks().0;
-        let levels = (0..LEVELS).flat_map(move |level| {
-            std::iter::repeat_n(level as u8, u32::from_le_bytes(words[1 + level]) as usize)
-        });
+        let levels = (0..LEVELS)
+            .flat_map(move |level| std::iter::repeat_n(level as u8, u32::from_le_bytes(words[1 + level]) as usize));
         levels.zip(places).zip(coefficients).map(|((level, &[x, y]), c)| (Place { level, x, y }, c))
     }
 
@@ -111,12 +112,7 @@ impl Runtime {
 }
 
 /// Writes what a node holds.
-pub fn decode_node(
-    place: Place,
-    coefficients: &[u8; COEFFICIENT_BYTES],
-    domain: &Domain,
-    target: &mut BlockMut<'_>,
-) {
+pub fn decode_node(place: Place, coefficients: &[u8; COEFFICIENT_BYTES], domain: &Domain, target: &mut BlockMut<'_>) {
     match function_of(place.level, coefficients) {
         Function::Raw => raw::decode(coefficients, target),
         Function::Biquadratic => Biquadratic::from_bytes(coefficients).decode(domain, target),

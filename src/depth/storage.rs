@@ -388,9 +388,8 @@ mod tests {
             integers[[0, 2, 5][order as usize]..5].fill(0);
             bytes(integers, [0xFF; 8])
         });
-        let platelet = (integers, any::<[u8; 3]>()).prop_map(|(integers, [a, b, c])| {
-            bytes(integers, [a, b, c, a & 0x7F, 0xFF, 0xFF, 0xFF, 0xFF])
-        });
+        let platelet = (integers, any::<[u8; 3]>())
+            .prop_map(|(integers, [a, b, c])| bytes(integers, [a, b, c, a & 0x7F, 0xFF, 0xFF, 0xFF, 0xFF]));
         let bc4w = any::<[u8; 32]>().prop_map(|mut bytes| {
             bytes[30] &= 0x7F;
             bytes
@@ -427,7 +426,8 @@ mod tests {
         proptest::collection::vec(any::<u8>(), 200).prop_flat_map(|choices| {
             let mut places = Vec::new();
             visit(GRID.root(), &mut choices.into_iter().chain(std::iter::repeat(1)), &mut places);
-            let node = |place: Place| coefficients(place.level).prop_map(move |coefficients| Node { place, coefficients });
+            let node =
+                |place: Place| coefficients(place.level).prop_map(move |coefficients| Node { place, coefficients });
             places.into_iter().map(node).collect::<Vec<_>>()
         })
     }

@@ -11,6 +11,7 @@ use crate::depth::block::{Accuracy, Block};
 use crate::depth::census::NodeCensus;
 use crate::depth::domain::Domain;
 use crate::depth::mode_decision::{Approximation, Modelling, Rounding};
+use crate::depth::node_chunk::NodeRecord;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::{Grid, Node, Place, raw};
 use crate::depth::quadtree::{self, Build, Leaf, Tree, Wanted};
@@ -56,10 +57,16 @@ impl TreeChunk {
         Ok(TreeChunk { runtime, domain, trees, record_bytes, spare: payload })
     }
 
-    /// Frame, pixels written and bytes of each record, its row of the table included.
-    pub fn records(&self) -> impl Iterator<Item = (u32, u64, u64)> {
-        let bytes = self.record_bytes.iter();
-        self.runtime.frames().iter().zip(bytes).map(|(frame, &bytes)| (frame.frame, frame.updated_pixels, bytes))
+    /// The records, in order of their frames; leaves and functions count as nodes.
+    pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
+        let costs = self.record_bytes.iter().zip(&self.trees);
+        self.runtime.frames().iter().zip(costs).map(|(frame, (&bytes, tree))| NodeRecord {
+            frame: frame.frame,
+            updated_pixels: frame.updated_pixels,
+            bytes,
+            nodes: frame.nodes + tree.len() as u64,
+            complete: frame.updated_pixels == self.runtime.grid().pixel_count(),
+        })
     }
 
     /// The approximations of a frame by their places. Their squared errors are not stored and read 0.
@@ -105,9 +112,9 @@ fn read_record(grid: Grid, fields: &mut Fields<'_>) -> Result<(Vec<Node>, Vec<Ap
     let leaves = storage::read_functions(&leaves, fields)?;
     let coarse = storage::read_functions(&coarse, fields)?;
     fields.enter(SECTION);
-    let found = coarse.into_iter().map(|node| {
-        Ok(Approximation { node, accuracy: Accuracy { max_error: fields.u16()?, squared_error: 0 } })
-    });
+    let found = coarse
+        .into_iter()
+        .map(|node| Ok(Approximation { node, accuracy: Accuracy { max_error: fields.u16()?, squared_error: 0 } }));
     let found = found.collect::<Result<_>>()?;
     Ok((leaves, found))
 }

@@ -5,6 +5,8 @@ use crate::color::quality::Pu21;
 use crate::container::StreamEntry;
 use crate::container::fields::{Fields, PutFields};
 use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::block::MAX_TILE;
+use crate::depth::domain::{Domain, DomainKind, DomainParts};
 use crate::depth::quantise::DepthRange;
 use crate::depth::temporal::TemporalSettings;
 use crate::error::{Error, Result};
@@ -12,6 +14,12 @@ use crate::image::transfer::{ToneMap, Transfer};
 
 /// Depth codes in boxes.
 pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
+/// Depth as packed nodes of a quadtree.
+pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
+/// Depth in the intermediate form of the quadtree.
+pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
+/// Depth as plain BC4w blocks.
+pub const DEPTH_BLOCKS: [u8; 4] = *b"DB4W";
 /// Material triples in boxes.
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
 /// 8-bit colour cells.
@@ -28,8 +36,36 @@ pub struct DepthHeader {
     pub background: f32,
     /// What the metres measure.
     pub kind: DepthKind,
-    /// How it was coded; only the window matters to a decoder.
-    pub temporal: TemporalSettings,
+    /// How it was coded.
+    pub coding: DepthCoding,
+}
+
+/// How depth codes are stored.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DepthCoding {
+    /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
+    Boxes(TemporalSettings),
+    /// Packed nodes of a quadtree.
+    Nodes(NodeHeader),
+    /// The quadtree itself, with all leaves as they are.
+    Tree(NodeHeader),
+    /// BC4w blocks, each frame whole.
+    Blocks,
+}
+
+/// Header of a stream of nodes; only the window and the domain matter to a decoder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeHeader {
+    /// W: longest step of a decoder, in frames.
+    pub window: u8,
+    /// How far, in codes, the source may move away from what is shown on top of the bound.
+    pub epsilon: u16,
+    /// Most frames of a chunk that the encoder was allowed.
+    pub keyframe_interval: u32,
+    /// Largest error of a node in codes; of a tree, that of its functions.
+    pub bound: u16,
+    /// What functions are evaluated in.
+    pub domain: DomainParts,
 }
 
 /// Header of a material stream.
@@ -71,6 +107,27 @@ pub enum CodecHeader {
     Material(MaterialHeader),
 }
 
+impl DepthHeader {
+    /// The longest step of a decoder, in frames.
+    pub fn window(&self) -> u8 {
+        match self.coding {
+            DepthCoding::Boxes(temporal) => temporal.window,
+            DepthCoding::Nodes(nodes) => nodes.window,
+            DepthCoding::Tree(_) | DepthCoding::Blocks => 1,
+        }
+    }
+
+    /// The promise: how far a decoded surface is from its source at most, in codes; `None` where there is none.
+    pub fn error_bound(&self) -> Option<u16> {
+        match self.coding {
+            DepthCoding::Boxes(temporal) => Some(temporal.epsilon),
+            DepthCoding::Nodes(nodes) => Some(nodes.bound.saturating_add(nodes.epsilon)),
+            DepthCoding::Tree(_) => Some(0),
+            DepthCoding::Blocks => None,
+        }
+    }
+}
+
 impl ColorHeader {
     /// A header that speaks of what the search was asked for.
     pub fn new(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
@@ -91,7 +148,12 @@ impl CodecHeader {
     /// The four characters of the codec.
     pub fn codec(&self) -> [u8; 4] {
         match self {
-            CodecHeader::Depth(_) => DEPTH_AABB,
+            CodecHeader::Depth(header) => match header.coding {
+                DepthCoding::Boxes(_) => DEPTH_AABB,
+                DepthCoding::Nodes(_) => DEPTH_NODES,
+                DepthCoding::Tree(_) => DEPTH_TREE,
+                DepthCoding::Blocks => DEPTH_BLOCKS,
+            },
             CodecHeader::Material(_) => MATERIAL_AABB,
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => COLOR_CELLS_8,
             CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => COLOR_CELLS_HALF,
@@ -103,6 +165,9 @@ impl CodecHeader {
         match self.codec() {
             COLOR_CELLS_8 => "cells-8bit",
             COLOR_CELLS_HALF => "cells-half",
+            DEPTH_NODES => "quadtree",
+            DEPTH_TREE => "quadtree-intermediate",
+            DEPTH_BLOCKS => "bc4w",
             _ => "aabb",
         }
     }
@@ -119,7 +184,11 @@ impl CodecHeader {
                     DepthKind::Distance => 0,
                     DepthKind::Planar => 1,
                 });
-                write_temporal(&header.temporal, &mut out);
+                match header.coding {
+                    DepthCoding::Boxes(temporal) => write_temporal(&temporal, &mut out),
+                    DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
+                    DepthCoding::Blocks => {}
+                }
             }
             CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
             CodecHeader::Color(header) => {
@@ -144,7 +213,13 @@ impl CodecHeader {
         let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
         let mut fields = Fields::new(&stream.codec_header, 0, section);
         let header = match (StreamKind::from_index(stream.kind), stream.codec) {
-            (Some(StreamKind::Depth), DEPTH_AABB) => CodecHeader::Depth(read_depth(&mut fields)?),
+            (Some(StreamKind::Depth), DEPTH_AABB | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS) => {
+                let header = read_depth(&mut fields, stream.codec)?;
+                if stream.codec != DEPTH_AABB && stream.unit_width.max(stream.unit_height) > MAX_TILE {
+                    return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
+                }
+                CodecHeader::Depth(header)
+            }
             (Some(StreamKind::Material), MATERIAL_AABB) => {
                 CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)? })
             }
@@ -164,7 +239,7 @@ impl CodecHeader {
     }
 }
 
-fn read_depth(fields: &mut Fields<'_>) -> Result<DepthHeader> {
+fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
     let range = DepthRange::new(fields.f32()?, fields.f32()?)?;
     let background = fields.f32()?;
     if background.is_nan() {
@@ -175,7 +250,40 @@ fn read_depth(fields: &mut Fields<'_>) -> Result<DepthHeader> {
         1 => DepthKind::Planar,
         other => return Err(fields.error(format!("depth of kind {other} is unknown"))),
     };
-    Ok(DepthHeader { range, background, kind, temporal: read_temporal(fields)? })
+    let coding = match codec {
+        DEPTH_NODES => DepthCoding::Nodes(read_nodes(fields)?),
+        DEPTH_TREE => DepthCoding::Tree(read_nodes(fields)?),
+        DEPTH_BLOCKS => DepthCoding::Blocks,
+        _ => DepthCoding::Boxes(read_temporal(fields)?),
+    };
+    Ok(DepthHeader { range, background, kind, coding })
+}
+
+fn write_nodes(nodes: &NodeHeader, out: &mut Vec<u8>) {
+    out.put_u16(u16::from(nodes.window));
+    out.put_u16(nodes.epsilon);
+    out.put_u32(nodes.keyframe_interval);
+    out.put_u16(nodes.bound);
+    out.put_u16(nodes.domain.kind as u16);
+    out.put_u32(nodes.domain.base);
+    out.put_u32(nodes.domain.scale);
+}
+
+fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
+    fields.enter("depth.md 3");
+    let (window, epsilon, keyframe_interval, bound) = (fields.u16()?, fields.u16()?, fields.u32()?, fields.u16()?);
+    let window = u8::try_from(window)
+        .ok()
+        .filter(|&window| window > 0)
+        .ok_or_else(|| fields.error(format!("a depth window of {window} frames")))?;
+    if keyframe_interval == 0 {
+        return Err(fields.error("a keyframe interval of 0 frames"));
+    }
+    let kind = fields.u16()?;
+    let kind = DomainKind::from_index(kind).ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
+    let domain = DomainParts { kind, base: fields.u32()?, scale: fields.u32()? };
+    Domain::from_parts(domain).map_err(|error| fields.error(error.to_string()))?;
+    Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
 }
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
@@ -240,9 +348,17 @@ mod tests {
     fn samples() -> Vec<CodecHeader> {
         let temporal = TemporalSettings { window: 3, epsilon: 7, max_aabbs: 9, keyframe_interval: 11 };
         let range = DepthRange::new(0.25, 100.0).unwrap();
+        let domain = Domain::new(DomainKind::Inverse, range).unwrap().parts();
+        let nodes = NodeHeader { window: 3, epsilon: 1, keyframe_interval: 5, bound: 100, domain };
+        let depth = |coding| {
+            CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, coding })
+        };
         let tone = ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 };
         vec![
-            CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, temporal }),
+            depth(DepthCoding::Boxes(temporal)),
+            depth(DepthCoding::Nodes(nodes)),
+            depth(DepthCoding::Tree(nodes)),
+            depth(DepthCoding::Blocks),
             CodecHeader::Material(MaterialHeader { temporal }),
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), min_psnr_db: 50.0 }),
             CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2: 80.0 }, min_psnr_db: 40.0 }),

@@ -17,7 +17,8 @@ use crate::image::cube::Face;
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::ordered::try_map_ordered;
-use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
+use crate::video::depth_chunk::DepthChunk;
 
 /// A stream of an open container, typed.
 #[derive(Debug, Clone, PartialEq)]
@@ -136,8 +137,8 @@ impl Decoder {
         let [_, _, width, height] = stream.entry.unit_rect(unit);
         let (size, pixels) = ([width, height], width as usize * height as usize);
         let state = match stream.header {
-            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.temporal.window)),
-            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window)),
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), header)),
+            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, ())),
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 State::Color8(CellState::new(pixels))
             }
@@ -196,8 +197,8 @@ pub struct UnitDecoder<'a> {
 
 #[derive(Debug)]
 enum State {
-    Depth(TemporalState<u16>),
-    Material(TemporalState<[u8; 3]>),
+    Depth(TemporalState<DepthChunk>),
+    Material(TemporalState<TemporalChunk<[u8; 3]>>),
     Color8(CellState<u8>),
     ColorHalf(CellState<HalfKey>),
 }
@@ -240,37 +241,84 @@ impl UnitDecoder<'_> {
     }
 }
 
+/// A chunk whose frames are reached by changing a picture.
+trait PictureChunk: Sized {
+    /// A pixel of the picture.
+    type Pixel: Copy + Default;
+    /// What parsing needs to know of the stream.
+    type Header;
+
+    fn parse(header: &Self::Header, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self>;
+    fn advance(&self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> u64;
+    fn into_spare(self) -> Vec<u8>;
+}
+
+impl PictureChunk for DepthChunk {
+    type Pixel = u16;
+    type Header = DepthHeader;
+
+    fn parse(header: &DepthHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self> {
+        DepthChunk::parse(header, payload, size, frames)
+    }
+
+    fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
+        DepthChunk::advance(self, picture, at, target, window)
+    }
+
+    fn into_spare(self) -> Vec<u8> {
+        DepthChunk::into_spare(self)
+    }
+}
+
+impl<T: Texel> PictureChunk for TemporalChunk<T> {
+    type Pixel = T;
+    type Header = ();
+
+    fn parse((): &(), payload: Payload, size: [u32; 2], frames: u32) -> Result<Self> {
+        TemporalChunk::parse(payload, size, frames)
+    }
+
+    fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
+        TemporalChunk::advance(self, picture, at, target, window)
+    }
+
+    fn into_spare(self) -> Vec<u8> {
+        TemporalChunk::into_spare(self)
+    }
+}
+
 /// A temporally coded unit: the picture shown, and the chunk it came from.
 #[derive(Debug)]
-struct TemporalState<T> {
+struct TemporalState<C: PictureChunk> {
     size: [u32; 2],
     window: u8,
-    picture: Vec<T>,
-    chunk: Option<(usize, TemporalChunk<T>)>,
+    header: C::Header,
+    picture: Vec<C::Pixel>,
+    chunk: Option<(usize, C)>,
     /// Frame of the chunk that the picture shows.
     at: Option<u32>,
 }
 
-impl<T: Texel> TemporalState<T> {
-    fn new(size: [u32; 2], window: u8) -> Self {
-        TemporalState { size, window, picture: Vec::new(), chunk: None, at: None }
+impl<C: PictureChunk> TemporalState<C> {
+    fn new(size: [u32; 2], window: u8, header: C::Header) -> Self {
+        TemporalState { size, window, header, picture: Vec::new(), chunk: None, at: None }
     }
 
     fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
         let (index, entry) = source.find(frame)?;
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
-            let size = self.size;
             if let Some((_, old)) = self.chunk.take() {
                 source.spare = old.into_spare();
             }
-            let parsed = source.fetch(&entry, |payload| TemporalChunk::parse(payload, size, entry.key.frame_count))?;
+            let (header, size) = (&self.header, self.size);
+            let parsed = source.fetch(&entry, |payload| C::parse(header, payload, size, entry.key.frame_count))?;
             self.chunk = Some((index, parsed));
             self.at = None;
         }
         let Some((_, chunk)) = &self.chunk else { return Ok(0) };
         let start = Instant::now();
         if self.picture.is_empty() {
-            self.picture.resize(self.size[0] as usize * self.size[1] as usize, T::default());
+            self.picture.resize(self.size[0] as usize * self.size[1] as usize, C::Pixel::default());
         }
         let target = frame - entry.key.first_frame;
         let updated = chunk.advance(&mut self.picture, self.at, target, self.window);

@@ -3,80 +3,39 @@
 //! The order of chunks in the file, and so its bytes, depend on nothing but input and options: frames are read in
 //! batches of a fixed size, units of a batch are coded in parallel and written in order.
 
+mod settings;
+mod unit;
+
 use std::io::Write;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicU64;
+use std::time::Duration;
 
 use rayon::prelude::*;
 
-use crate::color::blend::HalfKey;
-use crate::color::keyframes::SearchSettings;
-use crate::color::quality::{EightBit, Pu21};
-use crate::color::temporal::{CLOSE_AT_BYTES, CellEncoder};
 use crate::container::index::MAX_SIZE;
-use crate::container::{ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, StreamEntry, Writer};
+use crate::container::{PackedChunk, ProbeEntry, StreamEntry, Writer};
 use crate::dataset::source::{Source, SourceGroup};
 use crate::dataset::stream::{Projection, StreamKind};
+use crate::depth::block::MAX_TILE;
 use crate::depth::quantise::{DepthRange, Quantiser};
-use crate::depth::temporal::{TemporalEncoder, TemporalSettings};
+use crate::depth::temporal::TemporalSettings;
 use crate::error::{Error, Result};
-use crate::image::plane::{DepthPlane, Plane};
-use crate::image::transfer::EncodeTable;
+use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
-use crate::video::{convert, scan};
+use crate::video::scan;
+
+pub use settings::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound};
+use unit::{ColorMemory, GroupCoder, Pace, UnitJob, timed};
 
 /// Frames read and coded together. Fixed, because the file's order depends on it.
 const BATCH_FRAMES: usize = 16;
 /// Pixels that a batch may hold, so that large faces do not multiply: batches shrink instead.
 const BATCH_PIXELS: usize = 64 << 20;
-/// Pictures that the cells of a group may wait for their next keyframe with: bounds how far it may lie.
-const PENDING_BYTES: u64 = 768 << 20;
-/// Keyframes that the open chunks of a group may hold.
-const OPEN_BYTES: usize = 384 << 20;
 /// Tiles are a multiple of this, so that later stages can split them in halves down to blocks.
 const TILE_ALIGN: u32 = 8;
-
-/// How a dataset is encoded.
-#[derive(Debug, Clone)]
-pub struct EncodeSettings {
-    /// Depth in time; material follows it, with an epsilon of 0.
-    pub temporal: TemporalSettings,
-    /// Depth and material tiles along each side of a face.
-    pub tiles: u32,
-    /// Nearest surface in metres; found where not given.
-    pub near_m: Option<f32>,
-    /// Farthest surface in metres; found where not given.
-    pub far_m: Option<f32>,
-    /// Colour cells are this many pixels wide and high.
-    pub cell: u32,
-    /// The domain of colour.
-    pub color: ColorFormat,
-    /// Colour in time.
-    pub search: SearchSettings,
-    /// LZMA2 preset for chunks that it makes smaller.
-    pub lzma2: Option<u32>,
-    /// Kinds of streams to encode.
-    pub kinds: Vec<StreamKind>,
-}
-
-impl Default for EncodeSettings {
-    fn default() -> Self {
-        EncodeSettings {
-            temporal: TemporalSettings::default(),
-            tiles: 2,
-            near_m: None,
-            far_m: None,
-            cell: 64,
-            color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
-            search: SearchSettings::default(),
-            lzma2: None,
-            kinds: StreamKind::ALL.to_vec(),
-        }
-    }
-}
 
 /// What an encode did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -126,6 +85,7 @@ pub fn encode<W: Write>(
     monitor: &dyn Monitor,
 ) -> Result<(W, EncodeSummary)> {
     settings.temporal.check()?;
+    settings.nodes(0).check()?;
     if settings.tiles == 0 || settings.cell == 0 || settings.search.reach == 0 {
         return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
     }
@@ -160,31 +120,6 @@ struct Job<'a, W: Write> {
     summary: EncodeSummary,
 }
 
-/// The encoder of one unit, whatever its stream holds.
-enum Unit {
-    Depth(TemporalEncoder<u16>),
-    Material(TemporalEncoder<[u8; 3]>),
-    Color8(CellEncoder<u8>),
-    ColorHalf(CellEncoder<HalfKey>),
-}
-
-/// An image in the domain of its codec.
-enum Coded {
-    Depth(Plane<u16>),
-    Bytes(Plane<[u8; 3]>),
-    Half(Plane<[HalfKey; 3]>),
-}
-
-/// What turns the images of a group into codes and codes into chunks.
-struct GroupCoder<'a> {
-    group: &'a SourceGroup,
-    header: CodecHeader,
-    quantiser: Option<Arc<Quantiser>>,
-    table: Option<EncodeTable>,
-    pu21: Option<Pu21>,
-    clipped: AtomicU64,
-}
-
 impl<W: Write> Job<'_, W> {
     fn run(&mut self, groups: &[(usize, &SourceGroup)]) -> Result<()> {
         for probe in 0..self.source.probes().len() {
@@ -193,14 +128,14 @@ impl<W: Write> Job<'_, W> {
             };
             for (_, group) in of(StreamKind::Color) {
                 let header = CodecHeader::Color(ColorHeader::new(self.settings.color, &self.settings.search));
-                self.encode_group(GroupCoder::new(group, header)?, |_| None)?;
+                self.encode_group(GroupCoder::new(group, header, self.settings)?, |_| None)?;
             }
             let depth: Vec<_> = of(StreamKind::Depth).collect();
             self.encode_depth(&depth)?;
             for (_, group) in of(StreamKind::Material) {
                 let temporal = TemporalSettings { epsilon: 0, ..self.settings.temporal };
                 let header = CodecHeader::Material(MaterialHeader { temporal });
-                self.encode_group(GroupCoder::new(group, header)?, |_| None)?;
+                self.encode_group(GroupCoder::new(group, header, self.settings)?, |_| None)?;
             }
         }
         Ok(())
@@ -229,9 +164,10 @@ impl<W: Write> Job<'_, W> {
                 range,
                 background: presented_background(self.source.background(), range),
                 kind: self.source.depth_stored(),
-                temporal: self.settings.temporal,
+                coding: self.settings.depth_coding(range)?,
             });
-            let coder = GroupCoder { quantiser: Some(Arc::clone(&quantiser)), ..GroupCoder::new(group, header)? };
+            let mut coder = GroupCoder::new(group, header, self.settings)?;
+            coder.quantiser = Some(Arc::clone(&quantiser));
             self.encode_group(coder, |frame| kept.remove(&(at, frame)))?;
         }
         Ok(())
@@ -250,30 +186,28 @@ impl<W: Write> Job<'_, W> {
         for (face, (stream, entry)) in streams.iter().enumerate() {
             for unit in 0..entry.unit_count() {
                 let rect = entry.unit_rect(unit);
-                units.push(UnitJob { face, stream: *stream, unit, rect, encoder: coder.unit_encoder(rect, &memory) });
+                units.push(UnitJob::new(&coder, &memory, [face as u32, *stream, unit], rect)?);
             }
         }
         let face_pixels = group.width as usize * group.height as usize * group.faces.len();
         let batch = (BATCH_PIXELS / face_pixels.max(1)).clamp(1, BATCH_FRAMES);
         let frames: Vec<u32> = group.frames.iter().collect();
         let (reading, coding) = (AtomicU64::new(0), AtomicU64::new(0));
-        let level = self.settings.lzma2;
+        let pace = Pace::new(self.monitor, units.len(), group.faces.len());
         for batch in frames.chunks(batch) {
             let inputs: Vec<_> = batch.iter().map(|&frame| (frame, kept(frame))).collect();
             let pictures = try_map_ordered(inputs, |(frame, kept)| {
                 self.monitor.check()?;
-                let coded = coder.read(self.source, frame, kept, &reading, &coding)?;
-                self.monitor.advance(coded.len() as u64);
-                Ok(coded)
+                coder.read(self.source, frame, kept, &reading, &coding)
             })?;
             let packed = units
                 .par_iter_mut()
-                .map(|job| timed(&coding, || job.push(&pictures, &coder, level)))
+                .map(|job| timed(&coding, || job.push(&pictures, &coder, &pace)))
                 .collect::<Result<Vec<_>>>()?;
             self.write(packed)?;
         }
         let packed =
-            units.par_iter_mut().map(|job| timed(&coding, || job.finish(&coder, level))).collect::<Result<Vec<_>>>()?;
+            units.par_iter_mut().map(|job| timed(&coding, || job.finish(&coder))).collect::<Result<Vec<_>>>()?;
         self.write(packed)?;
         self.summary.reading += Duration::from_nanos(reading.into_inner());
         self.summary.coding += Duration::from_nanos(coding.into_inner());
@@ -293,9 +227,10 @@ impl<W: Write> Job<'_, W> {
             .ok()
             .filter(|_| group.frames.last < crate::container::index::MAX_FRAME)
             .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
-        let unit = |side: u32| match group.kind {
-            StreamKind::Color => self.settings.cell.min(MAX_SIZE),
-            _ => side.div_ceil(self.settings.tiles).next_multiple_of(TILE_ALIGN),
+        let unit = |side: u32| match (group.kind, self.settings.depth.codec) {
+            (StreamKind::Color, _) => self.settings.cell.min(MAX_SIZE),
+            (StreamKind::Material, _) | (_, DepthCodec::Boxes) => tile_side(side, self.settings.tiles),
+            (StreamKind::Depth, _) => tile_side(side, self.settings.tiles.max(side.div_ceil(MAX_TILE))),
         };
         let (unit_width, unit_height) = (unit(group.width), unit(group.height));
         let mut streams = Vec::new();
@@ -329,171 +264,6 @@ impl<W: Write> Job<'_, W> {
     }
 }
 
-/// What the encoders of a group's colour cells may hold, so that large groups stay within memory. It follows from the
-/// footage and the settings alone, because the file depends on it.
-struct ColorMemory {
-    search: SearchSettings,
-    close_at_bytes: usize,
-}
-
-impl ColorMemory {
-    fn new(group: &SourceGroup, header: &CodecHeader, search: SearchSettings, unit_count: u32) -> ColorMemory {
-        let faces = group.faces.len() as u64;
-        let picture = u64::from(group.width) * u64::from(group.height) * faces * raw_pixel_bytes(header);
-        let reach = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.reach)) as u32;
-        let close_at_bytes = CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
-        ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
-    }
-}
-
-impl<'a> GroupCoder<'a> {
-    fn new(group: &'a SourceGroup, header: CodecHeader) -> Result<GroupCoder<'a>> {
-        let mut coder =
-            GroupCoder { group, header, quantiser: None, table: None, pu21: None, clipped: AtomicU64::new(0) };
-        match header {
-            // The tables take longer than a small frame; all faces of a probe share one.
-            CodecHeader::Depth(_) => {}
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
-                coder.table = Some(EncodeTable::new(&tone));
-            }
-            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2 }, .. }) => {
-                coder.pu21 = Some(Pu21::new(white_cd_m2)?);
-            }
-            CodecHeader::Material(_) => {}
-        }
-        Ok(coder)
-    }
-
-    fn unit_encoder(&self, rect: [u32; 4], memory: &ColorMemory) -> Unit {
-        match self.header {
-            CodecHeader::Depth(header) => Unit::Depth(TemporalEncoder::new(rect[2], header.temporal)),
-            CodecHeader::Material(header) => Unit::Material(TemporalEncoder::new(rect[2], header.temporal)),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Unit::Color8(CellEncoder::new(memory.search, memory.close_at_bytes))
-            }
-            CodecHeader::Color(_) => Unit::ColorHalf(CellEncoder::new(memory.search, memory.close_at_bytes)),
-        }
-    }
-
-    /// Reads one frame of all faces and brings it into the codec's domain.
-    fn read(
-        &self,
-        source: &Source,
-        frame: u32,
-        kept: Option<Vec<DepthPlane>>,
-        reading: &AtomicU64,
-        coding: &AtomicU64,
-    ) -> Result<Vec<Coded>> {
-        let named = |error: Error| {
-            let error = error.context(convert::name_frame(source, self.group, frame));
-            match source.file(self.group, frame) {
-                Ok(file) => error.in_file(file),
-                Err(_) => error,
-            }
-        };
-        match self.group.kind {
-            StreamKind::Depth => {
-                let Some(quantiser) = &self.quantiser else { return Ok(Vec::new()) };
-                let planes = match kept {
-                    Some(planes) => planes,
-                    None => timed(reading, || source.read_depth(self.group, frame))?,
-                };
-                timed(coding, || {
-                    planes
-                        .iter()
-                        .map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth))
-                        .collect::<Result<_>>()
-                })
-                .map_err(named)
-            }
-            StreamKind::Color => {
-                let planes = timed(reading, || source.read_color(self.group, frame))?;
-                timed(coding, || {
-                    let code = |plane| match &self.table {
-                        Some(table) => {
-                            let (codes, clipped) = convert::color_codes(plane, table);
-                            self.clipped.fetch_add(clipped, Ordering::Relaxed);
-                            Coded::Bytes(codes)
-                        }
-                        None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
-                    };
-                    Ok(planes.iter().map(code).collect())
-                })
-            }
-            StreamKind::Material => {
-                let planes = timed(reading, || source.read_material(self.group, frame))?;
-                timed(coding, || {
-                    planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
-                })
-                .map_err(named)
-            }
-        }
-    }
-}
-
-/// One unit of one stream at work.
-struct UnitJob {
-    /// Index among the faces of the group.
-    face: usize,
-    stream: u32,
-    unit: u32,
-    rect: [u32; 4],
-    encoder: Unit,
-}
-
-impl UnitJob {
-    /// Codes this unit of each picture (by frame, by face); answers the chunks that were closed.
-    fn push(
-        &mut self,
-        pictures: &[Vec<Coded>],
-        coder: &GroupCoder<'_>,
-        level: Option<u32>,
-    ) -> Result<Vec<PackedChunk>> {
-        let mut packed = Vec::new();
-        for picture in pictures {
-            let chunk = self.encoder.push(&picture[self.face], self.rect, coder)?;
-            packed.extend(chunk.map(|chunk| self.pack(chunk, coder, level)).transpose()?);
-        }
-        Ok(packed)
-    }
-
-    fn finish(&mut self, coder: &GroupCoder<'_>, level: Option<u32>) -> Result<Vec<PackedChunk>> {
-        let chunks = self.encoder.finish(coder)?;
-        chunks.into_iter().map(|chunk| self.pack(chunk, coder, level)).collect()
-    }
-
-    fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>, level: Option<u32>) -> Result<PackedChunk> {
-        let first_frame = coder.group.frames.first + chunk.first_frame;
-        let key = ChunkKey { stream: self.stream, unit: self.unit, first_frame, frame_count: chunk.frame_count };
-        PackedChunk::new(key, chunk.payload, level)
-    }
-}
-
-impl Unit {
-    fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
-        match (self, picture) {
-            (Unit::Depth(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
-            (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
-            (Unit::ColorHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
-                Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
-                None => Ok(None),
-            },
-            // A group's images and units are made from one header.
-            _ => Err(Error::invalid("a picture of another kind than its unit")),
-        }
-    }
-
-    fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<EncodedChunk>> {
-        match self {
-            Unit::Depth(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
-            Unit::Color8(encoder) => encoder.finish(&EightBit),
-            Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
-        }
-    }
-}
-
 /// The range of a probe from what was given and what was found; at most one of near and far is given.
 fn found_range(probe: &str, given: [Option<f32>; 2], found: &scan::ProbeScan) -> Result<DepthRange> {
     let Some(range) = found.range else {
@@ -522,18 +292,7 @@ fn presented_background(value: f32, range: DepthRange) -> f32 {
     if (range.near_m()..=range.far_m()).contains(&value) { f32::INFINITY } else { value }
 }
 
-/// The pixels of a rectangle (left, top, width, height), row-major.
-fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T> {
-    let mut pixels = Vec::with_capacity(width as usize * height as usize);
-    for y in top..top + height {
-        pixels.extend_from_slice(&plane.row(y)[left as usize..(left + width) as usize]);
-    }
-    pixels
-}
-
-fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let done = work();
-    nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-    done
+/// The side of tiles, so that there are at most `tiles` along `side` pixels.
+fn tile_side(side: u32, tiles: u32) -> u32 {
+    side.div_ceil(tiles).next_multiple_of(TILE_ALIGN)
 }

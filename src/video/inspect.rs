@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::dataset::stream::StreamKind;
+use crate::depth::census::NodeCensus;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
@@ -98,6 +99,8 @@ pub struct StreamStats<'a> {
     pub keyframes_per_unit: Spread,
     /// Boxes of all frames.
     pub aabbs: u64,
+    /// Nodes of all frames, by level and function; of a tree all that it holds, whatever it will be flattened to.
+    pub nodes: NodeCensus,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
     /// Units whose picture never changes; keyframes that repeat it do not count as change.
@@ -271,6 +274,7 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
 struct UnitMeasure {
     /// Sums of all frames.
     total: FrameCost,
+    census: NodeCensus,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
@@ -292,6 +296,7 @@ impl Watch<'_> {
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
         let mut measure = UnitMeasure {
             total: FrameCost::default(),
+            census: NodeCensus::default(),
             is_static: true,
             constant: true,
             events: vec![],
@@ -355,6 +360,7 @@ impl UnitMeasure {
         for event in &chunk.events {
             self.total.add(event.cost);
         }
+        self.census.add(&chunk.census);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
         if rows != FrameRows::None {
@@ -378,7 +384,7 @@ impl<'a> StreamMeasure<'a> {
     ) -> StreamMeasure<'a> {
         let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
-        let mut total = FrameCost::default();
+        let (mut total, mut census) = (FrameCost::default(), NodeCensus::default());
         let (mut static_units, mut constant_units) = (0, 0);
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
         let spread = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
@@ -386,6 +392,7 @@ impl<'a> StreamMeasure<'a> {
         let unit_count = units.len() as u64;
         for unit in units {
             total.add(unit.total);
+            census.add(&unit.census);
             let sound = unit.damaged.is_empty();
             static_units += u64::from(sound && unit.is_static);
             constant_units += u64::from(sound && unit.constant);
@@ -408,6 +415,7 @@ impl<'a> StreamMeasure<'a> {
                 max: spread.1,
             },
             aabbs: total.aabbs,
+            nodes: census,
             updated_pixels: total.updated_pixels,
             static_units,
             constant_units,

@@ -5,6 +5,7 @@ pub mod compare;
 pub mod comparison;
 pub mod convert;
 pub mod decode;
+pub mod depth_chunk;
 pub mod difference;
 pub mod domain;
 pub mod encode;

@@ -6,9 +6,12 @@ use super::{Report, percent};
 use crate::cli::output::json_number;
 use crate::container::header::VERSION_MAJOR;
 use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::block::side_of;
+use crate::depth::census::Share;
+use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::image::transfer::Transfer;
-use crate::video::codec::{CodecHeader, ColorFormat};
+use crate::video::codec::{CodecHeader, ColorFormat, DepthCoding, DepthHeader};
 use crate::video::inspect::{StreamStats, Totals};
 
 /// Columns of the CSV with one row for each stream.
@@ -190,7 +193,10 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
     };
     match &info.header {
         CodecHeader::Depth(header) => {
-            put_temporal(&header.temporal);
+            match &header.coding {
+                DepthCoding::Boxes(temporal) => put_temporal(temporal),
+                coding => coding_of_nodes(header, coding, stats, &mut put),
+            }
             put("near_m", json_number(shortest(header.range.near_m())));
             put("far_m", json_number(shortest(header.range.far_m())));
             put("background", json_number(shortest(header.background)));
@@ -212,6 +218,37 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
         }
     }
     object
+}
+
+fn coding_of_nodes(
+    header: &DepthHeader,
+    coding: &DepthCoding,
+    stats: &StreamStats<'_>,
+    put: &mut impl FnMut(&str, Value),
+) {
+    put("static_tiles", json!(stats.static_units));
+    put("constant_units", json!(stats.constant_units));
+    put("error_bound_codes", json!(header.error_bound()));
+    put("window", json!(header.window()));
+    if let DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) = coding {
+        put("epsilon", json!(nodes.epsilon));
+        put("max_error_codes", json!(nodes.bound));
+        put("domain", json!(nodes.domain.kind.name()));
+        put("keyframe_interval", json!(nodes.keyframe_interval));
+    }
+    let shares = |share: &dyn Fn(Function) -> Share, of: &dyn Fn(Share) -> u64| {
+        let entry = |function: Function| (function.name().to_owned(), json!(of(share(function))));
+        Value::Object(Function::ALL.into_iter().map(entry).collect())
+    };
+    let census = &stats.nodes;
+    put("nodes", shares(&|function| census.of(function), &|share| share.nodes));
+    put("node_pixels", shares(&|function| census.of(function), &|share| share.pixels));
+    put("node_bytes", shares(&|function| census.of(function), &|share| share.bytes));
+    let level = |level: u8| {
+        let nodes = shares(&|function| census.share(level, function), &|share| share.nodes);
+        json!({ "level": level, "side": side_of(level), "nodes": nodes })
+    };
+    put("node_levels", Value::Array(census.levels().map(level).collect()));
 }
 
 /// `distance` or `planar`.

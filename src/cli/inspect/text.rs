@@ -6,9 +6,12 @@ use super::json::{depth_kind_name, projection_name, transfer_name};
 use super::{Report, percent};
 use crate::cli::output::human_bytes;
 use crate::dataset::stream::StreamKind;
+use crate::depth::block::side_of;
+use crate::depth::census::{NodeCensus, Share};
+use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::report::{Column, Table};
-use crate::video::codec::{CodecHeader, ColorFormat};
+use crate::video::codec::{CodecHeader, ColorFormat, DepthCoding, NodeHeader};
 use crate::video::inspect::{StreamStats, Totals};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
@@ -20,6 +23,9 @@ const MAX_SETTINGS: usize = 4;
 pub fn summary(report: &Report<'_>) -> String {
     let mut out = heading(report);
     let _ = write!(out, "\n{}\n{}", kinds(report), streams(report));
+    if let Some(nodes) = nodes(report) {
+        let _ = write!(out, "\n{nodes}");
+    }
     let settings = settings(report);
     if !settings.is_empty() {
         let _ = write!(out, "\n{settings}");
@@ -211,6 +217,35 @@ fn streams(report: &Report<'_>) -> Table {
     table
 }
 
+/// What depth is made of: nodes by level and function, and what share of the pixels sent and of the bytes is theirs.
+fn nodes(report: &Report<'_>) -> Option<Table> {
+    let mut census = NodeCensus::default();
+    report.inspection.streams.iter().for_each(|stats| census.add(&stats.nodes));
+    if census.is_empty() {
+        return None;
+    }
+    let sum = |of: fn(Share) -> u64| Function::ALL.into_iter().map(|function| of(census.of(function))).sum::<u64>();
+    let (pixels, bytes) = (sum(|share| share.pixels), sum(|share| share.bytes));
+    let mut columns = vec![Column::Left("Nodes")];
+    columns.extend(Function::ALL.map(|function| Column::Right(function.name())));
+    columns.extend([Column::Right("Pixels %"), Column::Right("Bytes %")]);
+    let mut table = Table::new(&columns);
+    let mut row = |name: String, shares: [Share; 4]| {
+        let of = |of: fn(&Share) -> u64| shares.iter().map(of).sum::<u64>();
+        let mut cells = vec![name];
+        cells.extend(shares.map(|share| share.nodes.to_string()));
+        cells.push(format!("{:.2}", percent(of(|share| share.pixels), pixels)));
+        cells.push(format!("{:.2}", percent(of(|share| share.bytes), bytes)));
+        table.row(cells);
+    };
+    for level in census.levels() {
+        let side = side_of(level);
+        row(format!("{side}x{side}"), Function::ALL.map(|function| census.share(level, function)));
+    }
+    row("all".to_owned(), Function::ALL.map(|function| census.of(function)));
+    Some(table)
+}
+
 /// How the streams were coded, each different setting once, with the widest range of depths that goes with it.
 fn settings(report: &Report<'_>) -> String {
     let mut out = String::new();
@@ -260,7 +295,28 @@ fn setting(stats: &StreamStats<'_>) -> String {
         )
     };
     match &stats.stream.header {
-        CodecHeader::Depth(header) => format!("{}, {}", temporal(&header.temporal), depth_kind_name(header.kind)),
+        CodecHeader::Depth(header) => {
+            let coding = match header.coding {
+                DepthCoding::Boxes(settings) => temporal(&settings),
+                DepthCoding::Nodes(nodes) => {
+                    let NodeHeader { window, epsilon, keyframe_interval, bound, domain } = nodes;
+                    let epsilon = if epsilon > 0 { format!(" and {epsilon} in time") } else { String::new() };
+                    format!(
+                        "quadtree, ±{bound} codes{epsilon}, {} functions, window {window}, keyframe every \
+                         {keyframe_interval}, tile {units}",
+                        domain.kind.name()
+                    )
+                }
+                DepthCoding::Tree(nodes) => format!(
+                    "quadtree to be packed at up to ±{} codes, {} functions, keyframe every {}, tile {units}",
+                    nodes.bound,
+                    nodes.domain.kind.name(),
+                    nodes.keyframe_interval
+                ),
+                DepthCoding::Blocks => format!("BC4w blocks without a bound, tile {units}"),
+            };
+            format!("{coding}, {}", depth_kind_name(header.kind))
+        }
         CodecHeader::Material(header) => temporal(&header.temporal),
         CodecHeader::Color(header) => {
             let format = match header.format {

@@ -2,10 +2,15 @@
 
 use crate::color::blend::{HalfKey, Sample};
 use crate::color::cells::CellChunk;
+use crate::depth::block_chunk::BlockChunk;
+use crate::depth::census::NodeCensus;
+use crate::depth::node_chunk::{NodeChunk, NodeRecord};
 use crate::depth::records::{Body, TemporalChunk};
 use crate::depth::texel::Texel;
+use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
+use crate::video::depth_chunk::DepthChunk;
 
 /// What a frame holds and changes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -14,6 +19,8 @@ pub struct FrameCost {
     pub keyframe_units: u64,
     /// Boxes.
     pub aabbs: u64,
+    /// Nodes of a quadtree, and BC4w blocks.
+    pub nodes: u64,
     /// Pixels written.
     pub updated_pixels: u64,
     /// Payload of the frame's keyframes, records and weights, before LZMA2, counted for every chunk.
@@ -24,6 +31,7 @@ impl FrameCost {
     pub(super) fn add(&mut self, other: FrameCost) {
         self.keyframe_units += other.keyframe_units;
         self.aabbs += other.aabbs;
+        self.nodes += other.nodes;
         self.updated_pixels += other.updated_pixels;
         self.bytes += other.bytes;
     }
@@ -46,13 +54,20 @@ pub(super) struct ChunkMeasure {
     pub constant: bool,
     /// The last frames need the next chunk's first keyframe.
     pub leads_on: bool,
+    /// Nodes of all frames.
+    pub census: NodeCensus,
 }
 
 /// Parses and counts a payload of a unit of `size` (width, height) pixels.
 pub(super) fn count_chunk(header: &CodecHeader, payload: Vec<u8>, size: [u32; 2], frames: u32) -> Result<ChunkMeasure> {
     let pixels = size[0] as usize * size[1] as usize;
     Ok(match header {
-        CodecHeader::Depth(_) => count_records(&TemporalChunk::<u16>::parse(payload, size, frames)?),
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload.into(), size, frames)? {
+            DepthChunk::Boxes(chunk) => count_records(&chunk),
+            DepthChunk::Nodes(chunk) => count_nodes(&chunk),
+            DepthChunk::Tree(chunk) => count_tree(&chunk),
+            DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels as u64, frames),
+        },
         CodecHeader::Material(_) => count_records(&TemporalChunk::<[u8; 3]>::parse(payload, size, frames)?),
         CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
             count_blends(&CellChunk::<u8>::parse(payload, pixels, frames)?, pixels, frames)
@@ -67,6 +82,7 @@ fn count_records<T: Texel>(chunk: &TemporalChunk<T>) -> ChunkMeasure {
         cost: FrameCost {
             keyframe_units: u64::from(!matches!(body, Body::Boxes { .. })),
             aabbs: chunk.boxes(body).len() as u64,
+            nodes: 0,
             updated_pixels: chunk.updated_pixels(body),
             bytes: chunk.record_bytes(body),
         },
@@ -76,7 +92,50 @@ fn count_records<T: Texel>(chunk: &TemporalChunk<T>) -> ChunkMeasure {
         events: records.iter().map(|record| event(record.frame, record.body)).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
         leads_on: false,
+        census: NodeCensus::default(),
     }
+}
+
+fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
+    let event = |record: NodeRecord| Event {
+        frame: record.frame,
+        cost: FrameCost {
+            keyframe_units: u64::from(record.complete),
+            aabbs: 0,
+            nodes: record.nodes,
+            updated_pixels: record.updated_pixels,
+            bytes: record.bytes,
+        },
+    };
+    ChunkMeasure {
+        events: chunk.records().map(event).collect(),
+        constant: chunk.is_constant(),
+        leads_on: false,
+        census: chunk.census(),
+    }
+}
+
+fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
+    let event = |(at, record): (usize, NodeRecord)| Event {
+        frame: record.frame,
+        cost: FrameCost {
+            keyframe_units: u64::from(at == 0),
+            aabbs: 0,
+            nodes: record.nodes,
+            updated_pixels: record.updated_pixels,
+            bytes: record.bytes,
+        },
+    };
+    let events = chunk.records().enumerate().map(event).collect();
+    ChunkMeasure { events, constant: false, leads_on: false, census: chunk.census() }
+}
+
+fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
+    let census = chunk.census();
+    let nodes = chunk.blocks_of_frame();
+    let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
+    let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
+    ChunkMeasure { events, constant: false, leads_on: false, census }
 }
 
 fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32) -> ChunkMeasure {
@@ -85,7 +144,12 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32
     frames.extend_from_slice(chunk.keyframes());
     frames.sort_unstable();
     frames.dedup();
-    let mut measure = ChunkMeasure { events: Vec::with_capacity(frames.len()), constant: false, leads_on: false };
+    let mut measure = ChunkMeasure {
+        events: Vec::with_capacity(frames.len()),
+        constant: false,
+        leads_on: false,
+        census: NodeCensus::default(),
+    };
     let mut shown = None;
     for frame in frames {
         let blend = chunk.blend(frame);
@@ -98,6 +162,7 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32
             cost: FrameCost {
                 keyframe_units: u64::from(keyframe),
                 aabbs: 0,
+                nodes: 0,
                 updated_pixels: if written { pixels as u64 } else { 0 },
                 bytes: weight_bytes + if keyframe { chunk.keyframe_bytes() } else { 0 },
             },

@@ -1,0 +1,146 @@
+//! How a dataset is encoded.
+
+use crate::color::keyframes::SearchSettings;
+use crate::dataset::stream::StreamKind;
+use crate::depth::domain::{Domain, DomainKind};
+use crate::depth::mode_decision::Decide;
+use crate::depth::node_encoder::NodeSettings;
+use crate::depth::quantise::{DepthRange, FAR_CODE};
+use crate::depth::temporal::TemporalSettings;
+use crate::effort::Effort;
+use crate::error::Result;
+use crate::video::codec::{ColorFormat, DepthCoding, NodeHeader};
+
+/// How depth is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DepthCodec {
+    /// Packed nodes of a quadtree.
+    #[default]
+    Quadtree,
+    /// The quadtree itself, to be packed at any bound.
+    Tree,
+    /// Codes as they are, in boxes around what changes.
+    Boxes,
+    /// BC4w blocks, without a bound.
+    Blocks,
+}
+
+/// How far a decoded surface may be from its source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ErrorBound {
+    /// In log codes.
+    Codes(u16),
+    /// In proportion to the distance: 0.001 for a thousandth.
+    Relative(f64),
+}
+
+/// How depth is coded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthSettings {
+    /// The codec.
+    pub codec: DepthCodec,
+    /// Largest error of a node.
+    pub error: ErrorBound,
+    /// What functions are fitted in.
+    pub domain: DomainKind,
+    /// Which function of those within the bound is taken.
+    pub decide: Decide,
+    /// How hard BC4w blocks are searched for.
+    pub effort: Effort,
+    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    pub min_children: u8,
+}
+
+impl Default for DepthSettings {
+    fn default() -> Self {
+        let NodeSettings { bound, decide, effort, min_children, .. } = NodeSettings::default();
+        DepthSettings {
+            codec: DepthCodec::default(),
+            error: ErrorBound::Codes(bound),
+            domain: DomainKind::default(),
+            decide,
+            effort,
+            min_children,
+        }
+    }
+}
+
+impl ErrorBound {
+    /// The bound in codes of a stream of this range; a proportion is rounded down, so that it holds.
+    pub fn codes(self, range: DepthRange) -> u16 {
+        match self {
+            ErrorBound::Codes(codes) => codes,
+            ErrorBound::Relative(share) => {
+                let step = range.step_ratio().ln_1p();
+                // Rounding to codes takes half a step of the share itself.
+                if step > 0.0 { (share.ln_1p() / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) as u16 } else { 0 }
+            }
+        }
+    }
+}
+
+/// How a dataset is encoded.
+#[derive(Debug, Clone)]
+pub struct EncodeSettings {
+    /// Depth in time; material follows it, with an epsilon of 0.
+    pub temporal: TemporalSettings,
+    /// Depth in space.
+    pub depth: DepthSettings,
+    /// Depth and material tiles along each side of a face.
+    pub tiles: u32,
+    /// Nearest surface in metres; found where not given.
+    pub near_m: Option<f32>,
+    /// Farthest surface in metres; found where not given.
+    pub far_m: Option<f32>,
+    /// Colour cells are this many pixels wide and high.
+    pub cell: u32,
+    /// The domain of colour.
+    pub color: ColorFormat,
+    /// Colour in time.
+    pub search: SearchSettings,
+    /// LZMA2 preset for chunks that it makes smaller.
+    pub lzma2: Option<u32>,
+    /// Kinds of streams to encode.
+    pub kinds: Vec<StreamKind>,
+}
+
+impl Default for EncodeSettings {
+    fn default() -> Self {
+        EncodeSettings {
+            temporal: TemporalSettings::default(),
+            depth: DepthSettings::default(),
+            tiles: 2,
+            near_m: None,
+            far_m: None,
+            cell: 64,
+            color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
+            search: SearchSettings::default(),
+            lzma2: None,
+            kinds: StreamKind::ALL.to_vec(),
+        }
+    }
+}
+
+impl EncodeSettings {
+    /// How nodes are coded with a bound in codes.
+    pub fn nodes(&self, bound: u16) -> NodeSettings {
+        let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
+        let DepthSettings { decide, effort, min_children, .. } = self.depth;
+        NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
+    }
+
+    /// The header's part on the codec of depth, for a stream of this range.
+    pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
+        let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
+        let nodes = || {
+            let (bound, domain) = (self.depth.error.codes(range), Domain::new(self.depth.domain, range)?.parts());
+            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
+        };
+        Ok(match self.depth.codec {
+            DepthCodec::Boxes => DepthCoding::Boxes(self.temporal),
+            DepthCodec::Quadtree => DepthCoding::Nodes(nodes()?),
+            DepthCodec::Tree => DepthCoding::Tree(NodeHeader { window: 1, epsilon: 0, ..nodes()? }),
+            DepthCodec::Blocks => DepthCoding::Blocks,
+        })
+    }
+}
