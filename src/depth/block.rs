@@ -39,7 +39,7 @@ pub struct BlockMut<'a> {
 /// reverse: that is no approximation at all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Accuracy {
-    /// Largest difference in codes (BC4w, equation 1).
+    /// Largest difference in codes (GDC, equation 1).
     pub max_error: u16,
     /// Sum of squared differences (equation 2, before the division by the number of pixels).
     pub squared_error: u64,

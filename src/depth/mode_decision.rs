@@ -1,4 +1,4 @@
-//! Which modelling function a node gets (BC4w 3.1; depth.md 7).
+//! Which modelling function a node gets (GDC 3.1; depth.md 7).
 
 use crate::depth::bc4w;
 use crate::depth::biquadratic::{self, Biquadratic, Order};
@@ -10,7 +10,7 @@ use crate::depth::platelet::{self, Platelet};
 use crate::depth::storage::stored_bytes;
 use crate::effort::Effort;
 
-/// From this PSNR on, in dB of 16-bit codes, BC4w is not tried: it would hardly be closer (BC4w 6.4).
+/// From this PSNR on, in dB of 16-bit codes, BC4w is not tried: it would hardly be closer (GDC 6.4).
 pub const GOOD_PSNR_DB: f64 = 85.0;
 /// A platelet takes at least a head, two numbers and a line.
 const LEAST_PLATELET_BYTES: usize = 7;

@@ -1,4 +1,4 @@
-//! Encodes the frames of one unit as packed nodes: a keyframe, then the nodes over what changes (BC4w 2.1, 3, 4).
+//! Encodes the frames of one unit as packed nodes: a keyframe, then the nodes over what changes (GDC 2.1, 3, 4).
 //!
 //! Enters: the unit's codes, frame by frame. Leaves: payloads of [`crate::depth::node_chunk`].
 //!

@@ -1,4 +1,4 @@
-//! Nodes of the quadtree: where they lie, and the 32 bytes that say what they hold (depth.md 8, BC4w 4).
+//! Nodes of the quadtree: where they lie, and the 32 bytes that say what they hold (depth.md 7, GDC 4).
 
 use crate::depth::block::{BlockMut, side_of};
 

@@ -1,4 +1,4 @@
-//! Builds the partial quadtree over the leaves that a frame must send, bottom up (BC4w 3, 6.4; depth.md 7).
+//! Builds the partial quadtree over the leaves that a frame must send, bottom up (GDC 3, 6.4; depth.md 7).
 //!
 //! Enters: a picture of codes and the leaves that must be sent. Leaves: for each place with such leaves the best
 //! function within the bound, where there is one. A place is tried only when enough of its children exist and all of
@@ -88,7 +88,7 @@ pub fn build(wanted: &Wanted<'_>, settings: &Build<'_>) -> Tree {
 }
 
 /// The flat form: the coarsest nodes of the tree that cover all wanted leaves, raw leaves where there is none. In the
-/// order of the walk; they do not overlap (BC4w 4).
+/// order of the walk; they do not overlap (GDC 4).
 pub fn flatten(wanted: &Wanted<'_>, tree: &Tree) -> Vec<Node> {
     let mut nodes = Vec::new();
     flatten_place(wanted, tree, wanted.grid.root(), &mut nodes);

@@ -1,4 +1,4 @@
-//! The runtime form of a chunk's nodes, which is what is decoded, here and on GPUs (depth.md 10, BC4w 4).
+//! The runtime form of a chunk's nodes, which is what is decoded, here and on GPUs (depth.md 10, GDC 4).
 //!
 //! One buffer for all frames of a unit: for each frame a header with the number of nodes of each level, the places of
 //! the nodes in two bytes each, and their coefficients in 32 bytes each, all on multiples of 16 bytes, so that any

@@ -1,4 +1,4 @@
-//! The storage form of nodes: only the bits that say something (depth.md 9, BC4w 4).
+//! The storage form of nodes: only the bits that say something (depth.md 9, GDC 4).
 //!
 //! Enters: nodes in the order of the walk. Leaves: bytes from which exactly these nodes come back. The paper stores a
 //! level count, a place of two bytes and two bits of function for each node, and its coefficients in full; here the

@@ -7,6 +7,7 @@ mod diff;
 mod docs;
 mod exr_files;
 mod footage;
+mod hard_cases;
 mod house;
 mod input;
 mod inspect;
