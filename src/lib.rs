@@ -8,6 +8,7 @@ pub mod color;
 pub mod container;
 pub mod dataset;
 pub mod depth;
+pub mod effort;
 pub mod error;
 pub mod image;
 pub mod metrics;

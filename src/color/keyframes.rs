@@ -8,24 +8,16 @@ use std::cell::OnceCell;
 use crate::color::blend::Sample;
 use crate::color::quality::Quality;
 
-/// How hard the encoder looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
-pub enum Effort {
-    /// Doubling distances, then bisection.
-    Fast,
-    /// Doubling distances, then every distance between the last that served and the first that did not.
-    #[default]
-    Normal,
-    /// Every distance, farthest first: the maximum of equation 12 within the reach.
-    Exhaustive,
-}
+pub use crate::effort::Effort;
 
 /// What the search may do.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SearchSettings {
     /// Least PSNR of every frame of every cell, in dB.
     pub min_psnr_db: f64,
-    /// How hard to look.
+    /// How hard to look. Fast: doubling distances, then bisection. Normal: doubling distances, then every distance
+    /// between the last that served and the first that did not. Exhaustive: every distance, farthest first, which is
+    /// the maximum of equation 12 within the reach.
     pub effort: Effort,
     /// Distinct pictures that may lie between one keyframe and the next, at least 1: bounds memory and time. Repeats
     /// of the picture before do not count.

@@ -2,6 +2,7 @@
 //!
 //! Enters: metres. Leaves: chunk payloads whose decoding is within the promised bound in every pixel.
 
+pub mod bc4w;
 pub mod block;
 pub mod boxes;
 pub mod quantise;
@@ -10,6 +11,7 @@ pub mod temporal;
 pub mod texel;
 pub mod window;
 
+pub use bc4w::Bc4w;
 pub use boxes::PixelBox;
 pub use quantise::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 pub use records::TemporalChunk;
