@@ -10,10 +10,12 @@
 //! tries all of them ([`literal`]), `Normal` finds the same squared error by branch and bound ([`bounded`]), `Fast`
 //! tries few lines and the endpoints of a least-squares fit ([`quick`]).
 
-pub mod lines;
 mod bounded;
+mod fit;
+pub mod lines;
 mod literal;
 mod quick;
+mod sums;
 mod tile;
 
 use std::ops::RangeInclusive;
@@ -60,18 +62,22 @@ impl Pair {
     /// The codes of indices 0 to 7. With e0 > e1 they are evenly spaced; otherwise six are, and 6 is code 0 and 7 the
     /// background.
     pub fn palette(self) -> [u16; 8] {
-        let [first, second] = [self.e0, self.e1].map(|endpoint| u32::from(Pair::code(endpoint)));
-        let mut codes = [first as u16, second as u16, 0, 0, 0, 0, 0, BACKGROUND_CODE];
-        if self.e0 > self.e1 {
-            for i in 2..8 {
-                codes[i as usize] = (((8 - i) * first + (i - 1) * second + 3) / 7) as u16;
-            }
-        } else {
-            for i in 2..6 {
-                codes[i as usize] = (((6 - i) * first + (i - 1) * second + 2) / 5) as u16;
-            }
-        }
-        codes
+        let endpoints = [self.e0, self.e1];
+        if self.e0 > self.e1 { Pair::eight(endpoints) } else { Pair::six(endpoints) }
+    }
+
+    /// Eight evenly spaced codes.
+    fn eight(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((8 - i) * d0 + (i - 1) * d1 + 3) / 7) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), between(6), between(7)]
+    }
+
+    /// Six evenly spaced codes, code 0 and the background.
+    fn six(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((6 - i) * d0 + (i - 1) * d1 + 2) / 5) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), 0, BACKGROUND_CODE]
     }
 }
 

@@ -3,9 +3,9 @@
 //! As plain as can be, since the other efforts are measured against it. Pairs are the outer loop, as in the paper: what
 //! a pair costs in each pixel is the same for all lines.
 
+use crate::depth::bc4w::Pair;
 use crate::depth::bc4w::lines::bipartitions;
 use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
-use crate::depth::bc4w::Pair;
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// More than any sum of squared differences: 64 · 65535² is less.
