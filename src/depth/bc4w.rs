@@ -1,26 +1,176 @@
-//! stub
-use crate::depth::block::*;
+//! BC4w: 8×8 codes in 32 bytes (depth.md 13).
+//!
+//! Enters: a block of level 1. Leaves: its 32 bytes, from which [`Bc4w::decode`] makes codes with integers alone.
+//!
+//! Based on: BC4w 3.3, figure 3, algorithm 1. A line parts the pixels; each side has a palette of eight codes between
+//! two endpoints, as BC4 has; each pixel has an index into its side's palette.
+//!
+//! What an encoder may choose, and what the efforts search: every bipartition that a line makes ([`lines`]); for each
+//! side, both endpoints among the 13-bit endpoints within [`PAD`] of the block's surfaces, in both modes. `Exhaustive`
+//! tries all of them ([`literal`]), `Normal` finds the same squared error by branch and bound ([`bounded`]), `Fast`
+//! tries few lines and the endpoints of a least-squares fit ([`quick`]).
+
+mod bounded;
+mod fit;
+pub mod lines;
+mod literal;
+mod quick;
+mod sums;
+mod tile;
+
+use std::ops::RangeInclusive;
+
+use crate::depth::block::{Accuracy, Block, BlockMut};
+use crate::depth::quantise::BACKGROUND_CODE;
 use crate::effort::Effort;
-/// s
+
+use lines::Line;
+use tile::{Solution, Tile};
+
+/// Bytes of a block.
+pub const BYTES: usize = 32;
+/// Where the four bytes are that a marker would fill with ones (depth.md 12).
+const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
+/// The largest endpoint; it stands for 65535.
+pub const MAX_ENDPOINT: u16 = 8191;
+/// How many endpoints beyond the smallest and the largest surface of a block are searched.
+///
+/// One is eight codes. Within a stretch of 1024 endpoints the palette of (e0 + j, e1) has the entries of (e0, e1) moved
+/// by j times 8/7 (or 8/5), 16/7, …, so steps of j = 0 to 6 reach all there are below a code of the range's end; farther
+/// out, entries only fall outside the range and those inside grow apart. The paper pads by 255 codes (algorithm 1).
+pub const PAD: u16 = 8;
+
+/// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Bc4w([u8; 32]);
-impl Bc4w {
-    /// s
-    pub fn from_bytes(b: [u8; 32]) -> Self {
-        Bc4w(b)
+pub struct Bc4w([u8; BYTES]);
+
+/// Two endpoints of 13 bits; their order chooses the mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    /// Endpoint of index 0.
+    pub e0: u16,
+    /// Endpoint of index 1.
+    pub e1: u16,
+}
+
+impl Pair {
+    /// The code that an endpoint of 13 bits stands for: 0 is 0, 8191 is 65535.
+    pub const fn code(endpoint: u16) -> u16 {
+        endpoint << 3 | endpoint >> 10
     }
-    /// s
-    pub fn as_bytes(&self) -> &[u8; 32] {
+
+    /// The codes of indices 0 to 7. With e0 > e1 they are evenly spaced; otherwise six are, and 6 is code 0 and 7 the
+    /// background.
+    pub fn palette(self) -> [u16; 8] {
+        let endpoints = [self.e0, self.e1];
+        if self.e0 > self.e1 { Pair::eight(endpoints) } else { Pair::six(endpoints) }
+    }
+
+    /// Eight evenly spaced codes.
+    fn eight(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((8 - i) * d0 + (i - 1) * d1 + 3) / 7) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), between(6), between(7)]
+    }
+
+    /// Six evenly spaced codes, code 0 and the background.
+    fn six(endpoints: [u16; 2]) -> [u16; 8] {
+        let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
+        let between = |i: u32| (((6 - i) * d0 + (i - 1) * d1 + 2) / 5) as u16;
+        [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), 0, BACKGROUND_CODE]
+    }
+}
+
+impl Bc4w {
+    /// The block of 32 bytes; none where their last four mark another function.
+    pub fn from_bytes(bytes: [u8; BYTES]) -> Option<Bc4w> {
+        (bytes[MARKER_BYTES] != [0xff; 4]).then_some(Bc4w(bytes))
+    }
+
+    /// Its 32 bytes.
+    pub fn as_bytes(&self) -> &[u8; BYTES] {
         &self.0
     }
-    /// s
-    pub fn decode(&self, _t: &mut BlockMut<'_>) {}
+
+    /// Endpoints and line: the last eight bytes, little endian.
+    fn tail(&self) -> u64 {
+        self.0[24..].iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte))
+    }
+
+    /// The line between its sides.
+    pub fn line(&self) -> Line {
+        Line::from_bits((self.tail() >> 52) as u16)
+    }
+
+    /// The endpoints of side A and of side B.
+    pub fn pairs(&self) -> [Pair; 2] {
+        let tail = self.tail();
+        let endpoint = |shift: u32| (tail >> shift) as u16 & MAX_ENDPOINT;
+        [Pair { e0: endpoint(0), e1: endpoint(13) }, Pair { e0: endpoint(26), e1: endpoint(39) }]
+    }
+
+    /// The palettes of side A and of side B.
+    pub fn palettes(&self) -> [[u16; 8]; 2] {
+        self.pairs().map(Pair::palette)
+    }
+
+    /// Writes the codes of the pixels inside the picture.
+    pub fn decode(&self, target: &mut BlockMut<'_>) {
+        let [a, b] = self.palettes();
+        let mut codes = [0; 16];
+        codes[..8].copy_from_slice(&a);
+        codes[8..].copy_from_slice(&b);
+        let sides = self.line().side_b().to_le_bytes();
+        for ((row, indices), side) in target.rows_mut().zip(self.0.chunks_exact(3)).zip(sides) {
+            let indices = u32::from(indices[0]) | u32::from(indices[1]) << 8 | u32::from(indices[2]) << 16;
+            let side = u32::from(side) << 3;
+            for (x, code) in row.iter_mut().enumerate() {
+                *code = codes[(indices >> (3 * x) & 7 | side >> x & 8) as usize];
+            }
+        }
+    }
+
+    /// Packs a block. A line of two equal points is written as zeros whatever its points: the twelve highest bits are
+    /// then never all ones, and with them neither are the four last bytes.
+    fn pack(line: Line, pairs: [Pair; 2], indices: &[u8; 64]) -> Bc4w {
+        let [p0, p1] = line.points();
+        let line = if p0 == p1 { Line::NONE } else { line };
+        let [a, b] = pairs;
+        let tail = [(a.e0, 0), (a.e1, 13), (b.e0, 26), (b.e1, 39), (line.bits(), 52)]
+            .iter()
+            .fold(0, |word, &(bits, shift)| word | u64::from(bits) << shift);
+        let mut bytes = [0; BYTES];
+        for (bytes, indices) in bytes.chunks_exact_mut(3).zip(indices.chunks_exact(8)) {
+            let row = indices.iter().rev().fold(0u32, |row, &index| row << 3 | u32::from(index));
+            bytes.copy_from_slice(&row.to_le_bytes()[..3]);
+        }
+        bytes[24..].copy_from_slice(&tail.to_le_bytes());
+        Bc4w(bytes)
+    }
 }
-/// s
-pub fn encode(_b: &Block<'_>, _e: Effort) -> (Bc4w, Accuracy) {
-    (Bc4w([0; 32]), Accuracy { max_error: 0, squared_error: 0 })
+
+/// The block with the lowest squared error that the effort finds. The background is exact.
+pub fn encode(block: &Block<'_>, effort: Effort) -> (Bc4w, Accuracy) {
+    let tile = Tile::new(block, u16::MAX);
+    // Without a bound there is always a solution: palettes of the second mode hold the background and code 0.
+    let solution = search(&tile, effort).unwrap_or(Solution::FLAT);
+    tile.finish(solution)
 }
-/// s
-pub fn encode_within(_b: &Block<'_>, _bound: u16, _e: Effort) -> Option<(Bc4w, Accuracy)> {
-    None
+
+/// The block with the lowest squared error that the effort finds among those with no difference above `bound` codes.
+pub fn encode_within(block: &Block<'_>, bound: u16, effort: Effort) -> Option<(Bc4w, Accuracy)> {
+    let tile = Tile::new(block, bound);
+    search(&tile, effort).map(|solution| tile.finish(solution))
 }
+
+/// The best solution within the tile's bound.
+fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
+    match effort {
+        Effort::Fast => quick::search(tile),
+        Effort::Normal => bounded::search(tile),
+        Effort::Exhaustive => literal::search(tile),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -71,7 +71,9 @@ impl BlockChunk {
         let bytes = picture_bytes(self.grid);
         let blocks = self.payload[target as usize * bytes..][..bytes].as_chunks().0;
         for (block, place) in blocks.iter().zip(places(self.grid)) {
-            Bc4w::from_bytes(*block).decode(&mut BlockMut::of(picture, self.grid.width as usize, LEVEL, place));
+            let mut target = BlockMut::of(picture, self.grid.width as usize, LEVEL, place);
+            // Markers were refused when the payload was checked.
+            Bc4w::from_bytes(*block).iter().for_each(|block| block.decode(&mut target));
         }
         self.grid.pixel_count()
     }

@@ -1,0 +1,78 @@
+//! The literal search: every bipartition with every pair of endpoints (BC4w, algorithm 1, without its coarse level).
+//!
+//! As plain as can be, since the other efforts are measured against it. Pairs are the outer loop, as in the paper: what
+//! a pair costs in each pixel is the same for all lines.
+
+use crate::depth::bc4w::Pair;
+use crate::depth::bc4w::lines::bipartitions;
+use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
+use crate::depth::quantise::BACKGROUND_CODE;
+
+/// More than any sum of squared differences: 64 · 65535² is less.
+const IMPOSSIBLE: u64 = 1 << 40;
+
+/// The best pair of one side so far.
+#[derive(Debug, Clone, Copy)]
+struct Best {
+    cost: u64,
+    pair: Pair,
+}
+
+/// The first of the solutions with the lowest squared error within the tile's bound.
+pub fn search(tile: &Tile) -> Option<Solution> {
+    let none = Best { cost: IMPOSSIBLE, pair: Pair { e0: 0, e1: 0 } };
+    let lines = bipartitions();
+    let rows: Vec<[u8; 8]> = lines.iter().map(|parted| parted.side_b.to_le_bytes()).collect();
+    let mut best = vec![[none; 2]; lines.len()];
+    for e0 in tile.endpoints() {
+        for e1 in tile.endpoints() {
+            let pair = Pair { e0, e1 };
+            let sums = row_sums(&pixel_costs(tile, pair));
+            let total: u64 = sums.iter().map(|row| row[0xff]).sum();
+            for (best, rows) in best.iter_mut().zip(&rows) {
+                let b: u64 = (0..8).map(|y| sums[y][usize::from(rows[y])]).sum();
+                for (best, cost) in best.iter_mut().zip([total - b, b]) {
+                    if cost < best.cost {
+                        *best = Best { cost, pair };
+                    }
+                }
+            }
+        }
+    }
+    let (line, best) = lines.iter().zip(best).min_by_key(|(_, [a, b])| a.cost + b.cost)?;
+    let [a, b] = best;
+    (a.cost + b.cost < IMPOSSIBLE).then_some(Solution { line: line.line, pairs: [a.pair, b.pair] })
+}
+
+/// What a pair costs in each pixel.
+fn pixel_costs(tile: &Tile, pair: Pair) -> [u64; 64] {
+    let palette = pair.palette();
+    let levels = surface_codes(palette);
+    let background = if palette.contains(&BACKGROUND_CODE) { 0 } else { IMPOSSIBLE };
+    let mut costs = [0; 64];
+    for (pixel, cost) in costs.iter_mut().enumerate() {
+        if tile.background >> pixel & 1 != 0 {
+            *cost = background;
+        } else if tile.surfaces >> pixel & 1 != 0 {
+            let error = levels.iter().fold(u16::MAX, |least, level| least.min(level.abs_diff(tile.codes[pixel])));
+            *cost = if error <= tile.bound { u64::from(error) * u64::from(error) } else { IMPOSSIBLE };
+        }
+    }
+    costs
+}
+
+/// For each row, the sum of the pixels of each mask of a row, as far as the sides of lines have them: pixels from one
+/// end of the row on.
+fn row_sums(costs: &[u64; 64]) -> [[u64; 256]; 8] {
+    let mut sums = [[0; 256]; 8];
+    for (sums, costs) in sums.iter_mut().zip(costs.chunks_exact(8)) {
+        let (mut left, mut right) = (0, 0);
+        for x in 0..8 {
+            left += costs[x];
+            right += costs[7 - x];
+            sums[0xff >> (7 - x)] = left;
+            sums[0xff << (7 - x) & 0xff] = right;
+        }
+    }
+    sums
+}

@@ -1,0 +1,118 @@
+//! A block as its searches see it, and what a choice of line and endpoints costs.
+
+use std::ops::RangeInclusive;
+
+use crate::depth::bc4w::lines::Line;
+use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, PAD, Pair};
+use crate::depth::block::{Accuracy, Block};
+use crate::depth::quantise::BACKGROUND_CODE;
+
+/// The pixels of a block, bit 8y + x of a mask for pixel (x, y).
+#[derive(Debug, Clone)]
+pub struct Tile {
+    /// Codes; 0 outside the picture.
+    pub codes: [u16; 64],
+    /// Pixels inside the picture that are surfaces.
+    pub surfaces: u64,
+    /// Pixels inside the picture that are background.
+    pub background: u64,
+    /// Largest difference that is allowed.
+    pub bound: u16,
+    /// Smallest and largest surface; none where there is no surface.
+    pub extremes: Option<[u16; 2]>,
+}
+
+/// Line and endpoints; the indices follow from them.
+#[derive(Debug, Clone, Copy)]
+pub struct Solution {
+    /// Parts the pixels.
+    pub line: Line,
+    /// Endpoints of side A and of side B.
+    pub pairs: [Pair; 2],
+}
+
+impl Solution {
+    /// What needs no search: code 0 and the background are in both palettes.
+    pub const FLAT: Solution = Solution { line: Line::NONE, pairs: [Pair { e0: 0, e1: 0 }; 2] };
+}
+
+impl Tile {
+    /// The tile of a block, to be coded without a difference above `bound`.
+    pub fn new(block: &Block<'_>, bound: u16) -> Tile {
+        let mut tile = Tile { codes: [0; 64], surfaces: 0, background: 0, bound, extremes: None };
+        let (mut low, mut high) = (u16::MAX, 0);
+        for (y, row) in block.rows().take(8).enumerate() {
+            for (x, &code) in row.iter().take(8).enumerate() {
+                tile.codes[8 * y + x] = code;
+                let is_background = u64::from(code == BACKGROUND_CODE);
+                tile.background |= is_background << (8 * y + x);
+                tile.surfaces |= (1 - is_background) << (8 * y + x);
+                if code != BACKGROUND_CODE {
+                    low = low.min(code);
+                    high = high.max(code);
+                }
+            }
+        }
+        tile.extremes = (tile.surfaces != 0).then_some([low, high]);
+        tile
+    }
+
+    /// The endpoints that a search considers; only 0 where there is no surface.
+    pub fn endpoints(&self) -> RangeInclusive<u16> {
+        let Some([low, high]) = self.extremes else { return 0..=0 };
+        (low >> 3).saturating_sub(PAD)..=((high >> 3) + PAD).min(MAX_ENDPOINT)
+    }
+
+    /// Squared differences of the pixels of `side`; none where the pair breaks the bound or lacks the background.
+    pub fn cost(&self, side: u64, pair: Pair) -> Option<u64> {
+        let palette = pair.palette();
+        if self.background & side != 0 && !palette.contains(&BACKGROUND_CODE) {
+            return None;
+        }
+        let levels = surface_codes(palette);
+        let (mut sum, mut rest) = (0, self.surfaces & side);
+        while rest != 0 {
+            let code = self.codes[rest.trailing_zeros() as usize];
+            let error = levels.iter().map(|&level| level.abs_diff(code)).min().unwrap_or(0);
+            if error > self.bound {
+                return None;
+            }
+            sum += u64::from(error) * u64::from(error);
+            rest &= rest - 1;
+        }
+        Some(sum)
+    }
+
+    /// The block of a solution: each pixel takes the nearest code of its palette, the first of equals, so that the
+    /// background is exact and no surface becomes background.
+    pub fn finish(&self, solution: Solution) -> (Bc4w, Accuracy) {
+        let side_b = solution.line.side_b();
+        let palettes = solution.pairs.map(Pair::palette);
+        let mut indices = [0; 64];
+        let mut accuracy = Accuracy { max_error: 0, squared_error: 0 };
+        for (pixel, index) in indices.iter_mut().enumerate() {
+            let bit = 1 << pixel;
+            if (self.surfaces | self.background) & bit == 0 {
+                continue;
+            }
+            let is_background = self.background & bit != 0;
+            let (best, error) = palettes[usize::from(side_b & bit != 0)]
+                .iter()
+                .enumerate()
+                .filter(|&(_, &code)| (code == BACKGROUND_CODE) == is_background)
+                .map(|(at, &code)| (at as u8, code.abs_diff(self.codes[pixel])))
+                .min_by_key(|&(_, error)| error)
+                .unwrap_or((0, 0));
+            *index = best;
+            accuracy.max_error = accuracy.max_error.max(error);
+            accuracy.squared_error += u64::from(error) * u64::from(error);
+        }
+        (Bc4w::pack(solution.line, solution.pairs, &indices), accuracy)
+    }
+}
+
+/// The palette as surfaces may use it: the background replaced by another of its codes. There always is one.
+pub fn surface_codes(palette: [u16; 8]) -> [u16; 8] {
+    let usable = if palette[1] == BACKGROUND_CODE { palette[6] } else { palette[1] };
+    palette.map(|code| if code == BACKGROUND_CODE { usable } else { code })
+}
