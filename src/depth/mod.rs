@@ -2,8 +2,13 @@
 //!
 //! Enters: metres. Leaves: chunk payloads whose decoding is within the promised bound in every pixel.
 
+pub mod biquadratic;
 pub mod block;
 pub mod boxes;
+pub mod domain;
+pub mod limit;
+pub mod platelet;
+pub mod precision;
 pub mod quantise;
 pub mod records;
 pub mod temporal;

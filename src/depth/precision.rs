@@ -1,0 +1,50 @@
+//! How many low bits of a node's coefficients are zero and need not be stored (formats/depth.md).
+
+/// 0 to 15; coarser the larger it is. 0 keeps all bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct Precision(u8);
+
+/// Low bits that are zero, by kind of coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shifts {
+    /// Of a5.
+    pub constant: u32,
+    /// Of a0 and a1.
+    pub linear: u32,
+    /// Of a2, a3 and a4.
+    pub quadratic: u32,
+}
+
+impl Precision {
+    /// The coarsest.
+    pub const COARSEST: Precision = Precision(15);
+
+    /// A precision of 0 to 15.
+    pub fn new(value: u8) -> Option<Precision> {
+        (value <= Self::COARSEST.0).then_some(Precision(value))
+    }
+
+    /// Its value.
+    pub fn get(self) -> u8 {
+        self.0
+    }
+
+    /// The coarsest one that `serves`; 0 where none does.
+    pub fn coarsest(serves: impl Fn(Precision) -> bool) -> Precision {
+        (1..=Self::COARSEST.0).rev().map(Precision).find(|&precision| serves(precision)).unwrap_or_default()
+    }
+
+    /// The bits that are zero in a node of `level`. Terms that grow across the node are kept finer in proportion, so
+    /// that rounding each of them moves the far corner about as much as rounding the constant.
+    pub fn shifts(self, level: u8) -> Shifts {
+        if self.0 == 0 {
+            return Shifts { constant: 0, linear: 0, quadratic: 0 };
+        }
+        let (constant, side_bits) = (u32::from(self.0) + 5, u32::from(level) + 2);
+        Shifts {
+            constant,
+            linear: (constant + 1).saturating_sub(side_bits),
+            quadratic: (constant + 8 + 2).saturating_sub(2 * side_bits),
+        }
+    }
+}
