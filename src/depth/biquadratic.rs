@@ -3,8 +3,12 @@
 //! Enters: a block of codes and the bound that its approximation must keep. Leaves: integer coefficients, and codes
 //! again. Based on: GDC 3.2, equations 5 to 7.
 
-use crate::depth::block::BlockMut;
-use crate::depth::domain::{Domain, DomainKind, log_code};
+use crate::depth::block::{Accuracy, Block, BlockMut};
+use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
+use crate::depth::least_squares::{Constants, Frame, Sample, Terms};
+use crate::depth::limit::{Limit, measure};
+use crate::depth::precision::{Precision, Shifts};
+use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Pixels that are computed side by side.
 const LANES: usize = 8;
@@ -89,6 +93,212 @@ impl Biquadratic {
 #[inline]
 pub(crate) fn ramp(start: i32, slope: i32) -> [i32; LANES] {
     std::array::from_fn(|x| start.wrapping_add(slope.wrapping_mul(x as i32)))
+}
+
+// Encoder
+
+/// Blocks with more pixels are reweighted on some of them; all are verified.
+const MAX_SAMPLES: usize = 1024;
+/// Coefficients as fine as their formats are.
+pub(crate) const EXACT: Shifts = Shifts { constant: 0, linear: 0, quadratic: 0 };
+
+/// Which terms a fit may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Order {
+    /// a5 alone.
+    Constant,
+    /// a0, a1 and a5.
+    Plane,
+    /// All six.
+    Full,
+}
+
+/// What a block sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    Surface,
+    Background,
+    Both,
+}
+
+impl Sight {
+    /// What is seen in a block.
+    pub fn of(block: &Block) -> Sight {
+        let (mut background, mut surface) = (false, false);
+        for row in block.rows() {
+            let count = row.iter().map(|&code| u32::from(code == BACKGROUND_CODE)).sum::<u32>();
+            background |= count > 0;
+            surface |= count < row.len() as u32;
+        }
+        match (background, surface) {
+            (true, true) => Sight::Both,
+            (true, false) => Sight::Background,
+            _ => Sight::Surface,
+        }
+    }
+}
+
+impl Biquadratic {
+    /// The function of an order that is within `bound` codes of the block in every pixel: the one of least squares if
+    /// it is, otherwise one with a smaller largest error. `None` where none was found.
+    pub fn fit(block: &Block, domain: &Domain, bound: u16, order: Order) -> Option<(Biquadratic, Accuracy)> {
+        match Sight::of(block) {
+            Sight::Both => return None,
+            Sight::Background => {
+                let accuracy = Accuracy { max_error: 0, squared_error: 0 };
+                return Some((Biquadratic::constant(domain.background()), accuracy));
+            }
+            Sight::Surface => {}
+        }
+        match order {
+            Order::Constant => fit_constant(block, domain, bound),
+            Order::Plane => fit_terms::<3>(block, domain, bound),
+            Order::Full => fit_terms::<6>(block, domain, bound),
+        }
+    }
+
+    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
+    /// where no other keeps the limit.
+    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Biquadratic, Precision, Accuracy) {
+        let frame = frame_of(block);
+        let terms = frame.terms_of(self.coefficients);
+        for value in (1..=Precision::COARSEST.get()).rev() {
+            let Some(precision) = Precision::new(value) else { continue };
+            let shifts = precision.shifts(block.level());
+            let trimmed = frame.quantise(&terms, shifts).and_then(|mut coefficients| {
+                coefficients[5] = 0;
+                let function = Biquadratic { coefficients };
+                let constants = function.constants(block, domain, limit.max_error)?;
+                coefficients[5] = constants.choose(shifts.constant)?;
+                let function = Biquadratic { coefficients };
+                Some((function, function.measure(block, domain, limit)?))
+            });
+            if let Some((function, accuracy)) = trimmed {
+                return (function, precision, accuracy);
+            }
+        }
+        let any = Limit::on_max(u16::MAX);
+        // A function that takes a surface for the background is as wrong as can be.
+        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
+        (*self, Precision::default(), self.measure(block, domain, any).unwrap_or(worst))
+    }
+
+    /// The constants that keep a function without one within the bound.
+    fn constants(&self, block: &Block, domain: &Domain, max_error: u16) -> Option<Constants> {
+        let mut constants = Constants::ANY;
+        for (y, row) in block.rows().enumerate() {
+            for (x, &code) in row.iter().enumerate() {
+                let value = domain.value_of(code);
+                let missing = value * f64::from(1 << VALUE_BITS) - f64::from(self.value(x as i32, y as i32));
+                constants.add(missing, domain.slope_at(value).abs(), max_error);
+            }
+            if constants.is_empty() {
+                return None;
+            }
+        }
+        Some(constants)
+    }
+
+    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
+        if !self.stays_in_range(block.width(), block.height()) {
+            return None;
+        }
+        measure(block, limit, |y, row| match domain.kind() {
+            DomainKind::Log => self.fill_row(y as i32, row, log_code),
+            DomainKind::Linear => self.fill_row(y as i32, row, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill_row(y as i32, row, |r| domain.inverse_code(r)),
+        })
+    }
+
+    /// Whether nothing in Horner's scheme leaves 32 bits in the first `width` columns and `height` rows.
+    pub(crate) fn stays_in_range(&self, width: usize, height: usize) -> bool {
+        let [a0, a1, a2, a3, a4, a5] = self.coefficients.map(i64::from);
+        let fits = |value: i64| i32::try_from(value).is_ok();
+        let u = |x: i64, y: i64| a0 + ((a2 * y + a3 * x + 128) >> 8);
+        let v = |y: i64| a1 + ((a4 * y + 128) >> 8);
+        let (right, bottom) = (width as i64 - 1, height as i64 - 1);
+        let corner = |x: i64, y: i64| {
+            fits(a2 * y)
+                && fits(a3 * x)
+                && fits(a2 * y + a3 * x + 128)
+                && fits(a4 * y + 128)
+                && fits(u(x, y))
+                && fits(v(y))
+        };
+        // Products and their sums are parabolas along a row or a column: highest at an end or at the vertex, beside
+        // which all pixels are tried. Inside, both vertices' lines bound what can be met.
+        let vertex = |linear: i64, square: i64, end: i64| match square {
+            0 => 0,
+            _ => (-(linear << 8) / (2 * square)).clamp(0, end),
+        };
+        let inside = |x: i64, y: i64| {
+            let (across, down) = (u(x, y) * x, v(y) * y);
+            fits(across) && fits(down) && fits(a5 + across) && fits(a5 + across + down + 8192)
+        };
+        let ys = [0, bottom, vertex(a1, a4, bottom), vertex(a1 + (a2 * right >> 8), a4, bottom)];
+        ys.into_iter().all(|y| {
+            let peak = vertex(a0 + (a2 * y >> 8), a3, right);
+            [0, right, peak, (peak + 1).min(right), (peak - 1).max(0)].into_iter().all(|x| corner(x, y) && inside(x, y))
+        })
+    }
+}
+
+fn frame_of(block: &Block) -> Frame {
+    Frame::new([0, block.width() - 1], [0, block.height() - 1])
+}
+
+/// The mean code, or the middle between the least and the greatest.
+fn fit_constant(block: &Block, domain: &Domain, bound: u16) -> Option<(Biquadratic, Accuracy)> {
+    let (mut low, mut high, mut sum) = (u16::MAX, 0, 0u64);
+    for row in block.rows() {
+        for &code in row {
+            (low, high) = (low.min(code), high.max(code));
+            sum += u64::from(code);
+        }
+        if high - low > bound.saturating_mul(2) {
+            return None;
+        }
+    }
+    let mean = (sum as f64 / block.pixel_count() as f64).round() as u16;
+    [mean, low + (high - low) / 2].into_iter().find_map(|code| {
+        let function = Biquadratic::constant((domain.value_of(code) * f64::from(1 << VALUE_BITS)).round() as i32);
+        Some((function, function.measure(block, domain, Limit::on_max(bound))?))
+    })
+}
+
+fn fit_terms<const N: usize>(block: &Block, domain: &Domain, bound: u16) -> Option<(Biquadratic, Accuracy)> {
+    let frame = frame_of(block);
+    let accept = |terms: &Terms| {
+        let function = Biquadratic { coefficients: frame.quantise(terms, EXACT)? };
+        Some((function, function.measure(block, domain, Limit::on_max(bound))?))
+    };
+    if domain.kind() == DomainKind::Log {
+        let (terms, squared_error) = frame.project(block.rows(), N);
+        let mean = squared_error / block.pixel_count() as f64;
+        // The largest error is no less than the mean one, and rounding adds less than a code.
+        if mean.sqrt() > f64::from(bound) + 1.0 {
+            return None;
+        }
+        if let Some(found) = accept(&terms) {
+            return Some(found);
+        }
+    }
+    let mut samples = Vec::with_capacity(block.pixel_count().min(2 * MAX_SAMPLES));
+    let stride = (block.pixel_count() as f64 / MAX_SAMPLES as f64).sqrt().ceil().max(1.0) as usize;
+    let picked = |at: usize, end: usize| at.is_multiple_of(stride) || at + 1 == end;
+    for (y, row) in block.rows().enumerate().filter(|&(y, _)| picked(y, block.height())) {
+        for (x, &code) in row.iter().enumerate().filter(|&(x, _)| picked(x, row.len())) {
+            samples.push(sample(domain, frame.at(x, y), code));
+        }
+    }
+    frame.minimax::<N, _>(&samples, bound, accept)
+}
+
+/// What a function should yield where a code was seen.
+pub(crate) fn sample(domain: &Domain, at: [f64; 2], code: u16) -> Sample {
+    let value = domain.value_of(code);
+    Sample { at, value, slope: domain.slope_at(value).abs() }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ pub mod biquadratic;
 pub mod block;
 pub mod boxes;
 pub mod domain;
+mod least_squares;
 pub mod limit;
 pub mod platelet;
 pub mod precision;

@@ -140,12 +140,12 @@ mod tests {
     #[test]
     fn rows_are_what_pixels_are() {
         let mut random = Random(5);
-        for case in 0..3000 {
+        for case in 0..3000u32 {
             let mut number = || (random.next() as i32) >> (random.next() % 32);
             let mut plane = || Plane { a0: number(), a1: number(), a5: number() };
             let sides = [plane(), plane()];
             let platelet = Platelet { sides, line: (random.next() as u32).to_le_bytes() };
-            let level = case % 4 + 1;
+            let level = (case % 4 + 1) as u8;
             let side = side_of(level);
             let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
             for domain in domains() {
