@@ -214,32 +214,22 @@ impl Biquadratic {
     /// Whether nothing in Horner's scheme leaves 32 bits in the first `width` columns and `height` rows.
     pub(crate) fn stays_in_range(&self, width: usize, height: usize) -> bool {
         let [a0, a1, a2, a3, a4, a5] = self.coefficients.map(i64::from);
-        let fits = |value: i64| i32::try_from(value).is_ok();
-        let u = |x: i64, y: i64| a0 + ((a2 * y + a3 * x + 128) >> 8);
-        let v = |y: i64| a1 + ((a4 * y + 128) >> 8);
+        // The places tried lie beside the extremes; rounding moves what is between them by less than this.
+        let fits = |value: i64| value.abs() < (1 << 31) - (1 << 14);
         let (right, bottom) = (width as i64 - 1, height as i64 - 1);
-        let corner = |x: i64, y: i64| {
-            fits(a2 * y)
-                && fits(a3 * x)
-                && fits(a2 * y + a3 * x + 128)
-                && fits(a4 * y + 128)
-                && fits(u(x, y))
-                && fits(v(y))
+        let whole = |x: i64, y: i64| {
+            let (bend, v) = (a2 * y + a3 * x + 128, a1 + ((a4 * y + 128) >> 8));
+            let u = a0 + (bend >> 8);
+            let steps = [a2 * y, a3 * x, bend, u, a4 * y, v, u * x, v * y, a5 + u * x, a5 + u * x + v * y];
+            steps.into_iter().all(fits)
         };
-        // Products and their sums are parabolas along a row or a column: highest at an end or at the vertex, beside
-        // which all pixels are tried. Inside, both vertices' lines bound what can be met.
-        let vertex = |linear: i64, square: i64, end: i64| match square {
-            0 => 0,
-            _ => (-(linear << 8) / (2 * square)).clamp(0, end),
-        };
-        let inside = |x: i64, y: i64| {
-            let (across, down) = (u(x, y) * x, v(y) * y);
-            fits(across) && fits(down) && fits(a5 + across) && fits(a5 + across + down + 8192)
-        };
-        let ys = [0, bottom, vertex(a1, a4, bottom), vertex(a1 + (a2 * right >> 8), a4, bottom)];
-        ys.into_iter().all(|y| {
-            let peak = vertex(a0 + (a2 * y >> 8), a3, right);
-            [0, right, peak, (peak + 1).min(right), (peak - 1).max(0)].into_iter().all(|x| corner(x, y) && inside(x, y))
+        if [a2, a3, a4] == [0; 3] {
+            return whole(0, 0) && whole(right, 0) && whole(0, bottom) && whole(right, bottom);
+        }
+        // Along a row all is straight or a parabola, which is highest at an end or at its vertex.
+        (0..=bottom).all(|y| {
+            let vertex = if a3 == 0 { 0 } else { (-((a0 << 8) + a2 * y) / (2 * a3)).clamp(0, right) };
+            whole(0, y) && whole(right, y) && (vertex == 0 || whole(vertex, y))
         })
     }
 }

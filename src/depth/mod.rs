@@ -8,6 +8,7 @@ pub mod boxes;
 pub mod domain;
 mod least_squares;
 pub mod limit;
+mod line;
 pub mod platelet;
 pub mod precision;
 pub mod quantise;

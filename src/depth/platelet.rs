@@ -3,9 +3,14 @@
 //! Enters: a block of codes and the bound that its approximation must keep. Leaves: integer coefficients and a line,
 //! and codes again. Based on: GDC 3.2, equation 4, after Morvan et al. 2006.
 
-use crate::depth::biquadratic::ramp;
-use crate::depth::block::{BlockMut, side_of};
-use crate::depth::domain::{Domain, DomainKind, log_code};
+use crate::depth::biquadratic::{Biquadratic, EXACT, Sight, ramp, sample};
+use crate::depth::block::{Accuracy, Block, BlockMut, side_of};
+use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
+use crate::depth::least_squares::{Constants, Frame, Terms};
+use crate::depth::limit::{Limit, measure};
+use crate::depth::line::{LineSearch, separating_line};
+use crate::depth::precision::Precision;
+use crate::depth::quantise::BACKGROUND_CODE;
 
 /// a0 x + a1 y + a5, in Q14, x and y from 0 at the node's top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -89,31 +94,198 @@ impl Platelet {
         }
     }
 
-    /// Evaluates both planes and the side test in all pixels: three sums each, and no branch.
     fn fill(&self, target: &mut BlockMut, code: impl Fn(i32) -> u16) {
         let test = SideTest::new(self.line, target.level());
-        let [a, b] = self.sides;
         for (y, row) in target.rows_mut().enumerate() {
-            let y = y as i32;
-            let mut of_a = ramp(a.value(0, y), a.a0);
-            let mut of_b = ramp(b.value(0, y), b.a0);
-            let mut tests = ramp(test.at(0, y), test.across);
-            let (chunks, rest) = row.as_chunks_mut();
-            let steps = [a.a0, b.a0, test.across].map(|step| step.wrapping_mul(of_a.len() as i32));
-            for chunk in chunks {
-                let chunk: &mut [u16; 8] = chunk;
-                for x in 0..chunk.len() {
-                    chunk[x] = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
-                    of_a[x] = of_a[x].wrapping_add(steps[0]);
-                    of_b[x] = of_b[x].wrapping_add(steps[1]);
-                    tests[x] += steps[2];
-                }
+            self.fill_row(test, y as i32, row, &code);
+        }
+    }
+
+    /// Evaluates both planes and the side test in all pixels: three sums each, and no branch.
+    #[inline]
+    fn fill_row(&self, test: SideTest, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
+        let [a, b] = self.sides;
+        let mut of_a = ramp(a.value(0, y), a.a0);
+        let mut of_b = ramp(b.value(0, y), b.a0);
+        let mut tests = ramp(test.at(0, y), test.across);
+        let steps = [a.a0, b.a0, test.across].map(|step| step.wrapping_mul(of_a.len() as i32));
+        let (chunks, rest) = row.as_chunks_mut::<8>();
+        for chunk in chunks {
+            for x in 0..chunk.len() {
+                chunk[x] = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+                of_a[x] = of_a[x].wrapping_add(steps[0]);
+                of_b[x] = of_b[x].wrapping_add(steps[1]);
+                tests[x] = tests[x].wrapping_add(steps[2]);
             }
-            for (x, pixel) in rest.iter_mut().enumerate() {
-                *pixel = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+        }
+        for (x, pixel) in rest.iter_mut().enumerate() {
+            *pixel = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+        }
+    }
+}
+
+// Encoder
+
+/// Nodes of higher levels are not searched for lines: edges are hardly straight that far.
+pub const MAX_PLATELET_LEVEL: u8 = 6;
+/// Lines of least squared error whose largest error is looked at.
+const CANDIDATES: usize = 4;
+
+impl Platelet {
+    /// A platelet that is within `bound` codes of the block in every pixel, `None` where none was found. A side is all
+    /// background or all surface.
+    pub fn fit(block: &Block, domain: &Domain, bound: u16) -> Option<(Platelet, Accuracy)> {
+        if block.level() == 0 || block.level() > MAX_PLATELET_LEVEL {
+            return None;
+        }
+        match Sight::of(block) {
+            Sight::Background => {
+                let sides = [Plane::constant(domain.background()); 2];
+                return Some((Platelet { sides, line: [0; 4] }, Accuracy { max_error: 0, squared_error: 0 }));
+            }
+            Sight::Both => {
+                let line = separating_line(block, |code| code == BACKGROUND_CODE)?;
+                return fit_sides(block, domain, bound, line);
+            }
+            Sight::Surface => {}
+        }
+        let gap = widest_gap(block).and_then(|middle| separating_line(block, |code| code > middle));
+        if let Some(found) = gap.and_then(|line| fit_sides(block, domain, bound, line)) {
+            return Some(found);
+        }
+        let search = LineSearch::new(block, domain);
+        let worst = (f64::from(bound) + 1.0) * if domain.kind() == DomainKind::Log { 1.0 } else { 2.0 };
+        let worst = worst * worst * block.pixel_count() as f64;
+        let lines = search.best::<CANDIDATES>();
+        lines
+            .into_iter()
+            .filter(|&(squared_error, _)| squared_error <= worst)
+            .find_map(|(_, line)| fit_sides(block, domain, bound, line))
+    }
+
+    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
+    /// where no other keeps the limit.
+    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Platelet, Precision, Accuracy) {
+        let test = SideTest::new(self.line, block.level());
+        for value in (1..=Precision::COARSEST.get()).rev() {
+            let Some(precision) = Precision::new(value) else { continue };
+            let shifts = precision.shifts(block.level());
+            let trimmed = (|| {
+                let round = |value: i32| {
+                    let step = 1i64 << shifts.linear;
+                    i32::try_from((i64::from(value) + step / 2).div_euclid(step) * step).ok()
+                };
+                let mut sides = self.sides;
+                for side in &mut sides {
+                    *side = Plane { a0: round(side.a0)?, a1: round(side.a1)?, a5: 0 };
+                }
+                let mut constants = [Constants::ANY; 2];
+                for (y, row) in block.rows().enumerate() {
+                    for (x, &code) in row.iter().enumerate() {
+                        let side = usize::from(test.at(x as i32, y as i32) > 0);
+                        let value = domain.value_of(code);
+                        let missing = value * f64::from(1 << VALUE_BITS);
+                        let missing = missing - f64::from(sides[side].value(x as i32, y as i32));
+                        constants[side].add(missing, domain.slope_at(value).abs(), limit.max_error);
+                    }
+                    if constants[0].is_empty() || constants[1].is_empty() {
+                        return None;
+                    }
+                }
+                for (side, constants) in sides.iter_mut().zip(constants) {
+                    side.a5 = constants.choose(shifts.constant)?;
+                }
+                let platelet = Platelet { sides, line: self.line };
+                Some((platelet, platelet.measure(block, domain, limit)?))
+            })();
+            if let Some((platelet, accuracy)) = trimmed {
+                return (platelet, precision, accuracy);
+            }
+        }
+        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
+        let accuracy = self.measure(block, domain, Limit::on_max(u16::MAX)).unwrap_or(worst);
+        (*self, Precision::default(), accuracy)
+    }
+
+    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
+        if !self.sides.iter().all(|side| side.stays_in_range(block)) {
+            return None;
+        }
+        let test = SideTest::new(self.line, block.level());
+        measure(block, limit, |y, row| match domain.kind() {
+            DomainKind::Log => self.fill_row(test, y as i32, row, log_code),
+            DomainKind::Linear => self.fill_row(test, y as i32, row, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill_row(test, y as i32, row, |r| domain.inverse_code(r)),
+        })
+    }
+}
+
+impl Plane {
+    fn stays_in_range(self, block: &Block) -> bool {
+        let whole = Biquadratic { coefficients: [self.a0, self.a1, 0, 0, 0, self.a5] };
+        whole.stays_in_range(block.width(), block.height())
+    }
+}
+
+/// The planes on both sides of a line.
+fn fit_sides(block: &Block, domain: &Domain, bound: u16, line: [u8; 4]) -> Option<(Platelet, Accuracy)> {
+    let sides = [fit_side(block, domain, bound, (line, 0))?, fit_side(block, domain, bound, (line, 1))?];
+    let platelet = Platelet { sides, line };
+    Some((platelet, platelet.measure(block, domain, Limit::on_max(bound))?))
+}
+
+/// The plane of one side; where its pixels are too few or in a row, what they leave open is 0.
+fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], usize)) -> Option<Plane> {
+    let test = SideTest::new(line, block.level());
+    let (mut pixels, mut background) = (Vec::with_capacity(block.pixel_count()), 0);
+    let (mut first, mut last) = ([usize::MAX; 2], [0; 2]);
+    for (y, row) in block.rows().enumerate() {
+        for (x, &code) in row.iter().enumerate() {
+            if usize::from(test.at(x as i32, y as i32) > 0) == side {
+                pixels.push(([x, y], code));
+                first = [first[0].min(x), first[1].min(y)];
+                last = [last[0].max(x), last[1].max(y)];
+                background += usize::from(code == BACKGROUND_CODE);
             }
         }
     }
+    if pixels.is_empty() {
+        return Some(Plane::default());
+    }
+    if background > 0 {
+        return (background == pixels.len()).then(|| Plane::constant(domain.background()));
+    }
+    let frame = Frame::new([first[0], last[0]], [first[1], last[1]]);
+    let samples: Vec<_> = pixels.iter().map(|&([x, y], code)| sample(domain, frame.at(x, y), code)).collect();
+    let accept = |terms: &Terms| {
+        // Quantising counts pixels from the frame's own corner of the node.
+        let [a0, a1, _, _, _, a5] = frame.quantise(terms, EXACT)?;
+        let plane = Plane { a0, a1, a5 };
+        let close = |&([x, y], code): &([usize; 2], u16)| {
+            let found = domain.code_of(plane.value(x as i32, y as i32));
+            found.abs_diff(code) <= bound && found != BACKGROUND_CODE
+        };
+        (plane.stays_in_range(block) && pixels.iter().all(close)).then_some(plane)
+    };
+    frame.minimax::<3, _>(&samples, bound, accept).or_else(|| frame.minimax::<1, _>(&samples, bound, accept))
+}
+
+/// The middle of the widest stretch of codes that the block does not have, where that is wide.
+fn widest_gap(block: &Block) -> Option<u16> {
+    const BUCKETS: usize = 64;
+    let (low, high) = block.rows().flatten().fold((u16::MAX, 0), |(low, high), &code| (low.min(code), high.max(code)));
+    let width = usize::from(high - low) / BUCKETS + 1;
+    let mut seen = [false; BUCKETS];
+    block.rows().flatten().for_each(|&code| seen[usize::from(code - low) / width] = true);
+    let (mut start, mut widest) = (0, 0..0);
+    for bucket in (0..BUCKETS).filter(|&bucket| seen[bucket]) {
+        if bucket - start > widest.len() {
+            widest = start..bucket;
+        }
+        start = bucket + 1;
+    }
+    (!widest.is_empty()).then(|| low + (widest.start * width + widest.len() * width / 2) as u16)
 }
 
 #[cfg(test)]
