@@ -1,56 +1,341 @@
-//! stub
-use crate::depth::{block::*, domain::Domain, limit::Limit};
-/// s
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+//! Biquadratic functions: six coefficients for a node (arithmetic.md 6).
+//!
+//! Enters: a block of codes and the bound that its approximation must keep. Leaves: integer coefficients, and codes
+//! again. Based on: GDC 3.2, equations 5 to 7.
+
+use crate::depth::block::{Accuracy, Block, BlockMut};
+use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
+use crate::depth::least_squares::{Constants, Frame, Sample, Terms};
+use crate::depth::limit::{Limit, measure};
+use crate::depth::precision::{Precision, Shifts};
+use crate::depth::quantise::BACKGROUND_CODE;
+
+/// Pixels that are computed side by side.
+const LANES: usize = 8;
+
+/// a0 x + a1 y + a2 xy + a3 x² + a4 y² + a5 over the pixels of a node, x and y from 0 at its top left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Biquadratic {
-    /// s
+    /// a0 to a5: a0, a1 and a5 in Q14, a2 (xy), a3 (x²) and a4 (y²) in Q22.
     pub coefficients: [i32; 6],
 }
-/// s
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+
+impl Biquadratic {
+    /// The same everywhere, in Q14.
+    pub fn constant(value: i32) -> Biquadratic {
+        Biquadratic { coefficients: [0, 0, 0, 0, 0, value] }
+    }
+
+    /// The function at a pixel in Q14, wrapping.
+    pub fn value(&self, x: i32, y: i32) -> i32 {
+        let [a0, a1, a2, a3, a4, a5] = self.coefficients;
+        let u = a0.wrapping_add(a2.wrapping_mul(y).wrapping_add(a3.wrapping_mul(x)).wrapping_add(128) >> 8);
+        let v = a1.wrapping_add(a4.wrapping_mul(y).wrapping_add(128) >> 8);
+        a5.wrapping_add(u.wrapping_mul(x)).wrapping_add(v.wrapping_mul(y))
+    }
+
+    /// Fills a block with the codes of the function.
+    pub fn decode(&self, domain: &Domain, target: &mut BlockMut) {
+        match domain.kind() {
+            DomainKind::Log => self.fill(target, log_code),
+            DomainKind::Linear => self.fill(target, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill(target, |r| domain.inverse_code(r)),
+        }
+    }
+
+    fn fill(&self, target: &mut BlockMut, code: impl Fn(i32) -> u16) {
+        if self.coefficients[..5] == [0; 5] {
+            let code = code(self.coefficients[5]);
+            target.rows_mut().for_each(|row| row.fill(code));
+            return;
+        }
+        for (y, row) in target.rows_mut().enumerate() {
+            self.fill_row(y as i32, row, &code);
+        }
+    }
+
+    /// One row. What does not depend on x is done once; without x² the row is a straight line, which only adds.
+    #[inline]
+    fn fill_row(&self, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
+        let [a0, a1, a2, a3, a4, a5] = self.coefficients;
+        let v = a1.wrapping_add(a4.wrapping_mul(y).wrapping_add(128) >> 8);
+        let start = a5.wrapping_add(v.wrapping_mul(y));
+        let bend = a2.wrapping_mul(y).wrapping_add(128);
+        let (chunks, rest) = row.as_chunks_mut::<LANES>();
+        if a3 == 0 {
+            let slope = a0.wrapping_add(bend >> 8);
+            let mut lanes = ramp(start, slope);
+            let step = slope.wrapping_mul(LANES as i32);
+            for chunk in chunks {
+                for (pixel, lane) in chunk.iter_mut().zip(&mut lanes) {
+                    *pixel = code(*lane);
+                    *lane = lane.wrapping_add(step);
+                }
+            }
+            rest.iter_mut().zip(lanes).for_each(|(pixel, lane)| *pixel = code(lane));
+            return;
+        }
+        let (mut xs, mut bends) = (ramp(0, 1), ramp(bend, a3));
+        let step = a3.wrapping_mul(LANES as i32);
+        let value = |x: i32, bend: i32| start.wrapping_add(a0.wrapping_add(bend >> 8).wrapping_mul(x));
+        for chunk in chunks {
+            for ((pixel, x), bend) in chunk.iter_mut().zip(&mut xs).zip(&mut bends) {
+                *pixel = code(value(*x, *bend));
+                *x += LANES as i32;
+                *bend = bend.wrapping_add(step);
+            }
+        }
+        rest.iter_mut().zip(xs).zip(bends).for_each(|((pixel, x), bend)| *pixel = code(value(x, bend)));
+    }
+}
+
+/// The first values of a straight line.
+#[inline]
+pub(crate) fn ramp(start: i32, slope: i32) -> [i32; LANES] {
+    std::array::from_fn(|x| start.wrapping_add(slope.wrapping_mul(x as i32)))
+}
+
+// Encoder
+
+/// Blocks with more pixels are reweighted on some of them; all are verified.
+const MAX_SAMPLES: usize = 1024;
+/// Coefficients as fine as their formats are.
+pub(crate) const EXACT: Shifts = Shifts { constant: 0, linear: 0, quadratic: 0 };
+
+/// Which terms a fit may use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
-    /// s
+    /// a5 alone.
     Constant,
-    /// s
+    /// a0, a1 and a5.
     Plane,
-    /// s
+    /// All six.
     Full,
 }
-impl Biquadratic {
-    /// s
-    pub fn from_bytes(b: &[u8; 32]) -> Self {
-        let mut c = [0; 6];
-        for i in 0..6 {
-            c[i] = i32::from_le_bytes([b[4 * i], b[4 * i + 1], b[4 * i + 2], b[4 * i + 3]])
+
+/// What a block sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    Surface,
+    Background,
+    Both,
+}
+
+impl Sight {
+    /// What is seen in a block.
+    pub fn of(block: &Block) -> Sight {
+        let (mut background, mut surface) = (false, false);
+        for row in block.rows() {
+            let count = row.iter().map(|&code| u32::from(code == BACKGROUND_CODE)).sum::<u32>();
+            background |= count > 0;
+            surface |= count < row.len() as u32;
         }
-        Biquadratic { coefficients: c }
-    }
-    /// s
-    pub fn to_bytes(&self) -> [u8; 32] {
-        let mut o = [0xff; 32];
-        for i in 0..6 {
-            o[4 * i..4 * i + 4].copy_from_slice(&self.coefficients[i].to_le_bytes())
+        match (background, surface) {
+            (true, true) => Sight::Both,
+            (true, false) => Sight::Background,
+            _ => Sight::Surface,
         }
-        o
-    }
-    /// s
-    pub fn decode(&self, _d: &Domain, t: &mut BlockMut<'_>) {
-        let v = ((self.coefficients[5] + 8192) >> 14).clamp(0, 65535) as u16;
-        for r in t.rows_mut() {
-            r.fill(v)
-        }
-    }
-    /// s
-    pub fn trim(&self, _b: &Block<'_>, _d: &Domain, _l: Limit) -> (Self, Accuracy) {
-        (*self, Accuracy { max_error: 0, squared_error: 0 })
     }
 }
-/// s
-pub fn fit(b: &Block<'_>, _d: &Domain, bound: u16, _o: Order) -> Option<(Biquadratic, Accuracy)> {
-    let v = b.row(0)[0];
-    let dec = vec![v; b.pixel_count()];
-    let a = b.accuracy(&dec)?;
-    (a.max_error <= bound).then(|| {
-        (Biquadratic { coefficients: [0, 0, 0, 0, 0, if v == 65535 { 1 << 30 } else { i32::from(v) << 14 }] }, a)
+
+impl Biquadratic {
+    /// The function of an order that is within `bound` codes of the block in every pixel: the one of least squares if
+    /// it is, otherwise one with a smaller largest error. `None` where none was found.
+    pub fn fit(block: &Block, domain: &Domain, bound: u16, order: Order) -> Option<(Biquadratic, Accuracy)> {
+        match Sight::of(block) {
+            Sight::Both => return None,
+            Sight::Background => {
+                let accuracy = Accuracy { max_error: 0, squared_error: 0 };
+                return Some((Biquadratic::constant(domain.background()), accuracy));
+            }
+            Sight::Surface => {}
+        }
+        match order {
+            Order::Constant => fit_constant(block, domain, bound),
+            Order::Plane => fit_terms::<3>(block, domain, bound),
+            Order::Full => fit_terms::<6>(block, domain, bound),
+        }
+    }
+
+    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
+    /// where no other keeps the limit.
+    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Biquadratic, Precision, Accuracy) {
+        let frame = frame_of(block);
+        let terms = frame.terms_of(self.coefficients);
+        for value in (1..=Precision::COARSEST.get()).rev() {
+            let Some(precision) = Precision::new(value) else { continue };
+            let shifts = precision.shifts(block.level());
+            let trimmed = frame.quantise(&terms, shifts).and_then(|mut coefficients| {
+                coefficients[5] = 0;
+                let function = Biquadratic { coefficients };
+                let constants = function.constants(block, domain, limit.max_error)?;
+                coefficients[5] = constants.choose(shifts.constant)?;
+                let function = Biquadratic { coefficients };
+                Some((function, function.measure(block, domain, limit)?))
+            });
+            if let Some((function, accuracy)) = trimmed {
+                return (function, precision, accuracy);
+            }
+        }
+        let any = Limit::on_max(u16::MAX);
+        // A function that takes a surface for the background is as wrong as can be.
+        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
+        (*self, Precision::default(), self.measure(block, domain, any).unwrap_or(worst))
+    }
+
+    /// The constants that keep a function without one within the bound.
+    fn constants(&self, block: &Block, domain: &Domain, max_error: u16) -> Option<Constants> {
+        let mut constants = Constants::ANY;
+        for (y, row) in block.rows().enumerate() {
+            for (x, &code) in row.iter().enumerate() {
+                let value = domain.value_of(code);
+                let missing = value * f64::from(1 << VALUE_BITS) - f64::from(self.value(x as i32, y as i32));
+                constants.add(missing, domain.slope_at(value).abs(), max_error);
+            }
+            if constants.is_empty() {
+                return None;
+            }
+        }
+        Some(constants)
+    }
+
+    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
+        if !self.stays_in_range(block.width(), block.height()) {
+            return None;
+        }
+        measure(block, limit, |y, row| match domain.kind() {
+            DomainKind::Log => self.fill_row(y as i32, row, log_code),
+            DomainKind::Linear => self.fill_row(y as i32, row, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill_row(y as i32, row, |r| domain.inverse_code(r)),
+        })
+    }
+
+    /// Whether nothing in Horner's scheme leaves 32 bits in the first `width` columns and `height` rows.
+    pub(crate) fn stays_in_range(&self, width: usize, height: usize) -> bool {
+        let [a0, a1, a2, a3, a4, a5] = self.coefficients.map(i64::from);
+        // The places tried lie beside the extremes; rounding moves what is between them by less than this.
+        let fits = |value: i64| value.abs() < (1 << 31) - (1 << 14);
+        let (right, bottom) = (width as i64 - 1, height as i64 - 1);
+        let whole = |x: i64, y: i64| {
+            let (bend, v) = (a2 * y + a3 * x + 128, a1 + ((a4 * y + 128) >> 8));
+            let u = a0 + (bend >> 8);
+            let steps = [a2 * y, a3 * x, bend, u, a4 * y, v, u * x, v * y, a5 + u * x, a5 + u * x + v * y];
+            steps.into_iter().all(fits)
+        };
+        if [a2, a3, a4] == [0; 3] {
+            return whole(0, 0) && whole(right, 0) && whole(0, bottom) && whole(right, bottom);
+        }
+        // Along a row all is straight or a parabola, which is highest at an end or at its vertex.
+        (0..=bottom).all(|y| {
+            let vertex = if a3 == 0 { 0 } else { (-((a0 << 8) + a2 * y) / (2 * a3)).clamp(0, right) };
+            whole(0, y) && whole(right, y) && (vertex == 0 || whole(vertex, y))
+        })
+    }
+}
+
+fn frame_of(block: &Block) -> Frame {
+    Frame::new([0, block.width() - 1], [0, block.height() - 1])
+}
+
+/// The mean code, or the middle between the least and the greatest.
+fn fit_constant(block: &Block, domain: &Domain, bound: u16) -> Option<(Biquadratic, Accuracy)> {
+    let (mut low, mut high, mut sum) = (u16::MAX, 0, 0u64);
+    for row in block.rows() {
+        for &code in row {
+            (low, high) = (low.min(code), high.max(code));
+            sum += u64::from(code);
+        }
+        if high - low > bound.saturating_mul(2) {
+            return None;
+        }
+    }
+    let mean = (sum as f64 / block.pixel_count() as f64).round() as u16;
+    [mean, low + (high - low) / 2].into_iter().find_map(|code| {
+        let function = Biquadratic::constant((domain.value_of(code) * f64::from(1 << VALUE_BITS)).round() as i32);
+        Some((function, function.measure(block, domain, Limit::on_max(bound))?))
     })
+}
+
+fn fit_terms<const N: usize>(block: &Block, domain: &Domain, bound: u16) -> Option<(Biquadratic, Accuracy)> {
+    let frame = frame_of(block);
+    let accept = |terms: &Terms| {
+        let function = Biquadratic { coefficients: frame.quantise(terms, EXACT)? };
+        Some((function, function.measure(block, domain, Limit::on_max(bound))?))
+    };
+    if domain.kind() == DomainKind::Log {
+        let (terms, squared_error) = frame.project(block.rows(), N);
+        let mean = squared_error / block.pixel_count() as f64;
+        // The largest error is no less than the mean one, and rounding adds less than a code.
+        if mean.sqrt() > f64::from(bound) + 1.0 {
+            return None;
+        }
+        if let Some(found) = accept(&terms) {
+            return Some(found);
+        }
+    }
+    let mut samples = Vec::with_capacity(block.pixel_count().min(2 * MAX_SAMPLES));
+    let stride = (block.pixel_count() as f64 / MAX_SAMPLES as f64).sqrt().ceil().max(1.0) as usize;
+    let picked = |at: usize, end: usize| at.is_multiple_of(stride) || at + 1 == end;
+    for (y, row) in block.rows().enumerate().filter(|&(y, _)| picked(y, block.height())) {
+        for (x, &code) in row.iter().enumerate().filter(|&(x, _)| picked(x, row.len())) {
+            samples.push(sample(domain, frame.at(x, y), code));
+        }
+    }
+    frame.minimax::<N, _>(&samples, bound, accept)
+}
+
+/// What a function should yield where a code was seen.
+pub(crate) fn sample(domain: &Domain, at: [f64; 2], code: u16) -> Sample {
+    let value = domain.value_of(code);
+    Sample { at, value, slope: domain.slope_at(value).abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::block::side_of;
+    use crate::depth::quantise::DepthRange;
+
+    /// A seeded generator (SplitMix64), so that failures repeat.
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^ (z >> 31)
+        }
+    }
+
+    fn domains() -> [Domain; 3] {
+        DomainKind::ALL.map(|kind| Domain::new(kind, DepthRange::new(1.5, 15.5).unwrap()).unwrap())
+    }
+
+    #[test]
+    fn rows_are_what_pixels_are() {
+        let mut random = Random(3);
+        for case in 0..3000u32 {
+            let mut coefficients: [i32; 6] = std::array::from_fn(|_| (random.next() as i32) >> (random.next() % 32));
+            match case % 4 {
+                0 => coefficients[..5].fill(0),
+                1 => coefficients[2..5].fill(0),
+                2 => coefficients[3] = 0,
+                _ => {}
+            }
+            let function = Biquadratic { coefficients };
+            let level = (random.next() % 5) as u8;
+            let side = side_of(level);
+            let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
+            for domain in domains() {
+                let mut picture = vec![0u16; width * height];
+                function.decode(&domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
+                for (i, &code) in picture.iter().enumerate() {
+                    let r = function.value((i % width) as i32, (i / width) as i32);
+                    assert_eq!(code, domain.code_of(r), "{function:?} pixel {i}");
+                }
+            }
+        }
+    }
 }

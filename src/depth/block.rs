@@ -33,6 +33,7 @@ pub struct BlockMut<'a> {
     stride: usize,
     width: usize,
     height: usize,
+    level: u8,
 }
 
 /// How close a decoded block is to its source. There is none where the background is taken for a surface or the
@@ -115,7 +116,13 @@ impl<'a> BlockMut<'a> {
             stride: width,
             width: side.min(width - x),
             height: side.min(rows - y),
+            level,
         }
+    }
+
+    /// Its level: the side is 4 · 2^level.
+    pub fn level(&self) -> u8 {
+        self.level
     }
 
     /// Columns inside the picture.

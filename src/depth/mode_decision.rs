@@ -1,12 +1,13 @@
 //! Which modelling function a node gets (GDC 3.1; depth.md 7).
 
 use crate::depth::bc4w;
-use crate::depth::biquadratic::{self, Biquadratic, Order};
+use crate::depth::biquadratic::{Biquadratic, Order};
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::domain::Domain;
 use crate::depth::limit::Limit;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Node, Place};
-use crate::depth::platelet::{self, Platelet};
+use crate::depth::platelet::Platelet;
+use crate::depth::precision::Precision;
 use crate::depth::storage::stored_bytes;
 use crate::effort::Effort;
 
@@ -91,6 +92,11 @@ pub fn decide(block: &Block<'_>, place: Place, modelling: &Modelling<'_>) -> Opt
     best.found
 }
 
+/// The storage form finds the precision anew.
+fn trimmed<F>((function, _, accuracy): (F, Precision, Accuracy)) -> (F, Accuracy) {
+    (function, accuracy)
+}
+
 /// The PSNR of a squared error, summed over `pixels`, in dB of 16-bit codes; infinite for no error.
 pub fn psnr_db(squared_error: u64, pixels: usize) -> f64 {
     let peak = f64::from(u16::MAX);
@@ -126,9 +132,9 @@ impl Best<'_> {
 
     fn biquadratic(&mut self, block: &Block<'_>, order: Order) {
         let Modelling { domain, bound, .. } = *self.modelling;
-        if let Some((exact, accuracy)) = biquadratic::fit(block, domain, bound, order) {
+        if let Some((exact, accuracy)) = Biquadratic::fit(block, domain, bound, order) {
             let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
-                Some(limit) => exact.trim(block, domain, limit),
+                Some(limit) => trimmed(exact.trim(block, domain, limit)),
                 None => (exact, accuracy),
             };
             self.offer(rounded.to_bytes(), accuracy);
@@ -137,9 +143,9 @@ impl Best<'_> {
 
     fn platelet(&mut self, block: &Block<'_>) {
         let Modelling { domain, bound, .. } = *self.modelling;
-        if let Some((exact, accuracy)) = platelet::fit(block, domain, bound) {
+        if let Some((exact, accuracy)) = Platelet::fit(block, domain, bound) {
             let (rounded, accuracy) = match self.modelling.limit(block, accuracy) {
-                Some(limit) => exact.trim(block, domain, limit),
+                Some(limit) => trimmed(exact.trim(block, domain, limit)),
                 None => (exact, accuracy),
             };
             self.offer(rounded.to_bytes(), accuracy);
@@ -176,13 +182,13 @@ impl Approximation {
         let Some(limit) = modelling.limit(block, self.accuracy) else { return Some(*self) };
         let (coefficients, accuracy) = match self.node.function() {
             Function::Biquadratic => {
-                let (rounded, accuracy) =
-                    Biquadratic::from_bytes(&self.node.coefficients).trim(block, modelling.domain, limit);
+                let function = Biquadratic::from_bytes(&self.node.coefficients);
+                let (rounded, accuracy) = trimmed(function.trim(block, modelling.domain, limit));
                 (rounded.to_bytes(), accuracy)
             }
             Function::Platelet => {
-                let (rounded, accuracy) =
-                    Platelet::from_bytes(&self.node.coefficients).trim(block, modelling.domain, limit);
+                let function = Platelet::from_bytes(&self.node.coefficients);
+                let (rounded, accuracy) = trimmed(function.trim(block, modelling.domain, limit));
                 (rounded.to_bytes(), accuracy)
             }
             Function::Raw | Function::Bc4w => return Some(*self),

@@ -1,25 +1,350 @@
-//! stub
-use crate::depth::{block::*, domain::Domain, limit::Limit};
-/// s
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Platelet([u8; 32]);
-impl Platelet {
-    /// s
-    pub fn from_bytes(b: &[u8; 32]) -> Self {
-        Platelet(*b)
+//! Platelets: two planes with a line between them (arithmetic.md 6).
+//!
+//! Enters: a block of codes and the bound that its approximation must keep. Leaves: integer coefficients and a line,
+//! and codes again. Based on: GDC 3.2, equation 4, after Morvan et al. 2006.
+
+use crate::depth::biquadratic::{Biquadratic, EXACT, Sight, ramp, sample};
+use crate::depth::block::{Accuracy, Block, BlockMut, side_of};
+use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
+use crate::depth::least_squares::{Constants, Frame, Terms};
+use crate::depth::limit::{Limit, measure};
+use crate::depth::line::{LineSearch, separating_line};
+use crate::depth::precision::Precision;
+use crate::depth::quantise::BACKGROUND_CODE;
+
+/// a0 x + a1 y + a5, in Q14, x and y from 0 at the node's top left.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Plane {
+    /// For each column.
+    pub a0: i32,
+    /// For each row.
+    pub a1: i32,
+    /// At the top left pixel.
+    pub a5: i32,
+}
+
+/// Two planes and the line that separates them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Platelet {
+    /// The planes of side A and side B.
+    pub sides: [Plane; 2],
+    /// Two points of the line, x0 y0 x1 y1, in 1/256 of the node's side from its top left corner.
+    pub line: [u8; 4],
+}
+
+/// The line's side test for the pixels of a node: B where the value is positive.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SideTest {
+    /// Value at the top left pixel.
+    pub start: i32,
+    /// Added for each column.
+    pub across: i32,
+    /// Added for each row.
+    pub down: i32,
+}
+
+impl SideTest {
+    /// The test of a line in a node of `level`; below 2^24 in every pixel.
+    pub fn new([x0, y0, x1, y1]: [u8; 4], level: u8) -> SideTest {
+        // Pixel centres are (2x + 1) / (2 side), the line's points x0 / 256: both times the lesser denominator's
+        // multiple that makes them whole.
+        let units = 2 * side_of(level) as i32;
+        let common = units.min(256);
+        let (of_pixels, of_points) = (256 / common, units / common);
+        let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(i32::from);
+        let (dx, dy) = (x1 - x0, y1 - y0);
+        SideTest {
+            start: dx * (of_pixels - y0 * of_points) - dy * (of_pixels - x0 * of_points),
+            across: -dy * 2 * of_pixels,
+            down: dx * 2 * of_pixels,
+        }
     }
-    /// s
-    pub fn to_bytes(&self) -> [u8; 32] {
-        self.0
-    }
-    /// s
-    pub fn decode(&self, _d: &Domain, _l: u8, _t: &mut BlockMut<'_>) {}
-    /// s
-    pub fn trim(&self, _b: &Block<'_>, _d: &Domain, _l: Limit) -> (Self, Accuracy) {
-        (*self, Accuracy { max_error: 0, squared_error: 0 })
+
+    /// The value at a pixel.
+    pub fn at(self, x: i32, y: i32) -> i32 {
+        self.start + self.across * x + self.down * y
     }
 }
-/// s
-pub fn fit(_b: &Block<'_>, _d: &Domain, _bound: u16) -> Option<(Platelet, Accuracy)> {
-    None
+
+impl Plane {
+    /// The same everywhere, in Q14.
+    pub fn constant(value: i32) -> Plane {
+        Plane { a0: 0, a1: 0, a5: value }
+    }
+
+    /// The plane at a pixel in Q14, wrapping.
+    pub fn value(self, x: i32, y: i32) -> i32 {
+        self.a5.wrapping_add(self.a0.wrapping_mul(x)).wrapping_add(self.a1.wrapping_mul(y))
+    }
+}
+
+impl Platelet {
+    /// The function at a pixel of a node of `level` in Q14, wrapping.
+    pub fn value(&self, level: u8, x: i32, y: i32) -> i32 {
+        let side = usize::from(SideTest::new(self.line, level).at(x, y) > 0);
+        self.sides[side].value(x, y)
+    }
+
+    /// Fills a block with the codes of the function.
+    pub fn decode(&self, domain: &Domain, target: &mut BlockMut) {
+        match domain.kind() {
+            DomainKind::Log => self.fill(target, log_code),
+            DomainKind::Linear => self.fill(target, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill(target, |r| domain.inverse_code(r)),
+        }
+    }
+
+    fn fill(&self, target: &mut BlockMut, code: impl Fn(i32) -> u16) {
+        let test = SideTest::new(self.line, target.level());
+        for (y, row) in target.rows_mut().enumerate() {
+            self.fill_row(test, y as i32, row, &code);
+        }
+    }
+
+    /// Evaluates both planes and the side test in all pixels: three sums each, and no branch.
+    #[inline]
+    fn fill_row(&self, test: SideTest, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
+        let [a, b] = self.sides;
+        let mut of_a = ramp(a.value(0, y), a.a0);
+        let mut of_b = ramp(b.value(0, y), b.a0);
+        let mut tests = ramp(test.at(0, y), test.across);
+        let steps = [a.a0, b.a0, test.across].map(|step| step.wrapping_mul(of_a.len() as i32));
+        let (chunks, rest) = row.as_chunks_mut::<8>();
+        for chunk in chunks {
+            for x in 0..chunk.len() {
+                chunk[x] = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+                of_a[x] = of_a[x].wrapping_add(steps[0]);
+                of_b[x] = of_b[x].wrapping_add(steps[1]);
+                tests[x] = tests[x].wrapping_add(steps[2]);
+            }
+        }
+        for (x, pixel) in rest.iter_mut().enumerate() {
+            *pixel = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+        }
+    }
+}
+
+// Encoder
+
+/// Nodes of higher levels are not searched for lines: edges are hardly straight that far.
+pub const MAX_PLATELET_LEVEL: u8 = 6;
+/// Lines of least squared error whose largest error is looked at.
+const CANDIDATES: usize = 4;
+
+impl Platelet {
+    /// A platelet that is within `bound` codes of the block in every pixel, `None` where none was found. A side is all
+    /// background or all surface.
+    pub fn fit(block: &Block, domain: &Domain, bound: u16) -> Option<(Platelet, Accuracy)> {
+        if block.level() == 0 || block.level() > MAX_PLATELET_LEVEL {
+            return None;
+        }
+        match Sight::of(block) {
+            Sight::Background => {
+                let sides = [Plane::constant(domain.background()); 2];
+                return Some((Platelet { sides, line: [0; 4] }, Accuracy { max_error: 0, squared_error: 0 }));
+            }
+            Sight::Both => {
+                let line = separating_line(block, |code| code == BACKGROUND_CODE)?;
+                return fit_sides(block, domain, bound, line);
+            }
+            Sight::Surface => {}
+        }
+        let gap = widest_gap(block).and_then(|middle| separating_line(block, |code| code > middle));
+        if let Some(found) = gap.and_then(|line| fit_sides(block, domain, bound, line)) {
+            return Some(found);
+        }
+        let search = LineSearch::new(block, domain);
+        let worst = (f64::from(bound) + 1.0) * if domain.kind() == DomainKind::Log { 1.0 } else { 2.0 };
+        let worst = worst * worst * block.pixel_count() as f64;
+        let lines = search.best::<CANDIDATES>();
+        lines
+            .into_iter()
+            .filter(|&(squared_error, _)| squared_error <= worst)
+            .find_map(|(_, line)| fit_sides(block, domain, bound, line))
+    }
+
+    /// The same function with as few low bits as `limit` allows. Precision 0, which leaves it as it is, is the answer
+    /// where no other keeps the limit.
+    pub fn trim(&self, block: &Block, domain: &Domain, limit: Limit) -> (Platelet, Precision, Accuracy) {
+        let test = SideTest::new(self.line, block.level());
+        for value in (1..=Precision::COARSEST.get()).rev() {
+            let Some(precision) = Precision::new(value) else { continue };
+            let shifts = precision.shifts(block.level());
+            let trimmed = (|| {
+                let round = |value: i32| {
+                    let step = 1i64 << shifts.linear;
+                    i32::try_from((i64::from(value) + step / 2).div_euclid(step) * step).ok()
+                };
+                let mut sides = self.sides;
+                for side in &mut sides {
+                    *side = Plane { a0: round(side.a0)?, a1: round(side.a1)?, a5: 0 };
+                }
+                let mut constants = [Constants::ANY; 2];
+                for (y, row) in block.rows().enumerate() {
+                    for (x, &code) in row.iter().enumerate() {
+                        let side = usize::from(test.at(x as i32, y as i32) > 0);
+                        let value = domain.value_of(code);
+                        let missing = value * f64::from(1 << VALUE_BITS);
+                        let missing = missing - f64::from(sides[side].value(x as i32, y as i32));
+                        constants[side].add(missing, domain.slope_at(value).abs(), limit.max_error);
+                    }
+                    if constants[0].is_empty() || constants[1].is_empty() {
+                        return None;
+                    }
+                }
+                for (side, constants) in sides.iter_mut().zip(constants) {
+                    side.a5 = constants.choose(shifts.constant)?;
+                }
+                let platelet = Platelet { sides, line: self.line };
+                Some((platelet, platelet.measure(block, domain, limit)?))
+            })();
+            if let Some((platelet, accuracy)) = trimmed {
+                return (platelet, precision, accuracy);
+            }
+        }
+        let worst = Accuracy { max_error: u16::MAX, squared_error: u64::MAX };
+        let accuracy = self.measure(block, domain, Limit::on_max(u16::MAX)).unwrap_or(worst);
+        (*self, Precision::default(), accuracy)
+    }
+
+    /// How close the function is, by the decoder; `None` where it breaks the limit or would wrap inside the picture.
+    fn measure(&self, block: &Block, domain: &Domain, limit: Limit) -> Option<Accuracy> {
+        if !self.sides.iter().all(|side| side.stays_in_range(block)) {
+            return None;
+        }
+        let test = SideTest::new(self.line, block.level());
+        measure(block, limit, |y, row| match domain.kind() {
+            DomainKind::Log => self.fill_row(test, y as i32, row, log_code),
+            DomainKind::Linear => self.fill_row(test, y as i32, row, |r| domain.linear_code(r)),
+            DomainKind::Inverse => self.fill_row(test, y as i32, row, |r| domain.inverse_code(r)),
+        })
+    }
+}
+
+impl Plane {
+    fn stays_in_range(self, block: &Block) -> bool {
+        let whole = Biquadratic { coefficients: [self.a0, self.a1, 0, 0, 0, self.a5] };
+        whole.stays_in_range(block.width(), block.height())
+    }
+}
+
+/// The planes on both sides of a line.
+fn fit_sides(block: &Block, domain: &Domain, bound: u16, line: [u8; 4]) -> Option<(Platelet, Accuracy)> {
+    let sides = [fit_side(block, domain, bound, (line, 0))?, fit_side(block, domain, bound, (line, 1))?];
+    let platelet = Platelet { sides, line };
+    Some((platelet, platelet.measure(block, domain, Limit::on_max(bound))?))
+}
+
+/// The plane of one side; where its pixels are too few or in a row, what they leave open is 0.
+fn fit_side(block: &Block, domain: &Domain, bound: u16, (line, side): ([u8; 4], usize)) -> Option<Plane> {
+    let test = SideTest::new(line, block.level());
+    let (mut pixels, mut background) = (Vec::with_capacity(block.pixel_count()), 0);
+    let (mut first, mut last) = ([usize::MAX; 2], [0; 2]);
+    for (y, row) in block.rows().enumerate() {
+        for (x, &code) in row.iter().enumerate() {
+            if usize::from(test.at(x as i32, y as i32) > 0) == side {
+                pixels.push(([x, y], code));
+                first = [first[0].min(x), first[1].min(y)];
+                last = [last[0].max(x), last[1].max(y)];
+                background += usize::from(code == BACKGROUND_CODE);
+            }
+        }
+    }
+    if pixels.is_empty() {
+        return Some(Plane::default());
+    }
+    if background > 0 {
+        return (background == pixels.len()).then(|| Plane::constant(domain.background()));
+    }
+    let frame = Frame::new([first[0], last[0]], [first[1], last[1]]);
+    let samples: Vec<_> = pixels.iter().map(|&([x, y], code)| sample(domain, frame.at(x, y), code)).collect();
+    let accept = |terms: &Terms| {
+        // Quantising counts pixels from the frame's own corner of the node.
+        let [a0, a1, _, _, _, a5] = frame.quantise(terms, EXACT)?;
+        let plane = Plane { a0, a1, a5 };
+        let close = |&([x, y], code): &([usize; 2], u16)| {
+            let found = domain.code_of(plane.value(x as i32, y as i32));
+            found.abs_diff(code) <= bound && found != BACKGROUND_CODE
+        };
+        (plane.stays_in_range(block) && pixels.iter().all(close)).then_some(plane)
+    };
+    frame.minimax::<3, _>(&samples, bound, accept).or_else(|| frame.minimax::<1, _>(&samples, bound, accept))
+}
+
+/// The middle of the widest stretch of codes that the block does not have, where that is wide.
+fn widest_gap(block: &Block) -> Option<u16> {
+    const BUCKETS: usize = 64;
+    let (low, high) = block.rows().flatten().fold((u16::MAX, 0), |(low, high), &code| (low.min(code), high.max(code)));
+    let width = usize::from(high - low) / BUCKETS + 1;
+    let mut seen = [false; BUCKETS];
+    block.rows().flatten().for_each(|&code| seen[usize::from(code - low) / width] = true);
+    let (mut start, mut widest) = (0, 0..0);
+    for bucket in (0..BUCKETS).filter(|&bucket| seen[bucket]) {
+        if bucket - start > widest.len() {
+            widest = start..bucket;
+        }
+        start = bucket + 1;
+    }
+    (!widest.is_empty()).then(|| low + (widest.start * width + widest.len() * width / 2) as u16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::quantise::DepthRange;
+
+    /// A seeded generator (SplitMix64), so that failures repeat.
+    struct Random(u64);
+
+    impl Random {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^ (z >> 31)
+        }
+    }
+
+    fn domains() -> [Domain; 3] {
+        DomainKind::ALL.map(|kind| Domain::new(kind, DepthRange::new(1.5, 15.5).unwrap()).unwrap())
+    }
+
+    #[test]
+    fn rows_are_what_pixels_are() {
+        let mut random = Random(5);
+        for case in 0..3000u32 {
+            let mut number = || (random.next() as i32) >> (random.next() % 32);
+            let mut plane = || Plane { a0: number(), a1: number(), a5: number() };
+            let sides = [plane(), plane()];
+            let platelet = Platelet { sides, line: (random.next() as u32).to_le_bytes() };
+            let level = (case % 4 + 1) as u8;
+            let side = side_of(level);
+            let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
+            for domain in domains() {
+                let mut picture = vec![0u16; width * height];
+                platelet.decode(&domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
+                for (i, &code) in picture.iter().enumerate() {
+                    let r = platelet.value(level, (i % width) as i32, (i / width) as i32);
+                    assert_eq!(code, domain.code_of(r), "{platelet:?} pixel {i}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_side_test_is_the_cross_product_of_the_document() {
+        let mut random = Random(6);
+        for _ in 0..2000 {
+            let [x0, y0, x1, y1] = (random.next() as u32).to_le_bytes();
+            let level = (random.next() % 9) as u8;
+            let side = side_of(level) as i64;
+            let (x, y) = (random.next() as i64 & (side - 1), random.next() as i64 & (side - 1));
+            let test = SideTest::new([x0, y0, x1, y1], level).at(x as i32, y as i32);
+            let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(i64::from);
+            let cross =
+                (x1 - x0) * ((2 * y + 1) * 256 - y0 * 2 * side) - (y1 - y0) * ((2 * x + 1) * 256 - x0 * 2 * side);
+            assert_eq!(cross.signum(), i64::from(test.signum()));
+            assert!(test.abs() < 1 << 24);
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! How many low bits of a node's coefficients are zero and need not be stored (depth.md 9).
+//! How many low bits of a node's coefficients are zero and need not be stored (formats/depth.md).
 
 /// 0 to 15; coarser the larger it is. 0 keeps all bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]

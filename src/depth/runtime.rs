@@ -116,7 +116,7 @@ pub fn decode_node(place: Place, coefficients: &[u8; COEFFICIENT_BYTES], domain:
     match function_of(place.level, coefficients) {
         Function::Raw => raw::decode(coefficients, target),
         Function::Biquadratic => Biquadratic::from_bytes(coefficients).decode(domain, target),
-        Function::Platelet => Platelet::from_bytes(coefficients).decode(domain, place.level, target),
+        Function::Platelet => Platelet::from_bytes(coefficients).decode(domain, target),
         // Never a marker: that is what makes it a BC4w block.
         Function::Bc4w => Bc4w::from_bytes(*coefficients).iter().for_each(|block| block.decode(target)),
     }

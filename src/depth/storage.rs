@@ -7,6 +7,7 @@
 
 use crate::container::fields::Fields;
 use crate::depth::bits::{BitReader, BitWriter};
+use crate::depth::coefficients::integers;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::precision::Precision;
 use crate::depth::quantise::BACKGROUND_CODE;
@@ -162,15 +163,6 @@ impl Sections {
 /// Numbers that a plane needs: 1 where it is constant, else 3.
 fn used_of_plane([_, a0, a1]: [i32; 3]) -> usize {
     if a0 == 0 && a1 == 0 { 1 } else { 3 }
-}
-
-/// The six 32-bit numbers at the start of the coefficients.
-fn integers(coefficients: &[u8; COEFFICIENT_BYTES]) -> [i32; 6] {
-    let mut out = [0; 6];
-    for (number, bytes) in out.iter_mut().zip(coefficients.as_chunks::<4>().0) {
-        *number = i32::from_le_bytes(*bytes);
-    }
-    out
 }
 
 /// The coarsest precision that all numbers have: planes start with their constant term, then linear ones.

@@ -5,8 +5,9 @@ use crate::color::quality::Pu21;
 use crate::container::StreamEntry;
 use crate::container::fields::{Fields, PutFields};
 use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::depth::DomainParts;
 use crate::depth::block::MAX_TILE;
-use crate::depth::domain::{Domain, DomainKind, DomainParts};
+use crate::depth::domain::DomainKind;
 use crate::depth::quantise::DepthRange;
 use crate::depth::temporal::TemporalSettings;
 use crate::error::{Error, Result};
@@ -280,9 +281,10 @@ fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
         return Err(fields.error("a keyframe interval of 0 frames"));
     }
     let kind = fields.u16()?;
-    let kind = DomainKind::from_index(kind).ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
+    let known = u8::try_from(kind).ok().and_then(DomainKind::from_byte);
+    let kind = known.ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
     let domain = DomainParts { kind, base: fields.u32()?, scale: fields.u32()? };
-    Domain::from_parts(domain).map_err(|error| fields.error(error.to_string()))?;
+    domain.domain().map_err(|error| fields.error(error.to_string()))?;
     Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
 }
 
@@ -328,6 +330,7 @@ fn read_temporal(fields: &mut Fields<'_>) -> Result<TemporalSettings> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::depth::domain::Domain;
 
     fn entry(header: &CodecHeader) -> StreamEntry {
         StreamEntry {

@@ -2,7 +2,6 @@
 
 use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;
-use crate::depth::domain::Domain;
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::Grid;
 use crate::depth::records::TemporalChunk;
@@ -30,10 +29,10 @@ impl DepthChunk {
         Ok(match header.coding {
             DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(payload, size, frames)?),
             DepthCoding::Nodes(nodes) => {
-                DepthChunk::Nodes(NodeChunk::parse(payload, grid, frames, Domain::from_parts(nodes.domain)?)?)
+                DepthChunk::Nodes(NodeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
             }
             DepthCoding::Tree(nodes) => {
-                DepthChunk::Tree(TreeChunk::parse(payload, grid, frames, Domain::from_parts(nodes.domain)?)?)
+                DepthChunk::Tree(TreeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
             }
             DepthCoding::Blocks => DepthChunk::Blocks(BlockChunk::parse(payload, grid, frames)?),
         })

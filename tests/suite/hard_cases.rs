@@ -58,7 +58,11 @@ const CASES: &[Case] = &[
         if 5 * x > 7 * y + 3 { BACKGROUND } else { 40_000.0 + 30.0 * x as f64 + 11.0 * y as f64 }
     }),
     case("a line with one pixel on a side", [8, 8], |x, y| if x + y == 0 { 9000.0 } else { 30_000.0 + 8.0 * x as f64 }),
-    case("a line with two pixels on a side", [8, 8], |x, y| if x + 2 * y < 2 { 9000.0 } else { 30_000.0 + 8.0 * y as f64 }),
+    case(
+        "a line with two pixels on a side",
+        [8, 8],
+        |x, y| if x + 2 * y < 2 { 9000.0 } else { 30_000.0 + 8.0 * y as f64 },
+    ),
     case("two pixels, collinear, of another surface", [16, 16], |x, y| {
         if y == 3 && (5..7).contains(&x) { 100.0 } else { 200.0 * x as f64 }
     }),
@@ -123,7 +127,7 @@ fn round_trip(frames: &[Vec<u16>], grid: Grid, domain: &Domain, settings: NodeSe
     let mut worst = (0, false);
     for chunk in chunks {
         // A decoder has what the header says of the domain, and no more.
-        let domain = Domain::from_parts(domain.parts()).unwrap();
+        let domain = domain.parts().domain().unwrap();
         let parsed = NodeChunk::parse(chunk.payload, grid, chunk.frame_count, domain).unwrap();
         for frame in 0..chunk.frame_count {
             let mut picture = vec![0; grid.pixel_count() as usize];

@@ -1,0 +1,302 @@
+//! Least squares and least maxima over pixels, centred and scaled to [−1, 1] (errata.md 2).
+//!
+//! Enters: what a function should yield in some pixels. Leaves: coefficients in a basis that is orthogonal over a
+//! rectangle, in binary64, and rounded. Based on: GDC 3.2, equations 6 and 7, whose sums of fourth powers are avoided;
+//! Lawson's reweighting.
+
+use crate::depth::domain::VALUE_BITS;
+use crate::depth::precision::Shifts;
+
+/// Coefficients of 1, x, y, xy, x² − mean x², y² − mean y², with x and y of a [`Frame`].
+pub(crate) type Terms = [f64; 6];
+
+/// Fraction bits of a2, a3 and a4.
+const QUADRATIC_BITS: u32 = 22;
+/// Reweightings before a fit is given up.
+const ROUNDS: usize = 10;
+/// What rounding to codes and in Horner's scheme may add to an error, in codes.
+const ROUNDING: f64 = 0.6;
+/// A term is left out where other terms explain all of it but this part.
+const DEPENDENT: f64 = 1e-10;
+
+/// The rectangle of pixels that coordinates are centred on and scaled by.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    centre: [f64; 2],
+    scale: [f64; 2],
+    mean_square: [f64; 2],
+}
+
+/// What a function should yield in a pixel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample {
+    /// Column and row in the frame.
+    pub at: [f64; 2],
+    /// The value wanted, 65535 for the whole range.
+    pub value: f64,
+    /// Codes for each unit of it; positive.
+    pub slope: f64,
+}
+
+impl Frame {
+    /// The frame of columns `xs[0]` to `xs[1]` and rows `ys[0]` to `ys[1]`, all included.
+    pub fn new(xs: [usize; 2], ys: [usize; 2]) -> Frame {
+        let counts = [xs, ys].map(|[first, last]| (last - first + 1) as f64);
+        let scale = counts.map(|count| 2.0 / count);
+        Frame {
+            centre: [xs, ys].map(|[first, last]| (first + last) as f64 / 2.0),
+            scale,
+            mean_square: [0, 1].map(|axis| (counts[axis] * counts[axis] - 1.0) / 12.0 * scale[axis] * scale[axis]),
+        }
+    }
+
+    /// Where a pixel lies in the frame.
+    pub fn at(&self, x: usize, y: usize) -> [f64; 2] {
+        [(x as f64 - self.centre[0]) * self.scale[0], (y as f64 - self.centre[1]) * self.scale[1]]
+    }
+
+    #[inline]
+    fn basis(&self, [x, y]: [f64; 2]) -> Terms {
+        [1.0, x, y, x * y, x * x - self.mean_square[0], y * y - self.mean_square[1]]
+    }
+
+    /// Least squares over the whole rectangle, all pixels alike, and the sum of squared residuals. Products of the
+    /// basis vanish in sum, so that each coefficient is a quotient.
+    pub fn project<'a>(&self, rows: impl Iterator<Item = &'a [u16]>, terms: usize) -> (Terms, f64) {
+        let (mut products, mut squares, mut count, mut energy) = ([0.0; 6], [0.0; 3], [0.0; 2], 0.0);
+        let mut offset = None;
+        for (y, row) in rows.enumerate() {
+            // Values are taken relative to one of them, which keeps the sum of squares small and so its residue exact.
+            let offset = *offset.get_or_insert(f64::from(row[0]));
+            let [_, y] = self.at(0, y);
+            let (mut sum, mut across, mut bent, mut square) = (0.0, 0.0, 0.0, 0.0);
+            let mut x = -self.centre[0] * self.scale[0];
+            for &code in row {
+                let value = f64::from(code) - offset;
+                sum += value;
+                across += value * x;
+                bent += value * (x * x - self.mean_square[0]);
+                square += value * value;
+                x += self.scale[0];
+            }
+            energy += square;
+            let bend = y * y - self.mean_square[1];
+            let row_products = [sum, across, sum * y, across * y, bent, sum * bend];
+            products.iter_mut().zip(row_products).for_each(|(total, product)| *total += product);
+            squares[1] += y * y;
+            squares[2] += bend * bend;
+            count = [row.len() as f64, count[1] + 1.0];
+        }
+        let (mut xx, mut bends) = (0.0, 0.0);
+        for x in 0..count[0] as usize {
+            let [x, _] = self.at(x, 0);
+            xx += x * x;
+            bends += (x * x - self.mean_square[0]).powi(2);
+        }
+        squares[0] = xx;
+        let norms = [
+            count[0] * count[1],
+            squares[0] * count[1],
+            squares[1] * count[0],
+            squares[0] * squares[1],
+            bends * count[1],
+            squares[2] * count[0],
+        ];
+        let mut found = [0.0; 6];
+        for term in 0..terms {
+            // A single row or column knows nothing of its slope, two nothing of their bend.
+            if norms[term] > DEPENDENT {
+                found[term] = products[term] / norms[term];
+                energy -= found[term] * products[term];
+            }
+        }
+        found[0] += offset.unwrap_or_default();
+        (found, energy.max(0.0))
+    }
+
+    /// Coefficients a0 to a5 rounded to multiples of the shifts, quadratic ones first. Each rounding error is made up
+    /// for by simpler terms as far as it can be, which the orthogonal basis does by itself. `None` where one is beyond
+    /// its format.
+    pub fn quantise(&self, terms: &Terms, shifts: Shifts) -> Option<[i32; 6]> {
+        let ([cx, cy], [sx, sy]) = (self.centre, self.scale);
+        let round = |value: f64, bits: u32, shift: u32| {
+            let step = f64::from(1u32 << shift);
+            let multiple = (value * f64::from(1u32 << bits) / step).round() * step;
+            let fits = multiple.abs() <= f64::from(i32::MAX);
+            fits.then_some((multiple as i32, multiple / f64::from(1u32 << bits)))
+        };
+        let quadratic = |value: f64| round(value, QUADRATIC_BITS, shifts.quadratic);
+        let linear = |value: f64| round(value, VALUE_BITS, shifts.linear);
+        let ((a2, xy), (a3, xx)) = (quadratic(terms[3] * sx * sy)?, quadratic(terms[4] * sx * sx)?);
+        let (a4, yy) = quadratic(terms[5] * sy * sy)?;
+        let (a0, x) = linear(terms[1] * sx - xy * cy - 2.0 * xx * cx)?;
+        let (a1, y) = linear(terms[2] * sy - xy * cx - 2.0 * yy * cy)?;
+        // The mean over the rectangle stays what it was.
+        let mean_x = cx * cx + self.mean_square[0] / (sx * sx);
+        let mean_y = cy * cy + self.mean_square[1] / (sy * sy);
+        let constant = terms[0] - x * cx - y * cy - xy * cx * cy - xx * mean_x - yy * mean_y;
+        let (a5, _) = round(constant, VALUE_BITS, shifts.constant)?;
+        Some([a0, a1, a2, a3, a4, a5])
+    }
+
+    /// The terms of integer coefficients: the reverse of [`Self::quantise`].
+    pub fn terms_of(&self, coefficients: [i32; 6]) -> Terms {
+        let ([cx, cy], [sx, sy]) = (self.centre, self.scale);
+        let real = |value: i32, bits: u32| f64::from(value) / f64::from(1u32 << bits);
+        let [x, y, constant] = [0, 1, 5].map(|i| real(coefficients[i], VALUE_BITS));
+        let [xy, xx, yy] = [2, 3, 4].map(|i| real(coefficients[i], QUADRATIC_BITS));
+        let mean_x = cx * cx + self.mean_square[0] / (sx * sx);
+        let mean_y = cy * cy + self.mean_square[1] / (sy * sy);
+        [
+            constant + x * cx + y * cy + xy * cx * cy + xx * mean_x + yy * mean_y,
+            (x + xy * cy + 2.0 * xx * cx) / sx,
+            (y + xy * cx + 2.0 * yy * cy) / sy,
+            xy / (sx * sy),
+            xx / (sx * sx),
+            yy / (sy * sy),
+        ]
+    }
+
+    /// Fits the first `N` terms so that the largest error is within `bound` codes: least squares, then reweighting in
+    /// proportion to errors (Lawson). `accept` judges what looks good enough, by the decoder.
+    ///
+    /// Terms that the pixels cannot tell from simpler ones are left out.
+    pub fn minimax<const N: usize, T>(
+        &self,
+        samples: &[Sample],
+        bound: u16,
+        mut accept: impl FnMut(&Terms) -> Option<T>,
+    ) -> Option<T> {
+        let bound = f64::from(bound) + ROUNDING;
+        let mut weights = vec![1.0; samples.len()];
+        let mut errors = vec![0.0; samples.len()];
+        for round in 0..=ROUNDS {
+            let mut terms = self.weighted::<N>(samples, &weights);
+            let (mut low, mut high) = ((f64::INFINITY, 1.0), (f64::NEG_INFINITY, 1.0));
+            let (mut weighted, mut weight_sum) = (0.0, 0.0);
+            for ((sample, error), weight) in samples.iter().zip(&mut errors).zip(&weights) {
+                let basis = self.basis(sample.at);
+                let value = (0..N).map(|term| basis[term] * terms[term]).sum::<f64>();
+                *error = (value - sample.value) * sample.slope;
+                if *error > high.0 {
+                    high = (*error, sample.slope);
+                }
+                if *error < low.0 {
+                    low = (*error, sample.slope);
+                }
+                weighted += weight * *error * *error;
+                weight_sum += weight;
+            }
+            // No function of this kind has a largest error below its weighted mean at the weights' own best fit.
+            if weighted > bound * bound * weight_sum {
+                return None;
+            }
+            let max_error = high.0.max(-low.0);
+            if max_error <= bound
+                && let Some(accepted) = accept(&terms)
+            {
+                return Some(accepted);
+            }
+            if round == 0 && max_error > 6.0 * bound {
+                return None;
+            }
+            let shift = (high.0 + low.0) / (high.1 + low.1);
+            if (high.0 - low.0) / (high.1 + low.1) * high.1.max(low.1) <= bound * 1.02 {
+                terms[0] -= shift;
+                if let Some(accepted) = accept(&terms) {
+                    return Some(accepted);
+                }
+            }
+            let mean = errors.iter().map(|error| error.abs()).sum::<f64>() / errors.len() as f64;
+            if mean < 1e-9 {
+                return None;
+            }
+            weights.iter_mut().zip(&errors).for_each(|(weight, error)| *weight *= error.abs() / mean + 1e-3);
+        }
+        None
+    }
+
+    fn weighted<const N: usize>(&self, samples: &[Sample], weights: &[f64]) -> Terms {
+        let (mut matrix, mut right) = ([[0.0; N]; N], [0.0; N]);
+        for (sample, weight) in samples.iter().zip(weights) {
+            let weight = weight * sample.slope * sample.slope;
+            let basis = self.basis(sample.at);
+            for row in 0..N {
+                let product = weight * basis[row];
+                for column in 0..=row {
+                    matrix[row][column] += product * basis[column];
+                }
+                right[row] += product * sample.value;
+            }
+        }
+        let mut terms = [0.0; 6];
+        terms[..N].copy_from_slice(&solve(&matrix, &right));
+        terms
+    }
+}
+
+/// Solves a symmetric system (lower half given) by LDLᵀ; unknowns that depend on earlier ones are 0.
+fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) -> [f64; N] {
+    let (mut lower, mut pivots, mut solution) = ([[0.0; N]; N], [0.0; N], [0.0; N]);
+    for row in 0..N {
+        for column in 0..row {
+            if pivots[column] > 0.0 {
+                let known = (0..column).map(|k| lower[row][k] * lower[column][k] * pivots[k]).sum::<f64>();
+                lower[row][column] = (matrix[row][column] - known) / pivots[column];
+            }
+        }
+        let known = (0..row).map(|k| lower[row][k] * lower[row][k] * pivots[k]).sum::<f64>();
+        let pivot = matrix[row][row] - known;
+        if pivot > DEPENDENT * matrix[row][row] && pivot > f64::MIN_POSITIVE {
+            pivots[row] = pivot;
+            solution[row] = right[row] - (0..row).map(|k| lower[row][k] * solution[k]).sum::<f64>();
+        }
+    }
+    for row in (0..N).rev() {
+        if pivots[row] > 0.0 {
+            let known = (row + 1..N).map(|k| lower[k][row] * solution[k]).sum::<f64>();
+            solution[row] = solution[row] / pivots[row] - known;
+        }
+    }
+    solution
+}
+
+/// Collects which constants keep all pixels of a function within a bound.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Constants {
+    low: f64,
+    high: f64,
+    sum: f64,
+    weight: f64,
+}
+
+impl Constants {
+    /// All.
+    pub const ANY: Constants = Constants { low: f64::NEG_INFINITY, high: f64::INFINITY, sum: 0.0, weight: 0.0 };
+
+    /// A pixel that misses `wanted` (Q14), and may miss it by `max_error` codes at `slope` codes for each unit.
+    #[inline]
+    pub fn add(&mut self, wanted: f64, slope: f64, max_error: u16) {
+        let reach = (f64::from(max_error) + 0.5) / slope * f64::from(1 << VALUE_BITS);
+        self.low = self.low.max(wanted - reach);
+        self.high = self.high.min(wanted + reach);
+        self.sum += wanted * slope * slope;
+        self.weight += slope * slope;
+    }
+
+    /// Whether there is any left.
+    pub fn is_empty(&self) -> bool {
+        self.low > self.high
+    }
+
+    /// The multiple of 1 << `shift` that is nearest to the mean and within the bound.
+    pub fn choose(&self, shift: u32) -> Option<i32> {
+        let step = f64::from(1u32 << shift);
+        let (first, last) = ((self.low / step).ceil(), (self.high / step).floor());
+        if self.weight == 0.0 {
+            return Some(0);
+        }
+        let found = (first <= last).then(|| (self.sum / self.weight / step).round().clamp(first, last) * step)?;
+        (found.abs() <= f64::from(i32::MAX)).then_some(found as i32)
+    }
+}
