@@ -13,7 +13,7 @@ const END: i32 = 255;
 const AROUND: i32 = 4 * END;
 /// Points on it between which lines are tried first.
 const POINTS: i32 = 32;
-/// Bisections and shifts tried at each step of the refinement.
+/// Moves of a line's ends at each step of the refinement.
 const TRIES: usize = 4;
 /// Points close to a separating line, in each half of it, of which all pairs are tried.
 const CLOSE_POINTS: usize = 12;
@@ -213,6 +213,10 @@ impl LineSearch {
                 let from = ways;
                 for [a, b] in MOVES {
                     let moved = [from[0] + a * step, from[1] + b * step];
+                    // Ends that meet make no line, and at the last corner they would read as a marker.
+                    if point_at(moved[0]) == point_at(moved[1]) {
+                        continue;
+                    }
                     let squared_error = self.squared_error(line_between(moved));
                     if squared_error < least {
                         (least, ways) = (squared_error, moved);
