@@ -158,26 +158,32 @@ impl Plan {
         room: &mut Vec<[T; L]>,
         mut each: impl FnMut(usize, [T; L], [T; L]),
     ) {
-        room.clear();
-        for row in pixels.chunks_exact(8) {
-            let mut sum = [T::ZERO; L];
-            room.push(sum);
-            for pixel in row {
-                sum = plus(sum, *pixel);
-                room.push(sum);
+        room.resize(LEAVES + self.parts.len(), [T::ZERO; L]);
+        for (row, sums) in pixels.chunks_exact(8).zip(room.chunks_exact_mut(ROW_SUMS)) {
+            sums[0] = [T::ZERO; L];
+            for x in 0..8 {
+                sums[x + 1] = plus(sums[x], row[x]);
             }
-            sum = [T::ZERO; L];
-            for pixel in row[1..].iter().rev() {
-                sum = plus(sum, *pixel);
-                room.push(sum);
+            sums[9] = row[7];
+            for x in 1..7 {
+                sums[9 + x] = plus(sums[8 + x], row[7 - x]);
             }
         }
-        for &[a, b] in &self.parts {
-            room.push(plus(room[usize::from(a)], room[usize::from(b)]));
+        for (at, &[a, b]) in self.parts.iter().enumerate() {
+            let (before, rest) = room.split_at_mut(LEAVES + at);
+            let (a, b, sum) = (&before[usize::from(a)], &before[usize::from(b)], &mut rest[0]);
+            for lane in 0..L {
+                sum[lane] = a[lane].plus(b[lane]);
+            }
         }
         for (line, side) in self.sides.iter().enumerate() {
-            let [a0, a1, b0, b1] = side.map(|sum| room[usize::from(sum)]);
-            each(line, plus(a0, a1), plus(b0, b1));
+            let [a0, a1, b0, b1] = side.map(|sum| &room[usize::from(sum)]);
+            let (mut a, mut b) = ([T::ZERO; L], [T::ZERO; L]);
+            for lane in 0..L {
+                a[lane] = a0[lane].plus(a1[lane]);
+                b[lane] = b0[lane].plus(b1[lane]);
+            }
+            each(line, a, b);
         }
     }
 }
