@@ -25,6 +25,11 @@ const LINES: usize = 8;
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
 const MOST_UNITS: u64 = 32_000;
 
+/// Where more squares than this are left, the search ends with what it knows: with code 0 among the surfaces, which the
+/// second mode has for free, whole families of pairs can be as good as each other. There alone the result is not proven
+/// to be the exhaustive search's.
+const MOST_SQUARES: usize = 1 << 13;
+
 /// BC4's two modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
@@ -87,6 +92,8 @@ struct Search<'a> {
     plan: Plan,
     /// What sides A and B of these lines cost at least, if the line is to be better than the limit.
     bounds: Vec<[i16; 2]>,
+    /// First and last endpoint of sides A and B of these lines.
+    ranges: Vec<[[i16; 2]; 2]>,
     /// Lines with which solutions were tried.
     tried: Vec<usize>,
     /// Squares of more endpoints say too little about lines to try any.
@@ -95,7 +102,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(tile: &'a Tile, limit: u64, known: Option<Solution>) -> Search<'a> {
-        let endpoints = tile.endpoints();
+        let endpoints = tile.endpoints(u64::MAX);
         let plan = Plan::all().clone();
         let mut shift = 0;
         while limit.div_ceil(1 << shift) > MOST_UNITS {
@@ -111,6 +118,15 @@ impl<'a> Search<'a> {
             last: *endpoints.end(),
             lines: (0..plan.len()).collect(),
             bounds: vec![[0; 2]; plan.len()],
+            ranges: bipartitions()
+                .iter()
+                .map(|parted| {
+                    [!parted.side_b, parted.side_b].map(|side| {
+                        let range = tile.endpoints(side);
+                        [*range.start() as i16, *range.end() as i16]
+                    })
+                })
+                .collect(),
             tried: Vec::new(),
             try_below: u16::MAX,
             plan,
@@ -134,6 +150,9 @@ impl<'a> Search<'a> {
             }
             if size == 1 {
                 return self.exact(&kept).or(self.known);
+            }
+            if kept.len() > MOST_SQUARES {
+                return self.known;
             }
             size /= 2;
             squares.clear();
@@ -162,8 +181,11 @@ impl<'a> Search<'a> {
         let costs: Vec<_> = squares.chunks(LANES).map(|group| self.costs(&self.levels(group, size))).collect();
         let mut room = Vec::new();
         let mut least = vec![[[i16::MOST; LANES]; 2]; self.lines.len()];
-        for costs in &costs {
+        let ranges = &self.ranges;
+        for (group, costs) in squares.chunks(LANES).zip(&costs) {
+            let ends = ends(group, size);
             self.plan.for_each_line(costs, &mut room, |line, a, b| {
+                let (a, b) = (within(ranges[line][0], &ends, a), within(ranges[line][1], &ends, b));
                 let [least_a, least_b] = &mut least[line];
                 for lane in 0..LANES {
                     least_a[lane] = lesser(a[lane], least_a[lane]);
@@ -180,8 +202,10 @@ impl<'a> Search<'a> {
         let mut kept = Vec::new();
         for (group, costs) in squares.chunks(LANES).zip(&costs) {
             let mut total = [i16::MOST; LANES];
-            let bounds = &self.bounds;
+            let (bounds, ranges) = (&self.bounds, &self.ranges);
+            let ends = ends(group, size);
             self.plan.for_each_line(costs, &mut room, |line, a, b| {
+                let (a, b) = (within(ranges[line][0], &ends, a), within(ranges[line][1], &ends, b));
                 let [other_a, other_b] = bounds[line].map(|bound| [bound; LANES]);
                 let (a, b) = (plus(a, other_b), plus(b, other_a));
                 for lane in 0..LANES {
@@ -203,6 +227,7 @@ impl<'a> Search<'a> {
         if places.len() < self.lines.len() {
             self.lines = places.iter().map(|&place| self.lines[place]).collect();
             self.bounds = places.iter().map(|&place| self.bounds[place]).collect();
+            self.ranges = places.iter().map(|&place| self.ranges[place]).collect();
             self.plan = self.plan.of_some(&places);
         }
     }
@@ -282,9 +307,11 @@ impl<'a> Search<'a> {
         for group in squares.chunks(FEW) {
             let pairs: [Pair; FEW] = std::array::from_fn(|lane| group[lane.min(group.len() - 1)].pair());
             self.plan.for_each_line(&self.exact_costs(pairs), &mut room, |line, a, b| {
-                for (best, costs) in best[line].iter_mut().zip([a, b]) {
+                for ((best, costs), [first, last]) in best[line].iter_mut().zip([a, b]).zip(self.ranges[line]) {
                     for lane in 0..FEW {
-                        if costs[lane] < best.0 {
+                        let Pair { e0, e1 } = pairs[lane];
+                        let inside = e0.min(e1) as i16 >= first && e0.max(e1) as i16 <= last;
+                        if inside && costs[lane] < best.0 {
                             *best = (costs[lane], pairs[lane]);
                         }
                     }
@@ -315,4 +342,19 @@ impl<'a> Search<'a> {
             }
         })
     }
+}
+
+/// The largest low endpoint and the smallest high endpoint of squares.
+fn ends(group: &[Square], size: u16) -> [[i16; LANES]; 2] {
+    let at = |lane: usize| group[lane.min(group.len() - 1)];
+    [std::array::from_fn(|lane| (at(lane).low + size - 1) as i16), std::array::from_fn(|lane| at(lane).high as i16)]
+}
+
+/// The costs of a side, too much for squares that have no pair within the side's endpoints.
+#[inline(always)]
+fn within([first, last]: [i16; 2], [low, high]: &[[i16; LANES]; 2], mut costs: [i16; LANES]) -> [i16; LANES] {
+    for lane in 0..LANES {
+        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::MOST } else { costs[lane] };
+    }
+    costs
 }
