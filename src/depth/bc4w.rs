@@ -6,7 +6,7 @@
 //! two endpoints, as BC4 has; each pixel has an index into its side's palette.
 //!
 //! What an encoder may choose, and what the efforts search: every bipartition that a line makes ([`lines`]); for each
-//! side, both endpoints among the 13-bit endpoints within [`PAD`] of the block's surfaces, in both modes. `Exhaustive`
+//! side, both endpoints among the 13-bit endpoints within [`PAD`] of the side's surfaces, in both modes. `Exhaustive`
 //! tries all of them ([`literal`]), `Normal` finds the same squared error by branch and bound ([`bounded`]), `Fast`
 //! tries few lines and the endpoints of a least-squares fit ([`quick`]).
 
@@ -33,7 +33,7 @@ pub const BYTES: usize = 32;
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 /// The largest endpoint; it stands for 65535.
 pub const MAX_ENDPOINT: u16 = 8191;
-/// How many endpoints beyond the smallest and the largest surface of a block are searched.
+/// How many endpoints beyond the smallest and the largest surface of a side are searched.
 ///
 /// One is eight codes. Within a stretch of 1024 endpoints the palette of (e0 + j, e1) has the entries of (e0, e1) moved
 /// by j times 8/7 (or 8/5), 16/7, …, so steps of j = 0 to 6 reach all there are below a code of the range's end; farther
@@ -165,6 +165,9 @@ pub fn encode_within(block: &Block<'_>, bound: u16, effort: Effort) -> Option<(B
 
 /// The best solution within the tile's bound.
 fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
+    if tile.surfaces == 0 {
+        return Some(Solution::FLAT);
+    }
     match effort {
         Effort::Fast => quick::search(tile),
         Effort::Normal => bounded::search(tile),
