@@ -315,7 +315,7 @@ mod tests {
 
     #[test]
     fn rows_are_what_pixels_are() {
-        let mut random = Random(3);
+        let (mut random, domains) = (Random(3), domains());
         for case in 0..3000u32 {
             let mut coefficients: [i32; 6] = std::array::from_fn(|_| (random.next() as i32) >> (random.next() % 32));
             match case % 4 {
@@ -328,14 +328,183 @@ mod tests {
             let level = (random.next() % 5) as u8;
             let side = side_of(level);
             let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
-            for domain in domains() {
+            for domain in &domains {
                 let mut picture = vec![0u16; width * height];
-                function.decode(&domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
+                function.decode(domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
                 for (i, &code) in picture.iter().enumerate() {
                     let r = function.value((i % width) as i32, (i / width) as i32);
                     assert_eq!(code, domain.code_of(r), "{function:?} pixel {i}");
                 }
             }
         }
+    }
+
+    /// A picture that is one block, from codes in f64.
+    fn picture(width: usize, height: usize, code: impl Fn(f64, f64) -> f64) -> Vec<u16> {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x as f64, y as f64)));
+        pixels.map(|(x, y)| (code(x, y) + 0.5).clamp(0.0, 65535.0) as u16).collect()
+    }
+
+    /// Fits, trims, and checks both by the decoder in every pixel.
+    fn checked(
+        picture: &[u16],
+        width: usize,
+        level: u8,
+        (domain, bound, order): (&Domain, u16, Order),
+    ) -> Option<Accuracy> {
+        let block = Block::of(picture, width, level, [0, 0]);
+        let (function, accuracy) = Biquadratic::fit(&block, domain, bound, order)?;
+        let decoded = |function: &Biquadratic| {
+            let mut decoded = vec![7u16; picture.len()];
+            function.decode(domain, &mut BlockMut::of(&mut decoded, width, level, [0, 0]));
+            block.accuracy(&decoded).unwrap()
+        };
+        assert_eq!(decoded(&function), accuracy);
+        assert!(accuracy.max_error <= bound);
+        let limit = Limit { max_error: bound, squared_error: accuracy.squared_error * 2 + 64 };
+        let (trimmed, precision, after) = function.trim(&block, domain, limit);
+        assert_eq!(decoded(&trimmed), after);
+        assert!(limit.allows(after));
+        let shifts = precision.shifts(level);
+        let [a0, a1, a2, a3, a4, a5] = trimmed.coefficients;
+        assert!([a0, a1].iter().all(|a| a.trailing_zeros() >= shifts.linear));
+        assert!([a2, a3, a4].iter().all(|a| a.trailing_zeros() >= shifts.quadratic));
+        assert!(a5.trailing_zeros() >= shifts.constant);
+        Some(accuracy)
+    }
+
+    #[test]
+    fn planes_and_biquadratics_are_recovered() {
+        for (level, width, height) in [(1, 8, 8), (2, 16, 11), (4, 64, 64), (7, 512, 512), (8, 1024, 700)] {
+            let n = width as f64;
+            let plane = picture(width, height, |x, y| 9000.0 + (20_000.0 * x + 15_000.0 * y) / n);
+            // In Q22 a small node has no room for the bends of a large one.
+            let bend = if level < 3 { 0.2 } else { 1.0 };
+            let bent = picture(width, height, |x, y| {
+                let (x, y) = (x / n, y / n);
+                let (x, y) = (x * bend, y * bend);
+                20_000.0 + 9000.0 * x - 5000.0 * y + 20_000.0 * x * y - 14_000.0 * x * x + 8000.0 * y * y
+            });
+            let log = Domain::log();
+            assert!(checked(&plane, width, level, (&log, 1, Order::Plane)).is_some(), "{level}");
+            assert!(checked(&plane, width, level, (&log, 1, Order::Full)).is_some(), "{level}");
+            assert!(checked(&bent, width, level, (&log, 1, Order::Full)).is_some(), "{level}");
+            assert!(checked(&bent, width, level, (&log, 1, Order::Plane)).is_none(), "{level}");
+            assert!(checked(&plane, width, level, (&log, 300, Order::Constant)).is_none(), "{level}");
+        }
+    }
+
+    #[test]
+    fn planes_of_other_domains_are_recovered_in_them() {
+        for domain in &domains()[1..] {
+            for (level, width) in [(1, 8), (3, 32), (5, 128), (7, 512)] {
+                let codes = |x: f64, y: f64| {
+                    let r = 20_000.0 + (30_000.0 * x + 8000.0 * y) / width as f64;
+                    f64::from(domain.code_of((r * 16384.0) as i32))
+                };
+                let picture = picture(width, width, codes);
+                assert!(checked(&picture, width, level, (domain, 1, Order::Plane)).is_some(), "{:?}", domain.kind());
+                assert!(checked(&picture, width, level, (domain, 1, Order::Full)).is_some(), "{:?}", domain.kind());
+            }
+        }
+    }
+
+    #[test]
+    fn gentle_ramps_and_grazing_planes_keep_the_bound() {
+        let log = Domain::log();
+        for (level, width) in [(1, 8), (4, 64), (7, 512)] {
+            let ramp = picture(width, width, |x, y| 30_000.0 + (x + y) / 64.0);
+            assert!(checked(&ramp, width, level, (&log, 1, Order::Plane)).is_some());
+            let grazing = picture(width, width, |x, y| (65_534.0 * y + 3.0 * x) / (width as f64 + 2.0));
+            assert!(checked(&grazing, width, level, (&log, 1, Order::Plane)).is_some());
+        }
+    }
+
+    #[test]
+    fn the_largest_error_is_brought_below_the_bound() {
+        let log = Domain::log();
+        let bent = picture(8, 8, |x, _| 1000.0 + 8.0 * x * x);
+        let block = Block::of(&bent, 8, 1, [0, 0]);
+        let (_, square) = frame_of(&block).project(block.rows(), 3);
+        assert!(square > 0.0);
+        // The best plane misses the parabola by an eighth of 49 · 8 = 49.
+        assert!(checked(&bent, 8, 1, (&log, 51, Order::Plane)).is_some());
+        assert!(checked(&bent, 8, 1, (&log, 47, Order::Plane)).is_none());
+    }
+
+    #[test]
+    fn small_pictures_fit_whatever_their_shape() {
+        let mut random = Random(8);
+        for domain in domains() {
+            for (width, height) in [(1, 1), (1, 2), (2, 1), (1, 7), (6, 1), (2, 2), (3, 5), (2, 8), (8, 2)] {
+                let (a, b) = ((random.next() % 100) as f64, (random.next() % 100) as f64);
+                let picture = picture(width, height, |x, y| 4000.0 + a * x + b * y);
+                for order in [Order::Plane, Order::Full] {
+                    assert!(checked(&picture, width, 1, (&domain, 12, order)).is_some(), "{width}x{height} {order:?}");
+                }
+            }
+            let any = [(random.next() % 65_535) as u16];
+            assert_eq!(checked(&any, 1, 1, (&domain, 0, Order::Full)).unwrap().max_error, 0);
+        }
+    }
+
+    #[test]
+    fn constants_are_exact_in_each_domain() {
+        for domain in domains() {
+            for code in [0, 1, 30_000, 65_533, 65_534, BACKGROUND_CODE] {
+                for order in [Order::Constant, Order::Plane, Order::Full] {
+                    let accuracy = checked(&[code; 64], 8, 1, (&domain, 0, order));
+                    assert_eq!(accuracy, Some(Accuracy { max_error: 0, squared_error: 0 }), "{code} {order:?}");
+                }
+            }
+            let mut odd = [65_534; 64];
+            odd[63] = BACKGROUND_CODE;
+            assert!(checked(&odd, 8, 1, (&domain, u16::MAX, Order::Full)).is_none());
+        }
+    }
+
+    #[test]
+    fn noise_keeps_the_bound_or_is_refused() {
+        let (mut random, domains) = (Random(9), domains());
+        let mut found = 0;
+        for case in 0..600 {
+            let domain = &domains[case % 3];
+            let spread = 1 << (random.next() % 16);
+            let base = random.next() % (65_536 - spread);
+            let (width, height) = (1 + random.next() as usize % 16, 1 + random.next() as usize % 16);
+            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.next() % spread) as u16).collect();
+            for order in [Order::Constant, Order::Plane, Order::Full] {
+                found += u32::from(checked(&picture, width, 2, (domain, 300, order)).is_some());
+            }
+        }
+        assert!(found > 300);
+    }
+
+    #[test]
+    fn what_would_wrap_is_refused() {
+        let at = |coefficients: [i32; 6], side: usize| Biquadratic { coefficients }.stays_in_range(side, side);
+        assert!(at([0, 0, 0, 0, 0, 1 << 30], 1024));
+        assert!(at([1 << 19, 0, 0, 0, 0, 1 << 30], 1024));
+        assert!(!at([1 << 21, 0, 0, 0, 0, 1 << 30], 1024));
+        assert!(!at([0, 0, 1 << 26, 0, 0, 0], 64));
+        assert!(!at([0, 0, 0, 0, -(1 << 30), 0], 8));
+        assert!(!at([-(1 << 28), 0, 0, 1 << 30, 0, 0], 4));
+        assert!(!at([i32::MIN, 0, 0, 0, 0, 0], 1));
+        let mut random = Random(10);
+        for _ in 0..20_000 {
+            let coefficients: [i32; 6] = std::array::from_fn(|_| (random.next() as i32) >> (random.next() % 24));
+            let function = Biquadratic { coefficients };
+            if function.stays_in_range(8, 8) {
+                let [a0, a1, a2, a3, a4, a5] = coefficients.map(i64::from);
+                for (x, y) in (0..64).map(|i| (i % 8, i / 8)) {
+                    let u = a0 + ((a2 * y + a3 * x + 128) >> 8);
+                    let r = a5 + u * x + (a1 + ((a4 * y + 128) >> 8)) * y;
+                    assert_eq!(i64::from(function.value(x as i32, y as i32)), r);
+                }
+            }
+        }
+        // Three pixels of full contrast need more slope than the formats have in a larger node.
+        let steep = picture(3, 1, |x, _| if x == 1.0 { 65_534.0 } else { 0.0 });
+        assert!(checked(&steep, 3, 1, (&Domain::log(), 0, Order::Full)).is_none());
     }
 }

@@ -13,8 +13,10 @@ const END: i32 = 255;
 const AROUND: i32 = 4 * END;
 /// Points on it between which lines are tried first.
 const POINTS: i32 = 32;
-/// Bisections and shifts tried at each step of the refinement.
+/// Moves of a line's ends at each step of the refinement.
 const TRIES: usize = 4;
+/// Points close to a separating line, in each half of it, of which all pairs are tried.
+const CLOSE_POINTS: usize = 12;
 
 /// The point so far around the square, clockwise from the top left.
 fn point_at(way: i32) -> [u8; 2] {
@@ -211,6 +213,10 @@ impl LineSearch {
                 let from = ways;
                 for [a, b] in MOVES {
                     let moved = [from[0] + a * step, from[1] + b * step];
+                    // Ends that meet make no line, and at the last corner they would read as a marker.
+                    if point_at(moved[0]) == point_at(moved[1]) {
+                        continue;
+                    }
                     let squared_error = self.squared_error(line_between(moved));
                     if squared_error < least {
                         (least, ways) = (squared_error, moved);
@@ -241,7 +247,6 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
         }
     }
     let [others, chosen] = &sets;
-    let (mut from, mut to) = ([0.0; 2], [0.0; 2]);
     let difference = nearest(chosen, others)?;
     let dot = |[x, y]: [i32; 2]| f64::from(x) * difference[0] + f64::from(y) * difference[1];
     let low = chosen.iter().map(|&point| dot(point)).fold(f64::INFINITY, f64::min);
@@ -249,44 +254,31 @@ pub(crate) fn separating_line(block: &Block, chosen: impl Fn(u16) -> bool) -> Op
     // Half way between the sets, in units of the line's points.
     let unit = 256.0 / side_of(block.level()) as f64;
     let offset = ((low + high) / 2.0 + (difference[0] + difference[1]) / 2.0) * unit;
-    let ends = f64::from(END);
+    // Points of whole coordinates close to the line, from either end of it: two of them make almost the same line.
     let [nx, ny] = difference;
-    let mut crossings = Vec::with_capacity(4);
-    for fixed in [0.0, ends] {
-        if ny != 0.0 {
-            crossings.push([fixed, (offset - nx * fixed) / ny]);
-        }
-        if nx != 0.0 {
-            crossings.push([(offset - ny * fixed) / nx, fixed]);
-        }
-    }
-    crossings.retain(|point| point.iter().all(|&at| (-0.5..=ends + 0.5).contains(&at)));
-    let mut longest = -1.0;
-    for a in &crossings {
-        for b in &crossings {
-            let length = (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2);
-            if length > longest {
-                (longest, from, to) = (length, *a, *b);
-            }
+    let steep = nx.abs() > ny.abs();
+    let (along, over) = if steep { (ny, nx) } else { (nx, ny) };
+    let mut points: Vec<(f64, [u8; 2])> = Vec::with_capacity(END as usize + 1);
+    for at in 0..=END as u8 {
+        let exact = (offset - along * f64::from(at)) / over;
+        if (-0.5..=f64::from(END) + 0.5).contains(&exact) {
+            let near = exact.round().clamp(0.0, f64::from(END));
+            points.push(((exact - near).abs(), if steep { [near as u8, at] } else { [at, near as u8] }));
         }
     }
     let parts = |line: [u8; 4]| {
         let test = SideTest::new(line, block.level());
         others.iter().all(|&[x, y]| test.at(x, y) <= 0) && chosen.iter().all(|&[x, y]| test.at(x, y) > 0)
     };
-    // Rounding the ends may move the line across a pixel of a large block; one of the neighbours does not.
-    const NUDGES: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
-    let byte = |at: f64| at.round().clamp(0.0, ends) as u8;
-    let moved = |[x, y]: [f64; 2], by: f64| {
-        if nx.abs() > ny.abs() { [byte(x + by), byte(y)] } else { [byte(x), byte(y + by)] }
-    };
-    for first in NUDGES {
-        for second in NUDGES {
-            let ([x0, y0], [x1, y1]) = (moved(from, first), moved(to, second));
-            for line in [[x0, y0, x1, y1], [x1, y1, x0, y0]] {
-                if parts(line) {
-                    return Some(line);
-                }
+    let middle = points.len() / 2;
+    let (first, second) = points.split_at_mut(middle);
+    first.sort_by(|a, b| a.0.total_cmp(&b.0));
+    second.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for &(_, [x0, y0]) in first.iter().take(CLOSE_POINTS) {
+        for &(_, [x1, y1]) in second.iter().take(CLOSE_POINTS) {
+            let line = [[x0, y0, x1, y1], [x1, y1, x0, y0]].into_iter().find(|&line| parts(line));
+            if line.is_some() {
+                return line;
             }
         }
     }
@@ -310,8 +302,17 @@ fn nearest(chosen: &[[i32; 2]], others: &[[i32; 2]]) -> Option<[f64; 2]> {
     let closest = |a: Vector, b: Vector| {
         let d = [b[0] - a[0], b[1] - a[1]];
         let length = dot(d, d);
-        let t = if length > 0.0 { (-dot(a, d) / length).clamp(0.0, 1.0) } else { 0.0 };
-        [a[0] + t * d[0], a[1] + t * d[1]]
+        let t = if length > 0.0 { -dot(a, d) / length } else { 0.0 };
+        if t <= 0.0 {
+            return a;
+        }
+        if t >= 1.0 {
+            return b;
+        }
+        // Across the segment: its ends are whole numbers, so that nothing cancels however near the origin is.
+        let normal = [-d[1], d[0]];
+        let distance = dot(normal, a) / length;
+        [normal[0] * distance, normal[1] * distance]
     };
     let mut segment = [support([1.0, 0.0])?; 2];
     let mut found = segment[0];

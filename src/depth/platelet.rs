@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn rows_are_what_pixels_are() {
-        let mut random = Random(5);
+        let (mut random, domains) = (Random(5), domains());
         for case in 0..3000u32 {
             let mut number = || (random.next() as i32) >> (random.next() % 32);
             let mut plane = || Plane { a0: number(), a1: number(), a5: number() };
@@ -320,9 +320,9 @@ mod tests {
             let level = (case % 4 + 1) as u8;
             let side = side_of(level);
             let (width, height) = (1 + random.next() as usize % side, 1 + random.next() as usize % side);
-            for domain in domains() {
+            for domain in &domains {
                 let mut picture = vec![0u16; width * height];
-                platelet.decode(&domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
+                platelet.decode(domain, &mut BlockMut::of(&mut picture, width, level, [0, 0]));
                 for (i, &code) in picture.iter().enumerate() {
                     let r = platelet.value(level, (i % width) as i32, (i / width) as i32);
                     assert_eq!(code, domain.code_of(r), "{platelet:?} pixel {i}");
@@ -346,5 +346,145 @@ mod tests {
             assert_eq!(cross.signum(), i64::from(test.signum()));
             assert!(test.abs() < 1 << 24);
         }
+    }
+
+    /// Fits, trims, and checks both by the decoder in every pixel.
+    fn checked(picture: &[u16], width: usize, level: u8, (domain, bound): (&Domain, u16)) -> Option<Platelet> {
+        let block = Block::of(picture, width, level, [0, 0]);
+        let (function, accuracy) = Platelet::fit(&block, domain, bound)?;
+        let decoded = |function: &Platelet| {
+            let mut decoded = vec![7u16; picture.len()];
+            function.decode(domain, &mut BlockMut::of(&mut decoded, width, level, [0, 0]));
+            block.accuracy(&decoded).unwrap()
+        };
+        assert_eq!(decoded(&function), accuracy);
+        assert!(accuracy.max_error <= bound && function.line != [0xff; 4]);
+        let limit = Limit { max_error: bound, squared_error: accuracy.squared_error * 2 + 64 };
+        let (trimmed, precision, after) = function.trim(&block, domain, limit);
+        assert_eq!(decoded(&trimmed), after);
+        assert!(limit.allows(after));
+        let shifts = precision.shifts(level);
+        for side in trimmed.sides {
+            assert!([side.a0, side.a1].iter().all(|a| a.trailing_zeros() >= shifts.linear));
+            assert!(side.a5.trailing_zeros() >= shifts.constant);
+        }
+        Some(function)
+    }
+
+    /// Pixels of a square, those for which `inside` holds from one plane and the others from another.
+    fn parted(side: usize, inside: impl Fn(f64, f64) -> bool, planes: [[f64; 3]; 2]) -> Vec<u16> {
+        let pixels = (0..side * side).map(|i| ((i % side) as f64, (i / side) as f64));
+        let code = |(x, y): (f64, f64)| {
+            let [a, b, c] = planes[usize::from(inside(x, y))];
+            (a * x + b * y + c + 0.5).clamp(0.0, 65_534.0) as u16
+        };
+        pixels.map(code).collect()
+    }
+
+    #[test]
+    fn steps_along_any_line_are_exact() {
+        let (mut random, domains) = (Random(11), domains());
+        let mut found = 0;
+        let cases = 400;
+        for case in 0..cases {
+            let level = [1, 1, 2, 3, 5][case % 5];
+            let side = side_of(level);
+            let angle = (random.next() % 6283) as f64 / 1000.0;
+            let n = side as f64;
+            let through = [0, 1].map(|_| n * (0.2 + 0.6 * (random.next() % 1000) as f64 / 1000.0));
+            let inside = |x: f64, y: f64| (x - through[0]) * angle.cos() + (y - through[1]) * angle.sin() > 0.0;
+            let picture = parted(side, inside, [[40.0 / n, 90.0 / n, 5000.0], [-70.0 / n, 30.0 / n, 60_000.0]]);
+            for domain in &domains {
+                found += usize::from(checked(&picture, side, level, (domain, 2)).is_some());
+            }
+        }
+        // Lines that pass a pixel of a large node closer than 1/256 of the side cannot all be written down.
+        assert!(found * 100 >= cases * 3 * 99, "{found} of {}", cases * 3);
+    }
+
+    #[test]
+    fn creases_are_found_without_a_step() {
+        let mut random = Random(12);
+        let (mut found, cases) = (0, 200);
+        for case in 0..cases {
+            let level = [1, 2, 3, 4][case % 4];
+            let side = side_of(level);
+            let n = side as f64;
+            let angle = (random.next() % 6283) as f64 / 1000.0;
+            let (c, s) = (angle.cos() * 4000.0 / n, angle.sin() * 4000.0 / n);
+            let fold = 30_000.0 - (c + s) * n / 2.0;
+            let inside = |x: f64, y: f64| (x - n / 2.0) * c + (y - n / 2.0) * s > 0.0;
+            let picture = parted(side, inside, [[0.0, 0.0, 30_000.0], [c, s, fold]]);
+            found += usize::from(checked(&picture, side, level, (&Domain::log(), 30)).is_some());
+        }
+        assert!(found * 100 >= cases * 95, "{found} of {cases}");
+    }
+
+    #[test]
+    fn sides_of_one_and_two_pixels_are_exact() {
+        for domain in domains() {
+            for level in [1, 2, 4] {
+                let side = side_of(level);
+                let last = side * side - 1;
+                let sets: [&[usize]; 6] = [&[0], &[side - 1], &[last], &[0, 1], &[0, side], &[last - 1, last]];
+                for set in sets {
+                    for (near, far) in [(0, 65_534), (65_534, 0), (500, 40_000)] {
+                        let mut picture = vec![near; side * side];
+                        set.iter().for_each(|&i| picture[i] = far);
+                        assert!(checked(&picture, side, level, (&domain, 0)).is_some(), "{set:?} {level}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_of_pixels_is_a_side() {
+        let picture = parted(8, |x, _| x == 0.0, [[3.0, 2.0, 900.0], [0.0, 700.0, 20_000.0]]);
+        let flipped = parted(8, |_, y| y == 7.0, [[3.0, 2.0, 900.0], [700.0, 0.0, 20_000.0]]);
+        for picture in [picture, flipped] {
+            assert!(checked(&picture, 8, 1, (&Domain::log(), 1)).is_some());
+        }
+    }
+
+    #[test]
+    fn the_background_is_one_side_or_there_is_no_fit() {
+        for domain in domains() {
+            for level in [1, 3, 6] {
+                let side = side_of(level);
+                let n = side as f64;
+                let mut picture = parted(side, |_, _| false, [[100.0 / n, 50.0 / n, 65_000.0]; 2]);
+                for i in (0..side * side).filter(|i| 3 * (i % side) + 2 * (i / side) > 2 * side) {
+                    picture[i] = BACKGROUND_CODE;
+                }
+                assert!(checked(&picture, side, level, (&domain, 1)).is_some(), "{level} {:?}", domain.kind());
+                picture[side * side - 1] = 65_000;
+                assert!(checked(&picture, side, level, (&domain, u16::MAX)).is_none());
+            }
+            assert!(checked(&[BACKGROUND_CODE; 64], 8, 1, (&domain, 0)).is_some());
+        }
+    }
+
+    #[test]
+    fn blocks_at_the_edge_of_a_picture_and_noise_keep_the_bound() {
+        let (mut random, domains) = (Random(13), domains());
+        for case in 0..600 {
+            let domain = &domains[case % 3];
+            let spread = 1 << (random.next() % 16);
+            let base = random.next() % (65_536 - spread);
+            let (width, height) = match case % 5 {
+                0 => (1, 1 + case % 7),
+                1 => (1 + case % 8, 1),
+                2 => (3, 5),
+                _ => (8, 8),
+            };
+            let picture: Vec<u16> = (0..width * height).map(|_| (base + random.next() % spread) as u16).collect();
+            checked(&picture, width, 1, (domain, 300));
+        }
+        assert!(checked(&[5], 1, 1, (&Domain::log(), 0)).is_some());
+        let checkerboard: Vec<u16> = (0..64).map(|i| if (i + i / 8) % 2 == 0 { 0 } else { 65_534 }).collect();
+        assert!(checked(&checkerboard, 8, 1, (&Domain::log(), 1000)).is_none());
+        assert!(Platelet::fit(&Block::of(&[0; 16], 4, 0, [0, 0]), &Domain::log(), 0).is_none());
+        assert!(Platelet::fit(&Block::of(&[0; 16], 4, 7, [0, 0]), &Domain::log(), 0).is_none());
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use half::f16;
 use lightfold::color::{HalfKey, Sample};
 use lightfold::container::Reader;
-use lightfold::depth::TemporalSettings;
+use lightfold::depth::{DepthRange, TemporalSettings};
 
 use crate::samples::{self, Shape};
 
@@ -99,6 +99,46 @@ fn the_tables_of_arithmetic_md_hold() {
             Err(_) => assert_eq!(row[2], "least below zero"),
         }
     }
+}
+
+#[test]
+fn functions_and_logarithms_of_arithmetic_md_hold() {
+    use lightfold::depth::biquadratic::Biquadratic;
+    use lightfold::depth::domain::{Domain, DomainKind, LOG2_TABLE, integer_log2};
+    use lightfold::depth::platelet::{Plane, Platelet};
+    let document = read("formats/arithmetic.md");
+    let numbers = |row: &[String]| row.iter().map(|cell| cell.parse().unwrap()).collect::<Vec<i64>>();
+    for row in table(&document, "| a0 | a1 | a2 |").iter() {
+        let [a0, a1, a2, a3, a4, a5, x, y, r, code] = numbers(row)[..] else { panic!("{row:?}") };
+        let function = Biquadratic { coefficients: [a0, a1, a2, a3, a4, a5].map(|a| a as i32) };
+        assert_eq!(i64::from(function.value(x as i32, y as i32)), r, "{row:?}");
+        assert_eq!(i64::from(Domain::log().code_of(r as i32)), code, "{row:?}");
+    }
+    for row in table(&document, "| x0 | y0 | x1 |").iter() {
+        let [x0, y0, x1, y1, side, x, y] = numbers(&row[..7])[..] else { panic!("{row:?}") };
+        let sides = [Plane::constant(0), Plane::constant(1)];
+        let platelet = Platelet { sides, line: [x0, y0, x1, y1].map(|at| at as u8) };
+        let level = (side / 4).ilog2() as u8;
+        assert_eq!(["A", "B"][platelet.value(level, x as i32, y as i32) as usize], row[7], "{row:?}");
+    }
+    for row in table(&document, "| V | log |").iter() {
+        let [value, log] = numbers(row)[..] else { panic!("{row:?}") };
+        assert_eq!(i64::from(integer_log2(value as u32)), log);
+    }
+    for row in table(&document, "| domain | base | scale |").iter() {
+        let kind = if row[0] == "linear" { DomainKind::Linear } else { DomainKind::Inverse };
+        let [base, scale, r, code] = numbers(&row[1..])[..] else { panic!("{row:?}") };
+        let domain = Domain::new(kind, DepthRange::new(0.5, 8.0).unwrap()).unwrap();
+        assert_eq!((i64::from(domain.base()), i64::from(domain.scale())), (base, scale));
+        assert_eq!(i64::from(domain.code_of(r as i32)), code, "{row:?}");
+    }
+    let entries: Vec<u32> = table(&document, "| i | +0 | +1 |")
+        .iter()
+        .flat_map(|row| {
+            row[1..].iter().filter(|cell| !cell.is_empty()).map(|cell| cell.parse().unwrap()).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(entries, LOG2_TABLE);
 }
 
 #[test]
