@@ -37,9 +37,7 @@ pub struct FlattenSettings {
 pub struct Flattener {
     entry: StreamEntry,
     settings: NodeSettings,
-    /// What the tree's functions are evaluated in.
-    tree_domain: Domain,
-    /// What new functions are fitted and evaluated in.
+    /// What functions are fitted and evaluated in, here as in the tree.
     domain: Domain,
     header: CodecHeader,
 }
@@ -66,15 +64,13 @@ impl Flattener {
         }
         let FlattenSettings { window, epsilon, decide, effort, min_children, .. } = *settings;
         let keyframe_interval = tree.keyframe_interval;
-        let domain = Domain::new(tree.domain.kind, depth.range)?;
-        let nodes = NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() };
+        let nodes = NodeHeader { window, epsilon, keyframe_interval, bound, domain: tree.domain };
         let settings = NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children };
         settings.check()?;
         Ok(Flattener {
             entry: entry.clone(),
             settings,
-            tree_domain: Domain::from_parts(tree.domain)?,
-            domain,
+            domain: tree.domain.domain()?,
             header: CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(nodes), ..depth }),
         })
     }
@@ -90,18 +86,15 @@ impl Flattener {
         let grid = Grid { width, height };
         let frame_count = chunk.key.frame_count;
         let payload = reader.fetch(chunk)?;
-        let trees = TreeChunk::parse(payload, grid, frame_count, self.tree_domain.clone())
+        let trees = TreeChunk::parse(payload, grid, frame_count, self.domain.clone())
             .map_err(|error| reader.blame(chunk, error))?;
-        // Where another machine's logarithm made the tree, its functions mean something else here by a hair.
-        let same_domain = self.tree_domain.parts() == self.domain.parts();
         let mut encoder = NodeEncoder::new(grid, self.domain.clone(), self.settings);
         let mut source = vec![0; grid.pixel_count() as usize];
         let mut finished = Vec::new();
         for frame in 0..frame_count {
             monitor.check()?;
             trees.advance(&mut source, frame.checked_sub(1), frame);
-            let known = same_domain.then(|| trees.tree(frame));
-            finished.extend(encoder.push(&source, known.as_ref())?);
+            finished.extend(encoder.push(&source, Some(&trees.known(frame)))?);
         }
         finished.extend(encoder.finish()?);
         finished.iter_mut().for_each(|packed| packed.first_frame += chunk.key.first_frame);

@@ -14,14 +14,14 @@ fn lightfold(arguments: &[&str], folder: &Path) -> Output {
 }
 
 /// Runs a command line that must succeed.
-fn fine(line: &str, folder: &Path) -> Output {
+pub fn fine(line: &str, folder: &Path) -> Output {
     let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     output
 }
 
 /// Runs a command line that must be refused; answers what it said.
-fn refused(line: &str, folder: &Path) -> String {
+pub fn refused(line: &str, folder: &Path) -> String {
     let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
     assert_eq!(output.status.code(), Some(2), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stderr).unwrap()
