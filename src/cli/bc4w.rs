@@ -23,15 +23,13 @@ const BAR_COLUMNS: u64 = 12;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold && lightfold decode depth.lfold -o decoded\n  \
+#[command(after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
     lightfold bc4w depth.%04d.exr --stats\n\n\
     Each 8x8 pixels become 32 bytes: a quarter of 16-bit codes, without a bound on the error; the background is exact. \
     --stats fits each tile with BC4w, a platelet, a biquadratic, and takes the best of them, and tells the PSNR of the \
     tiles (peak 65535). A tile without any error counts in the mean as 114.39 dB, the PSNR of the least error that it \
-    could have, and as inf elsewhere; one that a function cannot model, background beside a surface, as 0 dB."
-)]
+    could have, and as inf elsewhere; one that a function cannot model, background beside a surface, as 0 dB.")]
 pub struct Args {
     /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
     #[arg(value_name = "SEQ")]
