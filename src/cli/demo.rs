@@ -16,7 +16,7 @@ use crate::scene::{DemoKind, FootagePlan};
 use crate::video::compare::{self, CompareSettings, Pairing, SsimFrames};
 use crate::video::comparison::Comparison;
 use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::encode::{self, EncodeSettings};
+use crate::video::encode::{self, EncodeSettings, ErrorBound};
 use crate::video::export::{self, Destination, FileFormat, Selection};
 use crate::video::inspect::{self, Check, FrameRows, InspectSettings, Totals};
 use crate::video::side::{self, SideOptions};
@@ -70,7 +70,8 @@ impl Places {
             format!("lightfold decode {container} -o {decoded}"),
             format!(
                 "lightfold diff {scene} {decoded} --max-error {} --min-cell-psnr {}",
-                settings.temporal.epsilon, settings.search.min_psnr_db
+                depth_bound(settings),
+                settings.search.min_psnr_db
             ),
         ]
     }
@@ -187,7 +188,7 @@ impl Report {
 
     /// Whether what was asked of the encoder has come out of the decoder.
     fn keeps(&self, settings: &EncodeSettings) -> bool {
-        let depth = self.max_error_codes().is_none_or(|codes| codes <= settings.temporal.epsilon);
+        let depth = self.max_error_codes().is_none_or(|codes| codes <= depth_bound(settings));
         // A PSNR is computed twice, on either side of a file: the last digit may differ.
         let color = self.min_psnr_db().is_none_or(|db| db >= settings.search.min_psnr_db - 1e-6);
         depth && color && self.comparison.missing.is_empty()
@@ -257,6 +258,15 @@ impl Report {
             "seconds": { "capture": captured, "encode": encoded, "decode": decoded },
             "commands": commands,
         })
+    }
+}
+
+/// How far a depth may be from the scene, in codes.
+fn depth_bound(settings: &EncodeSettings) -> u16 {
+    match settings.depth.error {
+        ErrorBound::Codes(codes) => codes.saturating_add(settings.temporal.epsilon),
+        // The range of each probe would be needed; the demo does not ask for it.
+        ErrorBound::Relative(_) => settings.temporal.epsilon,
     }
 }
 

@@ -97,7 +97,23 @@ pub fn encode_to(
     global: &GlobalArgs,
 ) -> Result<Outcome> {
     output.check()?;
-    let path = &output.path;
+    let done = encode_file(source, settings, &output.path, global)?;
+    if output.json {
+        output::print_json(&done.json())?;
+    } else if !global.quiet {
+        output::note(done.text(&output.path));
+    }
+    Ok(Outcome::Fine)
+}
+
+/// An encode that is done.
+pub struct Encoded {
+    summary: EncodeSummary,
+    seconds: f64,
+}
+
+/// Encodes a source into a file.
+pub fn encode_file(source: &Source, settings: &EncodeSettings, path: &Path, global: &GlobalArgs) -> Result<Encoded> {
     if is_input(source, settings, path) {
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }
@@ -111,14 +127,7 @@ pub fn encode_to(
     let (file, summary) =
         encode::encode(source, settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
-    drop(progress);
-    let seconds = start.elapsed().as_secs_f64();
-    if output.json {
-        output::print_json(&summary_json(&summary, seconds))?;
-    } else if !global.quiet {
-        output::note(summary_text(&summary, path, seconds));
-    }
-    Ok(Outcome::Fine)
+    Ok(Encoded { summary, seconds: start.elapsed().as_secs_f64() })
 }
 
 /// Whether the output would replace a file that is about to be read.
@@ -130,38 +139,44 @@ fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
         .any(|(_, group)| group.frames.iter().any(|frame| source.file(group, frame).is_ok_and(|file| same(&file))))
 }
 
-fn summary_json(summary: &EncodeSummary, seconds: f64) -> serde_json::Value {
-    json!({
-        "seconds": seconds,
-        "bytes": summary.bytes,
-        "raw_bytes": summary.raw_bytes,
-        "ratio_percent": 100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
-        "frames": summary.frames,
-        "streams": summary.streams,
-        "clipped_pixels": summary.clipped_pixels,
-        "color_pixels": summary.color_pixels,
-        "reading_thread_seconds": summary.reading.as_secs_f64(),
-        "scanning_thread_seconds": summary.scanning.as_secs_f64(),
-        "coding_thread_seconds": summary.coding.as_secs_f64(),
-    })
-}
+impl Encoded {
+    /// The report as JSON.
+    pub fn json(&self) -> serde_json::Value {
+        let Encoded { summary, seconds } = self;
+        json!({
+            "seconds": seconds,
+            "bytes": summary.bytes,
+            "raw_bytes": summary.raw_bytes,
+            "ratio_percent": 100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
+            "frames": summary.frames,
+            "streams": summary.streams,
+            "clipped_pixels": summary.clipped_pixels,
+            "color_pixels": summary.color_pixels,
+            "reading_thread_seconds": summary.reading.as_secs_f64(),
+            "scanning_thread_seconds": summary.scanning.as_secs_f64(),
+            "coding_thread_seconds": summary.coding.as_secs_f64(),
+        })
+    }
 
-fn summary_text(summary: &EncodeSummary, path: &Path, seconds: f64) -> String {
-    let clipped = match summary.clipped_pixels {
-        0 => String::new(),
-        count => format!(
-            "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
-            summary.color_pixels,
-            100.0 * count as f64 / summary.color_pixels as f64
-        ),
-    };
-    format!(
-        "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{clipped}",
-        path.display(),
-        summary.streams,
-        summary.frames,
-        human_bytes(summary.bytes),
-        human_bytes(summary.raw_bytes),
-        100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
-    )
+    /// The report for people.
+    pub fn text(&self, path: &Path) -> String {
+        let Encoded { summary, seconds } = self;
+        let clipped = match summary.clipped_pixels {
+            0 => String::new(),
+            count => format!(
+                "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
+                summary.color_pixels,
+                100.0 * count as f64 / summary.color_pixels as f64
+            ),
+        };
+        format!(
+            "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{clipped}",
+            path.display(),
+            summary.streams,
+            summary.frames,
+            human_bytes(summary.bytes),
+            human_bytes(summary.raw_bytes),
+            100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
+        )
+    }
 }

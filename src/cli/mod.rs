@@ -1,5 +1,6 @@
 //! The command line: one file for each subcommand. Only this room prints, reads arguments and chooses exit codes.
 
+pub mod bc4w;
 pub mod completions;
 pub mod decode;
 pub mod demo;
@@ -14,6 +15,7 @@ pub mod options;
 pub mod output;
 pub mod pack;
 pub mod progress;
+pub mod quadtree;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -65,7 +67,11 @@ pub enum Command {
     EncodeColor(encode_color::Args),
     /// Encode one depth sequence
     EncodeDepth(encode_depth::Args),
-    /// Join containers into one, or compress one further
+    /// Build the quadtrees of one depth sequence, to be packed at any bound
+    Quadtree(quadtree::Args),
+    /// Encode one depth sequence as plain BC4w blocks at a fixed 4:1, and measure them
+    Bc4w(bc4w::Args),
+    /// Join containers into one, compress one further, or pack quadtrees at a bound
     Pack(pack::Args),
     /// Show what a container holds and what it costs, and verify it
     Inspect(inspect::Args),
@@ -123,6 +129,8 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
+        Command::Quadtree(args) => quadtree::run(&args, global),
+        Command::Bc4w(args) => bc4w::run(&args, global),
         Command::Pack(args) => pack::run(&args, global),
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),

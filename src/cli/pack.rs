@@ -1,22 +1,31 @@
-//! `lightfold pack IN… -o OUT`: several containers into one, recompressed where asked.
+//! `lightfold pack IN… -o OUT`: several containers into one, recompressed where asked, quadtrees packed at a bound.
 
 use std::path::PathBuf;
 
 use serde_json::json;
 
-use crate::cli::options::OutputArgs;
+use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
 use crate::error::Result;
-use crate::video::pack::{self, Repack};
+use crate::video::flatten::FlattenSettings;
+use crate::video::pack::{self, PackSettings, PackSummary, Repack};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
-    lightfold pack film.lfold --lzma2=9 -o film-small.lfold"
+    lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
+    lightfold pack px.tree.lfold --error 30 -o px.lfold\n\n\
+    With --error or --error-relative, depth in the intermediate form of lightfold quadtree becomes packed nodes; all \
+    other streams are copied. Without them all streams are.",
+    mut_arg("decide", |arg| arg.requires("bound")),
+    mut_arg("min_children", |arg| arg.requires("bound")),
+    mut_arg("depth_window", |arg| arg.requires("bound")),
+    mut_arg("epsilon", |arg| arg.requires("bound")),
+    mut_arg("effort", |arg| arg.requires("bound"))
 )]
 pub struct Args {
     /// The containers, - for standard input
@@ -28,6 +37,18 @@ pub struct Args {
     /// Undo LZMA2 instead
     #[arg(long, conflicts_with = "lzma2")]
     pub no_lzma2: bool,
+    /// Bound.
+    #[command(flatten)]
+    pub bound: BoundArgs,
+    /// Model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Steps.
+    #[command(flatten)]
+    pub steps: DepthStepArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
 }
 
 /// Packs.
@@ -40,23 +61,39 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         None if args.no_lzma2 => Repack::Raw,
         None => Repack::Keep,
     };
+    let flatten = args.bound.get().map(|error| FlattenSettings {
+        error,
+        window: args.steps.depth_window,
+        epsilon: args.steps.epsilon,
+        decide: args.model.decide.into(),
+        effort: args.effort.get(),
+        min_children: args.model.min_children,
+    });
+    let settings = PackSettings { repack, flatten };
     let chunks = inputs.iter().map(|reader| reader.index().chunks.len() as u64).sum();
     let progress = Progress::start(global, "packing", chunks)?;
-    let file = OutputFile::create(&args.output.path)?;
-    let (file, bytes) =
-        pack::pack(&inputs, repack, file, &progress).map_err(|error| output::name_output(error, &args.output.path))?;
+    let path = &args.output.path;
+    let file = OutputFile::create(path)?;
+    let (file, summary) =
+        pack::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);
-    let streams: usize = inputs.iter().map(|reader| reader.index().streams.len()).sum();
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
+    let PackSummary { bytes, raw_bytes, frames, streams, flattened_streams, chunks } = summary;
     if args.output.json {
-        let seconds = start.elapsed().as_secs_f64();
         output::print_json(&json!({
-            "seconds": seconds, "bytes": bytes, "input_bytes": input_bytes, "streams": streams, "chunks": chunks,
+            "seconds": start.elapsed().as_secs_f64(),
+            "bytes": bytes,
+            "raw_bytes": raw_bytes,
+            "frames": frames,
+            "input_bytes": input_bytes,
+            "streams": streams,
+            "flattened_streams": flattened_streams,
+            "chunks": chunks,
         }))?;
     } else if !global.quiet {
         let (from, to) = (human_bytes(input_bytes), human_bytes(bytes));
-        output::note(format_args!("{}: {streams} streams, {from} became {to}", args.output.path.display()));
+        output::note(format_args!("{}: {streams} streams, {from} became {to}", path.display()));
     }
     Ok(Outcome::Fine)
 }

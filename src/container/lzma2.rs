@@ -5,6 +5,8 @@ use std::io::{Read, Write};
 
 use crate::error::{Error, Result};
 
+/// The preset where none is asked for.
+pub const DEFAULT_LEVEL: u32 = 6;
 /// Smallest dictionary that LZMA2 knows.
 const MIN_DICTIONARY: u32 = 1 << 12;
 /// Largest dictionary that a container uses, so that a chunk's claims never cost a reader more than this.

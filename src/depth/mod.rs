@@ -28,6 +28,7 @@ pub mod runtime;
 pub mod storage;
 pub mod temporal;
 pub mod texel;
+pub mod tile_psnr;
 pub mod tree_chunk;
 pub mod window;
 

@@ -2,12 +2,13 @@
 
 use crate::depth::bc4w;
 use crate::depth::biquadratic::{Biquadratic, Order};
-use crate::depth::block::{Accuracy, Block};
+use crate::depth::block::{Accuracy, Block, BlockMut};
 use crate::depth::domain::Domain;
 use crate::depth::limit::Limit;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Node, Place};
 use crate::depth::platelet::Platelet;
 use crate::depth::precision::Precision;
+use crate::depth::runtime::decode_node;
 use crate::depth::storage::stored_bytes;
 use crate::effort::Effort;
 
@@ -174,12 +175,18 @@ impl Modelling<'_> {
 }
 
 impl Approximation {
-    /// This approximation of `block`, rounded as far as `modelling` allows; `None` where it is beyond the bound.
+    /// This approximation of `block`, rounded as far as `modelling` allows; `None` where it is beyond the bound. Its
+    /// accuracy need not be right: only what the decoder makes of it counts.
     pub fn rounded(&self, block: &Block<'_>, modelling: &Modelling<'_>) -> Option<Approximation> {
         if self.accuracy.max_error > modelling.bound {
             return None;
         }
-        let Some(limit) = modelling.limit(block, self.accuracy) else { return Some(*self) };
+        let mut decoded = vec![0; block.pixel_count()];
+        let target = &mut BlockMut::of(&mut decoded, block.width(), block.level(), [0, 0]);
+        decode_node(self.node.place, &self.node.coefficients, modelling.domain, target);
+        let accuracy = block.accuracy(&decoded).filter(|accuracy| accuracy.max_error <= modelling.bound)?;
+        let exact = Approximation { accuracy, ..*self };
+        let Some(limit) = modelling.limit(block, accuracy) else { return Some(exact) };
         let (coefficients, accuracy) = match self.node.function() {
             Function::Biquadratic => {
                 let function = Biquadratic::from_bytes(&self.node.coefficients);
@@ -191,7 +198,7 @@ impl Approximation {
                 let (rounded, accuracy) = trimmed(function.trim(block, modelling.domain, limit));
                 (rounded.to_bytes(), accuracy)
             }
-            Function::Raw | Function::Bc4w => return Some(*self),
+            Function::Raw | Function::Bc4w => return Some(exact),
         };
         Some(Approximation { node: Node { coefficients, ..self.node }, accuracy })
     }

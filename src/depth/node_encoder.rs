@@ -13,7 +13,7 @@ use crate::depth::domain::Domain;
 use crate::depth::mode_decision::{Decide, Modelling, Rounding};
 use crate::depth::node_chunk::NodeChunkBuilder;
 use crate::depth::nodes::{Grid, Node, Place};
-use crate::depth::quadtree::{self, Build, Leaf, Tree, Wanted};
+use crate::depth::quadtree::{self, Build, Known, Leaf, Wanted};
 use crate::depth::runtime::decode_node;
 use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::depth::texel::Texel;
@@ -116,9 +116,9 @@ impl NodeEncoder {
         }
     }
 
-    /// Takes the next frame. `known` are approximations of that frame's blocks that need not be searched for. Answers
+    /// Takes the next frame. `known` is what was found for that frame at a larger bound. Answers
     /// the chunk that it closes, if any.
-    pub fn push(&mut self, source: &[u16], known: Option<&Tree>) -> Result<Option<EncodedChunk>> {
+    pub fn push(&mut self, source: &[u16], known: Option<&Known>) -> Result<Option<EncodedChunk>> {
         let frame = self.next_frame;
         let full = |open: &NodeChunkBuilder| {
             frame - self.chunk_first >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES
@@ -195,7 +195,7 @@ impl NodeEncoder {
     }
 
     /// The nodes over the leaves that are wanted.
-    fn model(&self, source: &[u16], known: Option<&Tree>) -> Vec<Node> {
+    fn model(&self, source: &[u16], known: Option<&Known>) -> Vec<Node> {
         if !self.leaves.contains(&Leaf::Wanted) {
             return Vec::new();
         }

@@ -37,6 +37,16 @@ pub struct Wanted<'a> {
 /// are the picture's.
 pub type Tree = HashMap<Place, Approximation>;
 
+/// What was found for a frame before, at a larger bound.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    /// The approximations.
+    pub tree: Tree,
+    /// Which leaves were wanted then, row-major. A place all of whose wanted leaves are among them needs no other search:
+    /// where the tree has nothing for it, nothing was found.
+    pub leaves: Vec<bool>,
+}
+
 /// How the quadtree is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Build<'a> {
@@ -45,7 +55,7 @@ pub struct Build<'a> {
     /// Children that must be wanted before their parent is tried, 1 to 4.
     pub min_children: u8,
     /// Approximations that need not be searched for again.
-    pub known: Option<&'a Tree>,
+    pub known: Option<&'a Known>,
 }
 
 /// What a place came to.
@@ -69,10 +79,23 @@ impl Wanted<'_> {
 
     /// Whether any leaf of a place is wanted.
     pub fn any(&self, place: Place) -> bool {
+        self.rows_of(place).any(|row| self.leaves[row].contains(&Leaf::Wanted))
+    }
+
+    /// Whether all wanted leaves of a place are among some others.
+    fn all_among(&self, place: Place, others: &[bool]) -> bool {
+        self.rows_of(place).all(|row| {
+            let others = others.get(row.clone()).unwrap_or_default();
+            let mut pairs = self.leaves[row].iter().zip(others);
+            !others.is_empty() && pairs.all(|(&leaf, &other)| leaf != Leaf::Wanted || other)
+        })
+    }
+
+    /// The leaves of a place that lie in the picture, row by row.
+    fn rows_of(&self, place: Place) -> impl Iterator<Item = std::ops::Range<usize>> {
         let ([columns, rows], side) = (self.grid.leaves(), 1usize << place.level);
         let (left, top) = (usize::from(place.x) * side, usize::from(place.y) * side);
-        let row = |y: usize| &self.leaves[y * columns..][left..columns.min(left + side)];
-        (top..rows.min(top + side)).any(|y| row(y).contains(&Leaf::Wanted))
+        (top..rows.min(top + side)).map(move |y| y * columns + left..y * columns + columns.min(left + side))
     }
 
     fn leaf(&self, place: Place) -> Leaf {
@@ -137,9 +160,14 @@ impl Builder<'_> {
         let possible = children.iter().all(|child| matches!(child, Visited::One | Visited::Free));
         if possible && wanted >= children.len().min(usize::from(self.settings.min_children)) {
             let block = self.wanted.block(place);
-            let found = match self.settings.known.and_then(|known| known.get(&place)) {
-                Some(known) => known.rounded(&block, &self.settings.modelling),
-                None => decide(&block, place, &self.settings.modelling),
+            let modelling = &self.settings.modelling;
+            let found = match self.settings.known {
+                Some(known) => match known.tree.get(&place) {
+                    Some(known) => known.rounded(&block, modelling),
+                    None if self.wanted.all_among(place, &known.leaves) => None,
+                    None => decide(&block, place, modelling),
+                },
+                None => decide(&block, place, modelling),
             };
             if let Some(found) = found {
                 self.tree.insert(place, found);

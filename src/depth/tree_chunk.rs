@@ -14,7 +14,7 @@ use crate::depth::mode_decision::{Approximation, Modelling, Rounding};
 use crate::depth::node_chunk::NodeRecord;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::{Grid, Node, Place, raw};
-use crate::depth::quadtree::{self, Build, Leaf, Tree, Wanted};
+use crate::depth::quadtree::{self, Build, Known, Leaf, Tree, Wanted};
 use crate::depth::record_table::{self, TableBuilder};
 use crate::depth::runtime::Runtime;
 use crate::depth::storage;
@@ -69,11 +69,18 @@ impl TreeChunk {
         })
     }
 
-    /// The approximations of a frame by their places. Their squared errors are not stored and read 0.
-    pub fn tree(&self, frame: u32) -> Tree {
-        let found = self.runtime.frames().binary_search_by_key(&frame, |row| row.frame);
-        let tree = found.map_or(&[] as &[Approximation], |at| &self.trees[at]);
-        tree.iter().map(|found| (found.node.place, *found)).collect()
+    /// The approximations of a frame, and the leaves that they were searched for. Squared errors are not stored and
+    /// read 0.
+    pub fn known(&self, frame: u32) -> Known {
+        let [columns, rows] = self.runtime.grid().leaves();
+        let mut known = Known { leaves: vec![false; columns * rows], ..Known::default() };
+        if let Ok(at) = self.runtime.frames().binary_search_by_key(&frame, |row| row.frame) {
+            known.tree = self.trees[at].iter().map(|found| (found.node.place, *found)).collect();
+            for (place, _) in self.runtime.nodes(self.runtime.frames()[at]) {
+                known.leaves[usize::from(place.y) * columns + usize::from(place.x)] = true;
+            }
+        }
+        known
     }
 
     /// All leaves and approximations, counted.

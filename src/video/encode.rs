@@ -6,6 +6,7 @@
 mod settings;
 mod unit;
 
+use std::collections::HashMap;
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
@@ -145,19 +146,10 @@ impl<W: Write> Job<'_, W> {
         if groups.is_empty() {
             return Ok(());
         }
-        let manifest = self.source.manifest().and_then(|manifest| manifest.depth.as_ref());
-        let near = self.settings.near_m.or_else(|| manifest.and_then(|depth| depth.near).map(|near| near as f32));
-        let far = self.settings.far_m.or_else(|| manifest.and_then(|depth| depth.far).map(|far| far as f32));
-        let (range, mut kept) = match (near, far) {
-            (Some(near), Some(far)) => (DepthRange::new(near, far)?, Default::default()),
-            _ => {
-                let found = scan::scan_probe(self.source, groups, self.monitor)?;
-                self.summary.reading += found.reading;
-                self.summary.scanning += found.scanning;
-                let probe = &self.source.probes()[groups[0].1.probe].name;
-                (found_range(probe, [near, far], &found)?, found.kept)
-            }
-        };
+        let found = depth_of_probe(self.source, self.settings, groups, self.monitor)?;
+        let ProbeDepth { range, mut kept, reading, scanning } = found;
+        self.summary.reading += reading;
+        self.summary.scanning += scanning;
         let quantiser = Arc::new(Quantiser::new(range));
         for &(at, group) in groups {
             let header = CodecHeader::Depth(DepthHeader {
@@ -262,6 +254,40 @@ impl<W: Write> Job<'_, W> {
     fn write(&mut self, packed: Vec<Vec<PackedChunk>>) -> Result<()> {
         packed.iter().flatten().try_for_each(|chunk| self.writer.push(chunk))
     }
+}
+
+/// What is known of a probe's depth before it is coded.
+#[derive(Debug)]
+pub(super) struct ProbeDepth {
+    /// Near and far.
+    pub range: DepthRange,
+    /// Images that were read to find them, by index of the group and frame.
+    pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
+    /// Time that threads spent reading these.
+    reading: Duration,
+    /// Time that threads spent reading images that were not kept.
+    scanning: Duration,
+}
+
+/// Near and far of a probe, all of whose depth `groups` (with their indices) are given: as the settings or the manifest
+/// say, else as found in the images.
+pub(super) fn depth_of_probe(
+    source: &Source,
+    settings: &EncodeSettings,
+    groups: &[(usize, &SourceGroup)],
+    monitor: &dyn Monitor,
+) -> Result<ProbeDepth> {
+    let manifest = source.manifest().and_then(|manifest| manifest.depth.as_ref());
+    let near = settings.near_m.or_else(|| manifest.and_then(|depth| depth.near).map(|near| near as f32));
+    let far = settings.far_m.or_else(|| manifest.and_then(|depth| depth.far).map(|far| far as f32));
+    if let (Some(near), Some(far)) = (near, far) {
+        let (range, kept) = (DepthRange::new(near, far)?, HashMap::new());
+        return Ok(ProbeDepth { range, kept, reading: Duration::ZERO, scanning: Duration::ZERO });
+    }
+    let found = scan::scan_probe(source, groups, monitor)?;
+    let probe = groups.first().map_or("", |(_, group)| source.probes()[group.probe].name.as_str());
+    let range = found_range(probe, [near, far], &found)?;
+    Ok(ProbeDepth { range, kept: found.kept, reading: found.reading, scanning: found.scanning })
 }
 
 /// The range of a probe from what was given and what was found; at most one of near and far is given.

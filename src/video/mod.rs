@@ -10,10 +10,12 @@ pub mod difference;
 pub mod domain;
 pub mod encode;
 pub mod export;
+pub mod flatten;
 pub mod inspect;
 pub mod pack;
 pub mod scan;
 pub mod side;
+pub mod tile_quality;
 
 pub use codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 pub use decode::{Decoder, FaceDecoder, Picture, UnitDecoder};

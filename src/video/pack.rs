@@ -1,12 +1,17 @@
-//! Joins the streams of several containers into one, without decoding them.
+//! Joins the streams of several containers into one, without decoding them; trees are packed where a bound is given.
 
 use std::collections::HashMap;
 use std::io::Write;
 
-use crate::container::{ChunkEntry, ChunkKey, Index, PackedChunk, ProbeEntry, Reader, Writer};
+use crate::container::{
+    ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
+};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
+use crate::video::codec::CodecHeader;
+use crate::video::encode::raw_pixel_bytes;
+use crate::video::flatten::{self, FlattenSettings, Flattener};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
@@ -23,18 +28,57 @@ pub enum Repack {
     Raw,
 }
 
-/// Writes all streams of `inputs` into `out`; answers the sink and the file's size.
+/// What becomes of the streams.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PackSettings {
+    /// How chunks are stored.
+    pub repack: Repack,
+    /// How trees are packed; without it they are copied as any other stream.
+    pub flatten: Option<FlattenSettings>,
+}
+
+/// What a pack did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct PackSummary {
+    /// Size of the container.
+    pub bytes: u64,
+    /// Size of the same footage as CALF's table 1 counts it ([`raw_pixel_bytes`]), streams of unknown codecs left out.
+    pub raw_bytes: u64,
+    /// Images: frames of all streams.
+    pub frames: u64,
+    /// Streams.
+    pub streams: u64,
+    /// Streams of trees that became packed nodes.
+    pub flattened_streams: u64,
+    /// Chunks written.
+    pub chunks: u64,
+}
+
+/// Writes all streams of `inputs` into `out`; answers the sink and what was done.
 ///
 /// Probes of one name must agree; streams of one kind, probe and face must not occur twice. All
 /// probes are kept, also those without streams. Name, frame rate and projection are the first input's; another frame
-/// rate or projection is an error. The monitor advances by one for each chunk.
-pub fn pack<W: Write>(inputs: &[Reader], repack: Repack, out: W, monitor: &dyn Monitor) -> Result<(W, u64)> {
+/// rate or projection is an error. The monitor advances by one for each chunk of the inputs.
+pub fn pack<W: Write>(
+    inputs: &[Reader],
+    settings: &PackSettings,
+    out: W,
+    monitor: &dyn Monitor,
+) -> Result<(W, PackSummary)> {
     let Some(first) = inputs.first() else { return Err(Error::Usage("pack needs at least one input".into())) };
     let head = first.index();
+    let flatteners = inputs.iter().map(|reader| flatteners(reader, settings)).collect::<Result<Vec<_>>>()?;
+    if settings.flatten.is_some() && flatteners.iter().flatten().all(Option::is_none) {
+        return Err(Error::Usage(
+            "--error packs streams in the intermediate form, and no input has one: write it with lightfold quadtree"
+                .into(),
+        ));
+    }
+    let mut summary = PackSummary::default();
     let mut writer = Writer::new(out, &head.name, head.fps, head.projection)?;
     let mut merged = Index::default();
     let mut known = HashMap::new();
-    for reader in inputs {
+    for (reader, flatteners) in inputs.iter().zip(&flatteners) {
         let index = reader.index();
         if index.projection != head.projection {
             return Err(Error::invalid("its projection is not that of the first input").in_file(reader.path()));
@@ -53,8 +97,10 @@ pub fn pack<W: Write>(inputs: &[Reader], repack: Repack, out: W, monitor: &dyn M
             probe_of.push(merge_probe(&mut merged.probes, &mut known, probe).map_err(|e| e.in_file(reader.path()))?);
         }
         let mut stream_of = Vec::new();
-        for stream in &index.streams {
-            let mut stream = stream.clone();
+        for (stream, flattener) in index.streams.iter().zip(flatteners) {
+            let mut stream = flattener.as_ref().map_or_else(|| stream.clone(), Flattener::entry);
+            summary.count(&stream);
+            summary.flattened_streams += u64::from(flattener.is_some());
             stream.probe = probe_of[usize::from(stream.probe)];
             let twice = |other: &&crate::container::StreamEntry| {
                 (other.kind, other.probe, other.face) == (stream.kind, stream.probe, stream.face)
@@ -74,17 +120,18 @@ pub fn pack<W: Write>(inputs: &[Reader], repack: Repack, out: W, monitor: &dyn M
         while !left.is_empty() {
             let (batch, rest) = left.split_at(batch_length(left, BATCH_BYTES));
             left = rest;
+            let carrier = Carrier { reader, repack: settings.repack, monitor };
             let packed = try_map_ordered(batch.iter().collect(), |chunk| {
                 monitor.check()?;
-                let key = ChunkKey { stream: stream_of[chunk.key.stream as usize], ..chunk.key };
-                match repack {
-                    Repack::Keep => PackedChunk::stored(chunk, key, reader.fetch_stored(chunk)?),
-                    Repack::Lzma2(level) => PackedChunk::new(key, reader.fetch(chunk)?.into_vec(), Some(level)),
-                    Repack::Raw => PackedChunk::new(key, reader.fetch(chunk)?.into_vec(), None),
+                let stream = stream_of[chunk.key.stream as usize];
+                match &flatteners[chunk.key.stream as usize] {
+                    Some(flattener) => carrier.flatten(chunk, stream, flattener),
+                    None => Ok(vec![carrier.copy(chunk, stream)?]),
                 }
             })?;
-            for chunk in &packed {
-                writer.push(chunk)?;
+            for packed in &packed {
+                packed.iter().try_for_each(|chunk| writer.push(chunk))?;
+                summary.chunks += packed.len() as u64;
                 monitor.advance(1);
             }
         }
@@ -92,7 +139,63 @@ pub fn pack<W: Write>(inputs: &[Reader], repack: Repack, out: W, monitor: &dyn M
     for probe in merged.probes {
         writer.add_probe(probe)?;
     }
-    writer.finish()
+    let (out, bytes) = writer.finish()?;
+    Ok((out, PackSummary { bytes, ..summary }))
+}
+
+impl PackSummary {
+    fn count(&mut self, stream: &StreamEntry) {
+        let (frames, pixels) = (u64::from(stream.frame_count), u64::from(stream.width) * u64::from(stream.height));
+        let raw_bytes = CodecHeader::read(stream).map_or(0, |header| raw_pixel_bytes(&header));
+        self.streams += 1;
+        self.frames += frames;
+        self.raw_bytes += frames * pixels * raw_bytes;
+    }
+}
+
+/// What packs each stream of a container: something for its trees, nothing for the others.
+fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Flattener>>> {
+    let streams = reader.index().streams.iter().enumerate();
+    let flatteners = streams.map(|(at, stream)| match &settings.flatten {
+        Some(flatten) if flatten::is_tree(stream) => Flattener::new(stream, flatten)
+            .map(Some)
+            .map_err(|error| error.context(format!("{}, stream {at}", reader.path().display()))),
+        _ => Ok(None),
+    });
+    flatteners.collect()
+}
+
+/// Carries chunks from one container into another.
+struct Carrier<'a> {
+    reader: &'a Reader,
+    repack: Repack,
+    monitor: &'a dyn Monitor,
+}
+
+impl Carrier<'_> {
+    /// A chunk as it is, for a stream of the result.
+    fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
+        let key = ChunkKey { stream, ..chunk.key };
+        match self.repack {
+            Repack::Keep => PackedChunk::stored(chunk, key, self.reader.fetch_stored(chunk)?),
+            Repack::Lzma2(level) => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), Some(level)),
+            Repack::Raw => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), None),
+        }
+    }
+
+    /// The packed nodes of a chunk of trees, for a stream of the result.
+    fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {
+        let level = match self.repack {
+            Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2::DEFAULT_LEVEL),
+            Repack::Lzma2(level) => Some(level),
+            Repack::Raw => None,
+        };
+        let finished = flattener.flatten(self.reader, chunk, self.monitor)?;
+        let packed = finished.into_iter().map(|EncodedChunk { first_frame, frame_count, payload }| {
+            PackedChunk::new(ChunkKey { stream, unit: chunk.key.unit, first_frame, frame_count }, payload, level)
+        });
+        packed.collect()
+    }
 }
 
 /// Adds a probe to those of the inputs before, or widens the one of its name; answers its index.
@@ -139,11 +242,12 @@ mod tests {
     #[test]
     fn probes_without_streams_are_kept_and_frame_rates_must_agree() {
         let inputs = [input(24.0, "a", [0, 4]), input(24.0, "b", [0, 1]), input(24.0, "a", [3, 9])];
-        let (file, _) = pack(&inputs, Repack::Keep, Vec::new(), &Silent).unwrap();
+        let (file, _) = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent).unwrap();
         let packed = Reader::from_memory(file).unwrap();
         let probes: Vec<_> = packed.index().probes.iter().map(|probe| (probe.name.as_str(), probe.frames)).collect();
         assert_eq!(probes, [("a", [0, 9]), ("b", [0, 1])]);
-        let error = pack(&[input(24.0, "a", [0, 1]), input(30.0, "b", [0, 1])], Repack::Keep, Vec::new(), &Silent);
+        let inputs = [input(24.0, "a", [0, 1]), input(30.0, "b", [0, 1])];
+        let error = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent);
         let message = error.unwrap_err().to_string();
         assert!(message.contains("its frame rate is 30") && message.ends_with("is 24"), "{message}");
     }

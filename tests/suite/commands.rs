@@ -14,14 +14,14 @@ fn lightfold(arguments: &[&str], folder: &Path) -> Output {
 }
 
 /// Runs a command line that must succeed.
-fn fine(line: &str, folder: &Path) -> Output {
+pub fn fine(line: &str, folder: &Path) -> Output {
     let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
     assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     output
 }
 
 /// Runs a command line that must be refused; answers what it said.
-fn refused(line: &str, folder: &Path) -> String {
+pub fn refused(line: &str, folder: &Path) -> String {
     let output = lightfold(&line.split(' ').collect::<Vec<_>>(), folder);
     assert_eq!(output.status.code(), Some(2), "{line}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stderr).unwrap()
@@ -43,7 +43,7 @@ fn faces_encoded_one_by_one_and_packed_decode_to_what_they_were() {
     let mut inputs = Vec::new();
     for face in Face::CUBE.map(Face::name) {
         let sequence = format!("probe_00/face_{face}/depth.%04d.exr");
-        fine(&format!("encode-depth {sequence} --face {face} -o {face}.lfold"), folder.path());
+        fine(&format!("encode-depth {sequence} --face {face} --error 0 -o {face}.lfold"), folder.path());
         inputs.push(format!("{face}.lfold"));
     }
     fine(&format!("pack {} -o all.lfold", inputs.join(" ")), folder.path());

@@ -7,6 +7,7 @@ use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits, exr, png};
 use lightfold::monitor::Silent;
+use lightfold::video::encode::DepthCodec;
 use lightfold::video::{ColorFormat, Decoder, EncodeSettings, encode, export};
 use serde_json::Value;
 use tempfile::TempDir;
@@ -75,6 +76,7 @@ impl Bench {
         let source = Source::open(&self.path(set), &SourceOptions::default()).unwrap();
         let mut settings = EncodeSettings { cell: 16, ..EncodeSettings::default() };
         settings.search.min_psnr_db = 200.0;
+        settings.depth.codec = DepthCodec::Boxes;
         change(&mut settings);
         let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
         std::fs::write(self.path(name), bytes).unwrap();
@@ -321,6 +323,7 @@ fn panoramas_take_the_face_size_of_the_container() {
     let source = Source::open(&folder, &options).unwrap();
     let mut settings = EncodeSettings::default();
     settings.search.min_psnr_db = 200.0;
+    settings.depth.codec = DepthCodec::Boxes;
     let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
     std::fs::write(bench.path("pano.lfold"), bytes).unwrap();
     bench.decode("pano.lfold", "faces");

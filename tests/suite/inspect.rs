@@ -12,6 +12,7 @@ use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind
 use lightfold::depth::TemporalSettings;
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
 use lightfold::monitor::Silent;
+use lightfold::video::encode::DepthCodec;
 use lightfold::video::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use lightfold::video::{Decoder, EncodeSettings, Picture, encode};
 use tempfile::TempDir;
@@ -105,6 +106,7 @@ fn settings() -> EncodeSettings {
     let mut settings = EncodeSettings { cell: 16, near_m: Some(1.0), far_m: Some(10.0), ..EncodeSettings::default() };
     settings.temporal = TemporalSettings { keyframe_interval: 4, ..settings.temporal };
     settings.search.min_psnr_db = 100.0;
+    settings.depth.codec = DepthCodec::Boxes;
     settings
 }
 

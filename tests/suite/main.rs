@@ -11,6 +11,7 @@ mod hard_cases;
 mod house;
 mod input;
 mod inspect;
+mod quadtree;
 mod quality;
 mod roundtrip;
 mod samples;

@@ -15,7 +15,7 @@ use lightfold::monitor::Silent;
 use lightfold::video::codec::{CodecHeader, ColorFormat};
 use lightfold::video::convert;
 use lightfold::video::decode::{Decoder, Picture};
-use lightfold::video::encode::{EncodeSettings, encode};
+use lightfold::video::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, encode};
 use lightfold::video::export::{Selection, decode_to_nothing};
 
 use crate::footage::{Footage, Random, drifting_color};
@@ -30,6 +30,15 @@ fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
 fn decoder(bytes: &[u8]) -> Decoder {
     Decoder::new(Reader::from_memory(bytes.to_vec()).unwrap()).unwrap()
 }
+
+/// Settings of depth by codec and bound.
+fn depth_settings(codec: DepthCodec, bound: u16) -> DepthSettings {
+    DepthSettings { codec, error: ErrorBound::Codes(bound), ..DepthSettings::default() }
+}
+
+/// The codecs that keep a bound, each with one.
+const BOUNDED: [(DepthCodec, u16); 4] =
+    [(DepthCodec::Boxes, 0), (DepthCodec::Tree, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 100)];
 
 /// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.
 fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
@@ -94,8 +103,11 @@ fn sizes_that_are_no_multiple_of_anything() {
         footage.depth = Some(&depth);
         let source = footage.open(folder.path());
         for (tiles, cell) in [(1, 64), (2, 4), (7, 1)] {
-            let settings = EncodeSettings { tiles, cell, ..EncodeSettings::default() };
-            check_depth(&source, &encoded(&source, &settings), 0);
+            for (codec, bound) in BOUNDED {
+                let depth = depth_settings(codec, bound);
+                let settings = EncodeSettings { tiles, cell, depth, ..EncodeSettings::default() };
+                check_depth(&source, &encoded(&source, &settings), bound);
+            }
         }
         footage.depth = None;
         footage.color = Some(&color);
@@ -138,8 +150,12 @@ fn ranges_from_a_single_depth_to_a_billion_and_denormals() {
             Plane::from_fn(20, 12, |_, _| values[random.below(values.len() as u32) as usize])
         };
         let source = Footage { depth: Some(&depth), ..Footage::new(20, 12) }.open(folder.path());
-        let bytes = encoded(&source, &EncodeSettings::default());
-        check_depth(&source, &bytes, 0);
+        for (codec, bound) in BOUNDED {
+            let settings = EncodeSettings { depth: depth_settings(codec, bound), ..EncodeSettings::default() };
+            check_depth(&source, &encoded(&source, &settings), bound);
+        }
+        let depth = depth_settings(DepthCodec::Quadtree, 0);
+        let bytes = encoded(&source, &EncodeSettings { depth, ..EncodeSettings::default() });
         // The values at the ends come back as the very same floats.
         let decoder = decoder(&bytes);
         let CodecHeader::Depth(header) = decoder.streams()[0].header else { panic!("depth expected") };
@@ -173,10 +189,15 @@ fn a_creeping_pixel_stays_within_epsilon_for_600_frames_whatever_the_path() {
         })
     };
     let source = Footage { frames: [0, 599], depth: Some(&depth), ..Footage::new(8, 8) }.open(folder.path());
-    for (window, epsilon, keyframe_interval) in [(1, 4, 1000), (2, 10, 1000), (16, 3, 100), (255, 50, 64)] {
+    let steps = [(1, 4, 1000), (2, 10, 1000), (16, 3, 100), (255, 50, 64)];
+    let codecs = [(DepthCodec::Boxes, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 20)];
+    for ((window, epsilon, keyframe_interval), (codec, bound)) in
+        steps.into_iter().flat_map(|steps| codecs.map(|codec| (steps, codec)))
+    {
         let temporal = TemporalSettings { window, epsilon, keyframe_interval, max_aabbs: 4 };
-        let bytes = encoded(&source, &EncodeSettings { temporal, ..EncodeSettings::default() });
-        check_depth(&source, &bytes, epsilon);
+        let depth = depth_settings(codec, bound);
+        let bytes = encoded(&source, &EncodeSettings { temporal, depth, ..EncodeSettings::default() });
+        check_depth(&source, &bytes, bound + epsilon);
         // Entered anywhere, in any order, a frame is the frame that playing from the start shows.
         let decoder = decoder(&bytes);
         let stream = &decoder.streams()[0];

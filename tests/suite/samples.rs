@@ -11,7 +11,7 @@ use lightfold::container::{
 use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::image::transfer::ToneMap;
-use lightfold::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
+use lightfold::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 use lightfold::video::decode::{Decoder, Picture};
 
 /// A seeded generator, the same on every machine.
@@ -82,7 +82,7 @@ pub fn depth_header(range: [f32; 2], settings: TemporalSettings) -> CodecHeader 
         range: DepthRange::new(range[0], range[1]).unwrap(),
         background: f32::INFINITY,
         kind: DepthKind::Distance,
-        temporal: settings,
+        coding: DepthCoding::Boxes(settings),
     })
 }
 

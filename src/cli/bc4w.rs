@@ -1,0 +1,228 @@
+//! `lightfold bc4w SEQ`: depth as plain BC4w blocks, and how close they and the other functions come.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use serde_json::{Map, Value, json};
+
+use crate::cli::encode::{self, Encoded};
+use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::output::{self, json_number};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::source::{Source, SourceOptions};
+use crate::dataset::stream::StreamKind;
+use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
+use crate::error::{Error, Result};
+use crate::report::{Column, Table};
+use crate::video::encode::{DepthCodec, EncodeSettings};
+use crate::video::tile_quality;
+
+/// Length of the longest bar of the histogram.
+const BAR_COLUMNS: u64 = 12;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
+    lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
+    lightfold bc4w depth.%04d.exr --stats\n\n\
+    Each 8x8 pixels become 32 bytes: a quarter of 16-bit codes, without a bound on the error; the background is exact. \
+    --stats fits each tile with BC4w, a platelet, a biquadratic, and takes the best of them, and tells the PSNR of the \
+    tiles (peak 65535). A tile without any error counts in the mean as 114.39 dB, the PSNR of the least error that it \
+    could have, and as inf elsewhere; one that a function cannot model, background beside a surface, as 0 dB.")]
+pub struct Args {
+    /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
+    #[arg(value_name = "SEQ")]
+    pub input: String,
+    /// The container to write, - for standard output
+    #[arg(long, short, value_name = "OUT.lfold")]
+    pub output: Option<PathBuf>,
+    /// Measure the PSNR of each tile with each modelling function
+    #[arg(long)]
+    pub stats: bool,
+    /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small), 6 where none is given
+    #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
+        requires = "output", value_parser = clap::value_parser!(u32).range(0..=9))]
+    pub lzma2: Option<u32>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Sequence.
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
+    /// Domain.
+    #[command(flatten)]
+    pub domain: DomainArgs,
+    /// Units.
+    #[command(flatten)]
+    pub units: DepthUnitArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
+}
+
+/// Encodes a sequence as blocks, measures it, or both.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+    args.domain.apply(&mut settings);
+    args.units.apply(&mut options, &mut settings);
+    args.effort.apply(&mut settings);
+    options.frames = args.frames.frames;
+    settings.depth.codec = DepthCodec::Blocks;
+    settings.lzma2 = args.lzma2;
+    let output = args.output.as_ref().map(|path| OutputArgs { path: path.clone(), lzma2: args.lzma2, json: args.json });
+    match output {
+        None if !args.stats => Err(Error::Usage(
+            "nothing to do: name the container to write with -o, or measure the tiles with --stats".into(),
+        )),
+        Some(output) if !args.stats => {
+            let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
+            encode::encode_to(&source, &settings, &output, global)
+        }
+        output => {
+            if args.output.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+                return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
+            }
+            let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
+            let encoded =
+                output.map(|output| encode::encode_file(&source, &settings, &output.path, global)).transpose()?;
+            measure(args, &source, &settings, encoded, global)
+        }
+    }
+}
+
+fn measure(
+    args: &Args,
+    source: &Source,
+    settings: &EncodeSettings,
+    encoded: Option<Encoded>,
+    global: &GlobalArgs,
+) -> Result<Outcome> {
+    let start = Instant::now();
+    let progress = Progress::start(global, "measuring", tile_quality::images(source))?;
+    let found = tile_quality::measure(source, settings, &progress)?;
+    drop(progress);
+    let seconds = start.elapsed().as_secs_f64();
+    if args.json {
+        let mut report = stats_json(&found, seconds);
+        if let (Some(encoded), Value::Object(report)) = (encoded, &mut report) {
+            report.insert("encode".into(), encoded.json());
+        }
+        output::print_json(&report)?;
+    } else {
+        if let (Some(encoded), Some(path), false) = (encoded, &args.output, global.quiet) {
+            output::note(encoded.text(path));
+        }
+        output::print_text(&stats_text(&found, seconds))?;
+    }
+    Ok(Outcome::Fine)
+}
+
+fn stats_json(found: &TilePsnr, seconds: f64) -> Value {
+    let model = |psnr: &PsnrDistribution| {
+        json!({
+            "mean": psnr.mean_db(),
+            "min": json_number(psnr.min_db()),
+            "p05": json_number(psnr.quantile_db(0.05)),
+            "p50": json_number(psnr.quantile_db(0.5)),
+            "p95": json_number(psnr.quantile_db(0.95)),
+            "exact_tiles": psnr.exact,
+            "unmodelled_tiles": psnr.unmodelled,
+        })
+    };
+    let each = |f: &dyn Fn(&PsnrDistribution) -> Value| {
+        TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), f(found.of(of)))).collect::<Map<_, _>>()
+    };
+    json!({
+        "tiles": found.tiles(),
+        "seconds": seconds,
+        "psnr_db": each(&model),
+        "max_error_codes": found.bc4w_max_error,
+        "histogram": {
+            "bin_db": BIN_DB,
+            "first_db": 0,
+            "tiles": each(&|psnr| json!(psnr.histogram())),
+        },
+        "exact_counts_as_db": EXACT_DB,
+    })
+}
+
+fn stats_text(found: &TilePsnr, seconds: f64) -> String {
+    let mut table = Table::new(&[
+        Column::Left("PSNR in dB"),
+        Column::Right("Mean"),
+        Column::Right("Min"),
+        Column::Right("5%"),
+        Column::Right("50%"),
+        Column::Right("95%"),
+        Column::Right("Exact"),
+        Column::Right("Not modelled"),
+    ]);
+    for of in TileModel::ALL {
+        let psnr = found.of(of);
+        let db = |value: f64| format!("{value:.2}");
+        table.row([
+            title(of).to_owned(),
+            db(psnr.mean_db()),
+            db(psnr.min_db()),
+            db(psnr.quantile_db(0.05)),
+            db(psnr.quantile_db(0.5)),
+            db(psnr.quantile_db(0.95)),
+            psnr.exact.to_string(),
+            psnr.unmodelled.to_string(),
+        ]);
+    }
+    format!(
+        "{table}\n{}\n{} tiles of 8x8 pixels, largest error of BC4w {} codes, {seconds:.2} s\n",
+        histogram_text(found),
+        found.tiles(),
+        found.bc4w_max_error
+    )
+}
+
+/// Share of the tiles in each bin, with a bar for each function.
+fn histogram_text(found: &TilePsnr) -> String {
+    let all = TileModel::ALL.map(|of| {
+        let mut bins = found.of(of).histogram();
+        bins.push(found.of(of).exact);
+        bins
+    });
+    let used = |bin: usize| all.iter().any(|bins| bins[bin] > 0);
+    let most = all.iter().flatten().copied().max().unwrap_or(0).max(1);
+    let bins = all[0].len();
+    let Some(first) = (0..bins).find(|&bin| used(bin)) else { return String::new() };
+    let heads = TileModel::ALL.map(title);
+    let mut table = Table::new(&[
+        Column::Left("Tiles by dB"),
+        Column::Left(heads[0]),
+        Column::Left(heads[1]),
+        Column::Left(heads[2]),
+        Column::Left(heads[3]),
+    ]);
+    for bin in (first..bins).filter(|&bin| bin + 1 < bins || used(bin)) {
+        if bin + 1 < bins && !(bin..bins - 1).any(used) {
+            continue;
+        }
+        let name =
+            if bin + 1 == bins { "exact".to_owned() } else { format!("{:>3} to {}", bin * BIN_DB, (bin + 1) * BIN_DB) };
+        let cell = |bins: &Vec<u64>| {
+            let percent = 100.0 * bins[bin] as f64 / found.tiles().max(1) as f64;
+            let bar = "#".repeat((bins[bin] * BAR_COLUMNS).div_ceil(most) as usize);
+            if bins[bin] == 0 { String::new() } else { format!("{percent:>4.1}% {bar}") }
+        };
+        table.row(std::iter::once(name).chain(all.iter().map(cell)));
+    }
+    table.to_string()
+}
+
+fn title(of: TileModel) -> &'static str {
+    match of {
+        TileModel::Bc4w => "BC4w",
+        TileModel::Platelet => "Platelet",
+        TileModel::Biquadratic => "Biquadratic",
+        TileModel::BestOf => "Best of",
+    }
+}

@@ -1,0 +1,96 @@
+//! Options of colour.
+
+use clap::{Args, ValueEnum};
+
+use crate::color::keyframes::SearchSettings;
+use crate::dataset::source::{InvalidColor, SourceOptions};
+use crate::error::{Error, Result};
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
+use crate::video::codec::ColorFormat;
+use crate::video::encode::EncodeSettings;
+
+/// How colour is read and coded.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Colour")]
+pub struct ColorArgs {
+    /// Width and height of a cell in pixels
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub cell: u32,
+    /// Least PSNR of every frame of every cell, in dB
+    #[arg(long, value_name = "DB", default_value_t = SearchSettings::default().min_psnr_db)]
+    pub psnr: f64,
+    /// From light to 8-bit codes
+    #[arg(long, value_enum, default_value_t = TransferArg::Srgb, conflicts_with = "hdr")]
+    pub transfer: TransferArg,
+    /// Stops by which light is brightened before it becomes 8 bits, -8 to 8
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
+    pub exposure: f32,
+    /// Keep half floats instead of 8 bits; quality is then the PSNR of the PU21 encoding
+    #[arg(long)]
+    pub hdr: bool,
+    /// Luminance of the value 1.0 for --hdr, in cd/m²
+    #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2)]
+    pub white: f64,
+    /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time;
+    /// at most as many as fit 768 MiB for all faces of an image
+    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().reach,
+        value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub keyframe_reach: u32,
+    /// What becomes of NaN colours
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
+    pub invalid_color: InvalidColorArg,
+}
+
+/// `--transfer`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TransferArg {
+    /// The curve of sRGB
+    Srgb,
+    /// In proportion to light
+    Linear,
+}
+
+/// `--invalid-color`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum InvalidColorArg {
+    /// An error that names file and pixel
+    Refuse,
+    /// Taken for black
+    Black,
+}
+
+impl From<InvalidColorArg> for InvalidColor {
+    fn from(what: InvalidColorArg) -> InvalidColor {
+        match what {
+            InvalidColorArg::Refuse => InvalidColor::Refuse,
+            InvalidColorArg::Black => InvalidColor::Black,
+        }
+    }
+}
+
+impl ColorArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
+        if !self.psnr.is_finite() || !(0.0..=200.0).contains(&self.psnr) {
+            return Err(Error::Usage(format!("--psnr {}: 0 to 200 dB was expected", self.psnr)));
+        }
+        if !(-8.0..=8.0).contains(&self.exposure) {
+            return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
+        }
+        settings.cell = self.cell;
+        settings.search =
+            SearchSettings { min_psnr_db: self.psnr, effort: settings.search.effort, reach: self.keyframe_reach };
+        let transfer = match self.transfer {
+            TransferArg::Srgb => Transfer::Srgb,
+            TransferArg::Linear => Transfer::Linear,
+        };
+        settings.color = if self.hdr {
+            ColorFormat::Half { white_cd_m2: self.white }
+        } else {
+            ColorFormat::EightBit(ToneMap { transfer, exposure_ev: self.exposure })
+        };
+        source.invalid_color = self.invalid_color.into();
+        Ok(())
+    }
+}

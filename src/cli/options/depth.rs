@@ -1,0 +1,298 @@
+//! Options of depth.
+
+use clap::{Args, ValueEnum};
+
+use crate::dataset::source::{InvalidDepth, SourceOptions};
+use crate::dataset::stream::DepthKind;
+use crate::depth::domain::DomainKind;
+use crate::depth::mode_decision::Decide;
+use crate::depth::node_encoder::NodeSettings;
+use crate::depth::temporal::TemporalSettings;
+use crate::video::encode::{DepthCodec, EncodeSettings, ErrorBound};
+
+/// Parses a background: a finite float, or +inf.
+pub fn parse_background(text: &str) -> Result<f32, String> {
+    let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
+        return Err(format!("'{text}' is neither a finite 32-bit float nor inf"));
+    }
+    Ok(value)
+}
+
+/// How depth is read and coded.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthArgs {
+    /// How depth is stored
+    #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
+    pub depth_codec: DepthCodecArg,
+    /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless
+    #[arg(long, value_name = "CODES", default_value_t = NodeSettings::default().bound, conflicts_with = "error_relative",
+        value_parser = clap::value_parser!(u16).range(..=65534))]
+    pub error: u16,
+    /// Largest error of a decoded depth in proportion to it, such as 0.1%, for quadtree
+    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
+    pub error_relative: Option<f64>,
+    /// Domain.
+    #[command(flatten)]
+    pub domain: DomainArgs,
+    /// Model.
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Steps.
+    #[command(flatten)]
+    pub steps: DepthStepArgs,
+    /// Most boxes that one frame of one tile is updated with, for aabb and material
+    #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
+        value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub max_aabbs: u16,
+    /// Units.
+    #[command(flatten)]
+    pub units: DepthUnitArgs,
+}
+
+/// What modelling functions are fitted in.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DomainArgs {
+    /// What modelling functions are fitted in
+    #[arg(long, value_name = "DOMAIN", value_enum, default_value_t = DomainArg::Log)]
+    pub depth_domain: DomainArg,
+}
+
+/// How the nodes of a quadtree get their functions.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct ModelArgs {
+    /// Which of the modelling functions within the bound a node gets
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = DecideArg::Mse)]
+    pub decide: DecideArg,
+    /// Of a node's four children, how many must have changed before one function is tried for all of it
+    #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
+        value_parser = clap::value_parser!(u8).range(1..=4))]
+    pub min_children: u8,
+}
+
+/// When depth is sent again.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthStepArgs {
+    /// W: pixels are sent whenever they differ from any of the W frames before, so that a decoder may step over
+    /// W − 1 of them
+    #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
+        value_parser = clap::value_parser!(u8).range(1..))]
+    pub depth_window: u8,
+    /// How far a depth may move, in 16-bit log codes, before it is sent again, on top of --error; with aabb this is
+    /// the largest error, and 0 is lossless
+    #[arg(long, value_name = "CODES", default_value_t = 0)]
+    pub epsilon: u16,
+}
+
+/// How depth is cut up in space and time, what its codes mean, and how its files are read.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthUnitArgs {
+    /// Frames from one keyframe to the next
+    #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
+        value_parser = clap::value_parser!(u32).range(1..))]
+    pub keyframe_interval: u32,
+    /// Tiles along each side of a face
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub tiles: u32,
+    /// Nearest surface in metres [default: found for each probe]
+    #[arg(long, value_name = "M")]
+    pub near: Option<f32>,
+    /// Farthest surface in metres [default: found for each probe]
+    #[arg(long, value_name = "M")]
+    pub far: Option<f32>,
+    /// Reading.
+    #[command(flatten)]
+    pub reading: DepthReadingArgs,
+}
+
+/// The bound that trees are packed at.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct BoundArgs {
+    /// Pack depth in the intermediate form, as lightfold quadtree writes it, with this largest error in 16-bit log
+    /// codes; 0 is lossless
+    #[arg(long, value_name = "CODES", group = "bound", value_parser = clap::value_parser!(u16).range(..=65534))]
+    pub error: Option<u16>,
+    /// The same, with a largest error in proportion to the depth, such as 0.1%
+    #[arg(long, value_name = "SHARE", group = "bound", value_parser = parse_share)]
+    pub error_relative: Option<f64>,
+}
+
+impl BoundArgs {
+    /// The bound, if one was given.
+    pub fn get(self) -> Option<ErrorBound> {
+        self.error.map(ErrorBound::Codes).or(self.error_relative.map(ErrorBound::Relative))
+    }
+}
+
+/// `--depth-codec`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthCodecArg {
+    /// Modelling functions in a quadtree, within --error of the source everywhere
+    Quadtree,
+    /// Codes as they are, in boxes around what changes
+    Aabb,
+    /// Blocks of 8x8 pixels at a fixed 4:1, without a bound
+    Bc4w,
+}
+
+/// `--depth-domain`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DomainArg {
+    /// Log codes
+    Log,
+    /// Metres
+    Linear,
+    /// One over metres, in which a plane is exact
+    Inverse,
+}
+
+/// `--decide`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DecideArg {
+    /// The closest
+    Mse,
+    /// The smallest
+    Size,
+}
+
+impl From<DomainArg> for DomainKind {
+    fn from(domain: DomainArg) -> DomainKind {
+        match domain {
+            DomainArg::Log => DomainKind::Log,
+            DomainArg::Linear => DomainKind::Linear,
+            DomainArg::Inverse => DomainKind::Inverse,
+        }
+    }
+}
+
+impl From<DecideArg> for Decide {
+    fn from(decide: DecideArg) -> Decide {
+        match decide {
+            DecideArg::Mse => Decide::Mse,
+            DecideArg::Size => Decide::Size,
+        }
+    }
+}
+
+/// Parses a share: `0.1%` or `0.001`.
+pub fn parse_share(text: &str) -> Result<f64, String> {
+    let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    let share = share * unit;
+    if !(0.0..=1.0).contains(&share) {
+        return Err(format!("'{text}' is not between 0 and 100%"));
+    }
+    Ok(share)
+}
+
+/// How depth files are read.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Depth")]
+pub struct DepthReadingArgs {
+    /// What becomes of NaN, negative and zero depths
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidDepthArg::Refuse)]
+    pub invalid_depth: InvalidDepthArg,
+    /// Metres for one unit of an integer image
+    #[arg(long, value_name = "M")]
+    pub depth_scale: Option<f64>,
+    /// The value in the files that means "nothing there"; +inf always does
+    #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]
+    pub background: Option<f32>,
+    /// What depth values measure [default: as the manifest says, or distance]
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub depth_kind: Option<DepthKindArg>,
+}
+
+/// `--invalid-depth`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum InvalidDepthArg {
+    /// An error that names file and pixel
+    Refuse,
+    /// Taken for background
+    Far,
+    /// Taken for the nearest distance
+    Near,
+}
+
+/// `--depth-kind`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthKindArg {
+    /// From the centre of the probe
+    Distance,
+    /// Along the viewing axis
+    Planar,
+}
+
+impl DepthArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
+        settings.depth.codec = match self.depth_codec {
+            DepthCodecArg::Quadtree => DepthCodec::Quadtree,
+            DepthCodecArg::Aabb => DepthCodec::Boxes,
+            DepthCodecArg::Bc4w => DepthCodec::Blocks,
+        };
+        settings.depth.error = self.error_relative.map_or(ErrorBound::Codes(self.error), ErrorBound::Relative);
+        settings.temporal.max_aabbs = self.max_aabbs;
+        self.domain.apply(settings);
+        self.model.apply(settings);
+        self.steps.apply(settings);
+        self.units.apply(source, settings);
+    }
+}
+
+impl DomainArgs {
+    /// Puts the option where the encoder reads it.
+    pub fn apply(&self, settings: &mut EncodeSettings) {
+        settings.depth.domain = self.depth_domain.into();
+    }
+}
+
+impl ModelArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, settings: &mut EncodeSettings) {
+        settings.depth.decide = self.decide.into();
+        settings.depth.min_children = self.min_children;
+    }
+}
+
+impl DepthStepArgs {
+    /// Puts the options where the encoder reads them.
+    pub fn apply(&self, settings: &mut EncodeSettings) {
+        settings.temporal.window = self.depth_window;
+        settings.temporal.epsilon = self.epsilon;
+    }
+}
+
+impl DepthUnitArgs {
+    /// Puts the options where the reader of files and the encoder find them.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
+        settings.temporal.keyframe_interval = self.keyframe_interval;
+        settings.tiles = self.tiles;
+        settings.near_m = self.near;
+        settings.far_m = self.far;
+        self.reading.apply(source);
+    }
+}
+
+impl DepthReadingArgs {
+    /// Puts the options where the reader of files finds them.
+    pub fn apply(&self, source: &mut SourceOptions) {
+        source.depth_scale = self.depth_scale;
+        source.background = self.background;
+        source.invalid_depth = match self.invalid_depth {
+            InvalidDepthArg::Refuse => InvalidDepth::Refuse,
+            InvalidDepthArg::Far => InvalidDepth::Far,
+            InvalidDepthArg::Near => InvalidDepth::Near,
+        };
+        source.depth_kind = self.depth_kind.map(|kind| match kind {
+            DepthKindArg::Distance => DepthKind::Distance,
+            DepthKindArg::Planar => DepthKind::Planar,
+        });
+    }
+}

@@ -1,0 +1,111 @@
+//! Options of lone sequences: what their images show, and how.
+
+use clap::{Args, ValueEnum};
+
+use crate::cli::options::parse_face;
+use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::image::cube::Face;
+use crate::image::png::ColorSpace;
+
+/// `--color-space` of a lone sequence.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColorSpaceArg {
+    /// Scene-referred light
+    LinearRec709,
+    /// Display codes
+    Srgb,
+}
+
+impl From<ColorSpaceArg> for ColorSpace {
+    fn from(space: ColorSpaceArg) -> ColorSpace {
+        match space {
+            ColorSpaceArg::LinearRec709 => ColorSpace::LinearRec709,
+            ColorSpaceArg::Srgb => ColorSpace::Srgb,
+        }
+    }
+}
+
+/// What a lone sequence shows.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+pub struct SequenceArgs {
+    /// Name of the probe
+    #[arg(long, value_name = "NAME", default_value = "00")]
+    pub probe: String,
+    /// The face that single images show: px, nx, py, ny, pz, nz, or view for a perspective image
+    #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face)]
+    pub face: Face,
+    /// Images.
+    #[command(flatten)]
+    pub images: ImageArgs,
+}
+
+/// How the images of a lone sequence show what they show.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Sequence")]
+pub struct ImageArgs {
+    /// How the images show the probe's surroundings
+    #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
+    pub layout: LayoutArg,
+    /// fx,fy,cx,cy in pixels of a perspective image; planar depth becomes distance with them
+    #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub intrinsics: Option<Vec<f64>>,
+    /// Size of the cube faces that an equirectangular image becomes [default: a quarter of its width]
+    #[arg(long, value_name = "PIXELS")]
+    pub face_size: Option<u32>,
+    /// Channel or layer to read, where its name is none of the usual ones
+    #[arg(long, value_name = "NAME")]
+    pub channel: Option<String>,
+}
+
+/// `--layout`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LayoutArg {
+    /// One face, or a perspective image
+    Single,
+    /// Six faces unfolded, 4:3 or 3:4
+    Cross,
+    /// Six faces in a row or a column, px nx py ny pz nz
+    Strip,
+    /// Longitude and latitude, resampled to six faces
+    Equirect,
+}
+
+impl SequenceArgs {
+    /// Opens the sequence `spec` as a source of one kind of stream.
+    pub fn open(&self, kind: StreamKind, spec: &str, mut options: SourceOptions) -> Result<Source> {
+        options.channel = self.images.channel.clone();
+        options.face_size = self.images.face_size;
+        let layout = SequenceLayout {
+            arrangement: self.images.arrangement(self.face),
+            probe: self.probe.clone(),
+            intrinsics: self.images.intrinsics()?,
+        };
+        Source::from_sequence(kind, spec, &layout, &options)
+    }
+}
+
+impl ImageArgs {
+    /// What each image shows, `face` where it is a single one.
+    pub fn arrangement(&self, face: Face) -> Arrangement {
+        match self.layout {
+            LayoutArg::Single => Arrangement::Single(face),
+            LayoutArg::Cross => Arrangement::Cross,
+            LayoutArg::Strip => Arrangement::Strip,
+            LayoutArg::Equirect => Arrangement::Equirect,
+        }
+    }
+
+    /// The four numbers of `--intrinsics`.
+    pub fn intrinsics(&self) -> Result<Option<[f64; 4]>> {
+        match self.intrinsics.as_deref() {
+            None => Ok(None),
+            Some(&[fx, fy, cx, cy]) => Ok(Some([fx, fy, cx, cy])),
+            Some(other) => {
+                Err(Error::Usage(format!("--intrinsics: four numbers were expected, {} given", other.len())))
+            }
+        }
+    }
+}
