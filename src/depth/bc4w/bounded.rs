@@ -1,4 +1,4 @@
-//! The normal search: branch and bound over pairs of endpoints, for all lines at once.
+//! The exhaustive search: branch and bound over pairs of endpoints, for all lines at once.
 //!
 //! The plane of pairs is covered with squares. Over a square, each entry of the palette moves between its values at two
 //! corners, since it grows with both endpoints; a pixel's distance to the nearest of these eight intervals is at most
@@ -25,9 +25,9 @@ const LINES: usize = 8;
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
 const MOST_UNITS: u64 = 32_000;
 
-/// Where more squares than this are left, the search ends with what it knows: with code 0 among the surfaces, which the
-/// second mode has for free, whole families of pairs can be as good as each other. There alone the result is not proven
-/// to be the exhaustive search's.
+/// Where more squares than this are left, the search ends with what it knows, and the result is not proven to be that
+/// of the literal search. It happens where whole families of pairs are about as good as each other, on tiles whose
+/// codes lie far apart.
 const MOST_SQUARES: usize = 1 << 13;
 
 /// BC4's two modes.

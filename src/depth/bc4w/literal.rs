@@ -1,4 +1,4 @@
-//! The literal search: every bipartition with every pair of endpoints (BC4w, algorithm 1, without its coarse level).
+//! The literal search: every bipartition with every pair of endpoints (GDC, algorithm 1, without its coarse level).
 //!
 //! As plain as can be, since the other efforts are measured against it. Pairs are the outer loop, as in the paper: what
 //! a pair costs in each pixel is the same for all lines.

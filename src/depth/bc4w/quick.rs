@@ -1,16 +1,18 @@
-//! The fast search: few lines, endpoints by least squares.
+//! The searches for every day: the most promising lines, endpoints around a least-squares fit.
 
 use crate::depth::bc4w::fit::best_pair;
 use crate::depth::bc4w::lines::bipartitions;
 use crate::depth::bc4w::sums::{Greatest, Plan, Quantity};
 use crate::depth::bc4w::tile::{Solution, Tile};
 
-/// Lines that are tried.
-const LINES: usize = 6;
+/// Lines that `Fast` tries.
+pub const FEW_LINES: usize = 6;
+/// Lines that `Normal` tries.
+pub const MANY_LINES: usize = 28;
 
 /// The best solution found within the tile's bound.
-pub fn search(tile: &Tile) -> Option<Solution> {
-    best_of(tile, LINES).map(|(_, solution)| solution)
+pub fn search(tile: &Tile, lines: usize) -> Option<Solution> {
+    best_of(tile, lines).map(|(_, solution)| solution)
 }
 
 /// The best solution with one of the most promising lines, and its squared error.

@@ -2,6 +2,9 @@ use rayon::prelude::*;
 
 use super::*;
 
+/// What the quicker efforts may lose on adversarial blocks, in dB on average.
+const NORMAL_LOSS_DB: f64 = 0.75;
+const FAST_LOSS_DB: f64 = 0.85;
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Normal, Effort::Exhaustive];
 
 /// The seeded numbers of these tests.
@@ -181,38 +184,56 @@ fn adversarial(seed: u64) -> Vec<u16> {
         .collect()
 }
 
-#[test]
-fn normal_finds_what_exhaustive_finds() {
-    (0..2000).into_par_iter().for_each(|seed| {
-        let codes = adversarial(seed);
-        let [normal, exhaustive] = [Effort::Normal, Effort::Exhaustive].map(|effort| check(&codes, 8, effort));
-        assert_eq!(normal.squared_error, exhaustive.squared_error, "seed {seed}: {codes:?}");
-    });
+/// What the literal search finds within a bound.
+fn literally(codes: &[u16], bound: u16) -> Option<Accuracy> {
+    let tile = Tile::new(&Block::of(codes, 8, 1, [0, 0]), bound);
+    literal::search(&tile).map(|solution| tile.finish(solution).1)
 }
 
 #[test]
-fn within_a_bound_normal_finds_what_exhaustive_finds() {
+fn exhaustive_finds_what_the_literal_search_finds_and_normal_comes_close() {
+    let decibels = |errors: &mut dyn Iterator<Item = u64>| errors.map(|e| 10.0 * (e.max(1) as f64).log10()).sum::<f64>();
+    let errors: Vec<[u64; 3]> = (0..2000)
+        .into_par_iter()
+        .map(|seed| {
+            let codes = adversarial(seed);
+            let [fast, normal, exhaustive] = EFFORTS.map(|effort| check(&codes, 8, effort).squared_error);
+            let literal = literally(&codes, u16::MAX).map(|accuracy| accuracy.squared_error);
+            assert_eq!(Some(exhaustive), literal, "seed {seed}: {codes:?}");
+            assert!(exhaustive <= normal && normal <= fast, "seed {seed}: {codes:?}");
+            [fast, normal, exhaustive]
+        })
+        .collect();
+    let [fast, normal, exhaustive] = [0, 1, 2].map(|at| decibels(&mut errors.iter().map(|e| e[at])) / 2000.0);
+    println!("loss on adversarial blocks: fast {:.3} dB, normal {:.3} dB", fast - exhaustive, normal - exhaustive);
+    assert!(normal - exhaustive < NORMAL_LOSS_DB && fast - exhaustive < FAST_LOSS_DB);
+}
+
+#[test]
+fn within_a_bound_exhaustive_finds_what_the_literal_search_finds() {
     (0..60).into_par_iter().for_each(|seed| {
         let codes = adversarial(seed);
         let block = Block::of(&codes, 8, 1, [0, 0]);
-        let plain = encode(&block, Effort::Normal).1;
+        let plain = encode(&block, Effort::Exhaustive).1;
         for bound in [1, plain.max_error - plain.max_error.min(1), plain.max_error, 40] {
-            let [fast, normal, exhaustive] = EFFORTS.map(|effort| encode_within(&block, bound, effort));
-            for (coded, accuracy) in [fast, normal, exhaustive].into_iter().flatten() {
+            let found = EFFORTS.map(|effort| encode_within(&block, bound, effort));
+            for (coded, accuracy) in found.into_iter().flatten() {
                 verify(&codes, 8, coded, accuracy);
                 assert!(accuracy.max_error <= bound);
             }
             let error = |found: Option<(Bc4w, Accuracy)>| found.map(|(_, accuracy)| accuracy.squared_error);
-            assert_eq!(error(normal), error(exhaustive), "seed {seed} within {bound}: {codes:?}");
-            assert!(normal.is_some() || fast.is_none());
-            assert!(bound < plain.max_error || error(normal) == Some(plain.squared_error));
+            let [fast, normal, exhaustive] = found.map(error);
+            let literal = literally(&codes, bound).map(|accuracy| accuracy.squared_error);
+            assert_eq!(exhaustive, literal, "seed {seed} within {bound}: {codes:?}");
+            assert!(exhaustive.is_some() || (fast.is_none() && normal.is_none()));
+            assert!(bound < plain.max_error || exhaustive == Some(plain.squared_error));
         }
     });
 }
 
 #[test]
 fn wide_ranges_are_coded_and_never_read_as_markers() {
-    (0..3000).into_par_iter().for_each(|seed| {
+    (0..3000u64).into_par_iter().for_each(|seed| {
         let mut random = Random(seed);
         let kind = random.below(4);
         let codes: Vec<u16> = (0..64)
@@ -230,8 +251,6 @@ fn wide_ranges_are_coded_and_never_read_as_markers() {
             })
             .collect();
         check(&codes, 8, Effort::Fast);
-        if seed % 50 == 0 && kind == 1 {
-            check(&codes, 8, Effort::Normal);
-        }
+        check(&codes, 8, Effort::Normal);
     });
 }
