@@ -168,8 +168,8 @@ fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
         return Some(Solution::FLAT);
     }
     match effort {
-        Effort::Fast => quick::search(tile, quick::FEW_LINES),
-        Effort::Normal => quick::search(tile, quick::MANY_LINES),
+        Effort::Fast => quick::best_of(tile, quick::FAST).map(|(_, solution)| solution),
+        Effort::Normal => quick::best_of(tile, quick::NORMAL).map(|(_, solution)| solution),
         Effort::Exhaustive => bounded::search(tile),
     }
 }

@@ -10,7 +10,7 @@
 //! Bounds are kept in 16 bits, in units of 2^shift rounded down, so that eight squares are looked at side by side.
 
 use crate::depth::bc4w::lines::bipartitions;
-use crate::depth::bc4w::quick;
+use crate::depth::bc4w::quick::{self, Trials};
 use crate::depth::bc4w::sums::{Plan, Quantity, lesser, plus};
 use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
 use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
@@ -20,8 +20,8 @@ use crate::depth::quantise::BACKGROUND_CODE;
 const LANES: usize = 8;
 /// The first squares are this many in a row, or up to twice as many.
 const FIRST_SQUARES: u16 = 8;
-/// Lines that are tried for a good solution to start from.
-const LINES: usize = 8;
+/// What is tried for a good solution to start from.
+const TRIALS: Trials = Trials { fitted: 16, polished: 8 };
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
 const MOST_UNITS: u64 = 32_000;
 
@@ -57,7 +57,7 @@ impl Square {
 
 /// A solution of the lowest squared error within the tile's bound.
 pub fn search(tile: &Tile) -> Option<Solution> {
-    let known = quick::best_of(tile, LINES);
+    let known = quick::best_of(tile, TRIALS);
     // Within the bound, no solution costs more.
     let pixels = u64::from(tile.surfaces.count_ones());
     let most = pixels * u64::from(tile.bound) * u64::from(tile.bound) + 1;
@@ -238,7 +238,7 @@ impl<'a> Search<'a> {
             self.bounds.iter().zip(&self.lines).map(|([a, b], &line)| (a.plus(*b), line)).collect();
         order.sort_unstable();
         for (_, line) in
-            order.into_iter().filter(|(_, line)| !self.tried.contains(line)).take(LINES).collect::<Vec<_>>()
+            order.into_iter().filter(|(_, line)| !self.tried.contains(line)).take(TRIALS.polished).collect::<Vec<_>>()
         {
             self.tried.push(line);
             if let Some((cost, solution)) = quick::solve(self.tile, line).filter(|&(cost, _)| cost < self.limit) {

@@ -101,12 +101,26 @@ impl Surfaces {
     }
 }
 
-/// A good pair for a side: its cost is a local minimum, or close to one. None where none was found within the bound.
-pub fn best_pair(tile: &Tile, side: u64) -> Option<Pair> {
+/// How far endpoints are looked for around the least-squares fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Polish {
+    /// The fit alone.
+    None,
+    /// From neighbour to neighbour while the cost falls.
+    Neighbours,
+}
+
+/// A good pair for a side, and about what it costs; polished, that is a local minimum or close to one. None where none
+/// was found within the bound.
+pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> {
+    let (rounds, reach) = match polish {
+        Polish::None => (1, 0),
+        Polish::Neighbours => (8, 1),
+    };
     let surfaces = Surfaces::of(tile, side);
     let lacks = |pair: Pair| tile.background & side != 0 && !pair.palette().contains(&BACKGROUND_CODE);
     if surfaces.count == 0 {
-        return Some(Pair { e0: 0, e1: 0 });
+        return Some((0.0, Pair { e0: 0, e1: 0 }));
     }
     let endpoints = tile.endpoints(side);
     let (first, last) = (i32::from(*endpoints.start()), i32::from(*endpoints.end()));
@@ -124,11 +138,15 @@ pub fn best_pair(tile: &Tile, side: u64) -> Option<Pair> {
         let ends = if tile.bound < u16::MAX { start } else { surfaces.ends(start, steps, floor) };
         let at = ends.map(|end| (end * (8191.0 / 65535.0) + 0.5) as i32);
         let mut centre = at.map(|at| at.clamp(first, last));
+        if descending && centre[0] == centre[1] {
+            // The first mode needs two endpoints.
+            if centre[1] < last { centre[1] += 1 } else { centre[0] -= 1 }
+        }
         let mut least = f32::INFINITY;
-        for _ in 0..8 {
+        for _ in 0..rounds {
             let mut next = centre;
-            for dl in -1..=1 {
-                for dh in -1..=1 {
+            for dl in -reach..=reach {
+                for dh in -reach..=reach {
                     let [low, high] = [centre[0] + dl, centre[1] + dh];
                     if low < first || high > last || high < low + i32::from(descending) {
                         continue;
@@ -150,5 +168,5 @@ pub fn best_pair(tile: &Tile, side: u64) -> Option<Pair> {
             centre = next;
         }
     }
-    best.1
+    best.1.map(|pair| (best.0, pair))
 }

@@ -1,24 +1,35 @@
 //! The searches for every day: the most promising lines, endpoints around a least-squares fit.
 
-use crate::depth::bc4w::fit::best_pair;
+use crate::depth::bc4w::fit::{Polish, best_pair};
 use crate::depth::bc4w::lines::bipartitions;
 use crate::depth::bc4w::sums::{Greatest, Plan, Quantity};
 use crate::depth::bc4w::tile::{Solution, Tile};
 
-/// Lines that `Fast` tries.
-pub const FEW_LINES: usize = 6;
-/// Lines that `Normal` tries.
-pub const MANY_LINES: usize = 28;
-
-/// The best solution found within the tile's bound.
-pub fn search(tile: &Tile, lines: usize) -> Option<Solution> {
-    best_of(tile, lines).map(|(_, solution)| solution)
+/// How many lines are tried with a least-squares fit, and with how many of them the endpoints are polished.
+#[derive(Debug, Clone, Copy)]
+pub struct Trials {
+    /// Lines that are fitted.
+    pub fitted: usize,
+    /// The best of these, that are polished.
+    pub polished: usize,
 }
 
-/// The best solution with one of the most promising lines, and its squared error.
-pub fn best_of(tile: &Tile, lines: usize) -> Option<(u64, Solution)> {
+/// What `Fast` tries.
+pub const FAST: Trials = Trials { fitted: 6, polished: 1 };
+/// What `Normal` tries.
+pub const NORMAL: Trials = Trials { fitted: 48, polished: 8 };
+
+/// The best solution found within the tile's bound, and its squared error.
+pub fn best_of(tile: &Tile, trials: Trials) -> Option<(u64, Solution)> {
+    let rough = |line: usize| {
+        let side_b = bipartitions()[line].side_b;
+        let cost = |side| best_pair(tile, side, Polish::None).map_or(f32::INFINITY, |(cost, _)| cost);
+        (cost(!side_b) + cost(side_b), line)
+    };
+    let mut lines: Vec<(f32, usize)> = ranked(tile, trials.fitted).into_iter().map(rough).collect();
+    lines.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut best: Option<(u64, Solution)> = None;
-    for line in ranked(tile, lines) {
+    for &(_, line) in lines.iter().take(trials.polished) {
         let found = solve(tile, line);
         if found.is_some_and(|(cost, _)| best.is_none_or(|(least, _)| cost < least)) {
             best = found;
@@ -31,7 +42,7 @@ pub fn best_of(tile: &Tile, lines: usize) -> Option<(u64, Solution)> {
 pub fn solve(tile: &Tile, line: usize) -> Option<(u64, Solution)> {
     let parted = bipartitions()[line];
     let solve = |side: u64| {
-        let pair = best_pair(tile, side)?;
+        let (_, pair) = best_pair(tile, side, Polish::Neighbours)?;
         Some((tile.cost(side, pair)?, pair))
     };
     let (cost_a, a) = solve(!parted.side_b)?;
@@ -50,25 +61,43 @@ fn ranked(tile: &Tile, count: usize) -> Vec<usize> {
         moments[pixel] = [1.0, value, value * value, 0.0];
         extremes[pixel] = [Greatest(value), Greatest(-value)];
     }
-    let mut variances = Vec::with_capacity(Plan::all().len());
     let left = |[n, sum, square, _]: [f32; 4]| if n > 0.0 { square - sum * sum / n } else { 0.0 };
+    let mut least_variance = Least::new(count / 2);
     let mut counts = Vec::with_capacity(Plan::all().len());
     Plan::all().for_each_line(&moments, &mut Vec::new(), |line, a, b| {
-        variances.push((left(a) + left(b), line));
+        least_variance.offer(left(a) + left(b), line);
         counts.push([a[0], b[0]]);
     });
-    let mut ranges = Vec::with_capacity(Plan::all().len());
     let range = |[high, low]: [Greatest; 2]| if high.0 + low.0 > 0.0 { high.0 + low.0 } else { 0.0 };
+    let mut least_range = Least::new(count / 2);
     Plan::all().for_each_line(&extremes, &mut Vec::new(), |line, a, b| {
         let [of_a, of_b] = counts[line];
-        ranges.push((of_a * range(a) * range(a) + of_b * range(b) * range(b), line));
+        least_range.offer(of_a * range(a) * range(a) + of_b * range(b) * range(b), line);
     });
     let mut chosen = vec![0];
-    for mut scores in [variances, ranges] {
-        scores.select_nth_unstable_by(count / 2, |a, b| a.0.total_cmp(&b.0));
-        chosen.extend(scores[..count / 2].iter().map(|&(_, line)| line));
-    }
+    chosen.extend(least_variance.best.iter().chain(&least_range.best).map(|&(_, line)| line));
     chosen.sort_unstable();
     chosen.dedup();
     chosen
+}
+
+/// The lines of the least scores, the earlier one of equals.
+struct Least {
+    count: usize,
+    best: Vec<(f32, usize)>,
+}
+
+impl Least {
+    fn new(count: usize) -> Least {
+        Least { count, best: Vec::with_capacity(count + 1) }
+    }
+
+    #[inline]
+    fn offer(&mut self, score: f32, line: usize) {
+        if self.best.len() < self.count || self.best.last().is_some_and(|&(worst, _)| score < worst) {
+            let at = self.best.partition_point(|&(other, _)| other <= score);
+            self.best.insert(at, (score, line));
+            self.best.truncate(self.count);
+        }
+    }
 }

@@ -192,7 +192,8 @@ fn literally(codes: &[u16], bound: u16) -> Option<Accuracy> {
 
 #[test]
 fn exhaustive_finds_what_the_literal_search_finds_and_normal_comes_close() {
-    let decibels = |errors: &mut dyn Iterator<Item = u64>| errors.map(|e| 10.0 * (e.max(1) as f64).log10()).sum::<f64>();
+    let decibels =
+        |errors: &mut dyn Iterator<Item = u64>| errors.map(|e| 10.0 * (e.max(1) as f64).log10()).sum::<f64>();
     let errors: Vec<[u64; 3]> = (0..2000)
         .into_par_iter()
         .map(|seed| {
