@@ -1,18 +1,20 @@
-//! BC4w: 8×8 codes in 32 bytes (depth.md 13).
+//! BC4w: 8×8 codes in 32 bytes (depth.md 8).
 //!
 //! Enters: a block of level 1. Leaves: its 32 bytes, from which [`Bc4w::decode`] makes codes with integers alone.
 //!
-//! Based on: BC4w 3.3, figure 3, algorithm 1. A line parts the pixels; each side has a palette of eight codes between
+//! Based on: GDC 3.3, figure 3, algorithm 1. A line parts the pixels; each side has a palette of eight codes between
 //! two endpoints, as BC4 has; each pixel has an index into its side's palette.
 //!
-//! What an encoder may choose, and what the efforts search: every bipartition that a line makes ([`lines`]); for each
-//! side, both endpoints among the 13-bit endpoints within [`PAD`] of the block's surfaces, in both modes. `Exhaustive`
-//! tries all of them ([`literal`]), `Normal` finds the same squared error by branch and bound ([`bounded`]), `Fast`
-//! tries few lines and the endpoints of a least-squares fit ([`quick`]).
+//! What an encoder may choose: every bipartition that a line makes ([`lines`]); for each side, both endpoints among the
+//! 13-bit endpoints within [`PAD`] of the side's surfaces, in both modes. Tests try all of it ([`literal`]).
+//! `Exhaustive` finds the same squared error by branch and bound ([`bounded`], which says where that is not proven).
+//! `Normal` and `Fast` take the most promising lines, many or few, and the endpoints around a least-squares fit
+//! ([`quick`]): the exact search takes milliseconds a block, and the last tenths of a decibel are seldom worth it.
 
 mod bounded;
 mod fit;
 pub mod lines;
+#[cfg(test)]
 mod literal;
 mod quick;
 mod sums;
@@ -29,15 +31,12 @@ use tile::{Solution, Tile};
 
 /// Bytes of a block.
 pub const BYTES: usize = 32;
-/// Where the four bytes are that a marker would fill with ones (depth.md 12).
+/// Where the four bytes are that a marker would fill with ones (depth.md 7).
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 /// The largest endpoint; it stands for 65535.
 pub const MAX_ENDPOINT: u16 = 8191;
-/// How many endpoints beyond the smallest and the largest surface of a block are searched.
-///
-/// One is eight codes. Within a stretch of 1024 endpoints the palette of (e0 + j, e1) has the entries of (e0, e1) moved
-/// by j times 8/7 (or 8/5), 16/7, …, so steps of j = 0 to 6 reach all there are below a code of the range's end; farther
-/// out, entries only fall outside the range and those inside grow apart. The paper pads by 255 codes (algorithm 1).
+/// How many endpoints, of eight codes each, beyond the smallest and the largest surface of a side are searched. The
+/// paper pads by 255 codes (algorithm 1). A wider pad can still gain a little, where no nearby pair has its rounding.
 pub const PAD: u16 = 8;
 
 /// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
@@ -165,10 +164,13 @@ pub fn encode_within(block: &Block<'_>, bound: u16, effort: Effort) -> Option<(B
 
 /// The best solution within the tile's bound.
 fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
+    if tile.surfaces == 0 {
+        return Some(Solution::FLAT);
+    }
     match effort {
-        Effort::Fast => quick::search(tile),
-        Effort::Normal => bounded::search(tile),
-        Effort::Exhaustive => literal::search(tile),
+        Effort::Fast => quick::search(tile, quick::FEW_LINES),
+        Effort::Normal => quick::search(tile, quick::MANY_LINES),
+        Effort::Exhaustive => bounded::search(tile),
     }
 }
 

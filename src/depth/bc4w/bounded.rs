@@ -1,16 +1,18 @@
-//! The normal search: branch and bound over pairs of endpoints, for all lines at once.
+//! The exhaustive search: branch and bound over pairs of endpoints, for all lines at once.
 //!
 //! The plane of pairs is covered with squares. Over a square, each entry of the palette moves between its values at two
 //! corners, since it grows with both endpoints; a pixel's distance to the nearest of these eight intervals is at most
-//! what any pair of the square costs it. Sums over a side bound the side's cost from below, exactly so where a square
-//! is a single pair. A line goes once the bounds of its sides add up to no less than what is known to be possible; a
-//! square goes once it helps no line that is left; the squares that remain are cut in four. What is left in the end has
-//! the lowest squared error of the literal search, or there is nothing better than what was known.
+//! what any pair of the square costs it. Sums over a side bound the side's cost from below. A line goes once the bounds
+//! of its sides add up to no less than what is known to be possible; a square goes once it helps no line that is left;
+//! the squares that remain are cut in four. Of the lines and pairs that are left in the end, the costs are computed
+//! exactly: the lowest is that of the literal search, or nothing is better than what was known.
+//!
+//! Bounds are kept in 16 bits, in units of 2^shift rounded down, so that eight squares are looked at side by side.
 
 use crate::depth::bc4w::lines::bipartitions;
 use crate::depth::bc4w::quick;
-use crate::depth::bc4w::sums::{Plan, Real, greater, lesser};
-use crate::depth::bc4w::tile::{Solution, Tile};
+use crate::depth::bc4w::sums::{Plan, Quantity, lesser, plus};
+use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
 use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
 use crate::depth::quantise::BACKGROUND_CODE;
 
@@ -20,6 +22,13 @@ const LANES: usize = 8;
 const FIRST_SQUARES: u16 = 8;
 /// Lines that are tried for a good solution to start from.
 const LINES: usize = 8;
+/// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
+const MOST_UNITS: u64 = 32_000;
+
+/// Where more squares than this are left, the search ends with what it knows, and the result is not proven to be that
+/// of the literal search. It happens where whole families of pairs are about as good as each other, on tiles whose
+/// codes lie far apart.
+const MOST_SQUARES: usize = 1 << 13;
 
 /// BC4's two modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,65 +45,98 @@ struct Square {
     high: u16,
 }
 
+impl Square {
+    /// The one pair of a square of size 1.
+    fn pair(self) -> Pair {
+        match self.mode {
+            Mode::Eight => Pair { e0: self.high, e1: self.low },
+            Mode::Six => Pair { e0: self.low, e1: self.high },
+        }
+    }
+}
+
 /// A solution of the lowest squared error within the tile's bound.
 pub fn search(tile: &Tile) -> Option<Solution> {
     let known = quick::best_of(tile, LINES);
-    let pixels = u64::from(tile.surfaces.count_ones());
     // Within the bound, no solution costs more.
+    let pixels = u64::from(tile.surfaces.count_ones());
     let most = pixels * u64::from(tile.bound) * u64::from(tile.bound) + 1;
     let limit = known.map_or(most, |(cost, _)| cost);
-    let better = if limit == 0 {
-        None
-    } else if limit < 1 << 24 {
-        Search::<f32>::new(tile, limit).run()
-    } else {
-        Search::<f64>::new(tile, limit).run()
-    };
-    better.or(known.map(|(_, solution)| solution))
+    let known = known.map(|(_, solution)| solution);
+    if limit == 0 { known } else { Search::new(tile, limit, known).run() }
 }
 
-/// Levels of the palettes of squares: for each index, what it is at least and at most.
-struct Levels<T> {
-    least: [[T; LANES]; 8],
-    most: [[T; LANES]; 8],
-    /// What the background costs.
-    background: [T; LANES],
+/// For each index, its code over a square at least and at most; what the background costs.
+struct Levels {
+    least: [[u16; LANES]; 8],
+    most: [[u16; LANES]; 8],
+    background: [i16; LANES],
 }
 
-struct Search<'a, T> {
+/// What each pixel costs at least over each of some squares.
+type Costs<T, const L: usize> = [[T; L]; 64];
+
+struct Search<'a> {
     tile: &'a Tile,
-    /// Solutions must cost less.
-    limit: T,
+    /// The best solution that is known.
+    known: Option<Solution>,
+    /// Its cost; solutions that are sought cost less.
+    limit: u64,
+    /// The same in units.
+    unit_limit: i16,
+    shift: u32,
     first: u16,
     last: u16,
     /// Places of the lines that are left.
     lines: Vec<usize>,
     plan: Plan,
     /// What sides A and B of these lines cost at least, if the line is to be better than the limit.
-    bounds: Vec<[T; 2]>,
+    bounds: Vec<[i16; 2]>,
+    /// First and last endpoint of sides A and B of these lines.
+    ranges: Vec<[[i16; 2]; 2]>,
+    /// Lines with which solutions were tried.
+    tried: Vec<usize>,
+    /// Squares of more endpoints say too little about lines to try any.
+    try_below: u16,
 }
 
-impl<'a, T: Real> Search<'a, T> {
-    fn new(tile: &'a Tile, limit: u64) -> Search<'a, T> {
-        let endpoints = tile.endpoints();
+impl<'a> Search<'a> {
+    fn new(tile: &'a Tile, limit: u64, known: Option<Solution>) -> Search<'a> {
+        let endpoints = tile.endpoints(u64::MAX);
         let plan = Plan::all().clone();
-        let zero = T::from_code(0);
+        let mut shift = 0;
+        while limit.div_ceil(1 << shift) > MOST_UNITS {
+            shift += 1;
+        }
         Search {
             tile,
-            limit: T::from_sum(limit),
+            known,
+            limit,
+            unit_limit: limit.div_ceil(1 << shift) as i16,
+            shift,
             first: *endpoints.start(),
             last: *endpoints.end(),
             lines: (0..plan.len()).collect(),
-            bounds: vec![[zero; 2]; plan.len()],
+            bounds: vec![[0; 2]; plan.len()],
+            ranges: bipartitions()
+                .iter()
+                .map(|parted| {
+                    [!parted.side_b, parted.side_b].map(|side| {
+                        let range = tile.endpoints(side);
+                        [*range.start() as i16, *range.end() as i16]
+                    })
+                })
+                .collect(),
+            tried: Vec::new(),
+            try_below: u16::MAX,
             plan,
         }
     }
 
-    /// A solution below the limit, the best there is.
+    /// The best solution there is.
     fn run(mut self) -> Option<Solution> {
         let count = self.last - self.first + 1;
-        let mut size = (count / FIRST_SQUARES).max(1);
-        size = 1 << size.ilog2();
+        let mut size = 1 << (count / FIRST_SQUARES).max(1).ilog2();
         let starts = || (self.first..=self.last).step_by(usize::from(size));
         let mut squares: Vec<Square> = [Mode::Eight, Mode::Six]
             .into_iter()
@@ -104,10 +146,13 @@ impl<'a, T: Real> Search<'a, T> {
         loop {
             let kept = self.pass(&squares, size);
             if self.lines.is_empty() {
-                return None;
+                return self.known;
             }
             if size == 1 {
-                return self.solution(&kept);
+                return self.exact(&kept).or(self.known);
+            }
+            if kept.len() > MOST_SQUARES {
+                return self.known;
             }
             size /= 2;
             squares.clear();
@@ -131,45 +176,81 @@ impl<'a, T: Real> Search<'a, T> {
         }
     }
 
-    /// Bounds lines and squares; drops lines and returns the squares that are left.
+    /// Bounds lines, drops lines, and returns the squares that help those that are left.
     fn pass(&mut self, squares: &[Square], size: u16) -> Vec<Square> {
-        let mut kept = Vec::new();
-        let mut least = vec![[[T::CAP; LANES]; 2]; self.lines.len()];
+        let costs: Vec<_> = squares.chunks(LANES).map(|group| self.costs(&self.levels(group, size))).collect();
         let mut room = Vec::new();
-        for group in squares.chunks(LANES) {
-            let costs = self.costs(&self.levels(group, size));
-            let mut total = [T::CAP + T::CAP; LANES];
-            let bounds = &self.bounds;
-            self.plan.for_each_line(&costs, &mut room, |line, a, b| {
-                let [other_a, other_b] = bounds[line];
+        let mut least = vec![[[i16::MOST; LANES]; 2]; self.lines.len()];
+        let ranges = &self.ranges;
+        for (group, costs) in squares.chunks(LANES).zip(&costs) {
+            let ends = ends(group, size);
+            self.plan.for_each_line(costs, &mut room, |line, a, b| {
+                let (a, b) = (within(ranges[line][0], &ends, a), within(ranges[line][1], &ends, b));
                 let [least_a, least_b] = &mut least[line];
                 for lane in 0..LANES {
                     least_a[lane] = lesser(a[lane], least_a[lane]);
                     least_b[lane] = lesser(b[lane], least_b[lane]);
-                    total[lane] = lesser(lesser(a[lane] + other_b, b[lane] + other_a), total[lane]);
                 }
             });
-            kept.extend(group.iter().zip(total).filter(|(_, total)| *total < self.limit).map(|(square, _)| *square));
         }
-        let mut places = Vec::new();
-        self.bounds.clear();
-        for (place, least) in least.iter().enumerate() {
-            let [a, b] = least.map(|lanes| lanes.into_iter().fold(T::CAP, lesser));
-            if a + b < self.limit {
-                places.push(place);
-                self.bounds.push([a, b]);
-            }
+        self.bounds = least.iter().map(|sides| sides.map(|lanes| lanes.into_iter().fold(i16::MOST, lesser))).collect();
+        self.drop_lines();
+        if size <= self.try_below {
+            self.try_lines();
+            self.drop_lines();
         }
-        if places.len() < self.lines.len() {
-            self.lines = places.iter().map(|&place| self.lines[place]).collect();
-            self.plan = self.plan.of_some(&places);
+        let mut kept = Vec::new();
+        for (group, costs) in squares.chunks(LANES).zip(&costs) {
+            let mut total = [i16::MOST; LANES];
+            let (bounds, ranges) = (&self.bounds, &self.ranges);
+            let ends = ends(group, size);
+            self.plan.for_each_line(costs, &mut room, |line, a, b| {
+                let (a, b) = (within(ranges[line][0], &ends, a), within(ranges[line][1], &ends, b));
+                let [other_a, other_b] = bounds[line].map(|bound| [bound; LANES]);
+                let (a, b) = (plus(a, other_b), plus(b, other_a));
+                for lane in 0..LANES {
+                    total[lane] = lesser(lesser(a[lane], b[lane]), total[lane]);
+                }
+            });
+            kept.extend(
+                group.iter().zip(total).filter(|(_, total)| *total < self.unit_limit).map(|(square, _)| *square),
+            );
         }
         kept
     }
 
-    fn levels(&self, group: &[Square], size: u16) -> Levels<T> {
-        let zero = T::from_code(0);
-        let mut levels = Levels { least: [[zero; LANES]; 8], most: [[zero; LANES]; 8], background: [T::CAP; LANES] };
+    /// Drops lines that cannot be better than the limit.
+    fn drop_lines(&mut self) {
+        let places: Vec<usize> = (0..self.lines.len())
+            .filter(|&place| self.bounds[place][0].plus(self.bounds[place][1]) < self.unit_limit)
+            .collect();
+        if places.len() < self.lines.len() {
+            self.lines = places.iter().map(|&place| self.lines[place]).collect();
+            self.bounds = places.iter().map(|&place| self.bounds[place]).collect();
+            self.ranges = places.iter().map(|&place| self.ranges[place]).collect();
+            self.plan = self.plan.of_some(&places);
+        }
+    }
+
+    /// Lowers the limit with good solutions of the lines with the lowest bounds.
+    fn try_lines(&mut self) {
+        let mut order: Vec<(i16, usize)> =
+            self.bounds.iter().zip(&self.lines).map(|([a, b], &line)| (a.plus(*b), line)).collect();
+        order.sort_unstable();
+        for (_, line) in
+            order.into_iter().filter(|(_, line)| !self.tried.contains(line)).take(LINES).collect::<Vec<_>>()
+        {
+            self.tried.push(line);
+            if let Some((cost, solution)) = quick::solve(self.tile, line).filter(|&(cost, _)| cost < self.limit) {
+                self.limit = cost;
+                self.unit_limit = cost.div_ceil(1 << self.shift) as i16;
+                self.known = Some(solution);
+            }
+        }
+    }
+
+    fn levels(&self, group: &[Square], size: u16) -> Levels {
+        let mut levels = Levels { least: [[0; LANES]; 8], most: [[0; LANES]; 8], background: [i16::MOST; LANES] };
         for lane in 0..LANES {
             let Square { mode, low, high } = group[lane.min(group.len() - 1)];
             let [most_low, most_high] = [low, high].map(|at| (at + size - 1).min(self.last));
@@ -178,37 +259,38 @@ impl<'a, T: Real> Search<'a, T> {
                 Mode::Six => (Pair::six([low, high]), Pair::six([most_low, most_high])),
             };
             if mode == Mode::Six || most_high == MAX_ENDPOINT {
-                levels.background[lane] = zero;
+                levels.background[lane] = 0;
             }
             // The background is no surface; another code of the palette stands in.
             let spare = if least[1] == BACKGROUND_CODE { 6 } else { 1 };
             for i in 0..8 {
                 let at = if least[i] == BACKGROUND_CODE { spare } else { i };
-                levels.least[i][lane] = T::from_code(u32::from(least[at]));
-                levels.most[i][lane] = T::from_code(u32::from(most[at].min(BACKGROUND_CODE - 1)));
+                levels.least[i][lane] = least[at];
+                levels.most[i][lane] = most[at].min(BACKGROUND_CODE - 1);
             }
         }
         levels
     }
 
     /// What each pixel costs at least.
-    fn costs(&self, levels: &Levels<T>) -> [[T; LANES]; 64] {
-        let zero = T::from_code(0);
-        let bound = T::from_code(u32::from(self.tile.bound));
-        let mut costs = [[zero; LANES]; 64];
+    fn costs(&self, levels: &Levels) -> Costs<i16, LANES> {
+        // The largest error whose square fits into 15 bits.
+        let most = ((1u64 << (15 + self.shift)) - 1).isqrt().min(65535) as u16;
+        let mut costs = [[0; LANES]; 64];
         for (pixel, costs) in costs.iter_mut().enumerate() {
             if self.tile.surfaces >> pixel & 1 != 0 {
-                let code = T::from_code(u32::from(self.tile.codes[pixel]));
-                let mut nearest = [T::CAP; LANES];
+                let code = self.tile.codes[pixel];
+                let mut nearest = [u16::MAX; LANES];
                 for (least, most) in levels.least.iter().zip(&levels.most) {
                     for lane in 0..LANES {
-                        let outside = greater(least[lane] - code, code - most[lane]);
-                        nearest[lane] = lesser(outside, nearest[lane]);
+                        let outside = least[lane].saturating_sub(code) | code.saturating_sub(most[lane]);
+                        nearest[lane] = nearest[lane].min(outside);
                     }
                 }
                 for lane in 0..LANES {
-                    let error = greater(nearest[lane], zero);
-                    costs[lane] = if error > bound { T::CAP } else { lesser(error * error, T::CAP) };
+                    let error = u32::from(nearest[lane].min(most));
+                    let cost = (error * error >> self.shift) as i16;
+                    costs[lane] = if nearest[lane] > self.tile.bound { i16::MOST } else { cost };
                 }
             } else if self.tile.background >> pixel & 1 != 0 {
                 *costs = levels.background;
@@ -217,22 +299,62 @@ impl<'a, T: Real> Search<'a, T> {
         costs
     }
 
-    /// The solution of the line with the least bounds, when squares are single pairs and bounds are costs.
-    fn solution(&self, pairs: &[Square]) -> Option<Solution> {
-        let total = |place: &usize| self.bounds[*place][0] + self.bounds[*place][1];
-        let place = (0..self.lines.len())
-            .min_by(|a, b| total(a).partial_cmp(&total(b)).unwrap_or(std::cmp::Ordering::Equal))?;
-        let parted = bipartitions()[self.lines[place]];
-        let find = |side: u64, cost: T| {
-            pairs
-                .iter()
-                .map(|square| match square.mode {
-                    Mode::Eight => Pair { e0: square.high, e1: square.low },
-                    Mode::Six => Pair { e0: square.low, e1: square.high },
-                })
-                .find(|&pair| self.tile.cost(side, pair).is_some_and(|found| T::from_sum(found) == cost))
-        };
-        let [a, b] = self.bounds[place];
-        Some(Solution { line: parted.line, pairs: [find(!parted.side_b, a)?, find(parted.side_b, b)?] })
+    /// The best solution below the limit with the lines that are left and these pairs.
+    fn exact(&self, squares: &[Square]) -> Option<Solution> {
+        const FEW: usize = 4;
+        let mut best = vec![[(f64::MOST, Pair { e0: 0, e1: 0 }); 2]; self.lines.len()];
+        let mut room = Vec::new();
+        for group in squares.chunks(FEW) {
+            let pairs: [Pair; FEW] = std::array::from_fn(|lane| group[lane.min(group.len() - 1)].pair());
+            self.plan.for_each_line(&self.exact_costs(pairs), &mut room, |line, a, b| {
+                for ((best, costs), [first, last]) in best[line].iter_mut().zip([a, b]).zip(self.ranges[line]) {
+                    for lane in 0..FEW {
+                        let Pair { e0, e1 } = pairs[lane];
+                        let inside = e0.min(e1) as i16 >= first && e0.max(e1) as i16 <= last;
+                        if inside && costs[lane] < best.0 {
+                            *best = (costs[lane], pairs[lane]);
+                        }
+                    }
+                }
+            });
+        }
+        let (&line, best) =
+            self.lines.iter().zip(best).min_by(|(_, [a, b]), (_, [c, d])| (a.0 + b.0).total_cmp(&(c.0 + d.0)))?;
+        let [a, b] = best;
+        (a.0 + b.0 < self.limit as f64).then_some(Solution { line: bipartitions()[line].line, pairs: [a.1, b.1] })
     }
+
+    fn exact_costs<const L: usize>(&self, pairs: [Pair; L]) -> Costs<f64, L> {
+        let palettes = pairs.map(Pair::palette);
+        let levels = palettes.map(surface_codes);
+        let background = palettes.map(|palette| if palette.contains(&BACKGROUND_CODE) { 0.0 } else { f64::MOST });
+        std::array::from_fn(|pixel| {
+            if self.tile.surfaces >> pixel & 1 != 0 {
+                let code = self.tile.codes[pixel];
+                levels.map(|levels| {
+                    let error = levels.iter().fold(u16::MAX, |least, level| least.min(level.abs_diff(code)));
+                    if error > self.tile.bound { f64::MOST } else { f64::from(error) * f64::from(error) }
+                })
+            } else if self.tile.background >> pixel & 1 != 0 {
+                background
+            } else {
+                [0.0; L]
+            }
+        })
+    }
+}
+
+/// The largest low endpoint and the smallest high endpoint of squares.
+fn ends(group: &[Square], size: u16) -> [[i16; LANES]; 2] {
+    let at = |lane: usize| group[lane.min(group.len() - 1)];
+    [std::array::from_fn(|lane| (at(lane).low + size - 1) as i16), std::array::from_fn(|lane| at(lane).high as i16)]
+}
+
+/// The costs of a side, too much for squares that have no pair within the side's endpoints.
+#[inline(always)]
+fn within([first, last]: [i16; 2], [low, high]: &[[i16; LANES]; 2], mut costs: [i16; LANES]) -> [i16; LANES] {
+    for lane in 0..LANES {
+        costs[lane] = if (low[lane] < first) | (high[lane] > last) { i16::MOST } else { costs[lane] };
+    }
+    costs
 }

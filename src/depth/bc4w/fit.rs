@@ -108,7 +108,7 @@ pub fn best_pair(tile: &Tile, side: u64) -> Option<Pair> {
     if surfaces.count == 0 {
         return Some(Pair { e0: 0, e1: 0 });
     }
-    let endpoints = tile.endpoints();
+    let endpoints = tile.endpoints(side);
     let (first, last) = (i32::from(*endpoints.start()), i32::from(*endpoints.end()));
     let bound = f32::from(tile.bound);
     let [low, high] = surfaces.extremes();

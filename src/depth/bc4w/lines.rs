@@ -1,4 +1,4 @@
-//! Lines of a BC4w block and the ways in which they part its 64 pixels (depth.md 13).
+//! Lines of a BC4w block and the ways in which they part its 64 pixels (depth.md 8).
 //!
 //! A mask has bit 8y + x for pixel (x, y).
 

@@ -1,4 +1,4 @@
-//! The literal search: every bipartition with every pair of endpoints (BC4w, algorithm 1, without its coarse level).
+//! The literal search: every bipartition with every pair of endpoints (GDC, algorithm 1, without its coarse level).
 //!
 //! As plain as can be, since the other efforts are measured against it. Pairs are the outer loop, as in the paper: what
 //! a pair costs in each pixel is the same for all lines.
@@ -24,15 +24,17 @@ pub fn search(tile: &Tile) -> Option<Solution> {
     let lines = bipartitions();
     let rows: Vec<[u8; 8]> = lines.iter().map(|parted| parted.side_b.to_le_bytes()).collect();
     let mut best = vec![[none; 2]; lines.len()];
-    for e0 in tile.endpoints() {
-        for e1 in tile.endpoints() {
+    let ranges: Vec<_> =
+        lines.iter().map(|parted| [!parted.side_b, parted.side_b].map(|side| tile.endpoints(side))).collect();
+    for e0 in tile.endpoints(u64::MAX) {
+        for e1 in tile.endpoints(u64::MAX) {
             let pair = Pair { e0, e1 };
             let sums = row_sums(&pixel_costs(tile, pair));
             let total: u64 = sums.iter().map(|row| row[0xff]).sum();
-            for (best, rows) in best.iter_mut().zip(&rows) {
+            for ((best, rows), ranges) in best.iter_mut().zip(&rows).zip(&ranges) {
                 let b: u64 = (0..8).map(|y| sums[y][usize::from(rows[y])]).sum();
-                for (best, cost) in best.iter_mut().zip([total - b, b]) {
-                    if cost < best.cost {
+                for ((best, cost), range) in best.iter_mut().zip([total - b, b]).zip(ranges) {
+                    if cost < best.cost && range.contains(&e0) && range.contains(&e1) {
                         *best = Best { cost, pair };
                     }
                 }

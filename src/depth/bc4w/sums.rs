@@ -4,7 +4,6 @@
 //! are shared by many lines. Several quantities, the *lanes*, are summed side by side, which is what processors like.
 
 use std::collections::BTreeMap;
-use std::ops::{Add, Mul, Sub};
 use std::sync::LazyLock;
 
 use crate::depth::bc4w::lines::bipartitions;
@@ -14,46 +13,62 @@ const ROW_SUMS: usize = 16;
 /// Sums of all eight rows.
 const LEAVES: usize = 8 * ROW_SUMS;
 
-/// A float whose sums of integers up to [`Real::CAP`] are exact; above it they stay above.
-pub trait Real: Copy + PartialOrd + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {
-    /// Stands for everything that is too much. Roundings are monotone, so no sum that contains it is below it.
-    const CAP: Self;
-    /// An integer up to 2^24.
-    fn from_code(code: u32) -> Self;
-    /// The float of an integer, which is exact up to the cap.
-    fn from_sum(sum: u64) -> Self;
+/// What is summed. Sums grow with what they are made of, also where they are rounded or saturate.
+pub trait Quantity: Copy + PartialOrd {
+    /// The sum of nothing.
+    const ZERO: Self;
+    /// At least every sum that matters.
+    const MOST: Self;
+    /// The sum of two.
+    fn plus(self, other: Self) -> Self;
 }
 
-impl Real for f32 {
-    const CAP: f32 = 16_777_216.0;
-    fn from_code(code: u32) -> f32 {
-        code as f32
-    }
-    fn from_sum(sum: u64) -> f32 {
-        sum as f32
+/// Saturates.
+impl Quantity for i16 {
+    const ZERO: i16 = 0;
+    const MOST: i16 = i16::MAX;
+    #[inline(always)]
+    fn plus(self, other: i16) -> i16 {
+        self.saturating_add(other)
     }
 }
 
-impl Real for f64 {
-    const CAP: f64 = 1_099_511_627_776.0;
-    fn from_code(code: u32) -> f64 {
-        f64::from(code)
+impl Quantity for f32 {
+    const ZERO: f32 = 0.0;
+    const MOST: f32 = f32::MAX;
+    #[inline(always)]
+    fn plus(self, other: f32) -> f32 {
+        self + other
     }
-    fn from_sum(sum: u64) -> f64 {
-        sum as f64
+}
+
+/// The greatest of all takes the place of the sum.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Greatest(pub f32);
+
+impl Quantity for Greatest {
+    const ZERO: Greatest = Greatest(f32::MIN);
+    const MOST: Greatest = Greatest(f32::MAX);
+    #[inline(always)]
+    fn plus(self, other: Greatest) -> Greatest {
+        if self.0 > other.0 { self } else { other }
+    }
+}
+
+/// Exact for integers up to 2^53, which 64 squared differences do not reach.
+impl Quantity for f64 {
+    const ZERO: f64 = 0.0;
+    const MOST: f64 = 1e14;
+    #[inline(always)]
+    fn plus(self, other: f64) -> f64 {
+        self + other
     }
 }
 
 /// The lesser; no NaN occurs.
 #[inline(always)]
-pub fn lesser<T: Real>(a: T, b: T) -> T {
+pub fn lesser<T: Quantity>(a: T, b: T) -> T {
     if a < b { a } else { b }
-}
-
-/// The greater; no NaN occurs.
-#[inline(always)]
-pub fn greater<T: Real>(a: T, b: T) -> T {
-    if a > b { a } else { b }
 }
 
 /// Which sums make up the sides of which lines.
@@ -137,39 +152,45 @@ impl Plan {
 
     /// Calls `each` with every line's place and the sums of its sides A and B. `room` is kept between calls.
     #[inline(always)]
-    pub fn for_each_line<T: Real, const L: usize>(
+    pub fn for_each_line<T: Quantity, const L: usize>(
         &self,
         pixels: &[[T; L]; 64],
         room: &mut Vec<[T; L]>,
         mut each: impl FnMut(usize, [T; L], [T; L]),
     ) {
-        room.clear();
-        for row in pixels.chunks_exact(8) {
-            let mut sum = [T::from_code(0); L];
-            room.push(sum);
-            for pixel in row {
-                sum = plus(sum, *pixel);
-                room.push(sum);
+        room.resize(LEAVES + self.parts.len(), [T::ZERO; L]);
+        for (row, sums) in pixels.chunks_exact(8).zip(room.chunks_exact_mut(ROW_SUMS)) {
+            sums[0] = [T::ZERO; L];
+            for x in 0..8 {
+                sums[x + 1] = plus(sums[x], row[x]);
             }
-            sum = [T::from_code(0); L];
-            for pixel in row[1..].iter().rev() {
-                sum = plus(sum, *pixel);
-                room.push(sum);
+            sums[9] = row[7];
+            for x in 1..7 {
+                sums[9 + x] = plus(sums[8 + x], row[7 - x]);
             }
         }
-        for &[a, b] in &self.parts {
-            room.push(plus(room[usize::from(a)], room[usize::from(b)]));
+        for (at, &[a, b]) in self.parts.iter().enumerate() {
+            let (before, rest) = room.split_at_mut(LEAVES + at);
+            let (a, b, sum) = (&before[usize::from(a)], &before[usize::from(b)], &mut rest[0]);
+            for lane in 0..L {
+                sum[lane] = a[lane].plus(b[lane]);
+            }
         }
         for (line, side) in self.sides.iter().enumerate() {
-            let [a0, a1, b0, b1] = side.map(|sum| room[usize::from(sum)]);
-            each(line, plus(a0, a1), plus(b0, b1));
+            let [a0, a1, b0, b1] = side.map(|sum| &room[usize::from(sum)]);
+            let (mut a, mut b) = ([T::ZERO; L], [T::ZERO; L]);
+            for lane in 0..L {
+                a[lane] = a0[lane].plus(a1[lane]);
+                b[lane] = b0[lane].plus(b1[lane]);
+            }
+            each(line, a, b);
         }
     }
 }
 
 #[inline(always)]
-fn plus<T: Real, const L: usize>(a: [T; L], b: [T; L]) -> [T; L] {
-    std::array::from_fn(|lane| a[lane] + b[lane])
+pub fn plus<T: Quantity, const L: usize>(a: [T; L], b: [T; L]) -> [T; L] {
+    std::array::from_fn(|lane| a[lane].plus(b[lane]))
 }
 
 #[cfg(test)]

@@ -57,9 +57,18 @@ impl Tile {
         tile
     }
 
-    /// The endpoints that a search considers; only 0 where there is no surface.
-    pub fn endpoints(&self) -> RangeInclusive<u16> {
-        let Some([low, high]) = self.extremes else { return 0..=0 };
+    /// The endpoints that a search considers for a side; all where the side has no surface.
+    pub fn endpoints(&self, side: u64) -> RangeInclusive<u16> {
+        let (mut low, mut high) = (u16::MAX, 0);
+        let mut rest = self.surfaces & side;
+        if rest == 0 {
+            return 0..=MAX_ENDPOINT;
+        }
+        while rest != 0 {
+            let code = self.codes[rest.trailing_zeros() as usize];
+            (low, high) = (low.min(code), high.max(code));
+            rest &= rest - 1;
+        }
         (low >> 3).saturating_sub(PAD)..=((high >> 3) + PAD).min(MAX_ENDPOINT)
     }
 
