@@ -14,7 +14,7 @@ const DEFAULT_MAX_ERROR: u16 = 300;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold quadtree face_px/depth.%04d.exr --face px -o px.tree.lfold\n  \
-    lightfold quadtree face_px/depth.%04d.exr --face px --max-error 1000 --effort fast -o px.tree.lfold\n  \
+    lightfold quadtree face_px/depth.%04d.exr --max-error 1000 --effort fast -o px.tree.lfold\n  \
     lightfold pack px.tree.lfold --error 30 -o px.lfold\n\n\
     The result is the intermediate form: all codes as they are, and the functions that were found for each node. It \
     decodes without loss; lightfold pack makes the small form of it, at any bound up to --max-error.")]
