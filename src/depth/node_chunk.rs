@@ -8,7 +8,7 @@ use crate::depth::census::NodeCensus;
 use crate::depth::domain::Domain;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::record_table::{self, TableBuilder};
-use crate::depth::runtime::Runtime;
+use crate::depth::runtime::{Runtime, RuntimeFrame};
 use crate::depth::storage::{self, Coverage, SECTION};
 use crate::error::Result;
 
@@ -109,8 +109,13 @@ impl NodeChunk {
     pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         let frames = self.runtime.frames();
         record_table::steps(frames, |frame| frame.frame, at, target, window)
-            .map(|found| self.runtime.apply(picture, frames[found], &self.domain))
+            .map(|found| self.apply(picture, frames[found]))
             .sum()
+    }
+
+    /// Writes the nodes of one of the runtime form's frames into `picture`; answers how many pixels that were.
+    pub fn apply(&self, picture: &mut [u16], frame: RuntimeFrame) -> u64 {
+        self.runtime.apply(picture, frame, &self.domain)
     }
 
     /// The payload's memory, for the next chunk.

@@ -108,7 +108,7 @@ pub fn steps<'a, R>(
             let stop = records.get(next).map_or(target, |record| frame_of(record).min(target));
             frame += (stop - frame - 1) / window * window;
             frame += window.min(target - frame);
-            if let Ok(found) = records.binary_search_by_key(&frame, |record| frame_of(record)) {
+            if let Ok(found) = records.binary_search_by_key(&frame, frame_of) {
                 return Some(found);
             }
         }

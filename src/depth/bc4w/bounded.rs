@@ -289,7 +289,7 @@ impl<'a> Search<'a> {
                 }
                 for lane in 0..LANES {
                     let error = u32::from(nearest[lane].min(most));
-                    let cost = (error * error >> self.shift) as i16;
+                    let cost = ((error * error) >> self.shift) as i16;
                     costs[lane] = if nearest[lane] > self.tile.bound { i16::MOST } else { cost };
                 }
             } else if self.tile.background >> pixel & 1 != 0 {

@@ -132,7 +132,7 @@ pub fn best_pair(tile: &Tile, side: u64, polish: Polish) -> Option<(f32, Pair)> 
             continue;
         }
         // The second mode has code 0 besides: the others need not reach that far down.
-        let floor = if descending || low > 64.0 { 0.0 } else { 64.0 + tile.bound.min(448) as f32 };
+        let floor = if descending || low > 64.0 { 0.0 } else { 64.0 + f32::from(tile.bound.min(448)) };
         let start = if floor > 0.0 && high > 2.0 * floor { [floor, high] } else { [low, high] };
         let floor = if start[0] > low { floor } else { 0.0 };
         let ends = if tile.bound < u16::MAX { start } else { surfaces.ends(start, steps, floor) };

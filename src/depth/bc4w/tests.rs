@@ -3,8 +3,8 @@ use rayon::prelude::*;
 use super::*;
 
 /// What the quicker efforts may lose on adversarial blocks, in dB on average.
-const NORMAL_LOSS_DB: f64 = 0.75;
-const FAST_LOSS_DB: f64 = 0.85;
+const NORMAL_LOSS_DB: f64 = 0.9;
+const FAST_LOSS_DB: f64 = 1.7;
 const EFFORTS: [Effort; 3] = [Effort::Fast, Effort::Normal, Effort::Exhaustive];
 
 /// The seeded numbers of these tests.
@@ -177,7 +177,7 @@ fn adversarial(seed: u64) -> Vec<u16> {
                 }
                 _ => (range / 2) * u32::from(line >> at & 1 != 0) + ((dx * x) / 14).unsigned_abs() / 2,
             };
-            let background = seed % 5 == 0 && (random.below(4) == 0 || line >> at & 1 != 0);
+            let background = seed.is_multiple_of(5) && (random.below(4) == 0 || line >> at & 1 != 0);
             if background { 65535 } else { (base + value.min(range)) as u16 }
         })
         .collect()
