@@ -11,7 +11,7 @@ use crate::depth::precision::{Precision, Shifts};
 use crate::depth::quantise::BACKGROUND_CODE;
 
 /// Pixels that are computed side by side.
-const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// a0 x + a1 y + a2 xy + a3 x² + a4 y² + a5 over the pixels of a node, x and y from 0 at its top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,15 +64,7 @@ impl Biquadratic {
         let (chunks, rest) = row.as_chunks_mut::<LANES>();
         if a3 == 0 {
             let slope = a0.wrapping_add(bend >> 8);
-            let mut lanes = ramp(start, slope);
-            let step = slope.wrapping_mul(LANES as i32);
-            for chunk in chunks {
-                for (pixel, lane) in chunk.iter_mut().zip(&mut lanes) {
-                    *pixel = code(*lane);
-                    *lane = lane.wrapping_add(step);
-                }
-            }
-            rest.iter_mut().zip(lanes).for_each(|(pixel, lane)| *pixel = code(lane));
+            straight(start, slope, row, code);
             return;
         }
         let (mut xs, mut bends) = (ramp(0, 1), ramp(bend, a3));
@@ -87,6 +79,21 @@ impl Biquadratic {
         }
         rest.iter_mut().zip(xs).zip(bends).for_each(|((pixel, x), bend)| *pixel = code(value(x, bend)));
     }
+}
+
+/// Fills a row with the codes of a straight line.
+#[inline]
+pub(crate) fn straight(start: i32, slope: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
+    let (chunks, rest) = row.as_chunks_mut::<LANES>();
+    let mut lanes = ramp(start, slope);
+    let step = slope.wrapping_mul(LANES as i32);
+    for chunk in chunks {
+        for (pixel, lane) in chunk.iter_mut().zip(&mut lanes) {
+            *pixel = code(*lane);
+            *lane = lane.wrapping_add(step);
+        }
+    }
+    rest.iter_mut().zip(lanes).for_each(|(pixel, lane)| *pixel = code(lane));
 }
 
 /// The first values of a straight line.

@@ -3,7 +3,7 @@
 //! Enters: a block of codes and the bound that its approximation must keep. Leaves: integer coefficients and a line,
 //! and codes again. Based on: GDC 3.2, equation 4, after Morvan et al. 2006.
 
-use crate::depth::biquadratic::{Biquadratic, EXACT, Sight, ramp, sample};
+use crate::depth::biquadratic::{Biquadratic, EXACT, LANES, Sight, ramp, sample, straight};
 use crate::depth::block::{Accuracy, Block, BlockMut, side_of};
 use crate::depth::domain::{Domain, DomainKind, VALUE_BITS, log_code};
 use crate::depth::least_squares::{Constants, Frame, Terms};
@@ -101,26 +101,29 @@ impl Platelet {
         }
     }
 
-    /// Evaluates both planes and the side test in all pixels: three sums each, and no branch.
+    /// The line crosses a row once at most: whole groups of pixels before and behind the crossing are straight lines.
     #[inline]
     fn fill_row(&self, test: SideTest, y: i32, row: &mut [u16], code: impl Fn(i32) -> u16) {
         let [a, b] = self.sides;
-        let mut of_a = ramp(a.value(0, y), a.a0);
-        let mut of_b = ramp(b.value(0, y), b.a0);
-        let mut tests = ramp(test.at(0, y), test.across);
-        let steps = [a.a0, b.a0, test.across].map(|step| step.wrapping_mul(of_a.len() as i32));
-        let (chunks, rest) = row.as_chunks_mut::<8>();
-        for chunk in chunks {
-            for x in 0..chunk.len() {
-                chunk[x] = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
-                of_a[x] = of_a[x].wrapping_add(steps[0]);
-                of_b[x] = of_b[x].wrapping_add(steps[1]);
-                tests[x] = tests[x].wrapping_add(steps[2]);
-            }
+        let begin = test.at(0, y);
+        let end = begin + test.across * (row.len() as i32 - 1);
+        let (first, second) = if begin > 0 { (b, a) } else { (a, b) };
+        if (begin > 0) == (end > 0) {
+            straight(first.value(0, y), first.a0, row, code);
+            return;
         }
-        for (x, pixel) in rest.iter_mut().enumerate() {
-            *pixel = code(if tests[x] > 0 { of_b[x] } else { of_a[x] });
+        // The first pixel on the other side.
+        let crossing = if begin > 0 { (begin - test.across - 1) / -test.across } else { -begin / test.across + 1 };
+        let before = crossing as usize / LANES * LANES;
+        let (left, rest) = row.split_at_mut(before.min(row.len()));
+        straight(first.value(0, y), first.a0, left, &code);
+        let (mixed, right) = rest.split_at_mut(LANES.min(rest.len()));
+        let x = before as i32;
+        let (of_first, of_second) = (ramp(first.value(x, y), first.a0), ramp(second.value(x, y), second.a0));
+        for (at, pixel) in mixed.iter_mut().enumerate() {
+            *pixel = code(if before + at < crossing as usize { of_first[at] } else { of_second[at] });
         }
+        straight(second.value(x + LANES as i32, y), second.a0, right, &code);
     }
 }
 
