@@ -254,3 +254,47 @@ fn wide_ranges_are_coded_and_never_read_as_markers() {
         check(&codes, 8, Effort::Normal);
     });
 }
+
+#[cfg(footage_at_hand)]
+fn real_tiles() -> Vec<Vec<u16>> {
+    use crate::depth::DepthRange;
+    use crate::image::{channels::ChannelSelect, exr, limits::ReadLimits};
+    let data = std::path::Path::new(env!("LIGHTFOLD_DATA")).join("sponza1k/probe_00");
+    let range = DepthRange::new(1.4573, 15.351).unwrap();
+    let mut tiles = Vec::new();
+    for face in ["face_px", "face_nz"] {
+        let file = data.join(face).join("depth.0000.exr");
+        let plane = exr::read_depth(&file, &ChannelSelect::Auto, &ReadLimits::default()).unwrap();
+        for at in (0..16384).step_by(29) {
+            let (left, top) = (at % 128 * 8, at / 128 * 8);
+            let row = |y: u32| plane.row(top + y)[left as usize..left as usize + 8].iter().map(|&z| range.code(z));
+            tiles.push((0..8).flat_map(row).collect());
+        }
+    }
+    tiles
+}
+
+#[cfg(not(footage_at_hand))]
+fn real_tiles() -> Vec<Vec<u16>> {
+    Vec::new()
+}
+
+/// The literal search takes as long as the range of codes is wide, squared: tiles of more than 500 codes are left out.
+#[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn exhaustive_finds_what_the_literal_search_finds_in_real_tiles() {
+    let narrow = |codes: &Vec<u16>| codes.iter().max().zip(codes.iter().min()).is_some_and(|(a, b)| a - b <= 500);
+    let tiles: Vec<Vec<u16>> = real_tiles().into_iter().filter(narrow).collect();
+    assert!(tiles.len() > 500, "{} tiles", tiles.len());
+    let losses: Vec<[f64; 2]> = tiles
+        .par_iter()
+        .map(|codes| {
+            let [fast, normal, exhaustive] = EFFORTS.map(|effort| check(codes, 8, effort).squared_error);
+            assert_eq!(Some(exhaustive), literally(codes, u16::MAX).map(|a| a.squared_error), "{codes:?}");
+            assert!(exhaustive <= normal && exhaustive <= fast);
+            [fast, normal].map(|error| 10.0 * (error.max(1) as f64 / exhaustive.max(1) as f64).log10())
+        })
+        .collect();
+    let mean = |at: usize| losses.iter().map(|loss| loss[at]).sum::<f64>() / losses.len() as f64;
+    println!("{} real blocks: fast loses {:.3} dB, normal {:.3} dB", losses.len(), mean(0), mean(1));
+}
