@@ -253,7 +253,14 @@ fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
     };
     let coding = match codec {
         DEPTH_NODES => DepthCoding::Nodes(read_nodes(fields)?),
-        DEPTH_TREE => DepthCoding::Tree(read_nodes(fields)?),
+        DEPTH_TREE => match read_nodes(fields)? {
+            nodes @ NodeHeader { window: 1, .. } => DepthCoding::Tree(nodes),
+            NodeHeader { window, .. } => {
+                return Err(
+                    fields.error(format!("a window of {window} frames, which an intermediate form cannot have"))
+                );
+            }
+        },
         DEPTH_BLOCKS => DepthCoding::Blocks,
         _ => DepthCoding::Boxes(read_temporal(fields)?),
     };
@@ -360,7 +367,7 @@ mod tests {
         vec![
             depth(DepthCoding::Boxes(temporal)),
             depth(DepthCoding::Nodes(nodes)),
-            depth(DepthCoding::Tree(nodes)),
+            depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
             depth(DepthCoding::Blocks),
             CodecHeader::Material(MaterialHeader { temporal }),
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), min_psnr_db: 50.0 }),

@@ -16,3 +16,4 @@ mod quality;
 mod roundtrip;
 mod samples;
 mod vectors;
+mod vectors_of_nodes;

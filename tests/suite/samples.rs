@@ -9,9 +9,17 @@ use lightfold::container::{
     ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
 use lightfold::dataset::stream::DepthKind;
+use lightfold::depth::block_chunk::BlockEncoder;
+use lightfold::depth::domain::{Domain, DomainKind};
+use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
+use lightfold::depth::nodes::Grid;
+use lightfold::depth::tree_chunk::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
+use lightfold::effort::Effort;
 use lightfold::image::transfer::ToneMap;
-use lightfold::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
+use lightfold::video::codec::{
+    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+};
 use lightfold::video::decode::{Decoder, Picture};
 
 /// A seeded generator, the same on every machine.
@@ -77,12 +85,102 @@ fn temporal<T: Texel>(entry: StreamEntry, images: &[Vec<T>], settings: TemporalS
     Stream { entry, chunks }
 }
 
+fn header_of(range: DepthRange, coding: DepthCoding) -> CodecHeader {
+    CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Distance, coding })
+}
+
 pub fn depth_header(range: [f32; 2], settings: TemporalSettings) -> CodecHeader {
-    CodecHeader::Depth(DepthHeader {
-        range: DepthRange::new(range[0], range[1]).unwrap(),
-        background: f32::INFINITY,
-        kind: DepthKind::Distance,
-        coding: DepthCoding::Boxes(settings),
+    header_of(DepthRange::new(range[0], range[1]).unwrap(), DepthCoding::Boxes(settings))
+}
+
+/// From 0.5 m to 8 m, the range of all streams of nodes here.
+fn node_range() -> DepthRange {
+    DepthRange::new(0.5, 8.0).unwrap()
+}
+
+/// The domain of streams of nodes.
+pub fn node_domain(kind: DomainKind) -> Domain {
+    match kind {
+        DomainKind::Log => Domain::log(),
+        kind => Domain::new(kind, node_range()).unwrap(),
+    }
+}
+
+/// What the header of a stream of nodes says.
+pub fn node_header(settings: NodeSettings, domain: &Domain) -> NodeHeader {
+    let NodeSettings { window, epsilon, keyframe_interval, bound, .. } = settings;
+    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() }
+}
+
+pub fn nodes_codec(header: NodeHeader) -> CodecHeader {
+    header_of(node_range(), DepthCoding::Nodes(header))
+}
+
+pub fn tree_codec(header: NodeHeader) -> CodecHeader {
+    header_of(node_range(), DepthCoding::Tree(header))
+}
+
+pub fn blocks_codec() -> CodecHeader {
+    header_of(node_range(), DepthCoding::Blocks)
+}
+
+/// The size of a unit.
+pub fn grid(entry: &StreamEntry, unit: u32) -> Grid {
+    let [_, _, width, height] = entry.unit_rect(unit);
+    Grid { width, height }
+}
+
+/// A stream whose units are each coded by what `encoder` makes: it takes a picture, or `None` at the end.
+fn by_unit<E: FnMut(Option<&[u16]>) -> Option<EncodedChunk>>(
+    entry: StreamEntry,
+    images: &[Vec<u16>],
+    encoder: impl Fn(Grid) -> E,
+) -> Stream {
+    assert_eq!(images.len(), entry.frame_count as usize);
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let mut push = encoder(grid(&entry, unit));
+        for image in images {
+            chunks.extend(push(Some(&cut(image, entry.width, entry.unit_rect(unit)))).map(|chunk| (unit, chunk)));
+        }
+        chunks.extend(push(None).map(|chunk| (unit, chunk)));
+    }
+    Stream { entry, chunks }
+}
+
+/// Depth as packed nodes.
+pub fn nodes(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeSettings) -> Stream {
+    let domain = node_domain(kind);
+    by_unit(entry(shape, &nodes_codec(node_header(settings, &domain))), images, |grid| {
+        let mut encoder = NodeEncoder::new(grid, domain.clone(), settings);
+        move |image| match image {
+            Some(image) => encoder.push(image, None).unwrap(),
+            None => encoder.finish().unwrap(),
+        }
+    })
+}
+
+/// Depth in the intermediate form.
+pub fn tree(shape: Shape, kind: DomainKind, images: &[Vec<u16>], settings: NodeSettings) -> Stream {
+    let settings = NodeSettings { window: 1, ..settings };
+    let domain = node_domain(kind);
+    by_unit(entry(shape, &tree_codec(node_header(settings, &domain))), images, |grid| {
+        let mut encoder = TreeEncoder::new(grid, domain.clone(), settings);
+        move |image| match image {
+            Some(image) => encoder.push(image).unwrap(),
+            None => encoder.finish().unwrap(),
+        }
+    })
+}
+
+/// Depth as plain blocks.
+pub fn blocks(shape: Shape, images: &[Vec<u16>], keyframe_interval: u32) -> Stream {
+    by_unit(entry(shape, &blocks_codec()), images, |grid| {
+        let mut encoder = BlockEncoder::new(grid, Effort::Fast, keyframe_interval);
+        move |image| match image {
+            Some(image) => encoder.push(image),
+            None => encoder.finish(),
+        }
     })
 }
 
@@ -267,6 +365,23 @@ pub fn moving_codes(size: [u32; 2], frame_count: u32, seed: u64) -> Vec<Vec<u16>
             image.clone()
         })
         .collect()
+}
+
+/// Depth codes of a slope, a bowl, a moving edge, patches of noise, and background.
+pub fn scene_codes([width, height]: [u32; 2], frame_count: u32) -> Vec<Vec<u16>> {
+    let code = |x: u32, y: u32, t: u32| -> u16 {
+        let (slope, bowl) = (9000 + 310 * x + 170 * y, 20_000 + 9 * x * x + 7 * y * y + 3 * x * y);
+        match (x, y) {
+            _ if x > 3 * width / 4 && y < height / 3 => u16::MAX,
+            _ if 2 * x + y < 12 + 3 * (t / 2) => 3000,
+            _ if (8..16).contains(&x) && (16..24).contains(&y) => (10_000 + (x * 7919 + y * y * 389) % 900) as u16,
+            _ if (28..34).contains(&x) && (20..25).contains(&y) => ((x * 7919 + y * 5003 + t / 4 * 77) % 60_000) as u16,
+            _ if y < height / 2 => slope as u16,
+            _ => (bowl + t) as u16,
+        }
+    };
+    let image = |t| (0..width * height).map(|at| code(at % width, at / width, t)).collect();
+    (0..frame_count).map(image).collect()
 }
 
 /// Bytes that drift at different speeds, hold for a while, and are cut once.

@@ -15,6 +15,7 @@ use lightfold::depth::TemporalSettings;
 use lightfold::video::decode::Decoder;
 
 use crate::samples::{self, Random, Shape, Stream};
+use crate::vectors_of_nodes;
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name)
@@ -159,11 +160,11 @@ fn temporal(window: u8, epsilon: u16, max_aabbs: u16, keyframe_interval: u32) ->
     TemporalSettings { window, epsilon, max_aabbs, keyframe_interval }
 }
 
-fn shape(face: u8, size: [u32; 2], unit: [u32; 2], first_frame: u32, frame_count: u32) -> Shape {
+pub fn shape(face: u8, size: [u32; 2], unit: [u32; 2], first_frame: u32, frame_count: u32) -> Shape {
     Shape { face, size, unit, first_frame, frame_count }
 }
 
-fn one(stream: Stream) -> Vec<u8> {
+pub fn one(stream: Stream) -> Vec<u8> {
     samples::container(0, samples::probe("00", 40), &[stream], None)
 }
 
@@ -341,6 +342,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
         bytes[10] = 9;
         bytes
     }));
+    all.extend(vectors_of_nodes::valid());
     all
 }
 
@@ -600,5 +602,6 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         },
         "leads to a next one, and there is none",
     ));
+    all.extend(vectors_of_nodes::invalid());
     all
 }
