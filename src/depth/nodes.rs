@@ -60,7 +60,8 @@ impl Place {
     /// Whether `other` lies in this place or is it.
     pub fn holds(self, other: Place) -> bool {
         let Some(up) = self.level.checked_sub(other.level) else { return false };
-        (other.x >> up, other.y >> up) == (self.x, self.y)
+        // The root of the largest tiles is eight levels up, as many as a byte has bits.
+        (u32::from(other.x) >> up, u32::from(other.y) >> up) == (u32::from(self.x), u32::from(self.y))
     }
 
     /// The rank of its top left leaf in the walk; nodes that do not overlap come in this order.
@@ -175,6 +176,7 @@ mod tests {
         assert_eq!(root, Place { level: 8, x: 0, y: 0 });
         assert_eq!(Grid { width: 4, height: 1 }.root().level, 0);
         assert_eq!(Grid { width: 5, height: 1 }.root().level, 1);
+        assert!([0, 1, 100, 255].iter().all(|&x| root.holds(Place { level: 0, x, y: 255 - x })));
         let place = Place { level: 2, x: 3, y: 1 };
         assert!(place.children().iter().all(|&child| place.holds(child)));
         assert!(!place.holds(Place { level: 1, x: 5, y: 2 }) && !place.holds(root) && root.holds(place));

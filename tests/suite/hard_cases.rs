@@ -82,6 +82,12 @@ const CASES: &[Case] = &[
     case("thin fence before the background", [64, 64], |x, y| {
         if x % 7 == 0 || y % 13 == 0 { 12_000.0 + x as f64 } else { BACKGROUND }
     }),
+    case("wider than 512, of which leaves change", [521, 9], |x, y| {
+        if (500..530).contains(&x) { 40_000.0 + noise(x, y, 900) } else { 20_000.0 + 5.0 * y as f64 }
+    }),
+    case("higher than 512, of which leaves change", [7, 1024], |x, y| {
+        if y > 700 { 40_000.0 + noise(x, y, 9000) } else { 20_000.0 + 5.0 * y as f64 }
+    }),
     case("smaller than a leaf", [3, 2], |x, y| 100.0 * x as f64 + 7.0 * y as f64),
     case("one pixel", [1, 1], |_, _| 12_345.0),
     case("one row", [37, 1], |x, _| 3.0 * x as f64),

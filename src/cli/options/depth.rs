@@ -55,7 +55,7 @@ pub struct DepthArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
-    /// What modelling functions are fitted in
+    /// What modelling functions are fitted in; log where near and far are too close for another
     #[arg(long, value_name = "DOMAIN", value_enum, default_value_t = DomainArg::Log)]
     pub depth_domain: DomainArg,
 }

@@ -133,8 +133,10 @@ impl EncodeSettings {
     pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let nodes = || {
-            let (bound, domain) = (self.depth.error.codes(range), Domain::new(self.depth.domain, range)?.parts());
-            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
+            // A probe that sees one distance, or nothing, has no span for a logarithm.
+            let domain = Domain::new(self.depth.domain, range).or_else(|_| Domain::new(DomainKind::Log, range))?;
+            let bound = self.depth.error.codes(range);
+            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() })
         };
         Ok(match self.depth.codec {
             DepthCodec::Boxes => DepthCoding::Boxes(self.temporal),
