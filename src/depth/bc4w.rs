@@ -6,10 +6,10 @@
 //! two endpoints, as BC4 has; each pixel has an index into its side's palette.
 //!
 //! What an encoder may choose: every bipartition that a line makes ([`lines`]); for each side, both endpoints among the
-//! 13-bit endpoints within [`PAD`] of the side's surfaces, in both modes. Tests try all of it ([`literal`]).
-//! `Exhaustive` finds the same squared error by branch and bound ([`bounded`], which says where that is not proven).
+//! 13-bit endpoints within [`PAD`] of the side's surfaces, in both modes. Tests try all of it (`literal`).
+//! `Exhaustive` finds the same squared error by branch and bound (`bounded`, which says where that is not proven).
 //! `Normal` and `Fast` take the most promising lines, many or few, and the endpoints around a least-squares fit
-//! ([`quick`]): the exact search takes milliseconds a block, and the last tenths of a decibel are seldom worth it.
+//! (`quick`): the exact search takes milliseconds a block, and the last tenths of a decibel are seldom worth it.
 
 mod bounded;
 mod fit;
