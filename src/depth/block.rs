@@ -15,6 +15,11 @@ pub const fn side_of(level: u8) -> usize {
     4 << level
 }
 
+/// Columns and rows of a block at pixel (`x`, `y`) that lie in a picture of `size` (columns, rows).
+fn inside(size: [usize; 2], level: u8, [x, y]: [usize; 2]) -> [usize; 2] {
+    [side_of(level).min(size[0] - x), side_of(level).min(size[1] - y)]
+}
+
 /// Codes of a block, seen where they lie in a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Block<'a> {
@@ -49,14 +54,8 @@ pub struct Accuracy {
 impl<'a> Block<'a> {
     /// The block of `level` at pixel (`x`, `y`) of a picture of `width` columns. The pixel lies inside.
     pub fn of(picture: &'a [u16], width: usize, level: u8, [x, y]: [usize; 2]) -> Block<'a> {
-        let (side, rows) = (side_of(level), picture.len() / width);
-        Block {
-            pixels: &picture[y * width + x..],
-            stride: width,
-            width: side.min(width - x),
-            height: side.min(rows - y),
-            level,
-        }
+        let [inside, height] = inside([width, picture.len() / width], level, [x, y]);
+        Block { pixels: &picture[y * width + x..], stride: width, width: inside, height, level }
     }
 
     /// Its level: the side is 4 · 2^level.
@@ -110,14 +109,8 @@ impl<'a> Block<'a> {
 impl<'a> BlockMut<'a> {
     /// The block of `level` at pixel (`x`, `y`) of a picture of `width` columns. The pixel lies inside.
     pub fn of(picture: &'a mut [u16], width: usize, level: u8, [x, y]: [usize; 2]) -> BlockMut<'a> {
-        let (side, rows) = (side_of(level), picture.len() / width);
-        BlockMut {
-            pixels: &mut picture[y * width + x..],
-            stride: width,
-            width: side.min(width - x),
-            height: side.min(rows - y),
-            level,
-        }
+        let [inside, height] = inside([width, picture.len() / width], level, [x, y]);
+        BlockMut { pixels: &mut picture[y * width + x..], stride: width, width: inside, height, level }
     }
 
     /// Its level: the side is 4 · 2^level.

@@ -163,11 +163,6 @@ impl NodeEncoder {
         Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
     }
 
-    /// The picture that a decoder shows after the last frame.
-    pub fn held(&self) -> &[u16] {
-        &self.held
-    }
-
     /// Marks the leaves where what is held is too far from the source.
     fn mark_changes(&mut self, source: &[u16]) {
         let tolerance = self.settings.bound.saturating_add(self.settings.epsilon);
