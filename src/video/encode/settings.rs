@@ -146,3 +146,25 @@ impl EncodeSettings {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_becomes_as_many_codes_as_keep_it() {
+        for (near, far) in [(1.0, 1.5), (0.5, 37.25), (0.001, 1000.0)] {
+            let range = DepthRange::new(near, far).unwrap();
+            for share in [0.0, 0.0001, 0.001, 0.01, 0.5] {
+                let codes = ErrorBound::Relative(share).codes(range);
+                // A surface is up to half a step from its code before anything is lost.
+                let worst = |codes: f64| (codes + 0.5) * range.step_ratio().ln_1p();
+                assert!(codes == 0 || worst(f64::from(codes)).exp_m1() <= share * (1.0 + 1e-9), "{share}: {codes}");
+                assert!(codes == FAR_CODE || worst(f64::from(codes) + 1.0).exp_m1() > share, "{share}: {codes}");
+            }
+        }
+        let single = DepthRange::new(2.0, 2.0).unwrap();
+        assert_eq!(ErrorBound::Relative(0.1).codes(single), 0);
+        assert_eq!(ErrorBound::Codes(7).codes(single), 7);
+    }
+}
