@@ -82,5 +82,85 @@ pub static NODES: Kernel = Kernel {
     workgroup: 64,
 };
 
+const BYTES: ShaderFile = file!("shared/bytes.wgsl");
+const PLAN: ShaderFile = file!("shared/plan.wgsl");
+const BLEND: ShaderFile = file!("color/blend.wgsl");
+
+const BOX_BINDINGS: &[Binding] =
+    &[Read("units"), Read("records"), Read("jobs"), Read("boxes"), Read("stream"), Write("pictures")];
+const CELL_BINDINGS: &[Binding] = &[Read("units"), Read("records"), Read("jobs"), Read("stream"), Write("pictures")];
+
+/// Boxes of depth codes: `DAAB`.
+pub static BOXES_CODES: Kernel = Kernel {
+    name: "boxes-codes",
+    entry: "decode_codes",
+    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_codes.wgsl")],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Boxes of material: `MAAB`.
+pub static BOXES_MATERIAL: Kernel = Kernel {
+    name: "boxes-material",
+    entry: "decode_material",
+    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_material.wgsl")],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of 8-bit colour: `CCL8`.
+pub static CELLS_8: Kernel = Kernel {
+    name: "cells-8bit",
+    entry: "decode_cells_8",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_8.wgsl"), file!("color/blend_8.wgsl")],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of half floats: `CCLH`.
+pub static CELLS_HALF: Kernel = Kernel {
+    name: "cells-half",
+    entry: "decode_cells_half",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_half.wgsl"), file!("color/blend_half.wgsl")],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Plans what units of depth and material apply next.
+pub static PLAN_RECORDS: Kernel = Kernel {
+    name: "plan-records",
+    entry: "plan_records",
+    files: &[LAYOUT, PLAN, file!("depth/record_table.wgsl")],
+    bindings: &[
+        Read("units"),
+        Read("chunks"),
+        Read("records"),
+        Read("items"),
+        Write("states"),
+        Write("jobs"),
+        Write("dispatch"),
+    ],
+    workgroup: 256,
+};
+
+/// Plans what cells are blended of.
+pub static PLAN_CELLS: Kernel = Kernel {
+    name: "plan-cells",
+    entry: "plan_cells",
+    files: &[LAYOUT, PLAN, BYTES, file!("color/cells.wgsl")],
+    bindings: &[
+        Read("units"),
+        Read("chunks"),
+        Read("records"),
+        Read("items"),
+        Read("stream"),
+        Write("states"),
+        Write("jobs"),
+        Write("dispatch"),
+    ],
+    workgroup: 256,
+};
+
 /// All kernels.
-pub static KERNELS: [&Kernel; 1] = [&NODES];
+pub static KERNELS: [&Kernel; 7] =
+    [&NODES, &BOXES_CODES, &BOXES_MATERIAL, &CELLS_8, &CELLS_HALF, &PLAN_RECORDS, &PLAN_CELLS];

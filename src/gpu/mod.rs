@@ -4,10 +4,12 @@
 //! a mirror of a file of `depth` or `color`; `kernels` is their table and `selftest` runs each against its mirror.
 
 pub mod device;
+pub mod family;
 pub mod harness;
 pub mod kernels;
 pub mod layout;
 pub mod pictures;
+pub mod prepare;
 pub mod random;
 pub mod selftest;
 

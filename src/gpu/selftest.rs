@@ -1,6 +1,9 @@
 //! Runs every kernel on a device against its mirror on the CPU: hard cases first, then random inputs.
 
+mod boxes;
+mod cells;
 mod nodes;
+mod plans;
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -22,7 +25,15 @@ pub struct Row {
 }
 
 /// Inputs of all kernels.
-pub static ROWS: &[Row] = &[Row { kernel: &kernels::NODES, cases: nodes::cases }];
+pub static ROWS: &[Row] = &[
+    Row { kernel: &kernels::NODES, cases: nodes::cases },
+    Row { kernel: &kernels::BOXES_CODES, cases: boxes::cases::<u16> },
+    Row { kernel: &kernels::BOXES_MATERIAL, cases: boxes::cases::<[u8; 3]> },
+    Row { kernel: &kernels::CELLS_8, cases: cells::bytes },
+    Row { kernel: &kernels::CELLS_HALF, cases: cells::halves },
+    Row { kernel: &kernels::PLAN_RECORDS, cases: plans::records },
+    Row { kernel: &kernels::PLAN_CELLS, cases: plans::cells },
+];
 
 /// What came of a kernel.
 #[derive(Debug, Clone, PartialEq)]
