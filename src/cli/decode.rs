@@ -15,7 +15,7 @@ use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 use crate::image::sequence::Pattern;
 use crate::video::decode::Decoder;
-use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat};
+use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat, OnCpu};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -105,7 +105,7 @@ fn write(
         }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+        let summary = export::decode_to_files(&OnCpu, decoder, chosen, &destination, format, progress)
             .map_err(|error| folder.present(error))?;
         folder.commit()?;
         return Ok(summary);
@@ -134,7 +134,7 @@ fn write(
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
     let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+    let summary = export::decode_to_files(&OnCpu, decoder, chosen, &destination, format, progress)
         .map_err(|error| folder.present(error))?;
     folder.commit()?;
     Ok(summary)
