@@ -7,6 +7,9 @@
 pub mod bc1;
 pub mod bc4;
 pub mod bc5;
+pub mod bc6h;
+pub mod bc7;
+mod bptc;
 mod encode;
 
 pub use encode::BlockEncoder;
@@ -43,11 +46,11 @@ pub struct Bc4;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc5;
 
-/// RGB of half floats in 16 bytes.
+/// RGB of half floats without a sign in 16 bytes ([`bc6h`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc6h;
 
-/// RGB in 16 bytes; alpha is dropped.
+/// RGB in 16 bytes ([`bc7`]); alpha is dropped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc7;
 
@@ -77,6 +80,26 @@ impl BlockFormat for Bc5 {
     fn decode_block(block: &[u8], out: &mut [[u8; 2]; TEXELS]) {
         if let Some(block) = block.first_chunk() {
             *out = bc5::decode(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc6h {
+    type Texel = [u16; 3];
+    const BYTES: usize = 16;
+    fn decode_block(block: &[u8], out: &mut [[u16; 3]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = bc6h::decode(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc7 {
+    type Texel = [u8; 3];
+    const BYTES: usize = 16;
+    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = bc7::decode(block).map(|[r, g, b, _]| [r, g, b]);
         }
     }
 }
