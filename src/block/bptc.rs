@@ -21,6 +21,7 @@ impl Bits {
 }
 
 /// Which pair of endpoints each pixel of a block belongs to.
+#[derive(Clone, Copy)]
 pub(super) struct Partition {
     /// Bits 2t and 2t + 1: the subset of pixel t.
     map: u32,
@@ -28,21 +29,38 @@ pub(super) struct Partition {
     anchors: u32,
 }
 
+/// Partitions in one, two and three subsets by their numbers.
+static PARTITIONS: [[Partition; 64]; 3] = {
+    let mut partitions = [[Partition { map: 0, anchors: 1 }; 64]; 3];
+    let mut number = 0;
+    while number < 64 {
+        let mut texel = 0;
+        while texel < TEXELS {
+            partitions[1][number].map |= (TWO[number] as u32 >> texel & 1) << (2 * texel);
+            texel += 1;
+        }
+        partitions[1][number].anchors |= 1 << ANCHOR_OF_TWO[number];
+        let [second, third] = ANCHORS_OF_THREE[number];
+        partitions[2][number] = Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third };
+        number += 1;
+    }
+    partitions
+};
+
 impl Partition {
     /// Partition `number` in `subsets` (1, 2 or 3) subsets.
     pub(super) fn new(subsets: u32, number: u32) -> Self {
-        let number = number as usize & 63;
-        match subsets {
-            1 => Partition { map: 0, anchors: 1 },
-            2 => {
-                let map = (0..TEXELS).map(|texel| (u32::from(TWO[number]) >> texel & 1) << (2 * texel)).sum();
-                Partition { map, anchors: 1 | 1 << ANCHOR_OF_TWO[number] }
-            }
-            _ => {
-                let [second, third] = ANCHORS_OF_THREE[number];
-                Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third }
-            }
-        }
+        PARTITIONS[subsets as usize - 1][number as usize & 63]
+    }
+
+    /// Pixels that are anchors, ascending.
+    pub(super) fn anchors(&self) -> impl Iterator<Item = u32> {
+        let mut left = self.anchors;
+        std::iter::from_fn(move || {
+            let next = left.checked_ilog2().map(|_| left.trailing_zeros());
+            left &= left.wrapping_sub(1);
+            next
+        })
     }
 
     /// Subset of a pixel, 0 to 2.
@@ -158,7 +176,7 @@ const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
 ];
 
 /// Weights of the second endpoint, in 64ths, by the number of an index's bits and the index.
-const WEIGHTS: [&[u32]; 8] = [
+pub(super) const WEIGHTS: [&[u32]; 8] = [
     &[0],
     &[0],
     &[0, 21, 43, 64],

@@ -60,6 +60,9 @@ fn all_modes_of_bc6h_are_decoded_as_another_decoder_does() {
             bcdec_rs::bc6h_half(&block, &mut expected, 12, false);
             assert_eq!(bc6h::decode(&block).as_flattened(), expected, "code {code}, block {block:02x?}");
             assert!(expected.iter().all(|&half| half <= 0x7BFF));
+            let mut shown = [[1; 3]; TEXELS];
+            Bc6h::decode_block(&block, &mut shown);
+            assert_eq!(shown.as_flattened(), expected, "code {code}, block {block:02x?}");
             assert!(![19, 23, 27, 31].contains(&code) || expected == [0; 48], "reserved code {code}");
         }
     }
