@@ -87,7 +87,7 @@ fn endpoint<const MODE: usize>(word: u128, number: u32) -> u64 {
         |lane: u32, bits: u32| field(word, at + 2 * mode.subsets * lane * mode.color_bits + number * bits, bits);
     let color =
         channel(0, mode.color_bits) | channel(1, mode.color_bits) << LANES[1] | channel(2, mode.color_bits) << LANES[2];
-    let color = widen(color << extra | low * (ONES >> 16), mode.color_bits + extra);
+    let color = widen((color << extra) | (low * (ONES >> 16)), mode.color_bits + extra);
     let alpha = if mode.alpha_bits == 0 {
         255
     } else {
@@ -99,7 +99,7 @@ fn endpoint<const MODE: usize>(word: u128, number: u32) -> u64 {
 /// Lanes of `bits` bits brought to 8, the high bits repeated below.
 #[inline(always)]
 fn widen(lanes: u64, bits: u32) -> u64 {
-    lanes << (8 - bits) | lanes >> (2 * bits - 8) & ((1 << (8 - bits)) - 1) * ONES
+    (lanes << (8 - bits)) | ((lanes >> (2 * bits - 8)) & (((1 << (8 - bits)) - 1) * ONES))
 }
 
 /// Puts a 0 in front of bit `at`: the highest bit of an anchor's index, which is not stored.
