@@ -11,6 +11,7 @@ pub mod dataset;
 pub mod depth;
 pub mod effort;
 pub mod error;
+pub mod gpu;
 pub mod image;
 pub mod metrics;
 pub mod monitor;

@@ -95,6 +95,21 @@ impl<S: Sample> CellChunk<S> {
         &self.keyframes
     }
 
+    /// The payload that was checked.
+    pub fn payload(&self) -> &[u8] {
+        &self.payload
+    }
+
+    /// Offset in the payload of the weights, and the weights: of the first frames; all later ones have weight 0.
+    pub fn weights(&self) -> (usize, &[u8]) {
+        (self.weights.start, &self.payload[self.weights.clone()])
+    }
+
+    /// Offset in the payload of a keyframe's first sample.
+    pub fn keyframe_at(&self, keyframe: usize) -> usize {
+        self.samples + keyframe * self.pixels * 3 * S::BYTES
+    }
+
     /// Number of frames, from the first, that have a weight in the payload; all later ones have weight 0.
     pub fn weight_count(&self) -> u32 {
         self.weights.len() as u32
@@ -120,7 +135,7 @@ impl<S: Sample> CellChunk<S> {
     /// Reads the samples of a keyframe: three for each pixel, as many as `out` holds.
     pub fn read_keyframe(&self, keyframe: usize, out: &mut [S]) {
         let bytes = self.pixels * 3 * S::BYTES;
-        let start = self.samples + keyframe * bytes;
+        let start = self.keyframe_at(keyframe);
         S::get_row(out, &self.payload[start..start + bytes]);
     }
 }

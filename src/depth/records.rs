@@ -133,6 +133,11 @@ impl<T: Texel> TemporalChunk<T> {
         }
     }
 
+    /// The payload that was checked.
+    pub fn payload(&self) -> &[u8] {
+        &self.payload
+    }
+
     /// The payload's memory, for the next chunk.
     pub fn into_spare(self) -> Vec<u8> {
         self.payload.into_spare()

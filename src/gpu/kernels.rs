@@ -1,0 +1,166 @@
+//! The table of kernels: a row says which files of `shaders/` a kernel is put together from, and what it is given.
+
+/// A file of `shaders/`.
+#[derive(Debug, Clone, Copy)]
+pub struct ShaderFile {
+    /// Path below `shaders/`.
+    pub path: &'static str,
+    /// What is in it.
+    pub text: &'static str,
+}
+
+/// A buffer that a kernel is given, at the place in group 0 that its place in the row says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Binding {
+    /// Only read; its name in WGSL.
+    Read(&'static str),
+    /// Read and written; its name in WGSL.
+    Write(&'static str),
+}
+
+impl Binding {
+    /// Its name in WGSL.
+    pub fn name(self) -> &'static str {
+        match self {
+            Binding::Read(name) | Binding::Write(name) => name,
+        }
+    }
+
+    /// Whether the kernel writes it.
+    pub fn is_written(self) -> bool {
+        matches!(self, Binding::Write(_))
+    }
+}
+
+/// A kernel.
+#[derive(Debug)]
+pub struct Kernel {
+    /// Its name, in reports too.
+    pub name: &'static str,
+    /// Its function in WGSL.
+    pub entry: &'static str,
+    /// Its files; the order does not matter to WGSL, it is that of reading.
+    pub files: &'static [ShaderFile],
+    /// Its buffers.
+    pub bindings: &'static [Binding],
+    /// Invocations of a workgroup, at most 256.
+    pub workgroup: u32,
+}
+
+impl Kernel {
+    /// The whole of its WGSL.
+    pub fn source(&self) -> String {
+        self.files.iter().map(|file| file.text).collect::<Vec<_>>().join("\n")
+    }
+}
+
+macro_rules! file {
+    ($path:literal) => {
+        ShaderFile { path: $path, text: include_str!(concat!("../../shaders/", $path)) }
+    };
+}
+
+use Binding::{Read, Write};
+
+const LAYOUT: ShaderFile = file!("shared/layout.wgsl");
+const JOBS: ShaderFile = file!("shared/jobs.wgsl");
+
+/// Nodes of the quadtree, in the runtime form: `DQPN`, `DQTR` and `DB4W`.
+pub static NODES: Kernel = Kernel {
+    name: "nodes",
+    entry: "decode_nodes",
+    files: &[
+        LAYOUT,
+        JOBS,
+        file!("depth/domain.wgsl"),
+        file!("depth/biquadratic.wgsl"),
+        file!("depth/platelet.wgsl"),
+        file!("depth/bc4w.wgsl"),
+        file!("depth/runtime.wgsl"),
+    ],
+    bindings: &[Read("units"), Read("records"), Read("jobs"), Read("stream"), Read("log2_table"), Write("pictures")],
+    workgroup: 64,
+};
+
+const BYTES: ShaderFile = file!("shared/bytes.wgsl");
+const PLAN: ShaderFile = file!("shared/plan.wgsl");
+const BLEND: ShaderFile = file!("color/blend.wgsl");
+
+const BOX_BINDINGS: &[Binding] =
+    &[Read("units"), Read("records"), Read("jobs"), Read("boxes"), Read("stream"), Write("pictures")];
+const CELL_BINDINGS: &[Binding] = &[Read("units"), Read("records"), Read("jobs"), Read("stream"), Write("pictures")];
+
+/// Boxes of depth codes: `DAAB`.
+pub static BOXES_CODES: Kernel = Kernel {
+    name: "boxes-codes",
+    entry: "decode_codes",
+    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_codes.wgsl")],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Boxes of material: `MAAB`.
+pub static BOXES_MATERIAL: Kernel = Kernel {
+    name: "boxes-material",
+    entry: "decode_material",
+    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_material.wgsl")],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of 8-bit colour: `CCL8`.
+pub static CELLS_8: Kernel = Kernel {
+    name: "cells-8bit",
+    entry: "decode_cells_8",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_8.wgsl"), file!("color/blend_8.wgsl")],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of half floats: `CCLH`.
+pub static CELLS_HALF: Kernel = Kernel {
+    name: "cells-half",
+    entry: "decode_cells_half",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_half.wgsl"), file!("color/blend_half.wgsl")],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Plans what units of depth and material apply next.
+pub static PLAN_RECORDS: Kernel = Kernel {
+    name: "plan-records",
+    entry: "plan_records",
+    files: &[LAYOUT, PLAN, file!("depth/record_table.wgsl")],
+    bindings: &[
+        Read("units"),
+        Read("chunks"),
+        Read("records"),
+        Read("items"),
+        Write("states"),
+        Write("jobs"),
+        Write("dispatch"),
+    ],
+    workgroup: 256,
+};
+
+/// Plans what cells are blended of.
+pub static PLAN_CELLS: Kernel = Kernel {
+    name: "plan-cells",
+    entry: "plan_cells",
+    files: &[LAYOUT, PLAN, BYTES, file!("color/cells.wgsl")],
+    bindings: &[
+        Read("units"),
+        Read("chunks"),
+        Read("records"),
+        Read("items"),
+        Read("stream"),
+        Write("states"),
+        Write("jobs"),
+        Write("dispatch"),
+    ],
+    workgroup: 256,
+};
+
+/// All kernels.
+pub static KERNELS: [&Kernel; 7] =
+    [&NODES, &BOXES_CODES, &BOXES_MATERIAL, &CELLS_8, &CELLS_HALF, &PLAN_RECORDS, &PLAN_CELLS];
