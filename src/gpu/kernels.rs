@@ -161,6 +161,65 @@ pub static PLAN_CELLS: Kernel = Kernel {
     workgroup: 256,
 };
 
+const BLOCK_BINDINGS: &[Binding] = &[Read("blocks"), Write("texels")];
+
+/// Blocks of BC1, all their pixels.
+pub static BC1: Kernel = Kernel {
+    name: "bc1",
+    entry: "decode_bc1",
+    files: &[LAYOUT, file!("block/bc1.wgsl"), file!("block/decode_bc1.wgsl")],
+    bindings: BLOCK_BINDINGS,
+    workgroup: 64,
+};
+
+/// Blocks of BC4, all their pixels.
+pub static BC4: Kernel = Kernel {
+    name: "bc4",
+    entry: "decode_bc4",
+    files: &[LAYOUT, file!("block/bc4.wgsl"), file!("block/decode_bc4.wgsl")],
+    bindings: BLOCK_BINDINGS,
+    workgroup: 64,
+};
+
+/// Blocks of BC5, all their pixels.
+pub static BC5: Kernel = Kernel {
+    name: "bc5",
+    entry: "decode_bc5",
+    files: &[LAYOUT, file!("block/bc4.wgsl"), file!("block/bc5.wgsl"), file!("block/decode_bc5.wgsl")],
+    bindings: BLOCK_BINDINGS,
+    workgroup: 64,
+};
+
+/// Blocks of BC6H, all their pixels.
+pub static BC6H: Kernel = Kernel {
+    name: "bc6h",
+    entry: "decode_bc6h",
+    files: &[LAYOUT, file!("block/bptc.wgsl"), file!("block/bc6h.wgsl"), file!("block/decode_bc6h.wgsl")],
+    bindings: BLOCK_BINDINGS,
+    workgroup: 64,
+};
+
+/// Blocks of BC7, all their pixels.
+pub static BC7: Kernel = Kernel {
+    name: "bc7",
+    entry: "decode_bc7",
+    files: &[LAYOUT, file!("block/bptc.wgsl"), file!("block/bc7.wgsl"), file!("block/decode_bc7.wgsl")],
+    bindings: BLOCK_BINDINGS,
+    workgroup: 64,
+};
+
 /// All kernels.
-pub static KERNELS: [&Kernel; 7] =
-    [&NODES, &BOXES_CODES, &BOXES_MATERIAL, &CELLS_8, &CELLS_HALF, &PLAN_RECORDS, &PLAN_CELLS];
+pub static KERNELS: [&Kernel; 12] = [
+    &NODES,
+    &BOXES_CODES,
+    &BOXES_MATERIAL,
+    &CELLS_8,
+    &CELLS_HALF,
+    &PLAN_RECORDS,
+    &PLAN_CELLS,
+    &BC1,
+    &BC4,
+    &BC5,
+    &BC6H,
+    &BC7,
+];

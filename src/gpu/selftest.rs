@@ -1,5 +1,6 @@
 //! Runs every kernel on a device against its mirror on the CPU: hard cases first, then random inputs.
 
+mod blocks;
 mod boxes;
 mod cells;
 mod nodes;
@@ -34,6 +35,11 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::CELLS_HALF, cases: cells::halves },
     Row { kernel: &kernels::PLAN_RECORDS, cases: plans::records },
     Row { kernel: &kernels::PLAN_CELLS, cases: plans::cells },
+    Row { kernel: &kernels::BC1, cases: blocks::bc1 },
+    Row { kernel: &kernels::BC4, cases: blocks::bc4 },
+    Row { kernel: &kernels::BC5, cases: blocks::bc5 },
+    Row { kernel: &kernels::BC6H, cases: blocks::bc6h },
+    Row { kernel: &kernels::BC7, cases: blocks::bc7 },
 ];
 
 /// What came of a kernel.
