@@ -47,49 +47,81 @@ impl TemporalSettings {
     }
 }
 
-/// Encodes one unit.
+/// What an encoder knows of the picture that every decoder holds, and how it writes that picture.
+pub trait Held<T: Texel> {
+    /// Starts over at a keyframe.
+    fn start(&mut self, source: &[T]) -> ChunkBuilder<T>;
+
+    /// Takes a frame, counted from the keyframe, in, and writes what it sends, if anything.
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>);
+}
+
+/// A picture whose boxes are written as values.
 #[derive(Debug)]
-pub struct TemporalEncoder<T> {
+pub struct HeldValues<T> {
     settings: TemporalSettings,
     width: usize,
     state: Option<WindowState<T>>,
+}
+
+impl<T: Texel> Held<T> for HeldValues<T> {
+    fn start(&mut self, source: &[T]) -> ChunkBuilder<T> {
+        match &mut self.state {
+            Some(state) => state.restart(source),
+            None => self.state = Some(WindowState::new(source)),
+        }
+        ChunkBuilder::new(source)
+    }
+
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>) {
+        let Some(state) = &mut self.state else { return };
+        if state.advance(source, self.settings.epsilon, self.settings.window) {
+            // A box costs eight bytes, so one more must save more pixels than that.
+            let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving: (8 / T::BYTES) as u32 };
+            let boxes = boxes::cover(Mask { pixels: state.mask(), width: self.width }, budget);
+            chunk.push_boxes(frame, &boxes, state.held(), self.width);
+        }
+    }
+}
+
+/// Encodes one unit.
+#[derive(Debug)]
+pub struct TemporalEncoder<T, H = HeldValues<T>> {
+    keyframe_interval: u32,
+    held: H,
     open: Option<ChunkBuilder<T>>,
     chunk_first: u32,
     next_frame: u32,
 }
 
 impl<T: Texel> TemporalEncoder<T> {
-    /// An encoder for a unit of `width` columns.
+    /// An encoder for a unit of `width` columns, whose boxes are written as values.
     pub fn new(width: u32, settings: TemporalSettings) -> Self {
-        TemporalEncoder { settings, width: width as usize, state: None, open: None, chunk_first: 0, next_frame: 0 }
+        let held = HeldValues { settings, width: width as usize, state: None };
+        Self::with(held, settings.keyframe_interval)
+    }
+}
+
+impl<T: Texel, H: Held<T>> TemporalEncoder<T, H> {
+    /// An encoder of what writes the picture, with at most `keyframe_interval` frames in a chunk.
+    pub fn with(held: H, keyframe_interval: u32) -> Self {
+        TemporalEncoder { keyframe_interval, held, open: None, chunk_first: 0, next_frame: 0 }
     }
 
     /// Takes the next frame; all frames have the same number of pixels. Answers the chunk that it closes, if any.
     pub fn push(&mut self, source: &[T]) -> Result<Option<EncodedChunk>> {
         let frame = self.next_frame;
         let in_chunk = frame - self.chunk_first;
-        let full =
-            |open: &ChunkBuilder<T>| in_chunk >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES;
+        let full = |open: &ChunkBuilder<T>| in_chunk >= self.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES;
         let finished = match &self.open {
             Some(open) if full(open) => self.finish()?,
             _ => None,
         };
         self.next_frame += 1;
-        match (&mut self.state, &mut self.open) {
-            (Some(state), Some(open)) => {
-                if state.advance(source, self.settings.epsilon, self.settings.window) {
-                    // A box costs eight bytes, so one more must save more pixels than that.
-                    let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving: (8 / T::BYTES) as u32 };
-                    let boxes = boxes::cover(Mask { pixels: state.mask(), width: self.width }, budget);
-                    open.push_boxes(in_chunk, &boxes, state.held(), self.width);
-                }
-            }
-            (state, open) => {
-                match state {
-                    Some(state) => state.restart(source),
-                    None => *state = Some(WindowState::new(source)),
-                }
-                *open = Some(ChunkBuilder::new(source));
+        match &mut self.open {
+            Some(open) => self.held.advance(source, in_chunk, open),
+            None => {
+                self.open = Some(self.held.start(source));
                 self.chunk_first = frame;
             }
         }
@@ -104,15 +136,13 @@ impl<T: Texel> TemporalEncoder<T> {
     }
 }
 
+/// For tests of this encoder with either way to write pictures.
 #[cfg(test)]
-mod tests {
+pub(super) mod paths {
     use super::*;
-    use crate::depth::records::TemporalChunk;
+    use crate::depth::records::{Layout, TemporalChunk};
 
-    const SIZE: [u32; 2] = [12, 9];
-
-    fn encode(frames: &[Vec<u16>], settings: TemporalSettings) -> Vec<EncodedChunk> {
-        let mut encoder = TemporalEncoder::new(SIZE[0], settings);
+    pub fn encode<T: Texel, H: Held<T>>(mut encoder: TemporalEncoder<T, H>, frames: &[Vec<T>]) -> Vec<EncodedChunk> {
         let mut chunks = Vec::new();
         for frame in frames {
             chunks.extend(encoder.push(frame).unwrap());
@@ -123,12 +153,17 @@ mod tests {
     }
 
     /// Walks random legal paths and the two canonical ones; all must show the same pictures within the bound.
-    fn check_all_paths(frames: &[Vec<u16>], settings: TemporalSettings) {
+    pub fn check_all<T: Texel, L: Layout<T>>(
+        frames: &[Vec<T>],
+        size: [u32; 2],
+        chunks: Vec<EncodedChunk>,
+        settings: TemporalSettings,
+    ) {
         let mut seed = 7u32;
-        for chunk in encode(frames, settings) {
-            let parsed = TemporalChunk::<u16>::parse(chunk.payload, SIZE, chunk.frame_count).unwrap();
+        for chunk in chunks {
+            let parsed = TemporalChunk::<T, L>::parse(chunk.payload, size, chunk.frame_count).unwrap();
             let body = |frame| parsed.records().iter().find(|record| record.frame == frame).map(|record| record.body);
-            let mut canonical = vec![vec![0; frames[0].len()]];
+            let mut canonical = vec![vec![T::default(); frames[0].len()]];
             parsed.apply(&mut canonical[0], body(0).unwrap());
             for frame in 1..chunk.frame_count {
                 let mut picture = canonical[frame as usize - 1].clone();
@@ -139,7 +174,7 @@ mod tests {
             }
             for (at, picture) in canonical.iter().enumerate() {
                 let source = &frames[chunk.first_frame as usize + at];
-                let ok = picture.iter().zip(source).all(|(&held, &source)| u16::within(held, source, settings.epsilon));
+                let ok = picture.iter().zip(source).all(|(&held, &source)| T::within(held, source, settings.epsilon));
                 assert!(ok, "frame {at} leaves the bound");
             }
             for _ in 0..50 {
@@ -155,11 +190,27 @@ mod tests {
                 }
             }
             for frame in 0..chunk.frame_count {
-                let mut picture = vec![0; frames[0].len()];
+                let mut picture = vec![T::default(); frames[0].len()];
                 parsed.advance(&mut picture, None, frame, settings.window);
                 assert_eq!(picture, canonical[frame as usize]);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::records::{TemporalChunk, Values};
+
+    const SIZE: [u32; 2] = [12, 9];
+
+    fn encode(frames: &[Vec<u16>], settings: TemporalSettings) -> Vec<EncodedChunk> {
+        paths::encode(TemporalEncoder::new(SIZE[0], settings), frames)
+    }
+
+    fn check_all_paths(frames: &[Vec<u16>], settings: TemporalSettings) {
+        paths::check_all::<u16, Values>(frames, SIZE, encode(frames, settings), settings);
     }
 
     #[test]
