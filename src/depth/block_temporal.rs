@@ -266,7 +266,7 @@ mod tests {
     fn pieces_are_in_blocks_where_these_are_close_enough_and_only_there() {
         let smooth: Vec<u16> = (0..32 * 32).map(|at| (0x5000 + at % 32 + at / 32) as u16).collect();
         let settings = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
-        assert_eq!(check(&[smooth.clone()], [32, 32], settings(2)), PieceCount { blocks: 4, raw: 0 });
+        assert_eq!(check(std::slice::from_ref(&smooth), [32, 32], settings(2)), PieceCount { blocks: 4, raw: 0 });
         let mut rough = smooth;
         rough[0] = u16::MAX;
         rough[1] = 0x1234;

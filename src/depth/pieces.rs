@@ -114,7 +114,7 @@ impl<T: BlockTexel> Layout<T> for Pieces {
     fn take(fields: &mut Fields<'_>, size: [usize; 2]) -> Result<()> {
         let count = piece_count(size);
         let map = fields.bytes(count.div_ceil(8))?;
-        if count % 8 != 0 && map[count / 8] >> (count % 8) != 0 {
+        if !count.is_multiple_of(8) && map[count / 8] >> (count % 8) != 0 {
             return Err(fields.error("spare bits of a map of pieces are not zero"));
         }
         let bytes = pieces_of(size).enumerate().map(|(at, piece)| piece_bytes::<T>(piece, in_blocks(map, at)));
@@ -199,7 +199,7 @@ mod tests {
             let blocks: Vec<[u8; 16]> = (0..81).map(|at| flat(code(at % 9 * 4, at / 9 * 4))).collect();
             // Every third piece at least has a block that is not to be had.
             let block = |x: usize, y: usize| {
-                let refused = x % 16 == 0 && y % 16 == 0 && (x / 16 + y / 16) % 3 == 1;
+                let refused = x.is_multiple_of(16) && y.is_multiple_of(16) && (x / 16 + y / 16) % 3 == 1;
                 (!refused).then(|| blocks[y / 4 * 9 + x / 4].as_slice())
             };
             let mut stored = Vec::new();
