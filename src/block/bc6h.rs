@@ -7,20 +7,20 @@ use super::TEXELS;
 use super::bptc::{Bits, Partition, mix};
 
 /// How the bits of a block are dealt out in one of the fourteen modes.
-struct Mode {
+pub(super) struct Mode {
     /// Lowest bits of the block: two of them for the modes 0 and 1, five for the others.
-    code: u32,
-    subsets: u32,
+    pub(super) code: u32,
+    pub(super) subsets: u32,
     /// Bits of the endpoints once they are put together.
-    precision: u32,
+    pub(super) precision: u32,
     /// Bits of the endpoints after the first of red, green and blue, where they are stored as differences from the first.
-    delta: Option<[u32; 3]>,
+    pub(super) delta: Option<[u32; 3]>,
     /// The values whose bits follow the code, in the order of the block's bits: a channel (r, g, b) and an endpoint (w, x, y, z)
     /// or the number of the partition (d), and which of its bits.
-    layout: &'static str,
+    pub(super) layout: &'static str,
 }
 
-const MODES: [Mode; 14] = [
+pub(super) const MODES: [Mode; 14] = [
     mode(
         0,
         10,
@@ -94,14 +94,14 @@ const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'stat
 }
 
 /// Most bits that a layout deals out.
-const LAYOUT_BITS: usize = 80;
+pub(super) const LAYOUT_BITS: usize = 80;
 /// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
-const PARTITION: usize = 12;
+pub(super) const PARTITION: usize = 12;
 /// Fills rows of [`TARGETS`] that are shorter than others.
-const NOTHING: u8 = 255;
+pub(super) const NOTHING: u8 = 255;
 
 /// For each mode and each bit that follows the code: the value (times 16) and its bit that it goes to.
-const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
+pub(super) const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
     let mut targets = [[NOTHING; LAYOUT_BITS]; MODES.len()];
     let mut mode = 0;
     while mode < MODES.len() {
@@ -179,13 +179,13 @@ pub fn decode(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
         let [a, b] = [endpoints[pair], endpoints[pair + 1]];
         std::array::from_fn(|channel| {
             // From 0 to 65535 to the patterns of finite half floats.
-            (mix(a[channel], b[channel], indices[texel], index_bits) * 31 >> 6) as u16
+            ((mix(a[channel], b[channel], indices[texel], index_bits) * 31) >> 6) as u16
         })
     })
 }
 
 /// The endpoints w, x, y, z as numbers of 16 bits.
-fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
+pub(super) fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
     std::array::from_fn(|endpoint| {
         std::array::from_fn(|channel| {
             let mut value = values[3 * endpoint + channel];

@@ -6,27 +6,27 @@ use super::TEXELS;
 use super::bptc::{Bits, Partition, mix};
 
 /// How the bits of a block are dealt out in one of the eight modes.
-struct Mode {
-    subsets: u32,
-    partition_bits: u32,
-    rotation_bits: u32,
-    selection_bits: u32,
-    color_bits: u32,
-    alpha_bits: u32,
+pub(super) struct Mode {
+    pub(super) subsets: u32,
+    pub(super) partition_bits: u32,
+    pub(super) rotation_bits: u32,
+    pub(super) selection_bits: u32,
+    pub(super) color_bits: u32,
+    pub(super) alpha_bits: u32,
     /// Lowest bits that all channels of an endpoint share: none, one for each endpoint, one for each pair of them.
-    low_bits: LowBits,
-    index_bits: u32,
-    second_index_bits: u32,
+    pub(super) low_bits: LowBits,
+    pub(super) index_bits: u32,
+    pub(super) second_index_bits: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum LowBits {
+pub(super) enum LowBits {
     None,
     PerEndpoint,
     PerSubset,
 }
 
-const MODES: [Mode; 8] = {
+pub(super) const MODES: [Mode; 8] = {
     use LowBits::{None, PerEndpoint, PerSubset};
     [
         mode([3, 4, 0, 0, 4, 0], PerEndpoint, [3, 0]),

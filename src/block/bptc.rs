@@ -21,6 +21,7 @@ impl Bits {
 }
 
 /// Which pair of endpoints each pixel of a block belongs to.
+#[derive(Clone, Copy)]
 pub(super) struct Partition {
     /// Bits 2t and 2t + 1: the subset of pixel t.
     map: u32,
@@ -28,21 +29,38 @@ pub(super) struct Partition {
     anchors: u32,
 }
 
+/// Partitions in one, two and three subsets by their numbers.
+static PARTITIONS: [[Partition; 64]; 3] = {
+    let mut partitions = [[Partition { map: 0, anchors: 1 }; 64]; 3];
+    let mut number = 0;
+    while number < 64 {
+        let mut texel = 0;
+        while texel < TEXELS {
+            partitions[1][number].map |= (TWO[number] as u32 >> texel & 1) << (2 * texel);
+            texel += 1;
+        }
+        partitions[1][number].anchors |= 1 << ANCHOR_OF_TWO[number];
+        let [second, third] = ANCHORS_OF_THREE[number];
+        partitions[2][number] = Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third };
+        number += 1;
+    }
+    partitions
+};
+
 impl Partition {
     /// Partition `number` in `subsets` (1, 2 or 3) subsets.
     pub(super) fn new(subsets: u32, number: u32) -> Self {
-        let number = number as usize & 63;
-        match subsets {
-            1 => Partition { map: 0, anchors: 1 },
-            2 => {
-                let map = (0..TEXELS).map(|texel| (u32::from(TWO[number]) >> texel & 1) << (2 * texel)).sum();
-                Partition { map, anchors: 1 | 1 << ANCHOR_OF_TWO[number] }
-            }
-            _ => {
-                let [second, third] = ANCHORS_OF_THREE[number];
-                Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third }
-            }
-        }
+        PARTITIONS[subsets as usize - 1][number as usize & 63]
+    }
+
+    /// Pixels that are anchors, ascending.
+    pub(super) fn anchors(&self) -> impl Iterator<Item = u32> {
+        let mut left = self.anchors;
+        std::iter::from_fn(move || {
+            let next = left.checked_ilog2().map(|_| left.trailing_zeros());
+            left &= left.wrapping_sub(1);
+            next
+        })
     }
 
     /// Subset of a pixel, 0 to 2.
@@ -63,7 +81,7 @@ pub(super) fn mix(a: u32, b: u32, index: u32, count: u32) -> u32 {
 }
 
 /// Partitions in two subsets: bit t is the subset of pixel t. BC6H has the first 32.
-const TWO: [u16; 64] = [
+pub(super) const TWO: [u16; 64] = [
     0xcccc, 0x8888, 0xeeee, 0xecc8, 0xc880, 0xfeec, 0xfec8, 0xec80, 0xc800, 0xffec, 0xfe80, 0xe800, 0xffe8, 0xff00,
     0xfff0, 0xf000, 0xf710, 0x008e, 0x7100, 0x08ce, 0x008c, 0x7310, 0x3100, 0x8cce, 0x088c, 0x3110, 0x6666, 0x366c,
     0x17e8, 0x0ff0, 0x718e, 0x399c, 0xaaaa, 0xf0f0, 0x5a5a, 0x33cc, 0x3c3c, 0x55aa, 0x9696, 0xa55a, 0x73ce, 0x13c8,
@@ -72,7 +90,7 @@ const TWO: [u16; 64] = [
 ];
 
 /// Partitions in three subsets: bits 2t and 2t + 1 are the subset of pixel t.
-const THREE: [u32; 64] = [
+pub(super) const THREE: [u32; 64] = [
     0xaa685050, 0x6a5a5040, 0x5a5a4200, 0x5450a0a8, 0xa5a50000, 0xa0a05050, 0x5555a0a0, 0x5a5a5050, 0xaa550000,
     0xaa555500, 0xaaaa5500, 0x90909090, 0x94949494, 0xa4a4a4a4, 0xa9a59450, 0x2a0a4250, 0xa5945040, 0x0a425054,
     0xa5a5a500, 0x55a0a0a0, 0xa8a85454, 0x6a6a4040, 0xa4a45000, 0x1a1a0500, 0x0050a4a4, 0xaaa59090, 0x14696914,
@@ -84,13 +102,13 @@ const THREE: [u32; 64] = [
 ];
 
 /// The anchor of subset 1 of each partition in two subsets; that of subset 0 is pixel 0.
-const ANCHOR_OF_TWO: [u8; 64] = [
+pub(super) const ANCHOR_OF_TWO: [u8; 64] = [
     15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2,
     15, 15, 6, 8, 2, 8, 15, 15, 2, 8, 2, 2, 2, 15, 15, 6, 6, 2, 6, 8, 15, 15, 2, 2, 15, 15, 15, 15, 15, 2, 2, 15,
 ];
 
 /// The anchors of subsets 1 and 2 of each partition in three subsets.
-const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
+pub(super) const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
     [3, 15],
     [3, 8],
     [15, 8],
@@ -158,7 +176,7 @@ const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
 ];
 
 /// Weights of the second endpoint, in 64ths, by the number of an index's bits and the index.
-const WEIGHTS: [&[u32]; 8] = [
+pub(super) const WEIGHTS: [&[u32]; 8] = [
     &[0],
     &[0],
     &[0, 21, 43, 64],

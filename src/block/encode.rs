@@ -6,7 +6,7 @@
 use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
 use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
 
-use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, SIDE, TEXELS, grid};
+use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockFormat, SIDE, TEXELS, grid};
 use crate::effort::Effort;
 
 /// A search for the blocks of an image.
@@ -26,8 +26,37 @@ pub trait BlockEncoder: Sync {
 
 impl BlockEncoder for Bc1 {
     type Texel = [u8; 3];
-    fn encode(&self, pixels: &[[u8; 3]], width: usize, height: usize, _effort: Effort) -> Vec<u8> {
-        rgba_bands(pixels, width, height, |surface| bc1::compress_blocks(&surface))
+    /// Fast and normal efforts are the same; the exhaustive one takes the better of two libraries for each block.
+    fn encode(&self, pixels: &[[u8; 3]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let mut blocks = rgba_bands(pixels, width, height, |surface| bc1::compress_blocks(&surface));
+        if effort == Effort::Exhaustive {
+            let others = in_bands(pixels, width, height, |band| {
+                channels(band, band.pixels.as_flattened(), ColorFormat::RGB_U8, Format::BC1_UNORM, effort)
+            });
+            keep_better(&mut blocks, &others, pixels, width);
+        }
+        blocks
+    }
+}
+
+/// Replaces each block of BC1 by the other where that is closer to the pixels in the sum of squares.
+fn keep_better(blocks: &mut [u8], others: &[u8], pixels: &[[u8; 3]], width: usize) {
+    let columns = grid(width, 1)[0];
+    for (at, (block, other)) in blocks.chunks_exact_mut(8).zip(others.chunks_exact(8)).enumerate() {
+        let [left, top] = [at % columns * SIDE, at / columns * SIDE];
+        let error = |block: &[u8]| {
+            let mut texels = [[0; 3]; TEXELS];
+            Bc1::decode_block(block, &mut texels);
+            let inside = (0..TEXELS).filter(|texel| left + texel % SIDE < width);
+            let differences = inside.filter_map(|texel| {
+                let pixel = pixels.get((top + texel / SIDE) * width + left + texel % SIDE)?;
+                Some(pixel.iter().zip(&texels[texel]).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum::<u32>())
+            });
+            differences.sum::<u32>()
+        };
+        if error(other) < error(block) {
+            block.copy_from_slice(other);
+        }
     }
 }
 
@@ -137,7 +166,7 @@ fn rgba_bands(pixels: &[[u8; 3]], width: usize, height: usize, encode: impl Fn(R
     })
 }
 
-/// BC4 or BC5 by `dds`, on this thread.
+/// Blocks by `dds`, on this thread.
 fn channels<T>(band: &Band<T>, bytes: &[u8], color: ColorFormat, format: Format, effort: Effort) -> Vec<u8> {
     let mut options = EncodeOptions::default();
     options.parallel = false;
