@@ -11,7 +11,7 @@ use crate::video::encode::EncodeSettings;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
-    lightfold encode-depth depth.%04d.exr --depth-codec aabb --depth-block bc5 --epsilon 30 -o blocks.lfold\n  \
+    lightfold encode-depth depth.####.exr --depth-codec aabb --depth-block bc5 --epsilon 30 -o a.lfold\n  \
     lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 \\\n      \
     --depth-kind planar --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
     Channels are looked for by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, \

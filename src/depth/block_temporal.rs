@@ -171,7 +171,7 @@ mod tests {
     use super::*;
     use crate::depth::pieces::{PieceCount, Pieces};
     use crate::depth::records::TemporalChunk;
-    use crate::depth::temporal::paths;
+    use crate::depth::temporal::tests::paths;
 
     struct Random(u32);
 

@@ -133,7 +133,8 @@ pub fn valid() -> Vec<(&'static str, Vec<u8>)> {
 /// The invalid vectors of blocks: name, bytes, and a part of the message.
 pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     // Chunk 0: BC5 over 20x4, a keyframe of two pieces and a box; 1: BC1 colour over 4x4; 2: BC1 material.
-    let depth: Vec<Vec<u16>> = (0..2).map(|t| (0..80).map(|at| 4660 + at / 40 * (1 + t)).collect()).collect();
+    let code = |t: u16, at: u16| 4660 + at / 40 + if at % 20 < 4 { t } else { 0 };
+    let depth: Vec<Vec<u16>> = (0..2).map(|t| (0..80).map(|at| code(t, at)).collect()).collect();
     let mut cell = CellBuilder::default();
     cell.push_keyframe_in_blocks(&[7; 8]);
     cell.push_weight(9, 1);
