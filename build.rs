@@ -1,4 +1,5 @@
-//! Tells the tests whether the measured footage is at hand, so that those which need it say "ignored" where it is not.
+//! Tells the tests whether the measured footage is at hand, so that those which need it say "ignored" where it is not; and
+//! tells the linker of the C++ library that the encoder of blocks wants.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(footage_at_hand)");
@@ -9,5 +10,12 @@ fn main() {
     if data.join("sponza/lightfield.json").is_file() {
         println!("cargo::rustc-cfg=footage_at_hand");
         println!("cargo::rustc-env=LIGHTFOLD_DATA={}", data.display());
+    }
+    // The kernels of `intel_tex_2` come with an object made from C++, which names `__gxx_personality_v0` and does not say
+    // where it is. The library is named by its file, which is there without the packages that compile C++; and as an
+    // argument, which stands behind all objects, where linkers that read once need it.
+    let target = |name| std::env::var(name).unwrap_or_default();
+    if target("CARGO_CFG_TARGET_OS") == "linux" && target("CARGO_CFG_TARGET_ENV") == "gnu" {
+        println!("cargo::rustc-link-arg=-l:libstdc++.so.6");
     }
 }

@@ -3,6 +3,7 @@
 //! The rooms and the direction in which they may import each other are in `ARCHITECTURE.md`; the
 //! meaning of every byte is in `formats/`.
 
+pub mod block;
 pub mod cli;
 pub mod color;
 pub mod container;
@@ -10,6 +11,7 @@ pub mod dataset;
 pub mod depth;
 pub mod effort;
 pub mod error;
+pub mod gpu;
 pub mod image;
 pub mod metrics;
 pub mod monitor;

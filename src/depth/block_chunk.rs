@@ -8,7 +8,8 @@ use crate::container::{EncodedChunk, Payload};
 use crate::depth::bc4w::{self, Bc4w};
 use crate::depth::block::{Accuracy, Block, BlockMut};
 use crate::depth::census::{NodeCensus, Share};
-use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Place, function_of};
+use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
+use crate::depth::runtime::Runtime;
 use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::effort::Effort;
 use crate::error::Result;
@@ -64,6 +65,19 @@ impl BlockChunk {
             census.add_share(LEVEL, Function::Bc4w, share);
         }
         census
+    }
+
+    /// The blocks of all frames as nodes in the runtime form.
+    pub fn runtime(&self) -> Runtime {
+        let mut runtime = Runtime::new(self.grid);
+        let blocks = |picture: &[u8]| -> Vec<Node> {
+            let place = |[x, y]: [usize; 2]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 };
+            let blocks = picture.as_chunks().0.iter().zip(places(self.grid));
+            blocks.map(|(&coefficients, at)| Node { place: place(at), coefficients }).collect()
+        };
+        let pictures = self.payload.chunks_exact(picture_bytes(self.grid)).zip(0..);
+        pictures.for_each(|(picture, frame)| runtime.push(frame, &blocks(picture)));
+        runtime
     }
 
     /// Shows frame `target` of the chunk; answers how many pixels were written.

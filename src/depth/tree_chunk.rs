@@ -57,6 +57,11 @@ impl TreeChunk {
         Ok(TreeChunk { runtime, domain, trees, record_bytes, spare: payload })
     }
 
+    /// The leaves of all records, in the runtime form.
+    pub fn runtime(&self) -> &Runtime {
+        &self.runtime
+    }
+
     /// The records, in order of their frames; leaves and functions count as nodes.
     pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
         let costs = self.record_bytes.iter().zip(&self.trees);

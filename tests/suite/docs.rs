@@ -191,7 +191,7 @@ fn citations(text: &str, document: &str) -> Vec<String> {
 
 #[test]
 fn every_section_that_is_cited_exists() {
-    let documents = ["container.md", "depth.md", "color.md", "arithmetic.md", "errata.md"];
+    let documents = ["container.md", "depth.md", "color.md", "blocks.md", "arithmetic.md", "errata.md"];
     let mut files = Vec::new();
     files_below(root().join("src"), "rs", &mut files);
     files.extend(documents.map(|document| root().join("formats").join(document)));

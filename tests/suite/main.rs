@@ -1,5 +1,6 @@
 //! One test binary for everything that is tested from outside the crate.
 
+mod blocks;
 mod cli;
 mod commands;
 mod corrupt;
@@ -16,4 +17,5 @@ mod quality;
 mod roundtrip;
 mod samples;
 mod vectors;
+mod vectors_of_blocks;
 mod vectors_of_nodes;

@@ -1,0 +1,417 @@
+// BC6H UF16 (blocks.md 7). Mirrors src/block/bc6h.rs. Needs bptc.wgsl.
+
+// What the bits in front of the indices say.
+struct Bc6h {
+    // 0 where the mode is reserved.
+    subsets: u32,
+    endpoint_bits: u32,
+    // Bits of differences of red, green and blue; 0 where endpoints are stored as they are.
+    delta: vec3u,
+    partition_number: u32,
+    w: vec3u,
+    x: vec3u,
+    y: vec3u,
+    z: vec3u,
+}
+
+// `count` bits in the other order.
+fn bc6h_reversed(bits: u32, count: u32) -> u32 {
+    return reverseBits(bits) >> (32u - count);
+}
+
+// The values of a block, by the layout of its mode, which stands above each case.
+fn bc6h_open(words: vec4u) -> Bc6h {
+    var code = words.x & 3u;
+    if (code > 1u) {
+        code = words.x & 31u;
+    }
+    var block: Bc6h;
+    block.subsets = 1u;
+    switch (code) {
+        case 0u: {
+            // gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4
+            block.endpoint_bits = 10u;
+            block.delta = vec3u(5u, 5u, 5u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u),
+                bptc_bits(words, 15u, 10u),
+                bptc_bits(words, 25u, 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 5u),
+                bptc_bits(words, 45u, 5u),
+                bptc_bits(words, 55u, 5u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 5u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 2u, 1u) << 4u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 3u, 1u) << 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 5u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 4u, 1u) << 4u),
+            );
+        }
+        case 1u: {
+            // gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4
+            block.endpoint_bits = 7u;
+            block.delta = vec3u(6u, 6u, 6u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 7u),
+                bptc_bits(words, 15u, 7u),
+                bptc_bits(words, 25u, 7u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 6u),
+                bptc_bits(words, 45u, 6u),
+                bptc_bits(words, 55u, 6u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 6u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u) | (bptc_bits(words, 2u, 1u) << 5u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u) | (bptc_bits(words, 22u, 1u) << 5u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 6u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 3u, 2u) << 4u),
+                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+            );
+        }
+        case 2u: {
+            // rw0-9 gw0-9 bw0-9 rx0-4 rw10 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4
+            block.endpoint_bits = 11u;
+            block.delta = vec3u(5u, 4u, 4u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bptc_bits(words, 40u, 1u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bptc_bits(words, 49u, 1u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bptc_bits(words, 59u, 1u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 5u),
+                bptc_bits(words, 45u, 4u),
+                bptc_bits(words, 55u, 4u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 5u),
+                bptc_bits(words, 41u, 4u),
+                bptc_bits(words, 61u, 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 5u),
+                bptc_bits(words, 51u, 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+            );
+        }
+        case 6u: {
+            // rw0-9 gw0-9 bw0-9 rx0-3 rw10 gz4 gy0-3 gx0-4 gw10 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-3 bz0 bz2 rz0-3 gy4 bz3 d0-4
+            block.endpoint_bits = 11u;
+            block.delta = vec3u(4u, 5u, 4u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bptc_bits(words, 39u, 1u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bptc_bits(words, 50u, 1u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bptc_bits(words, 59u, 1u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 4u),
+                bptc_bits(words, 45u, 5u),
+                bptc_bits(words, 55u, 4u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 4u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 75u, 1u) << 4u),
+                bptc_bits(words, 61u, 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 4u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
+                bptc_bits(words, 69u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+            );
+        }
+        case 10u: {
+            // rw0-9 gw0-9 bw0-9 rx0-3 rw10 by4 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-4 bw10 by0-3 ry0-3 bz1-2 rz0-3 bz4 bz3 d0-4
+            block.endpoint_bits = 11u;
+            block.delta = vec3u(4u, 4u, 5u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bptc_bits(words, 39u, 1u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bptc_bits(words, 49u, 1u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bptc_bits(words, 60u, 1u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 4u),
+                bptc_bits(words, 45u, 4u),
+                bptc_bits(words, 55u, 5u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 4u),
+                bptc_bits(words, 41u, 4u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 4u),
+                bptc_bits(words, 51u, 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 69u, 2u) << 1u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 75u, 1u) << 4u),
+            );
+        }
+        case 14u: {
+            // rw0-8 by4 gw0-8 gy4 bw0-8 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4
+            block.endpoint_bits = 9u;
+            block.delta = vec3u(5u, 5u, 5u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 9u),
+                bptc_bits(words, 15u, 9u),
+                bptc_bits(words, 25u, 9u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 5u),
+                bptc_bits(words, 45u, 5u),
+                bptc_bits(words, 55u, 5u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 5u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 5u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+            );
+        }
+        case 18u: {
+            // rw0-7 gz4 by4 gw0-7 bz2 gy4 bw0-7 bz3-4 rx0-5 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-5 rz0-5 d0-4
+            block.endpoint_bits = 8u;
+            block.delta = vec3u(6u, 5u, 5u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 8u),
+                bptc_bits(words, 15u, 8u),
+                bptc_bits(words, 25u, 8u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 6u),
+                bptc_bits(words, 45u, 5u),
+                bptc_bits(words, 55u, 5u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 6u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 6u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 13u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 33u, 2u) << 3u),
+            );
+        }
+        case 22u: {
+            // rw0-7 bz0 by4 gw0-7 gy5 gy4 bw0-7 gz5 bz4 rx0-4 gz4 gy0-3 gx0-5 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4
+            block.endpoint_bits = 8u;
+            block.delta = vec3u(5u, 6u, 5u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 8u),
+                bptc_bits(words, 15u, 8u),
+                bptc_bits(words, 25u, 8u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 5u),
+                bptc_bits(words, 45u, 6u),
+                bptc_bits(words, 55u, 5u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 5u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u) | (bptc_bits(words, 23u, 1u) << 5u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 5u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 13u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+            );
+        }
+        case 26u: {
+            // rw0-7 bz1 by4 gw0-7 by5 gy4 bw0-7 bz5 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-5 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4
+            block.endpoint_bits = 8u;
+            block.delta = vec3u(5u, 5u, 6u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 8u),
+                bptc_bits(words, 15u, 8u),
+                bptc_bits(words, 25u, 8u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 5u),
+                bptc_bits(words, 45u, 5u),
+                bptc_bits(words, 55u, 6u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 5u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u) | (bptc_bits(words, 23u, 1u) << 5u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 5u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 13u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+            );
+        }
+        case 30u: {
+            // rw0-5 gz4 bz0-1 by4 gw0-5 gy5 by5 bz2 gy4 bw0-5 gz5 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4
+            block.endpoint_bits = 6u;
+            block.delta = vec3u(0u);
+            block.subsets = 2u;
+            block.partition_number = bptc_bits(words, 77u, 5u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 6u),
+                bptc_bits(words, 15u, 6u),
+                bptc_bits(words, 25u, 6u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 6u),
+                bptc_bits(words, 45u, 6u),
+                bptc_bits(words, 55u, 6u),
+            );
+            block.y = vec3u(
+                bptc_bits(words, 65u, 6u),
+                bptc_bits(words, 41u, 4u) | (bptc_bits(words, 24u, 1u) << 4u) | (bptc_bits(words, 21u, 1u) << 5u),
+                bptc_bits(words, 61u, 4u) | (bptc_bits(words, 14u, 1u) << 4u) | (bptc_bits(words, 22u, 1u) << 5u),
+            );
+            block.z = vec3u(
+                bptc_bits(words, 71u, 6u),
+                bptc_bits(words, 51u, 4u) | (bptc_bits(words, 11u, 1u) << 4u) | (bptc_bits(words, 31u, 1u) << 5u),
+                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+            );
+        }
+        case 3u: {
+            // rw0-9 gw0-9 bw0-9 rx0-9 gx0-9 bx0-9
+            block.endpoint_bits = 10u;
+            block.delta = vec3u(0u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u),
+                bptc_bits(words, 15u, 10u),
+                bptc_bits(words, 25u, 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 10u),
+                bptc_bits(words, 45u, 10u),
+                bptc_bits(words, 55u, 10u),
+            );
+        }
+        case 7u: {
+            // rw0-9 gw0-9 bw0-9 rx0-8 rw10 gx0-8 gw10 bx0-8 bw10
+            block.endpoint_bits = 11u;
+            block.delta = vec3u(9u, 9u, 9u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bptc_bits(words, 44u, 1u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bptc_bits(words, 54u, 1u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bptc_bits(words, 64u, 1u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 9u),
+                bptc_bits(words, 45u, 9u),
+                bptc_bits(words, 55u, 9u),
+            );
+        }
+        case 11u: {
+            // rw0-9 gw0-9 bw0-9 rx0-7 rw11-10 gx0-7 gw11-10 bx0-7 bw11-10
+            block.endpoint_bits = 12u;
+            block.delta = vec3u(8u, 8u, 8u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bc6h_reversed(bptc_bits(words, 43u, 2u), 2u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bc6h_reversed(bptc_bits(words, 53u, 2u), 2u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bc6h_reversed(bptc_bits(words, 63u, 2u), 2u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 8u),
+                bptc_bits(words, 45u, 8u),
+                bptc_bits(words, 55u, 8u),
+            );
+        }
+        case 15u: {
+            // rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10
+            block.endpoint_bits = 16u;
+            block.delta = vec3u(4u, 4u, 4u);
+            block.w = vec3u(
+                bptc_bits(words, 5u, 10u) | (bc6h_reversed(bptc_bits(words, 39u, 6u), 6u) << 10u),
+                bptc_bits(words, 15u, 10u) | (bc6h_reversed(bptc_bits(words, 49u, 6u), 6u) << 10u),
+                bptc_bits(words, 25u, 10u) | (bc6h_reversed(bptc_bits(words, 59u, 6u), 6u) << 10u),
+            );
+            block.x = vec3u(
+                bptc_bits(words, 35u, 4u),
+                bptc_bits(words, 45u, 4u),
+                bptc_bits(words, 55u, 4u),
+            );
+        }
+        default: {
+            block.subsets = 0u;
+        }
+    }
+    return block;
+}
+
+// An endpoint as numbers of 16 bits; `value` is stored as its difference from the first where there are difference bits.
+fn bc6h_endpoint(block: Bc6h, value: vec3u) -> vec3u {
+    let last = (1u << block.endpoint_bits) - 1u;
+    var whole = value;
+    if (block.delta.x > 0u) {
+        let unused = 32u - block.delta;
+        let difference = vec3i(value << unused) >> unused;
+        whole = (block.w + vec3u(difference)) & vec3u(last);
+    }
+    return bc6h_widen(whole, block.endpoint_bits, last);
+}
+
+// Numbers of `endpoint_bits` bits, the largest of which is `last`, spread over 16.
+fn bc6h_widen(value: vec3u, endpoint_bits: u32, last: u32) -> vec3u {
+    if (endpoint_bits >= 15u) {
+        return value;
+    }
+    let spread = ((value << vec3u(16u)) + 0x8000u) >> vec3u(endpoint_bits);
+    return select(select(spread, vec3u(0xffffu), value == vec3u(last)), vec3u(0u), value == vec3u(0u));
+}
+
+// A pixel of a block: r | g << 16, then b.
+fn bc6h_texel(words: vec4u, texel: u32) -> vec2u {
+    let block = bc6h_open(words);
+    if (block.subsets == 0u) {
+        return vec2u(0u);
+    }
+    let parts = bptc_partition(block.subsets, block.partition_number);
+    var a: vec3u;
+    var b: vec3u;
+    if (bptc_subset(parts, texel) == 0u) {
+        a = bc6h_widen(block.w, block.endpoint_bits, (1u << block.endpoint_bits) - 1u);
+        b = bc6h_endpoint(block, block.x);
+    } else {
+        a = bc6h_endpoint(block, block.y);
+        b = bc6h_endpoint(block, block.z);
+    }
+    let index_bits = 5u - block.subsets;
+    let index = bptc_index(words, select(65u, 82u, block.subsets == 2u), index_bits, parts, texel);
+    // From 0 to 65535 to the patterns of finite half floats.
+    let halves = (bptc_mix(a, b, index, index_bits) * 31u) >> vec3u(6u);
+    return vec2u(halves.x | (halves.y << 16u), halves.z);
+}
+
+// All pixels of a block.
+fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
+    for (var texel = 0u; texel < 16u; texel++) {
+        (*out)[texel] = bc6h_texel(words, texel);
+    }
+}

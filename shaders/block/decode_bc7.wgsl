@@ -1,0 +1,19 @@
+// Blocks of BC7, all pixels of each. An invocation decodes a block. Needs `bc7_texels`.
+
+@group(0) @binding(0) var<storage, read> blocks: array<u32>;
+@group(0) @binding(1) var<storage, read_write> texels: array<u32>;
+
+@compute @workgroup_size(WORKGROUP)
+fn decode_bc7(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let block = id.x + id.y * groups.x * WORKGROUP;
+    if (block >= arrayLength(&blocks) / 4u) {
+        return;
+    }
+    let at = 4u * block;
+    let words = vec4u(blocks[at], blocks[at + 1u], blocks[at + 2u], blocks[at + 3u]);
+    var pixels: array<u32, 16>;
+    bc7_texels(words, &pixels);
+    for (var texel = 0u; texel < 16u; texel++) {
+        texels[16u * block + texel] = pixels[texel];
+    }
+}

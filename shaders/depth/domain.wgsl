@@ -1,0 +1,69 @@
+// From the value of a function to a code (arithmetic.md 6, 7). Mirrors src/depth/domain.rs. Needs `log2_table`.
+
+const BACKGROUND_CODE: u32 = 65535u;
+const FAR_CODE: u32 = 65534u;
+
+fn code_of(unit: Unit, r: i32) -> u32 {
+    switch unit.domain {
+        case DOMAIN_LINEAR: {
+            return linear_code(unit, r);
+        }
+        case DOMAIN_INVERSE: {
+            return inverse_code(unit, r);
+        }
+        default: {
+            return log_code(r);
+        }
+    }
+}
+
+fn log_code(r: i32) -> u32 {
+    return u32(clamp((r + 8192) >> 14u, 0, 65535));
+}
+
+fn linear_code(unit: Unit, r: i32) -> u32 {
+    let value = q8(r);
+    if (value >= 16777216) {
+        return BACKGROUND_CODE;
+    }
+    let log = integer_log2(u32(max(value, 1)));
+    return scaled(log - min(log, unit.base), unit.scale);
+}
+
+fn inverse_code(unit: Unit, r: i32) -> u32 {
+    let value = q8(r);
+    if (value <= 0) {
+        return BACKGROUND_CODE;
+    }
+    let log = integer_log2(u32(min(value, 16777215)));
+    return scaled(unit.base - min(unit.base, log), unit.scale);
+}
+
+// Q14 to Q8, to nearest.
+fn q8(r: i32) -> i32 {
+    return (r + 32) >> 6u;
+}
+
+// log2 in Q24.
+fn integer_log2(value: u32) -> u32 {
+    let exponent = firstLeadingBit(value);
+    let fraction = ((value << (31u - exponent)) << 1u) >> 9u;
+    let index = fraction >> 15u;
+    let rest = fraction & 0x7fffu;
+    let low = log2_table[index];
+    let high = log2_table[index + 1u];
+    return (exponent << 24u) + low + (((high - low) * rest + 0x4000u) >> 15u);
+}
+
+// (log · scale + 2³¹) >> 32, of four products of 16 bits.
+fn scaled(log: u32, scale: u32) -> u32 {
+    let a = vec2u(log & 0xffffu, log >> 16u);
+    let b = vec2u(scale & 0xffffu, scale >> 16u);
+    let low = a.x * b.x;
+    let across = a.y * b.x;
+    let down = a.x * b.y;
+    let middle = (low >> 16u) + (across & 0xffffu) + (down & 0xffffu);
+    let high = a.y * b.y + (across >> 16u) + (down >> 16u) + (middle >> 16u);
+    // Half of 2³² carries where the highest bit below is set.
+    return min(high + ((middle >> 15u) & 1u), FAR_CODE);
+}

@@ -1,0 +1,211 @@
+//! BC6H UF16: three channels of half floats without a sign, 16 pixels in 16 bytes (formats/blocks.md 7).
+//!
+//! Enters: a block. Leaves: bit patterns of half floats, RGB of its 16 pixels, row by row: at most 0x7BFF, the largest finite
+//! value.
+
+use super::TEXELS;
+use super::bptc::{Bits, Partition, mix};
+
+/// How the bits of a block are dealt out in one of the fourteen modes.
+pub(super) struct Mode {
+    /// Lowest bits of the block: two of them for the modes 0 and 1, five for the others.
+    pub(super) code: u32,
+    pub(super) subsets: u32,
+    /// Bits of the endpoints once they are put together.
+    pub(super) precision: u32,
+    /// Bits of the endpoints after the first of red, green and blue, where they are stored as differences from the first.
+    pub(super) delta: Option<[u32; 3]>,
+    /// The values whose bits follow the code, in the order of the block's bits: a channel (r, g, b) and an endpoint (w, x, y, z)
+    /// or the number of the partition (d), and which of its bits.
+    pub(super) layout: &'static str,
+}
+
+pub(super) const MODES: [Mode; 14] = [
+    mode(
+        0,
+        10,
+        Some([5, 5, 5]),
+        "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    ),
+    mode(
+        1,
+        7,
+        Some([6, 6, 6]),
+        "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
+    ),
+    mode(
+        2,
+        11,
+        Some([5, 4, 4]),
+        "rw0-9 gw0-9 bw0-9 rx0-4 rw10 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    ),
+    mode(
+        6,
+        11,
+        Some([4, 5, 4]),
+        "rw0-9 gw0-9 bw0-9 rx0-3 rw10 gz4 gy0-3 gx0-4 gw10 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-3 bz0 bz2 rz0-3 gy4 bz3 d0-4",
+    ),
+    mode(
+        10,
+        11,
+        Some([4, 4, 5]),
+        "rw0-9 gw0-9 bw0-9 rx0-3 rw10 by4 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-4 bw10 by0-3 ry0-3 bz1-2 rz0-3 bz4 bz3 d0-4",
+    ),
+    mode(
+        14,
+        9,
+        Some([5, 5, 5]),
+        "rw0-8 by4 gw0-8 gy4 bw0-8 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    ),
+    mode(
+        18,
+        8,
+        Some([6, 5, 5]),
+        "rw0-7 gz4 by4 gw0-7 bz2 gy4 bw0-7 bz3-4 rx0-5 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-5 rz0-5 d0-4",
+    ),
+    mode(
+        22,
+        8,
+        Some([5, 6, 5]),
+        "rw0-7 bz0 by4 gw0-7 gy5 gy4 bw0-7 gz5 bz4 rx0-4 gz4 gy0-3 gx0-5 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    ),
+    mode(
+        26,
+        8,
+        Some([5, 5, 6]),
+        "rw0-7 bz1 by4 gw0-7 by5 gy4 bw0-7 bz5 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-5 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    ),
+    mode(
+        30,
+        6,
+        None,
+        "rw0-5 gz4 bz0-1 by4 gw0-5 gy5 by5 bz2 gy4 bw0-5 gz5 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
+    ),
+    mode(3, 10, None, "rw0-9 gw0-9 bw0-9 rx0-9 gx0-9 bx0-9"),
+    mode(7, 11, Some([9, 9, 9]), "rw0-9 gw0-9 bw0-9 rx0-8 rw10 gx0-8 gw10 bx0-8 bw10"),
+    mode(11, 12, Some([8, 8, 8]), "rw0-9 gw0-9 bw0-9 rx0-7 rw11-10 gx0-7 gw11-10 bx0-7 bw11-10"),
+    mode(15, 16, Some([4, 4, 4]), "rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10"),
+];
+
+/// A row of the table; whether there are two subsets is seen from the layout.
+const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'static str) -> Mode {
+    let two = layout.as_bytes()[layout.len() - 4] == b'd';
+    Mode { code, subsets: if two { 2 } else { 1 }, precision, delta, layout }
+}
+
+/// Most bits that a layout deals out.
+pub(super) const LAYOUT_BITS: usize = 80;
+/// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
+pub(super) const PARTITION: usize = 12;
+/// Fills rows of [`TARGETS`] that are shorter than others.
+pub(super) const NOTHING: u8 = 255;
+
+/// For each mode and each bit that follows the code: the value (times 16) and its bit that it goes to.
+pub(super) const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
+    let mut targets = [[NOTHING; LAYOUT_BITS]; MODES.len()];
+    let mut mode = 0;
+    while mode < MODES.len() {
+        targets[mode] = parse(MODES[mode].layout.as_bytes());
+        mode += 1;
+    }
+    targets
+};
+
+/// Reads a layout.
+const fn parse(text: &[u8]) -> [u8; LAYOUT_BITS] {
+    let mut targets = [NOTHING; LAYOUT_BITS];
+    let (mut at, mut count) = (0, 0);
+    while at < text.len() {
+        let mut value = PARTITION;
+        if text[at] != b'd' {
+            let endpoint = (text[at + 1] - b'w') as usize;
+            value = 3 * endpoint
+                + match text[at] {
+                    b'r' => 0,
+                    b'g' => 1,
+                    _ => 2,
+                };
+            at += 1;
+        }
+        at += 1;
+        let (first, behind) = number(text, at);
+        let (mut last, mut next) = (first, behind);
+        if behind < text.len() && text[behind] == b'-' {
+            (last, next) = number(text, behind + 1);
+        }
+        let mut bit = first;
+        loop {
+            targets[count] = (16 * value) as u8 + bit;
+            count += 1;
+            if bit == last {
+                break;
+            }
+            if last > first { bit += 1 } else { bit -= 1 }
+        }
+        at = next + 1;
+    }
+    targets
+}
+
+/// The number that starts at a place of a text, and where it ends.
+const fn number(text: &[u8], mut at: usize) -> (u8, usize) {
+    let mut value = 0;
+    while at < text.len() && text[at].is_ascii_digit() {
+        value = 10 * value + (text[at] - b'0');
+        at += 1;
+    }
+    (value, at)
+}
+
+/// Decodes a block. Every pattern of bits is legal but those of the four reserved codes (19, 23, 27, 31), which yield zeros.
+pub fn decode(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
+    let mut bits = Bits::new(block);
+    let mut code = bits.take(2);
+    if code > 1 {
+        code |= bits.take(3) << 2;
+    }
+    let Some(number) = MODES.iter().position(|mode| mode.code == code) else { return [[0; 3]; TEXELS] };
+    let mode = &MODES[number];
+    let mut values = [0; PARTITION + 1];
+    for &target in TARGETS[number].iter().take_while(|&&target| target != NOTHING) {
+        values[target as usize >> 4] |= bits.take(1) << (target & 15);
+    }
+    let partition = Partition::new(mode.subsets, values[PARTITION]);
+    let endpoints = endpoints(mode, &values);
+    let index_bits = if mode.subsets == 2 { 3 } else { 4 };
+    let indices = partition.indices(&mut bits, index_bits);
+    std::array::from_fn(|texel| {
+        let pair = 2 * partition.subset(texel);
+        let [a, b] = [endpoints[pair], endpoints[pair + 1]];
+        std::array::from_fn(|channel| {
+            // From 0 to 65535 to the patterns of finite half floats.
+            ((mix(a[channel], b[channel], indices[texel], index_bits) * 31) >> 6) as u16
+        })
+    })
+}
+
+/// The endpoints w, x, y, z as numbers of 16 bits.
+pub(super) fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
+    std::array::from_fn(|endpoint| {
+        std::array::from_fn(|channel| {
+            let mut value = values[3 * endpoint + channel];
+            if let (Some(delta), 1..) = (mode.delta, endpoint) {
+                let unused = 32 - delta[channel];
+                let difference = (value << unused) as i32 >> unused;
+                value = values[channel].wrapping_add(difference as u32) & ((1 << mode.precision) - 1);
+            }
+            widen(value, mode.precision)
+        })
+    })
+}
+
+/// A number of `precision` bits spread over 16.
+fn widen(value: u32, precision: u32) -> u32 {
+    if precision >= 15 || value == 0 {
+        value
+    } else if value == (1 << precision) - 1 {
+        0xFFFF
+    } else {
+        ((value << 16) + 0x8000) >> precision
+    }
+}

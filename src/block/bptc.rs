@@ -1,0 +1,188 @@
+//! What BC6H and BC7 share (formats/blocks.md 6): how bits are read, how pixels are shared out among one, two or three pairs
+//! of endpoints, and how colours between two endpoints are mixed. The tables are those of BPTC in the Khronos Data Format
+//! Specification.
+
+use super::TEXELS;
+
+/// The bits of a block, least significant first.
+pub(super) struct Bits(u128);
+
+impl Bits {
+    pub(super) fn new(block: &[u8; 16]) -> Self {
+        Bits(u128::from_le_bytes(*block))
+    }
+
+    /// The next `count` bits, at most 32, as a number whose least significant bit came first.
+    pub(super) fn take(&mut self, count: u32) -> u32 {
+        let bits = self.0 as u32 & ((1u64 << count) - 1) as u32;
+        self.0 >>= count;
+        bits
+    }
+}
+
+/// Which pair of endpoints each pixel of a block belongs to.
+#[derive(Clone, Copy)]
+pub(super) struct Partition {
+    /// Bits 2t and 2t + 1: the subset of pixel t.
+    map: u32,
+    /// Bit t: pixel t is the anchor of its subset, whose index is stored without its highest bit.
+    anchors: u32,
+}
+
+/// Partitions in one, two and three subsets by their numbers.
+static PARTITIONS: [[Partition; 64]; 3] = {
+    let mut partitions = [[Partition { map: 0, anchors: 1 }; 64]; 3];
+    let mut number = 0;
+    while number < 64 {
+        let mut texel = 0;
+        while texel < TEXELS {
+            partitions[1][number].map |= (TWO[number] as u32 >> texel & 1) << (2 * texel);
+            texel += 1;
+        }
+        partitions[1][number].anchors |= 1 << ANCHOR_OF_TWO[number];
+        let [second, third] = ANCHORS_OF_THREE[number];
+        partitions[2][number] = Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third };
+        number += 1;
+    }
+    partitions
+};
+
+impl Partition {
+    /// Partition `number` in `subsets` (1, 2 or 3) subsets.
+    pub(super) fn new(subsets: u32, number: u32) -> Self {
+        PARTITIONS[subsets as usize - 1][number as usize & 63]
+    }
+
+    /// Pixels that are anchors, ascending.
+    pub(super) fn anchors(&self) -> impl Iterator<Item = u32> {
+        let mut left = self.anchors;
+        std::iter::from_fn(move || {
+            let next = left.checked_ilog2().map(|_| left.trailing_zeros());
+            left &= left.wrapping_sub(1);
+            next
+        })
+    }
+
+    /// Subset of a pixel, 0 to 2.
+    pub(super) fn subset(&self, texel: usize) -> usize {
+        (self.map >> (2 * texel)) as usize & 3
+    }
+
+    /// Reads an index of `count` bits for each pixel, one bit less for anchors.
+    pub(super) fn indices(&self, bits: &mut Bits, count: u32) -> [u32; TEXELS] {
+        std::array::from_fn(|texel| bits.take(count - (self.anchors >> texel & 1)))
+    }
+}
+
+/// The mix of two endpoints by an index of `count` bits (2, 3 or 4): below 2^24 for endpoints of 16 bits.
+pub(super) fn mix(a: u32, b: u32, index: u32, count: u32) -> u32 {
+    let weight = WEIGHTS[count as usize & 7][index as usize];
+    (a * (64 - weight) + b * weight + 32) >> 6
+}
+
+/// Partitions in two subsets: bit t is the subset of pixel t. BC6H has the first 32.
+pub(super) const TWO: [u16; 64] = [
+    0xcccc, 0x8888, 0xeeee, 0xecc8, 0xc880, 0xfeec, 0xfec8, 0xec80, 0xc800, 0xffec, 0xfe80, 0xe800, 0xffe8, 0xff00,
+    0xfff0, 0xf000, 0xf710, 0x008e, 0x7100, 0x08ce, 0x008c, 0x7310, 0x3100, 0x8cce, 0x088c, 0x3110, 0x6666, 0x366c,
+    0x17e8, 0x0ff0, 0x718e, 0x399c, 0xaaaa, 0xf0f0, 0x5a5a, 0x33cc, 0x3c3c, 0x55aa, 0x9696, 0xa55a, 0x73ce, 0x13c8,
+    0x324c, 0x3bdc, 0x6996, 0xc33c, 0x9966, 0x0660, 0x0272, 0x04e4, 0x4e40, 0x2720, 0xc936, 0x936c, 0x39c6, 0x639c,
+    0x9336, 0x9cc6, 0x817e, 0xe718, 0xccf0, 0x0fcc, 0x7744, 0xee22,
+];
+
+/// Partitions in three subsets: bits 2t and 2t + 1 are the subset of pixel t.
+pub(super) const THREE: [u32; 64] = [
+    0xaa685050, 0x6a5a5040, 0x5a5a4200, 0x5450a0a8, 0xa5a50000, 0xa0a05050, 0x5555a0a0, 0x5a5a5050, 0xaa550000,
+    0xaa555500, 0xaaaa5500, 0x90909090, 0x94949494, 0xa4a4a4a4, 0xa9a59450, 0x2a0a4250, 0xa5945040, 0x0a425054,
+    0xa5a5a500, 0x55a0a0a0, 0xa8a85454, 0x6a6a4040, 0xa4a45000, 0x1a1a0500, 0x0050a4a4, 0xaaa59090, 0x14696914,
+    0x69691400, 0xa08585a0, 0xaa821414, 0x50a4a450, 0x6a5a0200, 0xa9a58000, 0x5090a0a8, 0xa8a09050, 0x24242424,
+    0x00aa5500, 0x24924924, 0x24499224, 0x50a50a50, 0x500aa550, 0xaaaa4444, 0x66660000, 0xa5a0a5a0, 0x50a050a0,
+    0x69286928, 0x44aaaa44, 0x66666600, 0xaa444444, 0x54a854a8, 0x95809580, 0x96969600, 0xa85454a8, 0x80959580,
+    0xaa141414, 0x96960000, 0xaaaa1414, 0xa05050a0, 0xa0a5a5a0, 0x96000000, 0x40804080, 0xa9a8a9a8, 0xaaaaaa44,
+    0x2a4a5254,
+];
+
+/// The anchor of subset 1 of each partition in two subsets; that of subset 0 is pixel 0.
+pub(super) const ANCHOR_OF_TWO: [u8; 64] = [
+    15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 2, 8, 2, 2, 8, 8, 15, 2, 8, 2, 2, 8, 8, 2, 2,
+    15, 15, 6, 8, 2, 8, 15, 15, 2, 8, 2, 2, 2, 15, 15, 6, 6, 2, 6, 8, 15, 15, 2, 2, 15, 15, 15, 15, 15, 2, 2, 15,
+];
+
+/// The anchors of subsets 1 and 2 of each partition in three subsets.
+pub(super) const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
+    [3, 15],
+    [3, 8],
+    [15, 8],
+    [15, 3],
+    [8, 15],
+    [3, 15],
+    [15, 3],
+    [15, 8],
+    [8, 15],
+    [8, 15],
+    [6, 15],
+    [6, 15],
+    [6, 15],
+    [5, 15],
+    [3, 15],
+    [3, 8],
+    [3, 15],
+    [3, 8],
+    [8, 15],
+    [15, 3],
+    [3, 15],
+    [3, 8],
+    [6, 15],
+    [10, 8],
+    [5, 3],
+    [8, 15],
+    [8, 6],
+    [6, 10],
+    [8, 15],
+    [5, 15],
+    [15, 10],
+    [15, 8],
+    [8, 15],
+    [15, 3],
+    [3, 15],
+    [5, 10],
+    [6, 10],
+    [10, 8],
+    [8, 9],
+    [15, 10],
+    [15, 6],
+    [3, 15],
+    [15, 8],
+    [5, 15],
+    [15, 3],
+    [15, 6],
+    [15, 6],
+    [15, 8],
+    [3, 15],
+    [15, 3],
+    [5, 15],
+    [5, 15],
+    [5, 15],
+    [8, 15],
+    [5, 15],
+    [10, 15],
+    [5, 15],
+    [10, 15],
+    [8, 15],
+    [13, 15],
+    [15, 3],
+    [12, 15],
+    [3, 15],
+    [3, 8],
+];
+
+/// Weights of the second endpoint, in 64ths, by the number of an index's bits and the index.
+pub(super) const WEIGHTS: [&[u32]; 8] = [
+    &[0],
+    &[0],
+    &[0, 21, 43, 64],
+    &[0, 9, 18, 27, 37, 46, 55, 64],
+    &[0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64],
+    &[0],
+    &[0],
+    &[0],
+];

@@ -1,0 +1,185 @@
+//! Encoders of blocks: libraries behind one trait.
+//!
+//! Enters: pixels, row by row. Leaves: blocks, row by row. BC1, BC6H and BC7 are searched by `intel_tex_2`, BC4 and BC5 by
+//! `dds`; what they choose is judged with our decoders only.
+
+use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
+use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
+
+use super::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockFormat, SIDE, TEXELS, grid};
+use crate::effort::Effort;
+
+/// A search for the blocks of an image.
+///
+/// The same pixels and effort give the same blocks, on any number of threads, and a block depends on its own pixels alone. BC1,
+/// BC6H and BC7 are searched in floating point by kernels that the library chooses by the processor's instruction set, so that
+/// another family of processors may find other blocks. What blocks mean does not depend on it.
+pub trait BlockEncoder: Sync {
+    /// A pixel.
+    type Texel: Copy;
+    /// Blocks of [`grid`]`(width, height)`, row by row, for `width` x `height` pixels, row by row.
+    ///
+    /// Where blocks reach past the right or the bottom edge, the last column or row of pixels is repeated. Where `pixels` are
+    /// fewer than `width` x `height`, the last is repeated; where there are none, there are no blocks.
+    fn encode(&self, pixels: &[Self::Texel], width: usize, height: usize, effort: Effort) -> Vec<u8>;
+}
+
+impl BlockEncoder for Bc1 {
+    type Texel = [u8; 3];
+    /// Fast and normal efforts are the same; the exhaustive one takes the better of two libraries for each block.
+    fn encode(&self, pixels: &[[u8; 3]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let mut blocks = rgba_bands(pixels, width, height, |surface| bc1::compress_blocks(&surface));
+        if effort == Effort::Exhaustive {
+            let others = in_bands(pixels, width, height, |band| {
+                channels(band, band.pixels.as_flattened(), ColorFormat::RGB_U8, Format::BC1_UNORM, effort)
+            });
+            keep_better(&mut blocks, &others, pixels, width);
+        }
+        blocks
+    }
+}
+
+/// Replaces each block of BC1 by the other where that is closer to the pixels in the sum of squares.
+fn keep_better(blocks: &mut [u8], others: &[u8], pixels: &[[u8; 3]], width: usize) {
+    let columns = grid(width, 1)[0];
+    for (at, (block, other)) in blocks.chunks_exact_mut(8).zip(others.chunks_exact(8)).enumerate() {
+        let [left, top] = [at % columns * SIDE, at / columns * SIDE];
+        let error = |block: &[u8]| {
+            let mut texels = [[0; 3]; TEXELS];
+            Bc1::decode_block(block, &mut texels);
+            let inside = (0..TEXELS).filter(|texel| left + texel % SIDE < width);
+            let differences = inside.filter_map(|texel| {
+                let pixel = pixels.get((top + texel / SIDE) * width + left + texel % SIDE)?;
+                Some(pixel.iter().zip(&texels[texel]).map(|(a, b)| u32::from(a.abs_diff(*b)).pow(2)).sum::<u32>())
+            });
+            differences.sum::<u32>()
+        };
+        if error(other) < error(block) {
+            block.copy_from_slice(other);
+        }
+    }
+}
+
+impl BlockEncoder for Bc7 {
+    type Texel = [u8; 3];
+    fn encode(&self, pixels: &[[u8; 3]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let settings = match effort {
+            Effort::Fast => bc7::opaque_ultra_fast_settings(),
+            Effort::Normal => bc7::opaque_fast_settings(),
+            Effort::Exhaustive => bc7::opaque_slow_settings(),
+        };
+        rgba_bands(pixels, width, height, |surface| bc7::compress_blocks(&settings, &surface))
+    }
+}
+
+impl BlockEncoder for Bc6h {
+    type Texel = [u16; 3];
+    fn encode(&self, pixels: &[[u16; 3]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        let settings = match effort {
+            Effort::Fast => bc6h::very_fast_settings(),
+            Effort::Normal => bc6h::basic_settings(),
+            Effort::Exhaustive => bc6h::very_slow_settings(),
+        };
+        in_bands(pixels, width, height, |band| {
+            let bytes: Vec<u8> = band
+                .pixels
+                .iter()
+                .flat_map(|&[r, g, b]| [r, g, b, 0].map(unsigned_half))
+                .flat_map(u16::to_le_bytes)
+                .collect();
+            bc6h::compress_blocks(&settings, &band.surface(&bytes, 8))
+        })
+    }
+}
+
+impl BlockEncoder for Bc4 {
+    type Texel = u8;
+    fn encode(&self, pixels: &[u8], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        in_bands(pixels, width, height, |band| {
+            let bytes = &band.pixels;
+            channels(band, bytes, ColorFormat::GRAYSCALE_U8, Format::BC4_UNORM, effort)
+        })
+    }
+}
+
+impl BlockEncoder for Bc5 {
+    type Texel = [u8; 2];
+    fn encode(&self, pixels: &[[u8; 2]], width: usize, height: usize, effort: Effort) -> Vec<u8> {
+        in_bands(pixels, width, height, |band| {
+            let bytes: Vec<u8> = band.pixels.iter().flat_map(|&[r, g]| [r, g, 0]).collect();
+            channels(band, &bytes, ColorFormat::RGB_U8, Format::BC5_UNORM, effort)
+        })
+    }
+}
+
+/// The half float that BC6H UF16 can hold: NaN and what is below zero become 0, infinity the largest finite value.
+fn unsigned_half(bits: u16) -> u16 {
+    match bits {
+        0..0x7C00 => bits,
+        0x7C00 => 0x7BFF,
+        _ => 0,
+    }
+}
+
+/// Pixels of one or more rows of blocks, padded to whole blocks.
+struct Band<T> {
+    pixels: Vec<T>,
+    width: usize,
+}
+
+/// Rows of blocks that are encoded at a time, which bounds the memory of a large image.
+const BAND_ROWS: usize = 64;
+
+impl<T> Band<T> {
+    fn height(&self) -> usize {
+        self.pixels.len() / self.width
+    }
+
+    fn surface<'a>(&self, data: &'a [u8], pixel_bytes: usize) -> RgbaSurface<'a> {
+        let [width, height, stride] = [self.width, self.height(), self.width * pixel_bytes].map(|size| size as u32);
+        RgbaSurface { data, width, height, stride }
+    }
+}
+
+/// Cuts an image into bands and joins their blocks.
+fn in_bands<T: Copy>(pixels: &[T], width: usize, height: usize, encode: impl Fn(&Band<T>) -> Vec<u8>) -> Vec<u8> {
+    let [columns, rows] = grid(width, height);
+    let (Some(&last), true) = (pixels.last(), columns > 0) else { return Vec::new() };
+    let mut blocks = Vec::new();
+    for first in (0..rows).step_by(BAND_ROWS) {
+        let count = BAND_ROWS.min(rows - first);
+        let mut band = Band { pixels: Vec::with_capacity(count * columns * TEXELS), width: columns * SIDE };
+        for y in first * SIDE..(first + count) * SIDE {
+            let row = y.min(height - 1) * width;
+            band.pixels.extend((0..band.width).map(|x| *pixels.get(row + x.min(width - 1)).unwrap_or(&last)));
+        }
+        blocks.extend(encode(&band));
+    }
+    blocks
+}
+
+/// As [`in_bands`], for kernels that read RGBA of 8 bits.
+fn rgba_bands(pixels: &[[u8; 3]], width: usize, height: usize, encode: impl Fn(RgbaSurface<'_>) -> Vec<u8>) -> Vec<u8> {
+    in_bands(pixels, width, height, |band| {
+        let bytes: Vec<u8> = band.pixels.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
+        encode(band.surface(&bytes, 4))
+    })
+}
+
+/// Blocks by `dds`, on this thread.
+fn channels<T>(band: &Band<T>, bytes: &[u8], color: ColorFormat, format: Format, effort: Effort) -> Vec<u8> {
+    let mut options = EncodeOptions::default();
+    options.parallel = false;
+    options.quality = match effort {
+        Effort::Fast => CompressionQuality::Fast,
+        Effort::Normal => CompressionQuality::Normal,
+        Effort::Exhaustive => CompressionQuality::High,
+    };
+    let size = Size::new(band.width as u32, band.height() as u32);
+    let mut blocks = Vec::new();
+    if let Some(image) = ImageView::new(bytes, size, color) {
+        // Writing into memory does not fail, and the formats are known to the library.
+        let _ = dds::encode(&mut blocks, image, format, None, &options);
+    }
+    blocks
+}

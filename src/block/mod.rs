@@ -1,0 +1,136 @@
+//! Block-compressed images: 4x4 pixels in 8 or 16 bytes, as GPUs read them.
+//!
+//! Enters: blocks, row by row, and the size of the image they cover; or pixels to be made into blocks. Leaves: pixels, row by
+//! row; or blocks. Decoders are ours and use integers only ([formats/blocks.md](../../formats/blocks.md) says what each bit
+//! means); encoders are libraries behind [`BlockEncoder`].
+
+pub mod bc1;
+pub mod bc4;
+pub mod bc5;
+pub mod bc6h;
+pub mod bc7;
+mod bptc;
+mod encode;
+mod fast;
+
+pub use encode::BlockEncoder;
+
+/// Columns, and rows, of pixels in a block.
+pub const SIDE: usize = 4;
+/// Pixels of a block.
+pub const TEXELS: usize = SIDE * SIDE;
+
+/// Columns and rows of blocks that cover `width` x `height` pixels; the last of either may reach past the edge.
+pub fn grid(width: usize, height: usize) -> [usize; 2] {
+    [width.div_ceil(SIDE), height.div_ceil(SIDE)]
+}
+
+/// A format of blocks, as containers use it.
+pub trait BlockFormat {
+    /// A decoded pixel.
+    type Texel: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug + 'static;
+    /// Bytes of a block.
+    const BYTES: usize;
+    /// Decodes the first [`Self::BYTES`] of `block` into its pixels, row by row. A shorter slice leaves `out` as it is.
+    fn decode_block(block: &[u8], out: &mut [Self::Texel; TEXELS]);
+}
+
+/// RGB in 8 bytes ([`bc1`]); alpha is ignored.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Bc1;
+
+/// One channel in 8 bytes ([`bc4`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Bc4;
+
+/// Two channels in 16 bytes ([`bc5`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Bc5;
+
+/// RGB of half floats without a sign in 16 bytes ([`bc6h`]).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Bc6h;
+
+/// RGB in 16 bytes ([`bc7`]); alpha is dropped.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Bc7;
+
+impl BlockFormat for Bc1 {
+    type Texel = [u8; 3];
+    const BYTES: usize = 8;
+    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = bc1::decode(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc4 {
+    type Texel = u8;
+    const BYTES: usize = 8;
+    fn decode_block(block: &[u8], out: &mut [u8; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = bc4::decode(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc5 {
+    type Texel = [u8; 2];
+    const BYTES: usize = 16;
+    fn decode_block(block: &[u8], out: &mut [[u8; 2]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = bc5::decode(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc6h {
+    type Texel = [u16; 3];
+    const BYTES: usize = 16;
+    fn decode_block(block: &[u8], out: &mut [[u16; 3]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = fast::bc6h(block);
+        }
+    }
+}
+
+impl BlockFormat for Bc7 {
+    type Texel = [u8; 3];
+    const BYTES: usize = 16;
+    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
+        if let Some(block) = block.first_chunk() {
+            *out = fast::bc7(block);
+        }
+    }
+}
+
+/// Decodes an image of `width` x `height` pixels (formats/blocks.md 2).
+///
+/// `blocks` holds the blocks of [`grid`] row by row, [`BlockFormat::BYTES`] each; `pixels` takes the pixels row by row. What of
+/// a block lies past the right or the bottom edge is dropped. Pixels whose block is missing stay as they are.
+pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, pixels: &mut [F::Texel]) {
+    let [columns, rows] = grid(width, height);
+    if columns == 0 {
+        return;
+    }
+    let mut texels = [F::Texel::default(); TEXELS];
+    let lines = blocks.chunks(columns * F::BYTES).zip(pixels.chunks_mut(SIDE * width));
+    for (line, band) in lines.take(rows) {
+        for (column, block) in line.chunks_exact(F::BYTES).enumerate() {
+            F::decode_block(block, &mut texels);
+            let left = column * SIDE;
+            let inside = SIDE.min(width - left);
+            for (row, source) in band.chunks_exact_mut(width).zip(texels.chunks_exact(SIDE)) {
+                if inside == SIDE {
+                    row[left..left + SIDE].copy_from_slice(source);
+                } else {
+                    row[left..].copy_from_slice(&source[..inside]);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

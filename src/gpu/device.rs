@@ -1,0 +1,335 @@
+//! Finds a graphics device and opens it; whatever goes wrong on it becomes an error of the crate.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use crate::error::{Error, Result};
+use crate::gpu::kernels::Kernel;
+
+/// Largest buffer that kernels are given, in bytes, whatever the device offers: offsets of bytes must fit 32 bits.
+const MAX_BUFFER_BYTES: u64 = 1 << 30;
+
+/// Which device decodes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DeviceChoice {
+    /// A graphics device where there is one that is not software, else the CPU.
+    Auto,
+    /// A graphics device, software Vulkan included; without one it is an error.
+    Gpu,
+    /// The CPU.
+    Cpu,
+}
+
+/// Which graphics device, where there are several.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Pick {
+    /// The fastest kind: discrete, integrated, virtual, software.
+    #[default]
+    Best,
+    /// The one at this position of [`list`].
+    Index(usize),
+    /// The first whose name holds these words, in either case.
+    Named(String),
+}
+
+impl Pick {
+    /// What the words of an environment variable ask for: a number, or a part of a name.
+    pub fn parse(words: &str) -> Pick {
+        match words.trim() {
+            "" => Pick::Best,
+            words => words.parse().map_or_else(|_| Pick::Named(words.to_owned()), Pick::Index),
+        }
+    }
+}
+
+/// What a graphics device says of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Its position in [`list`].
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// `discrete`, `integrated`, `virtual`, `software` or `other`.
+    pub kind: &'static str,
+    /// The driver and its version.
+    pub driver: String,
+    /// `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// Bytes of a buffer that a kernel can be given.
+    pub max_binding_bytes: u64,
+    /// Invocations of a workgroup.
+    pub max_invocations: u32,
+}
+
+impl DeviceInfo {
+    fn of(index: usize, adapter: &wgpu::Adapter) -> DeviceInfo {
+        let (info, limits) = (adapter.get_info(), adapter.limits());
+        let driver = [info.driver.as_str(), info.driver_info.as_str()];
+        DeviceInfo {
+            index,
+            name: info.name.clone(),
+            kind: match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => "discrete",
+                wgpu::DeviceType::IntegratedGpu => "integrated",
+                wgpu::DeviceType::VirtualGpu => "virtual",
+                wgpu::DeviceType::Cpu => "software",
+                wgpu::DeviceType::Other => "other",
+            },
+            driver: driver.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" "),
+            backend: info.backend.to_string(),
+            max_binding_bytes: binding_bytes(&limits),
+            max_invocations: limits.max_compute_invocations_per_workgroup,
+        }
+    }
+
+    /// Whether it is a processor that plays a graphics device.
+    pub fn is_software(&self) -> bool {
+        self.kind == "software"
+    }
+
+    fn rank(&self) -> usize {
+        ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind).unwrap_or(usize::MAX)
+    }
+}
+
+fn binding_bytes(limits: &wgpu::Limits) -> u64 {
+    let least = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    least.min(MAX_BUFFER_BYTES) / 16 * 16
+}
+
+fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY))
+}
+
+/// All graphics devices of this machine.
+pub fn list() -> Vec<DeviceInfo> {
+    adapters().iter().enumerate().map(|(index, adapter)| DeviceInfo::of(index, adapter)).collect()
+}
+
+/// The device that a choice leads to, `None` for the CPU; with a sentence to tell where `auto` found none.
+///
+/// # Errors
+/// `gpu` was asked for and there is none, there is no such device, or it cannot be opened.
+pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<String>)> {
+    match choice {
+        DeviceChoice::Cpu => Ok((None, None)),
+        DeviceChoice::Gpu => Gpu::open(pick).map(|gpu| (Some(gpu), None)),
+        DeviceChoice::Auto => {
+            let picked = *pick != Pick::Best;
+            let refused = |why: String| Ok((None, Some(format!("{why}; decoding on the CPU"))));
+            if !picked && !list().iter().any(|info| !info.is_software()) {
+                return refused("no graphics device but software was found".to_owned());
+            }
+            match Gpu::open(pick) {
+                Ok(gpu) => Ok((Some(gpu), None)),
+                Err(error) => refused(error.to_string()),
+            }
+        }
+    }
+}
+
+/// A pipeline with the layout of its bindings.
+#[derive(Debug)]
+pub struct Pipeline {
+    /// The compiled kernel.
+    pub pipeline: wgpu::ComputePipeline,
+    /// The layout of group 0.
+    pub layout: wgpu::BindGroupLayout,
+}
+
+/// An open graphics device, and the kernels that were compiled for it so far.
+#[derive(Debug)]
+pub struct Gpu {
+    /// What it says of itself.
+    pub info: DeviceInfo,
+    /// Where resources are made.
+    pub device: wgpu::Device,
+    /// Where work is handed in.
+    pub queue: wgpu::Queue,
+    lost: Arc<OnceLock<String>>,
+    pipelines: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+}
+
+impl Gpu {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// There is none, none that was picked, or it lacks what every WebGPU device has.
+    pub fn open(pick: &Pick) -> Result<Gpu> {
+        let mut found: Vec<_> = adapters().into_iter().enumerate().collect();
+        found.sort_by_key(|(index, adapter)| DeviceInfo::of(*index, adapter).rank());
+        let count = found.len();
+        let wanted = |index: usize, adapter: &wgpu::Adapter| match pick {
+            Pick::Best => true,
+            Pick::Index(at) => index == *at,
+            Pick::Named(words) => adapter.get_info().name.to_lowercase().contains(&words.to_lowercase()),
+        };
+        let Some((index, adapter)) = found.into_iter().find(|(index, adapter)| wanted(*index, adapter)) else {
+            return Err(Error::unsupported(match pick {
+                Pick::Best => "no graphics device was found: install a Vulkan driver, or use --device cpu".to_owned(),
+                Pick::Index(at) => format!("there is no graphics device {at}, only {count}; see --list-devices"),
+                Pick::Named(words) => format!("no graphics device is named '{words}'; see --list-devices"),
+            }));
+        };
+        let info = DeviceInfo::of(index, &adapter);
+        let limits = adapter.limits();
+        // What a browser grants, but for the sizes of buffers.
+        let required_limits = wgpu::Limits {
+            max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
+            max_buffer_size: limits.max_buffer_size,
+            ..wgpu::Limits::default()
+        };
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("lightfold"),
+            required_limits,
+            memory_hints: wgpu::MemoryHints::MemoryUsage,
+            ..wgpu::DeviceDescriptor::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| Error::unsupported(format!("{} cannot be opened: {error}", info.name)))?;
+        let lost = Arc::new(OnceLock::new());
+        let told = Arc::clone(&lost);
+        device.set_device_lost_callback(move |_, words| {
+            let _ = told.set(words);
+        });
+        Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()) })
+    }
+
+    /// Does something on the device; what it refuses is an error that begins with `what`.
+    ///
+    /// # Errors
+    /// The device is lost or out of memory, or the work is not valid on it.
+    pub fn guard<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
+        let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
+        let mut scopes: Vec<_> = filters.into_iter().map(|filter| self.device.push_error_scope(filter)).collect();
+        let done = work();
+        let mut refused = None;
+        while let Some(scope) = scopes.pop() {
+            refused = refused.or(pollster::block_on(scope.pop()));
+        }
+        self.check_lost()?;
+        match refused {
+            None => Ok(done),
+            Some(wgpu::Error::OutOfMemory { .. }) => Err(self.failed(what, "it is out of memory")),
+            Some(error) => Err(self.failed(what, &error.to_string())),
+        }
+    }
+
+    /// An error of this device.
+    pub fn failed(&self, what: &str, why: &str) -> Error {
+        Error::unsupported(format!("{}: {what}: {why}; --device cpu does without it", self.info.name))
+    }
+
+    fn check_lost(&self) -> Result<()> {
+        match self.lost.get() {
+            None => Ok(()),
+            Some(words) => Err(self.failed("the device was lost", words.trim())),
+        }
+    }
+
+    /// Waits until all work that was handed in is done.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn wait(&self) -> Result<()> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.check_lost()?;
+        polled.map(|_| ()).map_err(|error| self.failed("waiting", &error.to_string()))
+    }
+
+    /// A buffer that kernels read and write, of `words` words, all zero.
+    ///
+    /// # Errors
+    /// It is larger than the device allows, or there is no memory for it.
+    pub fn buffer(&self, label: &str, words: usize, more: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
+        let bytes = (words.max(4) * 4) as u64;
+        if bytes > self.info.max_binding_bytes {
+            let most = self.info.max_binding_bytes;
+            return Err(self.failed(label, &format!("{bytes} bytes are needed at once, {most} are allowed")));
+        }
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC | more;
+        let descriptor = wgpu::BufferDescriptor { label: Some(label), size: bytes, usage, mapped_at_creation: false };
+        self.guard(label, || self.device.create_buffer(&descriptor))
+    }
+
+    /// The words of the front of a buffer, after all work handed in before.
+    ///
+    /// # Errors
+    /// The device was lost or has no memory.
+    pub fn read(&self, buffer: &wgpu::Buffer, words: usize) -> Result<Vec<u32>> {
+        if words == 0 {
+            return Ok(Vec::new());
+        }
+        let bytes = (words * 4) as u64;
+        let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let descriptor =
+            wgpu::BufferDescriptor { label: Some("reading back"), size: bytes, usage, mapped_at_creation: false };
+        let target = self.guard("reading back", || {
+            let target = self.device.create_buffer(&descriptor);
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_buffer_to_buffer(buffer, 0, &target, 0, bytes);
+            self.queue.submit([encoder.finish()]);
+            target.map_async(wgpu::MapMode::Read, .., |_| {});
+            target
+        })?;
+        self.wait()?;
+        let view = target.get_mapped_range(..).map_err(|error| self.failed("reading back", &error.to_string()))?;
+        Ok(bytemuck::pod_collect_to_vec(&view))
+    }
+
+    /// The pipeline of a kernel, compiled when it is first asked for.
+    ///
+    /// # Errors
+    /// The driver refuses the kernel.
+    pub fn pipeline(&self, kernel: &'static Kernel) -> Result<Arc<Pipeline>> {
+        let mut known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = known.get(kernel.name) {
+            return Ok(Arc::clone(found));
+        }
+        let made = Arc::new(self.guard(kernel.name, || self.compile(kernel))?);
+        known.insert(kernel.name, Arc::clone(&made));
+        Ok(made)
+    }
+
+    fn compile(&self, kernel: &Kernel) -> Pipeline {
+        let label = Some(kernel.name);
+        let source = wgpu::ShaderSource::Wgsl(kernel.source().into());
+        let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
+        let entry = |(at, binding): (usize, &crate::gpu::kernels::Binding)| wgpu::BindGroupLayoutEntry {
+            binding: at as u32,
+            visibility: wgpu::ShaderStages::COMPUTE,
+            ty: wgpu::BindingType::Buffer {
+                ty: wgpu::BufferBindingType::Storage { read_only: !binding.is_written() },
+                has_dynamic_offset: false,
+                min_binding_size: None,
+            },
+            count: None,
+        };
+        let entries: Vec<_> = kernel.bindings.iter().enumerate().map(entry).collect();
+        let layout =
+            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let descriptor =
+            wgpu::PipelineLayoutDescriptor { label, bind_group_layouts: &[Some(&layout)], immediate_size: 0 };
+        let pipeline_layout = self.device.create_pipeline_layout(&descriptor);
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(kernel.entry),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Pipeline { pipeline, layout }
+    }
+
+    /// Buffers in the order of a kernel's bindings.
+    pub fn bind(&self, pipeline: &Pipeline, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
+        let rows = buffers.iter().enumerate();
+        let entries: Vec<_> = rows
+            .map(|(at, buffer)| wgpu::BindGroupEntry { binding: at as u32, resource: buffer.as_entire_binding() })
+            .collect();
+        let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
+        self.device.create_bind_group(&descriptor)
+    }
+}

@@ -1,0 +1,110 @@
+//! Pictures as kernels write them: words of a unit, row by row.
+//!
+//! Codes lie two in a word, the left one in the low half; a row starts with a new word, and what is left of its last one
+//! is 0. Three bytes make a word, the first the lowest. Three halves make two words: the first two, then the third.
+
+use half::f16;
+
+use crate::image::plane::Plane;
+use crate::video::decode::Picture;
+
+/// Words of a row of codes.
+pub fn code_stride(width: u32) -> u32 {
+    width.div_ceil(2)
+}
+
+/// Codes, row-major with `width` columns, as words.
+pub fn pack_codes(codes: &[u16], width: usize) -> Vec<u32> {
+    let pair = |pair: &[u16]| u32::from(pair[0]) | pair.get(1).map_or(0, |&code| u32::from(code) << 16);
+    codes.chunks(width.max(1)).flat_map(|row| row.chunks(2).map(pair)).collect()
+}
+
+/// The codes of a row of words.
+pub fn unpack_codes(words: &[u32], out: &mut [u16]) {
+    for (pair, word) in out.chunks_mut(2).zip(words) {
+        for (half, code) in pair.iter_mut().enumerate() {
+            *code = (word >> (16 * half)) as u16;
+        }
+    }
+}
+
+/// Three bytes as a word.
+pub fn pack_bytes([r, g, b]: [u8; 3]) -> u32 {
+    u32::from_le_bytes([r, g, b, 0])
+}
+
+/// The three bytes of a word.
+pub fn unpack_bytes(word: u32) -> [u8; 3] {
+    let [r, g, b, _] = word.to_le_bytes();
+    [r, g, b]
+}
+
+/// Three patterns of half floats as two words.
+pub fn pack_halves([r, g, b]: [u16; 3]) -> [u32; 2] {
+    [u32::from(r) | u32::from(g) << 16, u32::from(b)]
+}
+
+/// The three patterns of two words.
+pub fn unpack_halves([low, high]: [u32; 2]) -> [u16; 3] {
+    [low as u16, (low >> 16) as u16, high as u16]
+}
+
+/// Words in which two pictures differ; all of the first one's where they are not of one kind and size.
+pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
+    fn differing<T: Copy, const N: usize>(
+        one: &Plane<T>,
+        other: &Plane<T>,
+        words: impl Fn(&[T]) -> Vec<[u32; N]>,
+    ) -> u64 {
+        let of =
+            |plane: &Plane<T>| -> Vec<[u32; N]> { (0..plane.height()).flat_map(|y| words(plane.row(y))).collect() };
+        let (one, other) = (of(one), of(other));
+        if one.len() != other.len() {
+            return (N * one.len()) as u64;
+        }
+        one.iter().flatten().zip(other.iter().flatten()).filter(|(one, other)| one != other).count() as u64
+    }
+    let codes = |row: &[u16]| pack_codes(row, row.len()).into_iter().map(|word| [word]).collect();
+    let bytes = |row: &[[u8; 3]]| row.iter().map(|&pixel| [pack_bytes(pixel)]).collect();
+    let halves = |row: &[[f16; 3]]| row.iter().map(|pixel| pack_halves(pixel.map(f16::to_bits))).collect();
+    match (one, other) {
+        (Picture::Depth(one), Picture::Depth(other)) => differing(one, other, codes),
+        (Picture::Color8(one), Picture::Color8(other)) | (Picture::Material(one), Picture::Material(other)) => {
+            differing(one, other, bytes)
+        }
+        (Picture::ColorHalf(one), Picture::ColorHalf(other)) => differing(one, other, halves),
+        _ => 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_that_differ_are_found() {
+        let mut plane = Plane::filled(3, 2, 7u16);
+        let one = Picture::Depth(plane.clone());
+        assert_eq!(mismatched_words(&one, &one), 0);
+        plane.row_mut(1)[2] = 8;
+        plane.row_mut(0)[0] = 8;
+        plane.row_mut(0)[1] = 8;
+        assert_eq!(mismatched_words(&one, &Picture::Depth(plane)), 2);
+        assert!(mismatched_words(&one, &Picture::Depth(Plane::filled(1, 1, 7))) > 0);
+        assert!(mismatched_words(&one, &Picture::Material(Plane::filled(3, 2, [7; 3]))) > 0);
+        // Infinities and NaNs are patterns like others.
+        let nan = Picture::ColorHalf(Plane::filled(1, 1, [f16::NAN; 3]));
+        assert_eq!(mismatched_words(&nan, &nan), 0);
+    }
+
+    #[test]
+    fn words_are_packed_and_come_back() {
+        assert_eq!(pack_codes(&[1, 2, 3, 4, 5, 0xffff], 3), [0x2_0001, 3, 0x5_0004, 0xffff]);
+        let mut codes = [0; 3];
+        unpack_codes(&[0x2_0001, 0x7_0003], &mut codes);
+        assert_eq!((codes, code_stride(3)), ([1, 2, 3], 2));
+        assert_eq!(unpack_bytes(pack_bytes([1, 2, 255])), [1, 2, 255]);
+        assert_eq!(pack_bytes([1, 2, 255]), 0xff_0201);
+        assert_eq!(unpack_halves(pack_halves([0x7c00, 0xfc00, 3])), [0x7c00, 0xfc00, 3]);
+    }
+}

@@ -1,0 +1,197 @@
+//! Chunks in the form that lies on the device: bytes of the stream, and tables that lead into them.
+//!
+//! Enters: a payload. Leaves: rows whose offsets count from the chunk's own first byte, word or row; [`crate::gpu::resident`]
+//! adds where the chunk comes to lie.
+
+use crate::color::blend::Sample;
+use crate::color::cells::{Blend, CellChunk};
+use crate::container::Payload;
+use crate::depth::pieces::{BlockTexel, Pieces, StoredPiece, stored_pieces};
+use crate::depth::records::{Body, Layout, TemporalChunk, Values};
+use crate::depth::runtime::Runtime;
+use crate::depth::texel::Texel;
+use crate::error::Result;
+use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
+use crate::gpu::pictures::code_stride;
+use crate::video::codec::{CodecHeader, ColorFormat};
+use crate::video::depth_chunk::DepthChunk;
+use crate::video::material_chunk::MaterialChunk;
+
+/// What the host keeps of a chunk that is on the device.
+#[derive(Debug, Clone)]
+pub enum Timeline {
+    /// Frames that have a record, with the pixels that it writes.
+    Records(Vec<(u32, u64)>),
+    /// Frames of keyframes, and the weights.
+    Blends {
+        /// Frames of keyframes.
+        keyframes: Vec<u32>,
+        /// Weights of the first frames; those of all later ones are 0.
+        weights: Vec<u8>,
+    },
+}
+
+impl Timeline {
+    /// How a frame of a colour chunk is made, and whether that takes the cell's next chunk.
+    pub fn blend(&self, frame: u32) -> (Blend, bool) {
+        let Timeline::Blends { keyframes, weights } = self else {
+            return (Blend { keyframe: 0, weight: 0 }, false);
+        };
+        let keyframe = keyframes.partition_point(|&first| first <= frame).saturating_sub(1);
+        let weight = weights.get(frame as usize).copied().unwrap_or(0);
+        (Blend { keyframe, weight }, weight > 0 && keyframe + 1 == keyframes.len())
+    }
+
+    /// The frames that have a record, with the pixels that it writes; none of colour.
+    pub fn records(&self) -> &[(u32, u64)] {
+        match self {
+            Timeline::Records(records) => records,
+            Timeline::Blends { .. } => &[],
+        }
+    }
+}
+
+/// A chunk in the device's form.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// Bytes of the stream, as words.
+    pub stream: Vec<u32>,
+    /// Its rows of the table of records.
+    pub records: Vec<Record>,
+    /// Its boxes.
+    pub boxes: Vec<BoxRow>,
+    /// Byte at which the weights start, and their number.
+    pub weights: [u32; 2],
+    /// What the host keeps.
+    pub timeline: Timeline,
+}
+
+impl Prepared {
+    /// Whether its records are nodes, which are found by words; all else is found by bytes.
+    pub fn is_nodes(&self) -> bool {
+        self.boxes.is_empty() && matches!(self.timeline, Timeline::Records(_))
+    }
+}
+
+/// Checks a payload and brings it into the device's form.
+///
+/// # Errors
+/// Those of the codec.
+pub fn prepare(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Prepared> {
+    Ok(match header {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
+            DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
+            DepthChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
+            DepthChunk::Nodes(chunk) => of_nodes(chunk.runtime()),
+            DepthChunk::Tree(chunk) => of_nodes(chunk.runtime()),
+            DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
+        },
+        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
+            MaterialChunk::Boxes(chunk) => of_boxes(&chunk, size),
+            MaterialChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
+        },
+        CodecHeader::Color(header) => match header.format {
+            ColorFormat::EightBit(_) => of_cells(&CellChunk::parse(payload, header.cell_of_bytes(size), frames)?),
+            ColorFormat::Half { .. } => of_cells(&CellChunk::parse(payload, header.cell_of_halves(size), frames)?),
+        },
+    })
+}
+
+/// A part of a rectangle that is stored in one way: left, top, width and height in it, the way, and where it starts
+/// among the bytes of the rectangle.
+type Part = ([u32; 4], u32, usize);
+
+/// How a rectangle is put together.
+pub trait Parts<T: Texel>: Layout<T> {
+    /// Its parts; `bytes` start with what is stored of it.
+    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part>;
+}
+
+impl<T: Texel> Parts<T> for Values {
+    fn parts(_: &[u8], [width, height]: [u32; 2]) -> Vec<Part> {
+        vec![([0, 0, width, height], BOX_VALUES, 0)]
+    }
+}
+
+impl<T: BlockTexel> Parts<T> for Pieces {
+    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part> {
+        let pieces = stored_pieces::<T>(bytes, size.map(|side| side as usize));
+        let part = |piece: StoredPiece| {
+            let coding = if piece.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
+            (piece.rect.map(|side| side as u32), coding, piece.start)
+        };
+        pieces.map(part).collect()
+    }
+}
+
+/// Bytes as words, the last filled up with zeros.
+pub fn words_from(bytes: &[u8]) -> Vec<u32> {
+    let word = |chunk: &[u8]| chunk.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte));
+    bytes.chunks(4).map(word).collect()
+}
+
+/// Nodes in the runtime form.
+pub fn of_nodes(runtime: &Runtime) -> Prepared {
+    let records = runtime.frames().iter().map(|&frame| {
+        let parts = runtime.nodes(frame).map(|(place, _)| 1u32 << (2 * place.level)).sum();
+        Record { frame: frame.frame, at: frame.offset as u32 / 4, work: parts, ..Record::default() }
+    });
+    Prepared {
+        records: records.collect(),
+        stream: words_from(runtime.buffer()),
+        boxes: Vec::new(),
+        weights: [0; 2],
+        timeline: Timeline::Records(runtime.frames().iter().map(|frame| (frame.frame, frame.updated_pixels)).collect()),
+    }
+}
+
+/// Boxes of codes or of material, part by part.
+pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, height]: [u32; 2]) -> Prepared {
+    let mut boxes = Vec::new();
+    let mut records = Vec::new();
+    for record in chunk.records() {
+        let (first, mut work) = (boxes.len(), 0);
+        let mut push = |[x, y, width, height]: [u32; 4], coding: u32, at: usize| {
+            // As many as the kernel writes words of each row.
+            let columns = if T::BYTES == 2 { code_stride(x + width) - x / 2 } else { width };
+            work += columns * height;
+            boxes.push(BoxRow { x, y, width, height, at: at as u32, coding, end: work });
+        };
+        let mut parts = |[left, top, width, height]: [u32; 4], at: usize| {
+            for ([x, y, width, height], coding, start) in L::parts(&chunk.payload()[at..], [width, height]) {
+                push([left + x, top + y, width, height], coding, at + start);
+            }
+        };
+        match record.body {
+            Body::Whole(at) => parts([0, 0, width, height], at),
+            Body::Constant(at) => push([0, 0, width, height], BOX_CONSTANT, at),
+            Body::Boxes { .. } => {
+                for &(b, at) in chunk.boxes(record.body) {
+                    parts([b.x, b.y, b.width, b.height].map(u32::from), at);
+                }
+            }
+        }
+        let count = (boxes.len() - first) as u32;
+        records.push(Record { frame: record.frame, first: first as u32, count, work, ..Record::default() });
+    }
+    let pixels = chunk.records().iter().map(|record| (record.frame, chunk.updated_pixels(record.body)));
+    let timeline = Timeline::Records(pixels.collect());
+    Prepared { stream: words_from(chunk.payload()), records, boxes, weights: [0; 2], timeline }
+}
+
+/// Keyframes and weights of a cell.
+pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
+    let records = chunk.keyframes().iter().enumerate().map(|(at, &frame)| {
+        let start = chunk.keyframe_at(at) as u32;
+        let coding = if chunk.in_blocks(at) { KEYFRAME_BLOCKS } else { KEYFRAME_SAMPLES };
+        Record { frame, at: start, coding, ..Record::default() }
+    });
+    let (weights_at, weights) = chunk.weights();
+    Prepared {
+        records: records.collect(),
+        stream: words_from(chunk.payload()),
+        boxes: Vec::new(),
+        weights: [weights_at as u32, weights.len() as u32],
+        timeline: Timeline::Blends { keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },
+    }
+}

@@ -1,0 +1,215 @@
+//! Inputs of the kernels of colour: every pair of bytes at every weight, every edge of half floats, odd offsets,
+//! keyframes in blocks.
+
+use crate::color::blend::{HalfKey, Sample};
+use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
+use crate::color::keyframe_blocks::KeyframeBlocks;
+use crate::gpu::harness::Case;
+use crate::gpu::layout::{Job, Record, Unit, words_of};
+use crate::gpu::pictures::{pack_bytes, pack_halves};
+use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::random::Random;
+
+/// A sample that cells hold.
+pub trait CellSample: Sample {
+    /// A random one, often an edge.
+    fn random(random: &mut Random) -> Self;
+
+    /// Pixels as words.
+    fn pack(samples: &[Self]) -> Vec<u32>;
+}
+
+impl CellSample for u8 {
+    fn random(random: &mut Random) -> u8 {
+        random.word() as u8
+    }
+
+    fn pack(samples: &[u8]) -> Vec<u32> {
+        samples.as_chunks().0.iter().map(|&pixel| pack_bytes(pixel)).collect()
+    }
+}
+
+/// Patterns of half floats: zeros, the least, one, the largest, infinities, NaNs.
+const HALVES: [u16; 16] = [
+    0x0000, 0x8000, 0x0001, 0x8001, 0x03ff, 0x0400, 0x3c00, 0xbc00, 0x7bff, 0xfbff, 0x7c00, 0xfc00, 0x7c01, 0xfe00,
+    0x7fff, 0xffff,
+];
+
+impl CellSample for HalfKey {
+    fn random(random: &mut Random) -> HalfKey {
+        let edge = random.pick(&HALVES).filter(|_| random.one_in(3));
+        HalfKey::from_bits(edge.unwrap_or(random.word() as u16))
+    }
+
+    fn pack(samples: &[HalfKey]) -> Vec<u32> {
+        samples.as_chunks().0.iter().flat_map(|pixel: &[HalfKey; 3]| pack_halves(pixel.map(HalfKey::to_bits))).collect()
+    }
+}
+
+/// A keyframe as it is stored.
+#[derive(Clone)]
+enum Keyframe<S> {
+    Samples(Vec<S>),
+    Blocks(Vec<u8>),
+}
+
+impl<S: CellSample> Keyframe<S> {
+    /// Random samples, or, where the format has them, mostly random blocks.
+    fn random(format: &CellFormat<S>, random: &mut Random) -> Keyframe<S> {
+        match format.blocks {
+            Some(blocks) if !random.one_in(4) => {
+                let mut bytes = vec![0; blocks.image_bytes(format.size)];
+                random.fill(&mut bytes);
+                Keyframe::Blocks(bytes)
+            }
+            _ => Keyframe::Samples((0..3 * format.pixels()).map(|_| S::random(random)).collect()),
+        }
+    }
+
+    fn push(&self, format: &CellFormat<S>, builder: &mut CellBuilder) {
+        match self {
+            Keyframe::Blocks(blocks) => builder.push_keyframe_in_blocks(blocks),
+            Keyframe::Samples(samples) if format.blocks.is_some() => builder.push_keyframe_as_samples(samples),
+            Keyframe::Samples(samples) => builder.push_keyframe(samples),
+        }
+    }
+}
+
+/// Adds a random keyframe of a cell of this format.
+pub fn push_random_keyframe<S: CellSample>(format: &CellFormat<S>, builder: &mut CellBuilder, random: &mut Random) {
+    Keyframe::random(format, random).push(format, builder);
+}
+
+/// A cell between two keyframes.
+struct Between<S> {
+    format: CellFormat<S>,
+    keyframes: [Keyframe<S>; 2],
+}
+
+impl<S: CellSample> Between<S> {
+    fn random([width, height]: [usize; 2], blocks: Option<KeyframeBlocks<S>>, random: &mut Random) -> Between<S> {
+        let format = CellFormat { size: [width, height], blocks };
+        let mut keyframe = || Keyframe::random(&format, random);
+        let keyframes = [keyframe(), keyframe()];
+        Between { format, keyframes }
+    }
+}
+
+#[derive(Default)]
+struct Gathered {
+    units: Vec<Unit>,
+    records: Vec<Record>,
+    jobs: Vec<Job>,
+    stream: Vec<u32>,
+    expected: Vec<u32>,
+}
+
+impl Gathered {
+    /// Adds cells that show the same pair of keyframes, one for each weight. `lead` weights come before the samples, so
+    /// that these start at any byte.
+    fn push<S: CellSample>(&mut self, cell: &Between<S>, weights: &[u8], lead: u32) {
+        let mut builder = CellBuilder::default();
+        cell.keyframes[0].push(&cell.format, &mut builder);
+        builder.push_weight(1, lead);
+        cell.keyframes[1].push(&cell.format, &mut builder);
+        let frames = builder.frame_count();
+        let pixels = cell.format.pixels();
+        let Ok(payload) = builder.finish() else { return };
+        let Ok(chunk) = CellChunk::parse(payload, cell.format, frames) else { return };
+        let [a, b] = [0, 1].map(|keyframe| {
+            let mut samples = vec![S::default(); 3 * pixels];
+            chunk.read_keyframe(keyframe, &mut samples);
+            samples
+        });
+        let Prepared { stream, records, .. } = prepare::of_cells(&chunk);
+        let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
+        self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
+        self.stream.extend(stream);
+        for &weight in weights {
+            let shown: Vec<S> = a.iter().zip(&b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
+            let end = self.jobs.last().map_or(0, |job| job.end) + pixels as u32;
+            let (unit, next) = (self.units.len() as u32, first + u32::from(weight > 0));
+            self.jobs.push(Job { unit, end, record: first, next, weight: weight.into() });
+            self.units.push(Unit {
+                picture: self.expected.len() as u32,
+                width: cell.format.size[0] as u32,
+                height: cell.format.size[1] as u32,
+                stride: (cell.format.size[0] * S::BYTES) as u32,
+                ..Unit::default()
+            });
+            self.expected.extend(S::pack(&shown));
+        }
+    }
+
+    fn case(self, label: &str) -> Case {
+        let invocations = self.jobs.last().map_or(0, |job| job.end);
+        let mut jobs = vec![invocations, self.jobs.len() as u32];
+        jobs.extend(words_of(&self.jobs));
+        let pictures = vec![0; self.expected.len()];
+        Case {
+            label: label.to_owned(),
+            inputs: self.units.len() as u64,
+            buffers: vec![words_of(&self.units), words_of(&self.records), jobs, self.stream, pictures],
+            invocations,
+            expected: vec![(4, self.expected)],
+            pixels: u64::from(invocations),
+        }
+    }
+}
+
+fn all_weights() -> Vec<u8> {
+    (0..=u8::MAX).collect()
+}
+
+/// 8-bit samples.
+pub(super) fn bytes(seed: u64) -> Vec<Case> {
+    // Every pair of bytes; the last sample fills up the pixel.
+    let pair = |half: u32| Keyframe::Samples((0..65_538u32).map(|at| (at >> (8 * half)) as u8).collect());
+    let mut pairs = Gathered::default();
+    let format = CellFormat::of_samples(21_846, 1);
+    pairs.push(&Between { format, keyframes: [pair(1), pair(0)] }, &all_weights(), 0);
+    let mut cases = vec![pairs.case("every pair of bytes at every weight")];
+    cases.extend(random_cases::<u8>(seed, None));
+    cases
+}
+
+/// Half floats.
+pub(super) fn halves(seed: u64) -> Vec<Case> {
+    let mut edges = Gathered::default();
+    let half = |at: usize| HalfKey::from_bits(HALVES[at % HALVES.len()]);
+    let a = Keyframe::Samples((0..258).map(half).collect());
+    let b = Keyframe::Samples((0..258).map(|at| half(at / HALVES.len())).collect());
+    edges.push(&Between { format: CellFormat::of_samples(43, 2), keyframes: [a, b] }, &all_weights(), 1);
+    let mut cases = vec![edges.case("every pair of edges at every weight")];
+    cases.extend(random_cases::<HalfKey>(seed, None));
+    cases
+}
+
+/// Keyframes in blocks of BC1.
+pub(super) fn bc1(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC1))
+}
+
+/// Keyframes in blocks of BC7.
+pub(super) fn bc7(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC7))
+}
+
+/// Keyframes in blocks of BC6H.
+pub(super) fn bc6h(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC6H))
+}
+
+fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> Vec<Case> {
+    let random = &mut Random::new(seed);
+    let mut odd = Gathered::default();
+    for lead in 0..60 {
+        let size = [1 + random.below(33) as usize, 1 + random.below(33) as usize];
+        let weights = [0, 255, random.word() as u8, random.word() as u8];
+        odd.push(&Between::<S>::random(size, blocks, random), &weights, lead);
+    }
+    let mut large = Gathered::default();
+    let side = if blocks.is_some() { 256 } else { 1024 };
+    large.push(&Between::<S>::random([side, side], blocks, random), &[17, 254], 1);
+    vec![odd.case("odd sizes and offsets"), large.case("large cells")]
+}

@@ -1,0 +1,177 @@
+//! Inputs of the planning kernels: all ways to reach a frame, in tables of all lengths, and more items than a workgroup.
+
+use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
+use crate::depth::record_table;
+use crate::gpu::harness::Case;
+use crate::gpu::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, words_of};
+use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::random::Random;
+
+/// What a plan reads, and what must come of it.
+#[derive(Default)]
+struct Gathered {
+    units: Vec<Unit>,
+    chunks: Vec<Chunk>,
+    records: Vec<Record>,
+    stream: Vec<u32>,
+    items: Vec<Item>,
+    before: Vec<State>,
+    after: Vec<State>,
+    jobs: Vec<Job>,
+}
+
+impl Gathered {
+    /// Adds the job of an item, whose work follows the jobs before.
+    fn push(&mut self, item: Item, states: [State; 2], job: Job, work: u32) {
+        let end = self.jobs.last().map_or(0, |job| job.end) + work;
+        self.jobs.push(Job { end, ..job });
+        self.items.push(item);
+        self.before.push(states[0]);
+        self.after.push(states[1]);
+    }
+
+    fn case(self, label: &str, colour: bool) -> Case {
+        let count = self.items.len() as u32;
+        let total = self.jobs.last().map_or(0, |job| job.end);
+        let mut items = vec![count, 0];
+        items.extend(words_of(&self.items));
+        let mut jobs = vec![total, count];
+        jobs.extend(words_of(&self.jobs));
+        let groups = total.div_ceil(WORKGROUP);
+        let x = groups.clamp(1, MAX_GROUPS);
+        let dispatch = words_of(&[Dispatch { x, y: groups.div_ceil(x), z: 1 }]);
+        let mut buffers = vec![words_of(&self.units), words_of(&self.chunks), words_of(&self.records), items];
+        if colour {
+            buffers.push(self.stream);
+        }
+        let first = buffers.len();
+        let expected = [words_of(&self.after), jobs, dispatch];
+        buffers.push(words_of(&self.before));
+        buffers.extend(expected[1..].iter().map(|words| vec![0; words.len()]));
+        Case {
+            label: label.to_owned(),
+            buffers,
+            // One workgroup plans everything.
+            invocations: 1,
+            expected: (first..).zip(expected).collect(),
+            inputs: u64::from(count),
+            pixels: u64::from(total),
+        }
+    }
+
+    /// Adds a unit with a random chunk of records, and an item that goes somewhere in it.
+    fn push_records(&mut self, random: &mut Random) {
+        let frames: Vec<u32> = ascending(random);
+        let last = frames.last().copied().unwrap_or(0);
+        let far = if random.one_in(8) { 1 << 31 } else { last + 9 };
+        // Where each frame is whole, each has a record: there are no others to step over.
+        let whole = random.one_in(6);
+        let window = if whole { 0 } else { random.pick(&[1, 2, 3, 4, 17, 255]).unwrap_or(1) };
+        let frames = if whole { (0..=last).collect() } else { frames };
+        let number = self.units.len() as u32;
+        let (key, frame) = (1 + number, random.below(if whole { last + 1 } else { far }));
+        let at = match random.below(4) {
+            0 => None,
+            1 => Some(random.below(if whole { last + 1 } else { far })),
+            _ => Some(frame.saturating_sub(random.below(8))),
+        };
+        let before = at.map_or(State { key: random.below(2) * 77_777, frame: 3, weight: 0 }, |frame| State {
+            key,
+            frame,
+            weight: 0,
+        });
+        let steps: Vec<usize> = match (whole, at) {
+            (true, Some(at)) if at == frame => vec![],
+            (true, _) => vec![frame as usize],
+            (false, at) => record_table::steps(&frames, |&frame| frame, at, frame, window as u8).take(2).collect(),
+        };
+        let first = self.records.len() as u32;
+        let works: Vec<u32> = frames.iter().map(|_| random.below(2000)).collect();
+        let rows = frames.iter().zip(&works).map(|(&frame, &work)| Record { frame, work, ..Record::default() });
+        self.records.extend(rows);
+        let shown = if steps.len() > 1 { frames[steps[0]] } else { frame };
+        self.units.push(Unit { window, ..Unit::default() });
+        let chunk = self.chunks.len() as u32;
+        self.chunks.push(Chunk { first_record: first, record_count: frames.len() as u32, ..Chunk::default() });
+        let record = steps.first().map_or(NONE, |&step| first + step as u32);
+        let work = steps.first().map_or(0, |&step| works[step]);
+        let item = Item { unit: number, chunk, next: NONE, frame, key };
+        let job = Job { unit: number, record, next: NONE, ..Job::default() };
+        self.push(item, [before, State { key, frame: shown, weight: 0 }], job, work);
+    }
+
+    /// Adds a cell with a random chunk and the one after it, and an item that shows one of its frames.
+    fn push_cell(&mut self, random: &mut Random) {
+        let mut builder = CellBuilder::default();
+        for _ in 0..=random.below(5) {
+            builder.push_keyframe::<u8>(&[random.word() as u8; 3]);
+            (0..random.below(6)).for_each(|_| builder.push_weight(random.word() as u8, 1));
+        }
+        // More frames than weights: the last ones hold a keyframe.
+        let frames = builder.frame_count() + random.below(3);
+        let Ok(payload) = builder.finish() else { return };
+        let Ok(chunk) = CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), frames) else { return };
+        let Prepared { stream, records, weights, .. } = prepare::of_cells(&chunk);
+        let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
+        self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
+        let next_chunk = Chunk { first_record: self.records.len() as u32, record_count: 1, ..Chunk::default() };
+        self.records.push(Record::default());
+        self.stream.extend(stream);
+        let number = self.units.len() as u32;
+        let [width, height] = [1 + random.below(40), 1 + random.below(40)];
+        self.units.push(Unit { width, height, stride: width, ..Unit::default() });
+        let (slot, key) = (self.chunks.len() as u32, 1 + number);
+        let [weights_at, weight_count] = weights;
+        let record_count = records.len() as u32;
+        self.chunks.push(Chunk { first_record: first, record_count, weights_at: weights_at + bytes, weight_count });
+        self.chunks.push(next_chunk);
+        let frame = random.below(frames);
+        let blend = chunk.blend(frame);
+        let (keyframe, weight) = (blend.keyframe as u32, u32::from(blend.weight));
+        let after = State { key, frame: keyframe, weight };
+        let before = random
+            .pick(&[after, State::default(), State { weight: weight ^ 1, ..after }, State { key: 0, ..after }])
+            .unwrap_or_default();
+        let item = Item { unit: number, chunk: slot, next: slot + 1, frame, key };
+        let job = Job { unit: number, record: NONE, next: NONE, ..Job::default() };
+        if before == after {
+            return self.push(item, [before, after], job, 0);
+        }
+        let next = match (weight, chunk.is_last(blend.keyframe)) {
+            (0, _) => first + keyframe,
+            (_, false) => first + keyframe + 1,
+            (_, true) => next_chunk.first_record,
+        };
+        self.push(item, [before, after], Job { record: first + keyframe, next, weight, ..job }, width * height);
+    }
+}
+
+/// Frames of a table: the first is 0, the others ascend.
+fn ascending(random: &mut Random) -> Vec<u32> {
+    let mut frames = vec![0];
+    for _ in 0..random.below(40) {
+        let gap = if random.one_in(3) { 1 + random.below(300) } else { 1 + random.below(4) };
+        frames.push(frames[frames.len() - 1] + gap);
+    }
+    frames
+}
+
+fn gathered(label: &str, count: usize, random: &mut Random, colour: bool) -> Case {
+    let mut gathered = Gathered::default();
+    for _ in 0..count {
+        if colour { gathered.push_cell(random) } else { gathered.push_records(random) }
+    }
+    gathered.case(label, colour)
+}
+
+/// Items of depth and material.
+pub(super) fn records(seed: u64) -> Vec<Case> {
+    let random = &mut Random::new(seed);
+    [1, 255, 256, 257, 3000].map(|count| gathered(&format!("{count} items"), count, random, false)).into()
+}
+
+/// Items of colour.
+pub(super) fn cells(seed: u64) -> Vec<Case> {
+    let random = &mut Random::new(seed);
+    [1, 255, 256, 257, 3000].map(|count| gathered(&format!("{count} items"), count, random, true)).into()
+}
