@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::json;
 
-use crate::cli::options::{FrameArgs, SelectionArgs};
+use crate::cli::options::{CameraArgs, FrameArgs, SelectionArgs, View};
 use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::image::sequence::Pattern;
 use crate::video::decode::Decoder;
 use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat};
+use crate::video::unit_filter::UnitFilter;
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -25,7 +26,9 @@ const LOAD_BYTES: u64 = 1 << 30;
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
-    lightfold decode film.lfold --null --json")]
+    lightfold decode film.lfold --null --json\n  \
+    lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \
+    lightfold decode film.lfold --camera cam.json -o seen")]
 pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold")]
@@ -48,6 +51,9 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    /// Cameras.
+    #[command(flatten)]
+    pub cameras: CameraArgs,
 }
 
 /// `--format`.
@@ -68,23 +74,24 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let reading = start.elapsed();
     let decoder = Decoder::new(reader)?;
     let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
+    let view = args.cameras.view(&decoder, &chosen)?;
     let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
     let progress = Progress::start(global, "decoding", images)?;
     let start = Instant::now();
     let summary = match &args.output {
-        None => export::decode_to_nothing(&decoder, &chosen, &progress)?,
-        Some(output) => write(&decoder, &chosen, output, args.format, &progress)?,
+        None => export::decode_to_nothing(&decoder, &chosen, view.filter(), &progress)?,
+        Some(output) => write(&decoder, (&chosen, view.filter()), output, args.format, &progress)?,
     };
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     let pace = Pace { seconds, reading_seconds: reading.as_secs_f64(), in_memory };
-    report(args, &summary, pace, global)?;
+    report(args, (&summary, &view), pace, global)?;
     Ok(Outcome::Fine)
 }
 
 fn write(
     decoder: &Decoder,
-    chosen: &[Chosen<'_>],
+    (chosen, filter): (&[Chosen<'_>], &dyn UnitFilter),
     output: &Path,
     format: FormatArg,
     progress: &Progress,
@@ -105,7 +112,7 @@ fn write(
         }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+        let summary = export::decode_to_files(decoder, chosen, filter, &destination, format, progress)
             .map_err(|error| folder.present(error))?;
         folder.commit()?;
         return Ok(summary);
@@ -134,7 +141,7 @@ fn write(
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
     let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+    let summary = export::decode_to_files(decoder, chosen, filter, &destination, format, progress)
         .map_err(|error| folder.present(error))?;
     folder.commit()?;
     Ok(summary)
@@ -159,12 +166,12 @@ struct Pace {
     in_memory: bool,
 }
 
-fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs) -> Result<()> {
+fn report(args: &Args, (summary, view): (&DecodeSummary, &View), pace: Pace, global: &GlobalArgs) -> Result<()> {
     let seconds = pace.seconds;
     let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
     let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
     if args.json {
-        return output::print_json(&json!({
+        let mut report = json!({
             "frames": summary.frames,
             "pixels": summary.pixels,
             "updated_pixels": summary.cost.updated_pixels,
@@ -178,15 +185,18 @@ fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs)
             "fetching_thread_seconds": summary.cost.fetching.as_secs_f64(),
             "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
             "device": "cpu",
-        }));
+        });
+        view.add_to(&mut report);
+        return output::print_json(&report);
     }
     let line = format!(
-        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} {}, {seconds:.3} s, {speed:.0} Mpixel/s",
+        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} {}, {seconds:.3} s, {speed:.0} Mpixel/s{}",
         summary.frames,
         summary.pixels as f64 / 1e6,
         human_bytes(summary.cost.bytes_read),
         human_bytes(summary.bytes_out),
         if args.null { "decoded" } else { "written" },
+        view.line(summary),
     );
     match &args.output {
         None => output::print_text(&format!("{line}\n")),

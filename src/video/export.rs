@@ -18,6 +18,7 @@ use crate::ordered::{try_map_ordered, try_map_ordered_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
 use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::unit_filter::UnitFilter;
 
 /// Which streams and frames. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default)]
@@ -104,7 +105,7 @@ impl FileFormat {
 pub struct DecodeSummary {
     /// Images decoded.
     pub frames: u64,
-    /// Their pixels.
+    /// Pixels of those of their units that were wanted.
     pub pixels: u64,
     /// Bytes of the pixels that were written, in the codec's domain.
     pub bytes_out: u64,
@@ -132,28 +133,53 @@ pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     }
 }
 
-/// Decodes everything chosen, frame by frame, and drops it. The monitor advances by one for every image.
-pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn Monitor) -> Result<DecodeSummary> {
+/// Stored bytes of all chunks of the frames that were chosen: what decoding all units reads, but for a chunk after the
+/// last frame, into which a cell of colour may lead.
+pub fn stored_bytes(decoder: &Decoder, chosen: &[Chosen<'_>]) -> u64 {
+    let of_stream = |(stream, frames): &Chosen<'_>| {
+        let chunks = (0..stream.entry.unit_count())
+            .flat_map(|unit| decoder.reader().index().unit_chunks(stream.index, unit))
+            .filter(|chunk| {
+                let key = &chunk.key;
+                let held = FrameRange { first: key.first_frame, last: key.first_frame + (key.frame_count - 1) };
+                held.intersect(*frames).is_some()
+            });
+        chunks.map(|chunk| u64::from(chunk.stored_bytes)).sum::<u64>()
+    };
+    chosen.iter().map(of_stream).sum()
+}
+
+/// Decodes what the filter wants of everything chosen, frame by frame, and drops it. The monitor advances by one for
+/// every image.
+pub fn decode_to_nothing(
+    decoder: &Decoder,
+    chosen: &[Chosen<'_>],
+    filter: &dyn UnitFilter,
+    monitor: &dyn Monitor,
+) -> Result<DecodeSummary> {
     let jobs: Vec<_> = chosen
         .iter()
         .flat_map(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
         .collect();
     let summaries = try_map_ordered_with(jobs, Vec::new, |spare, (stream, frames, unit)| {
         let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
+        let mut wanted = 0;
         for frame in frames.iter() {
             monitor.check()?;
-            decoder.decode(frame)?;
+            if filter.wants(stream, unit, frame) {
+                decoder.decode(frame)?;
+                wanted += 1;
+            }
         }
-        let [_, _, width, height] = decoder.rect();
         let first = unit == 0;
         if first {
             monitor.advance(frames.count());
         }
-        let cost = decoder.cost();
+        let (cost, unit_pixels) = (decoder.cost(), decoder.pixels());
         *spare = decoder.into_spare();
         Ok(DecodeSummary {
             frames: if first { frames.count() } else { 0 },
-            pixels: frames.count() * u64::from(width) * u64::from(height),
+            pixels: wanted * unit_pixels,
             bytes_out: cost.updated_pixels * decoded_pixel_bytes(&stream.header),
             cost,
         })
@@ -170,10 +196,12 @@ pub enum Destination {
     Files(Pattern),
 }
 
-/// Decodes everything chosen into files. The monitor advances by one for every image.
+/// Decodes what the filter wants of everything chosen into files; the rest of an image is background where it is
+/// depth, else 0. The monitor advances by one for every image.
 pub fn decode_to_files(
     decoder: &Decoder,
     chosen: &[Chosen<'_>],
+    filter: &dyn UnitFilter,
     destination: &Destination,
     format: FileFormat,
     monitor: &dyn Monitor,
@@ -196,12 +224,12 @@ pub fn decode_to_files(
             if let Some(parent) = path.parent() {
                 std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
-            writer.write(&path, face.decode(frame)?).map_err(|error| error.in_file(&path))?;
+            writer.write(&path, face.decode_wanted(frame, filter)?).map_err(|error| error.in_file(&path))?;
             let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
             written.fetch_add(bytes, Ordering::Relaxed);
             monitor.advance(1);
         }
-        let pixels = frames.count() * u64::from(stream.entry.width) * u64::from(stream.entry.height);
+        let pixels = face.wanted_pixels();
         Ok(DecodeSummary { frames: frames.count(), pixels, bytes_out: 0, cost: face.cost() })
     })?;
     let mut summary = summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus);

@@ -7,6 +7,7 @@ use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits, exr, png};
 use lightfold::monitor::Silent;
+use lightfold::video::AllUnits;
 use lightfold::video::encode::DepthCodec;
 use lightfold::video::{ColorFormat, Decoder, EncodeSettings, encode, export};
 use serde_json::Value;
@@ -86,7 +87,7 @@ impl Bench {
         let decoder = Decoder::open(self.path(container)).unwrap();
         let chosen = export::Selection::default().choose(&decoder).unwrap();
         let destination = export::Destination::Dataset(self.path(folder));
-        export::decode_to_files(&decoder, &chosen, &destination, export::FileFormat::Exr, &Silent).unwrap();
+        export::decode_to_files(&decoder, &chosen, &AllUnits, &destination, export::FileFormat::Exr, &Silent).unwrap();
     }
 
     /// Exit code, standard output and standard error.

@@ -12,6 +12,7 @@ use lightfold::depth::temporal::TemporalSettings;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
+use lightfold::video::AllUnits;
 use lightfold::video::codec::{CodecHeader, ColorFormat};
 use lightfold::video::convert;
 use lightfold::video::decode::{Decoder, Picture};
@@ -397,7 +398,8 @@ fn of_two_damaged_chunks_the_first_is_named() {
     for threads in [1, 4] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for _ in 0..20 {
-            let error = pool.install(|| decode_to_nothing(&decoder, &chosen, &Silent)).unwrap_err().to_string();
+            let error =
+                pool.install(|| decode_to_nothing(&decoder, &chosen, &AllUnits, &Silent)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");
             let error = pool.install(|| decoder.face(chosen[0].0).decode(0)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");
