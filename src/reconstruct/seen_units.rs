@@ -24,7 +24,7 @@ pub struct SeenCounts {
     pub units: u64,
     /// Those that a camera sees in a frame that was asked for.
     pub visible_units: u64,
-    /// Tests of a unit against a camera, were each made.
+    /// Tests that units one by one would have taken, each up to the first camera that sees it.
     pub regular_tests: u64,
     /// Tests that were made.
     pub hierarchical_tests: u64,
@@ -45,7 +45,7 @@ impl SeenUnits {
     /// frames, a unit is seen where anything in its directions could be. Images of which no directions are known are
     /// seen always.
     pub fn find(decoder: &Decoder, chosen: &[Chosen<'_>], cameras: &[TimedCamera]) -> SeenUnits {
-        let viewers: Vec<Viewer> = cameras.iter().map(|timed| Viewer::new(timed.camera.frustum())).collect();
+        let groups = groups(cameras);
         let spans = depth_spans(decoder);
         let of_stream = |&(stream, frames): &Chosen<'_>| {
             let span = match spans.get(&(stream.probe, stream.face)) {
@@ -60,10 +60,18 @@ impl SeenUnits {
                 None => vec![vec![frames]; units as usize],
                 Some(image) => {
                     let grid = UnitGrid { size, unit: [entry.unit_width, entry.unit_height] };
-                    let culled = cull(&image, grid, &viewers);
-                    counts.regular_tests = units * viewers.len() as u64;
-                    counts.hierarchical_tests = culled.tests;
-                    culled.seen_by.iter().map(|seen_by| seen_frames(seen_by, cameras, frames)).collect()
+                    let mut seen = vec![Vec::new(); units as usize];
+                    for (looking, viewers) in &groups {
+                        let Some(looking) = looking.map_or(Some(frames), |looking| looking.intersect(frames)) else {
+                            continue;
+                        };
+                        let culled = cull(&image, grid, viewers);
+                        counts.regular_tests += culled.regular_tests(viewers.len());
+                        counts.hierarchical_tests += culled.tests;
+                        let units = seen.iter_mut().zip(&culled.seen_by).filter(|(_, first)| first.is_some());
+                        units.for_each(|(seen, _)| seen.push(looking));
+                    }
+                    seen.into_iter().map(joined).collect()
                 }
             };
             counts.visible_units = seen.iter().filter(|frames| !frames.is_empty()).count() as u64;
@@ -110,10 +118,22 @@ fn depth_spans(decoder: &Decoder) -> HashMap<(usize, Face), (FrameRange, DepthSp
     decoder.streams().iter().filter_map(span).collect()
 }
 
-/// The frames of `wanted` in which one of some cameras looks, as ranges in order, joined where they touch.
-fn seen_frames(seen_by: &[u32], cameras: &[TimedCamera], wanted: FrameRange) -> Vec<FrameRange> {
-    let looks = |camera: &u32| cameras[*camera as usize].frames.map_or(Some(wanted), |frames| frames.intersect(wanted));
-    let mut ranges: Vec<FrameRange> = seen_by.iter().filter_map(looks).collect();
+/// Cameras that look in the same frames, with those frames; in the order in which they come first.
+fn groups(cameras: &[TimedCamera]) -> Vec<(Option<FrameRange>, Vec<Viewer>)> {
+    let mut groups: Vec<(Option<FrameRange>, Vec<Viewer>)> = Vec::new();
+    let mut places = HashMap::new();
+    for timed in cameras {
+        let at = *places.entry(timed.frames).or_insert_with(|| {
+            groups.push((timed.frames, Vec::new()));
+            groups.len() - 1
+        });
+        groups[at].1.push(Viewer::new(timed.camera.frustum()));
+    }
+    groups
+}
+
+/// Ranges of frames in order, joined where they touch.
+fn joined(mut ranges: Vec<FrameRange>) -> Vec<FrameRange> {
     ranges.sort_unstable_by_key(|frames| frames.first);
     let mut joined: Vec<FrameRange> = Vec::new();
     for frames in ranges {
@@ -133,19 +153,23 @@ mod tests {
     use crate::math::{Camera, Lens};
 
     #[test]
-    fn frames_of_cameras_are_joined() {
-        let camera = Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, Lens::new(60.0)).unwrap();
-        let timed = |frames: Option<[u32; 2]>| TimedCamera {
-            camera,
-            frames: frames.map(|[first, last]| FrameRange { first, last }),
-        };
-        let cameras = [[5, 7], [0, 2], [3, 3], [9, 20], [6, 6], [30, 40]].map(|frames| timed(Some(frames)));
-        let wanted = FrameRange { first: 1, last: 12 };
-        let joined = seen_frames(&[0, 1, 2, 3, 4, 5], &cameras, wanted);
-        let ranges: Vec<_> = joined.iter().map(|frames| [frames.first, frames.last]).collect();
-        assert_eq!(ranges, [[1, 3], [5, 7], [9, 12]]);
-        assert!(seen_frames(&[5], &cameras, wanted).is_empty());
-        assert!(seen_frames(&[], &cameras, wanted).is_empty());
-        assert_eq!(seen_frames(&[0, 1], &[timed(Some([2, 2])), timed(None)], wanted), [wanted]);
+    fn ranges_are_joined() {
+        let range = |[first, last]: [u32; 2]| FrameRange { first, last };
+        let ranges = [[5, 7], [1, 2], [3, 3], [9, 12], [6, 6]].map(range);
+        assert_eq!(joined(ranges.to_vec()), [[1, 3], [5, 7], [9, 12]].map(range));
+        assert!(joined(Vec::new()).is_empty());
+        let end = range([4, u32::MAX]);
+        assert_eq!(joined(vec![end, end]), [end]);
+    }
+
+    #[test]
+    fn cameras_of_the_same_frames_are_grouped() {
+        let frames = [None, Some(FrameRange { first: 2, last: 3 }), None];
+        let cameras = frames.map(|frames| {
+            let camera = Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, Lens::new(60.0)).unwrap();
+            TimedCamera { camera, frames }
+        });
+        let groups: Vec<_> = groups(&cameras).iter().map(|(frames, viewers)| (*frames, viewers.len())).collect();
+        assert_eq!(groups, [(frames[0], 2), (frames[1], 1)]);
     }
 }

@@ -31,36 +31,54 @@ impl UnitGrid {
 /// What cameras see of an image.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Culled {
-    /// For each unit, the indices of the cameras that see it, in order.
-    pub seen_by: Vec<Vec<u32>>,
+    /// For each unit, the first camera that sees it, if one does.
+    pub seen_by: Vec<Option<u32>>,
     /// Tests of a node or unit against a camera.
     pub tests: u64,
 }
 
-/// Tests each unit against each camera.
+impl Culled {
+    /// Units that a camera sees.
+    pub fn visible(&self) -> u64 {
+        self.seen_by.iter().flatten().count() as u64
+    }
+
+    /// Tests that [`cull_all`] makes where it finds this with so many cameras.
+    pub fn regular_tests(&self, cameras: usize) -> u64 {
+        self.seen_by.iter().map(|first| first.map_or(cameras as u64, |first| u64::from(first) + 1)).sum()
+    }
+}
+
+/// Tests each unit against one camera after the other, up to the first that sees it.
 pub fn cull_all(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled {
     let [columns, rows] = grid.shape();
     let mut culled = Culled::default();
     for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
         let frustum = image.frustum(grid.pixel([column, row]), grid.pixel([column + 1, row + 1]));
-        let sees = |(at, camera): (u32, &Viewer)| (camera.sight(&frustum) != Sight::Missed).then_some(at);
-        culled.tests += cameras.len() as u64;
-        culled.seen_by.push((0..).zip(cameras).filter_map(sees).collect());
+        let mut first = None;
+        for (at, camera) in (0..).zip(cameras) {
+            culled.tests += 1;
+            if camera.sight(&frustum) != Sight::Missed {
+                first = Some(at);
+                break;
+            }
+        }
+        culled.seen_by.push(first);
     }
     culled
 }
 
 /// Finds the same with fewer tests, by descending the quadtree.
+///
+/// A node, too, is tested up to the first camera that sees it. That one and those after it go on to its children; those
+/// before it have missed them all.
 pub fn cull(image: &FaceImage, grid: UnitGrid, cameras: &[Viewer]) -> Culled {
     let [columns, rows] = grid.shape();
     let units = columns as usize * rows as usize;
-    let mut descent = Descent { image, grid, cameras, culled: Culled { seen_by: vec![Vec::new(); units], tests: 0 } };
+    let mut descent = Descent { image, grid, cameras, culled: Culled { seen_by: vec![None; units], tests: 0 } };
     let level = columns.max(rows).next_power_of_two().trailing_zeros();
-    let all: Vec<u32> = (0..).take(cameras.len()).collect();
-    descent.visit(Node { level, at: [0, 0] }, &all);
-    let mut culled = descent.culled;
-    culled.seen_by.iter_mut().for_each(|cameras| cameras.sort_unstable());
-    culled
+    descent.visit(Node { level, at: [0, 0] }, 0);
+    descent.culled
 }
 
 /// A square of 2^level × 2^level units, the `at`-th of its level (column, row).
@@ -78,38 +96,37 @@ struct Descent<'a> {
 }
 
 impl Descent<'_> {
-    /// Tests a node against the cameras that its parent left.
-    fn visit(&mut self, node: Node, cameras: &[u32]) {
+    /// Tests a node against the cameras from `first` on.
+    fn visit(&mut self, node: Node, first: usize) {
         let shape = self.grid.shape();
-        let first = node.at.map(|at| at << node.level);
-        let end = [0, 1].map(|axis| (first[axis] + (1 << node.level)).min(shape[axis]));
-        let frustum = self.image.frustum(self.grid.pixel(first), self.grid.pixel(end));
-        let mut left = Vec::new();
-        for &camera in cameras {
+        let start = node.at.map(|at| at << node.level);
+        let end = [0, 1].map(|axis| (start[axis] + (1 << node.level)).min(shape[axis]));
+        let frustum = self.image.frustum(self.grid.pixel(start), self.grid.pixel(end));
+        for (at, camera) in self.cameras.iter().enumerate().skip(first) {
             self.culled.tests += 1;
-            match self.cameras[camera as usize].sight(&frustum) {
+            match camera.sight(&frustum) {
                 Sight::Missed => {}
-                Sight::Partly if node.level > 0 => left.push(camera),
-                Sight::Partly | Sight::Inside => self.mark(first, end, camera),
-            }
-        }
-        if left.is_empty() {
-            return;
-        }
-        for child in [[0, 0], [1, 0], [0, 1], [1, 1]] {
-            let at = [0, 1].map(|axis| 2 * node.at[axis] + child[axis]);
-            let level = node.level - 1;
-            if at[0] << level < shape[0] && at[1] << level < shape[1] {
-                self.visit(Node { level, at }, &left);
+                Sight::Partly if node.level > 0 => return self.visit_children(node, at),
+                Sight::Partly | Sight::Inside => return self.mark(start, end, at as u32),
             }
         }
     }
 
-    fn mark(&mut self, first: [u32; 2], end: [u32; 2], camera: u32) {
+    fn visit_children(&mut self, node: Node, first: usize) {
+        let shape = self.grid.shape();
+        let level = node.level - 1;
+        for child in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let at = [0, 1].map(|axis| 2 * node.at[axis] + child[axis]);
+            if at[0] << level < shape[0] && at[1] << level < shape[1] {
+                self.visit(Node { level, at }, first);
+            }
+        }
+    }
+
+    fn mark(&mut self, start: [u32; 2], end: [u32; 2], camera: u32) {
         let columns = self.grid.shape()[0] as usize;
-        for row in first[1] as usize..end[1] as usize {
-            let of_row = row * columns + first[0] as usize..row * columns + end[0] as usize;
-            self.culled.seen_by[of_row].iter_mut().for_each(|seen_by| seen_by.push(camera));
+        for row in start[1] as usize..end[1] as usize {
+            self.culled.seen_by[row * columns..][start[0] as usize..end[0] as usize].fill(Some(camera));
         }
     }
 }

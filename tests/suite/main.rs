@@ -17,3 +17,4 @@ mod roundtrip;
 mod samples;
 mod vectors;
 mod vectors_of_nodes;
+mod visibility;
