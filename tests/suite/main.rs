@@ -17,4 +17,5 @@ mod roundtrip;
 mod samples;
 mod vectors;
 mod vectors_of_nodes;
+mod view;
 mod visibility;

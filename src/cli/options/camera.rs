@@ -137,9 +137,13 @@ impl View {
             return String::new();
         }
         let counts = &self.counts;
+        let who = match counts.cameras {
+            0 => "without a camera".to_owned(),
+            1 => "1 camera sees".to_owned(),
+            cameras => format!("{cameras} cameras see"),
+        };
         format!(
-            "\n{} cameras see {} of {} tiles and cells ({:.1}%), found with {} of {} frustum tests; {} of {} read ({:.1}%)",
-            counts.cameras,
+            "\n{who} {} of {} tiles and cells ({:.1}%), found with {} of {} frustum tests; {} of {} read ({:.1}%)",
             counts.visible_units,
             counts.units,
             100.0 * self.visible_fraction(),
