@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::json;
 
 use crate::cli::device::{self, DeviceArg, GpuArgs};
-use crate::cli::options::{FrameArgs, SelectionArgs};
+use crate::cli::options::{CameraArgs, FrameArgs, SelectionArgs, View};
 use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -18,7 +18,7 @@ use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::video::decode::Decoder;
-use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat, ImageSource, OnCpu};
+use crate::video::export::{self, DecodeSummary, Destination, FileFormat, ImageSource, OnCpu, Request};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -29,6 +29,8 @@ const LOAD_BYTES: u64 = 1 << 30;
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
     lightfold decode film.lfold --null --json\n  \
+    lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \
+    lightfold decode film.lfold --camera cam.json -o seen\n  \
     lightfold decode film.lfold --device gpu --null\n  lightfold decode film.lfold --verify")]
 pub struct Args {
     /// The container, - for standard input
@@ -61,6 +63,9 @@ pub struct Args {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    /// Cameras.
+    #[command(flatten)]
+    pub cameras: CameraArgs,
 }
 
 /// `--format`.
@@ -86,29 +91,31 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let reading = start.elapsed();
     let decoder = Decoder::new(reader)?;
     let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
+    let view = args.cameras.view(&decoder, &chosen)?;
     let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
     let progress = Progress::start(global, "decoding", images)?;
     let start = Instant::now();
+    let request = Request { chosen: &chosen, filter: view.filter() };
     let ((summary, found), name) = device::or_on_cpu(
         gpu.as_ref(),
         choice,
         |gpu| match &args.output {
-            Some(output) => Ok((write(gpu, &decoder, &chosen, output, args.format, &progress)?, None)),
+            Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
             None if args.verify => {
-                let (summary, found) = verify::verify(gpu, &decoder, &chosen, &progress)?;
+                let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
                 Ok((summary, Some(found)))
             }
-            None => Ok((verify::decode_to_nothing(gpu, &decoder, &chosen, &progress)?, None)),
+            None => Ok((verify::decode_to_nothing(gpu, &decoder, request, &progress)?, None)),
         },
         || match &args.output {
-            Some(output) => Ok((write(&OnCpu, &decoder, &chosen, output, args.format, &progress)?, None)),
-            None => Ok((export::decode_to_nothing(&decoder, &chosen, &progress)?, None)),
+            Some(output) => Ok((write(&OnCpu, &decoder, request, output, args.format, &progress)?, None)),
+            None => Ok((export::decode_to_nothing(&decoder, request, &progress)?, None)),
         },
     )?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
     let pace = Pace { seconds, reading_seconds: reading.as_secs_f64(), in_memory, device: name };
-    report(args, &summary, &pace, found.as_ref(), global)?;
+    report(args, (&summary, &view), &pace, found.as_ref(), global)?;
     Ok(match found {
         Some(found) if found.mismatched_words > 0 => Outcome::Differs,
         _ => Outcome::Fine,
@@ -133,7 +140,7 @@ fn open_device(args: &Args) -> Result<(DeviceArg, Option<Gpu>)> {
 fn write(
     source: &dyn ImageSource,
     decoder: &Decoder,
-    chosen: &[Chosen<'_>],
+    request: Request<'_>,
     output: &Path,
     format: FormatArg,
     progress: &Progress,
@@ -154,23 +161,23 @@ fn write(
         }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(source, decoder, chosen, &destination, format, progress)
+        let summary = export::decode_to_files(source, decoder, request, &destination, format, progress)
             .map_err(|error| folder.present(error))?;
         folder.commit()?;
         return Ok(summary);
     };
-    let images: u64 = chosen.iter().map(|(_, frames)| frames.count()).sum();
+    let images: u64 = request.chosen.iter().map(|(_, frames)| frames.count()).sum();
     if !pattern.has_field() && images != 1 {
         return Err(Error::Usage(format!(
             "{}: one file, and {images} images are chosen; name a pattern such as depth.%04d.exr, or a folder",
             output.display()
         )));
     }
-    if chosen.len() != 1 {
+    if request.chosen.len() != 1 {
         return Err(Error::Usage(format!(
             "{}: a pattern names the files of one stream, {} are chosen; use --probe, --face and --stream, or name a folder",
             output.display(),
-            chosen.len()
+            request.chosen.len()
         )));
     }
     let format = match output.extension().and_then(|extension| extension.to_str()) {
@@ -183,7 +190,7 @@ fn write(
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
     let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(source, decoder, chosen, &destination, format, progress)
+    let summary = export::decode_to_files(source, decoder, request, &destination, format, progress)
         .map_err(|error| folder.present(error))?;
     folder.commit()?;
     Ok(summary)
@@ -212,7 +219,7 @@ struct Pace {
 
 fn report(
     args: &Args,
-    summary: &DecodeSummary,
+    (summary, view): (&DecodeSummary, &View),
     pace: &Pace,
     found: Option<&Verification>,
     global: &GlobalArgs,
@@ -236,6 +243,7 @@ fn report(
             "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
             "device": pace.device,
         });
+        view.add_to(&mut report);
         if let Some(found) = found {
             report["mismatched_words"] = found.mismatched_words.into();
             report["first_mismatch"] = found.first.clone().into();
@@ -258,7 +266,7 @@ fn report(
         }
         Some(_) => "\nall words are those of the CPU".to_owned(),
     };
-    let line = format!("{line}{on}{compared}");
+    let line = format!("{line}{on}{}{compared}", view.line(summary));
     match &args.output {
         None => output::print_text(&format!("{line}\n")),
         Some(output) => {

@@ -142,7 +142,8 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let progress = Progress::start(global, "decoding", chosen.iter().map(|(_, frames)| frames.count()).sum())?;
     let folder = OutputFolder::create(path)?;
     let destination = Destination::Dataset(folder.work_path().to_path_buf());
-    export::decode_to_files(&OnCpu, decoder, &chosen, &destination, FileFormat::Exr, &progress)?;
+    let request = export::Request::all(&chosen);
+    export::decode_to_files(&OnCpu, decoder, request, &destination, FileFormat::Exr, &progress)?;
     folder.commit()
 }
 
@@ -165,7 +166,7 @@ fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Tota
     for kind in StreamKind::ALL.into_iter().filter(|kind| streams.iter().any(|stream| stream.kind == *kind)) {
         let chosen = Selection { kinds: vec![kind], ..Selection::default() }.choose(decoder)?;
         let start = Instant::now();
-        let summary = export::decode_to_nothing(decoder, &chosen, &progress)?;
+        let summary = export::decode_to_nothing(decoder, export::Request::all(&chosen), &progress)?;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
         rows.push(KindRow {
             kind,

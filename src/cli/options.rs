@@ -1,5 +1,6 @@
 //! Options that several subcommands share. Each knob has one name here, in the code and in reports.
 
+mod camera;
 mod color;
 mod depth;
 mod material;
@@ -17,6 +18,7 @@ use crate::image::sequence::FrameRange;
 use crate::video::encode::EncodeSettings;
 use crate::video::export::Selection;
 
+pub use camera::{CameraArgs, View, parse_aspect, parse_point};
 pub use color::{ColorArgs, InvalidColorArg};
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,

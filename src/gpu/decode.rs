@@ -19,12 +19,13 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
-use crate::gpu::pictures::{unpack_bytes, unpack_codes, unpack_halves};
+use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::resident::{Growing, Resident};
 use crate::image::plane::Plane;
 use crate::ordered::try_map_ordered;
 use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together.
 const FETCH_TOGETHER: usize = 32;
@@ -61,6 +62,7 @@ pub struct GpuDecoder<'a> {
     plan: Arc<Pipeline>,
     kernel: Arc<Pipeline>,
     cost: DecodeCost,
+    wanted_pixels: u64,
 }
 
 #[derive(Debug)]
@@ -144,6 +146,7 @@ impl<'a> GpuDecoder<'a> {
             plan: gpu.pipeline(family.plan())?,
             kernel: gpu.pipeline(family.kernel())?,
             cost: DecodeCost::default(),
+            wanted_pixels: 0,
         })
     }
 
@@ -158,11 +161,17 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// A chunk is damaged, or the device fails.
     pub fn decode(&mut self, frame: u32) -> Result<()> {
-        let mut wanted = Vec::new();
-        for (at, stream) in self.streams.iter().enumerate().filter(|(_, stream)| stream.frames.contains(frame)) {
-            wanted.extend((0..stream.entry.unit_count()).map(|unit| Wanted { stream: at, unit, frame }));
-        }
-        self.decode_units(&wanted)
+        let has_it = |at: &usize| self.streams[*at].frames.contains(frame);
+        let units = (0..self.streams.len()).filter(has_it).flat_map(|at| self.wanted(at, frame, &AllUnits));
+        let units: Vec<Wanted> = units.collect();
+        self.decode_units(&units)
+    }
+
+    /// The units of a stream that a filter wants in a frame.
+    pub fn wanted(&self, stream: usize, frame: u32, filter: &dyn UnitFilter) -> Vec<Wanted> {
+        let info = self.streams[stream];
+        let units = (0..info.entry.unit_count()).filter(|&unit| filter.wants(info, unit, frame));
+        units.map(|unit| Wanted { stream, unit, frame }).collect()
     }
 
     /// Shows frames of some units, each named once at most.
@@ -170,6 +179,8 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// A stream lacks a frame, a chunk is damaged, or the device fails.
     pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
+        let shapes = wanted.iter().map(|one| &self.units[self.first_units[one.stream] + one.unit as usize]);
+        self.wanted_pixels += shapes.map(|unit| u64::from(unit.width) * u64::from(unit.height)).sum::<u64>();
         let mut batch = Batch::default();
         let listed = self.list(wanted, &mut batch);
         // Also after an error: what the host believes of the listed units must be so.
@@ -198,6 +209,11 @@ impl<'a> GpuDecoder<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Pixels of the units that were wanted, over all calls so far.
+    pub fn wanted_pixels(&self) -> u64 {
+        self.wanted_pixels
     }
 
     /// What decoding cost so far; the time of the device counts where it was waited for.
@@ -400,6 +416,19 @@ impl<'a> GpuDecoder<'a> {
             .zip(&self.first_units)
             .map(|(stream, &first)| self.picture(stream, first, &words))
             .collect())
+    }
+
+    /// The same without the units that a filter does not want in a frame: they are background where it is depth, else 0.
+    ///
+    /// # Errors
+    /// As for [`GpuDecoder::read`].
+    pub fn read_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Vec<Picture>> {
+        let mut pictures = self.read()?;
+        for (picture, stream) in pictures.iter_mut().zip(&self.streams) {
+            let unwanted = (0..stream.entry.unit_count()).filter(|&unit| !filter.wants(stream, unit, frame));
+            unwanted.for_each(|unit| leave_out(picture, stream.entry.unit_rect(unit)));
+        }
+        Ok(pictures)
     }
 
     fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {

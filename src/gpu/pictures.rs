@@ -5,6 +5,7 @@
 
 use half::f16;
 
+use crate::depth::BACKGROUND_CODE;
 use crate::image::plane::Plane;
 use crate::video::decode::Picture;
 
@@ -74,6 +75,18 @@ pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
         }
         (Picture::ColorHalf(one), Picture::ColorHalf(other)) => differing(one, other, halves),
         _ => 1,
+    }
+}
+
+/// Fills a rectangle (left, top, width, height) with background where it is depth, else with 0.
+pub fn leave_out(picture: &mut Picture, rect: [u32; 4]) {
+    fn fill<T: Copy>(plane: &mut Plane<T>, [left, top, width, height]: [u32; 4], value: T) {
+        (top..top + height).for_each(|y| plane.row_mut(y)[left as usize..(left + width) as usize].fill(value));
+    }
+    match picture {
+        Picture::Depth(plane) => fill(plane, rect, BACKGROUND_CODE),
+        Picture::Color8(plane) | Picture::Material(plane) => fill(plane, rect, [0; 3]),
+        Picture::ColorHalf(plane) => fill(plane, rect, [f16::ZERO; 3]),
     }
 }
 

@@ -8,7 +8,8 @@ use crate::gpu::pictures::mismatched_words;
 use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
 use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
-use crate::video::export::{Chosen, DecodeSummary, ImageSource, Images, decoded_pixel_bytes};
+use crate::video::export::{Chosen, DecodeSummary, ImageSource, Images, Request, decoded_pixel_bytes};
+use crate::video::unit_filter::UnitFilter;
 
 /// What came of decoding on two devices.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,7 +37,7 @@ fn groups<'a>(gpu: &Gpu, chosen: &[Chosen<'a>]) -> Vec<Vec<Chosen<'a>>> {
     groups.into_iter().map(|(_, _, streams)| streams).collect()
 }
 
-/// Decodes everything chosen, frame by frame, all streams of a kernel together, and drops it. The monitor advances by
+/// Decodes what is asked for, frame by frame, all streams of a kernel together, and drops it. The monitor advances by
 /// one for every image.
 ///
 /// # Errors
@@ -44,17 +45,18 @@ fn groups<'a>(gpu: &Gpu, chosen: &[Chosen<'a>]) -> Vec<Vec<Chosen<'a>>> {
 pub fn decode_to_nothing(
     gpu: &Gpu,
     decoder: &Decoder,
-    chosen: &[Chosen<'_>],
+    request: Request<'_>,
     monitor: &dyn Monitor,
 ) -> Result<DecodeSummary> {
     let mut summary = DecodeSummary::default();
-    for group in groups(gpu, chosen) {
-        summary = summary.plus(decode_group(gpu, decoder, &group, monitor, |_, _, _| Ok(()))?);
+    for group in groups(gpu, request.chosen) {
+        let part = Request { chosen: &group, ..request };
+        summary = summary.plus(decode_group(gpu, decoder, part, monitor, |_, _, _| Ok(()))?);
     }
     Ok(summary)
 }
 
-/// Decodes everything chosen on the device and on the CPU, and compares all words. The monitor advances by one for every
+/// Decodes what is asked for on the device and on the CPU, and compares all words. The monitor advances by one for every
 /// image.
 ///
 /// # Errors
@@ -62,23 +64,24 @@ pub fn decode_to_nothing(
 pub fn verify(
     gpu: &Gpu,
     decoder: &Decoder,
-    chosen: &[Chosen<'_>],
+    request: Request<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(DecodeSummary, Verification)> {
     let (mut summary, mut verification) = (DecodeSummary::default(), Verification::default());
-    for group in groups(gpu, chosen) {
+    for group in groups(gpu, request.chosen) {
         let mut on_cpu: Vec<FaceDecoder<'_>> = group.iter().map(|(stream, _)| decoder.face(stream)).collect();
         let compare = |on_gpu: &mut GpuDecoder<'_>, now: &[usize], frame: u32| {
-            let pictures = on_gpu.read()?;
+            let pictures = on_gpu.read_wanted(frame, request.filter)?;
             for &at in now {
-                verification.compare(&pictures[at], &on_cpu[at].decode(frame)?, || {
+                verification.compare(&pictures[at], &on_cpu[at].decode_wanted(frame, request.filter)?, || {
                     let (probe, face) = (&decoder.probe(group[at].0).name, group[at].0.face.name());
                     format!("frame {frame} of the {} stream of {probe}/{face}", group[at].0.kind.name())
                 });
             }
             Ok(())
         };
-        summary = summary.plus(decode_group(gpu, decoder, &group, monitor, compare)?);
+        let part = Request { chosen: &group, ..request };
+        summary = summary.plus(decode_group(gpu, decoder, part, monitor, compare)?);
     }
     Ok((summary, verification))
 }
@@ -98,7 +101,7 @@ impl Verification {
 fn decode_group(
     gpu: &Gpu,
     decoder: &Decoder,
-    group: &[Chosen<'_>],
+    Request { chosen: group, filter }: Request<'_>,
     monitor: &dyn Monitor,
     mut seen: impl FnMut(&mut GpuDecoder<'_>, &[usize], u32) -> Result<()>,
 ) -> Result<DecodeSummary> {
@@ -109,19 +112,16 @@ fn decode_group(
     for frame in span.into_iter().flat_map(FrameRange::iter) {
         monitor.check()?;
         let now: Vec<usize> = (0..group.len()).filter(|&at| group[at].1.contains(frame)).collect();
-        let units_of = |stream: usize| (0..streams[stream].entry.unit_count()).map(move |unit| (stream, unit));
-        let units = now.iter().flat_map(|&stream| units_of(stream));
-        on_gpu.decode_units(&units.map(|(stream, unit)| Wanted { stream, unit, frame }).collect::<Vec<_>>())?;
+        let units: Vec<Wanted> = now.iter().flat_map(|&stream| on_gpu.wanted(stream, frame, filter)).collect();
+        on_gpu.decode_units(&units)?;
         on_gpu.wait()?;
         seen(&mut on_gpu, &now, frame)?;
         monitor.advance(now.len() as u64);
     }
     let cost = on_gpu.cost();
-    let pixels =
-        |(stream, frames): &Chosen<'_>| frames.count() * u64::from(stream.entry.width) * u64::from(stream.entry.height);
     Ok(DecodeSummary {
         frames: group.iter().map(|(_, frames)| frames.count()).sum(),
-        pixels: group.iter().map(pixels).sum(),
+        pixels: on_gpu.wanted_pixels(),
         bytes_out: cost.updated_pixels * streams.first().map_or(0, |stream| decoded_pixel_bytes(&stream.header)),
         cost,
     })
@@ -135,10 +135,15 @@ impl ImageSource for Gpu {
 }
 
 impl Images for GpuDecoder<'_> {
-    fn decode(&mut self, frame: u32) -> Result<Picture> {
-        GpuDecoder::decode(self, frame)?;
-        let pictures = self.read()?;
+    fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        let units = self.wanted(0, frame, filter);
+        self.decode_units(&units)?;
+        let pictures = self.read_wanted(frame, filter)?;
         pictures.into_iter().next().ok_or_else(|| Error::invalid("a decoder of no stream"))
+    }
+
+    fn wanted_pixels(&self) -> u64 {
+        GpuDecoder::wanted_pixels(self)
     }
 
     fn cost(&self) -> DecodeCost {

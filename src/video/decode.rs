@@ -10,6 +10,7 @@ use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::index::ProbeEntry;
 use crate::container::{ChunkEntry, Payload, Reader, StreamEntry};
 use crate::dataset::stream::StreamKind;
+use crate::depth::BACKGROUND_CODE;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::Plane;
@@ -18,6 +19,7 @@ use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 use crate::video::depth_chunk::DepthChunk;
 use crate::video::material_chunk::MaterialChunk;
+use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// A stream of an open container, typed.
 #[derive(Debug, Clone, PartialEq)]
@@ -151,7 +153,7 @@ impl Decoder {
     /// A decoder of all units of a stream.
     pub fn face<'a>(&'a self, stream: &'a StreamInfo) -> FaceDecoder<'a> {
         let units = (0..stream.entry.unit_count()).map(|unit| self.unit(stream, unit)).collect();
-        FaceDecoder { stream, units }
+        FaceDecoder { stream, units, wanted_pixels: 0 }
     }
 }
 
@@ -232,6 +234,11 @@ impl UnitDecoder<'_> {
             State::ColorHalf(state) => state.chunk.map(|(_, chunk)| chunk.into_spare()),
         }
         .unwrap_or(self.source.spare)
+    }
+
+    /// Its pixels.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.rect[2]) * u64::from(self.rect[3])
     }
 
     /// Left, top, width and height in the face.
@@ -442,30 +449,48 @@ impl<S: Sample> CellState<S> {
 pub struct FaceDecoder<'a> {
     stream: &'a StreamInfo,
     units: Vec<UnitDecoder<'a>>,
+    wanted_pixels: u64,
 }
 
 impl FaceDecoder<'_> {
     /// The image of a frame.
     pub fn decode(&mut self, frame: u32) -> Result<Picture> {
-        try_map_ordered(self.units.iter_mut().collect(), |unit| unit.decode(frame))?;
-        let (width, height) = (self.stream.entry.width, self.stream.entry.height);
-        Ok(match self.stream.header {
-            CodecHeader::Depth(_) => Picture::Depth(self.assemble(width, height, |unit| match &unit.state {
-                State::Depth(state) => &state.picture,
-                _ => &[],
-            })),
-            CodecHeader::Material(_) => Picture::Material(self.assemble(width, height, |unit| match &unit.state {
+        self.decode_wanted(frame, &AllUnits)
+    }
+
+    /// The image of a frame, in which units that are not wanted are left out: background where it is depth, else 0.
+    ///
+    /// It does not depend on what was wanted in other frames.
+    pub fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        let stream = self.stream;
+        let wanted: Vec<_> =
+            (0..).zip(&mut self.units).filter(|(unit, _)| filter.wants(stream, *unit, frame)).collect();
+        let units = try_map_ordered(wanted, |(_, unit)| {
+            unit.decode(frame)?;
+            Ok(&*unit)
+        })?;
+        self.wanted_pixels += units.iter().map(|unit| unit.pixels()).sum::<u64>();
+        let size = [stream.entry.width, stream.entry.height];
+        Ok(match stream.header {
+            CodecHeader::Depth(_) => {
+                Picture::Depth(assemble(size, BACKGROUND_CODE, &units, |unit| match &unit.state {
+                    State::Depth(state) => &state.picture,
+                    _ => &[],
+                }))
+            }
+            CodecHeader::Material(_) => Picture::Material(assemble(size, [0; 3], &units, |unit| match &unit.state {
                 State::Material(state) => &state.picture,
                 _ => &[],
             })),
             CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Picture::Color8(self.assemble(width, height, |unit| match &unit.state {
+                Picture::Color8(assemble(size, [0; 3], &units, |unit| match &unit.state {
                     State::Color8(state) => state.shown.as_chunks().0,
                     _ => &[],
                 }))
             }
             CodecHeader::Color(_) => {
-                let keys = self.assemble(width, height, |unit| match &unit.state {
+                let black = [HalfKey::from_bits(f16::ZERO.to_bits()); 3];
+                let keys = assemble(size, black, &units, |unit| match &unit.state {
                     State::ColorHalf(state) => state.shown.as_chunks::<3>().0,
                     _ => &[],
                 });
@@ -479,19 +504,24 @@ impl FaceDecoder<'_> {
         self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), DecodeCost::plus)
     }
 
-    fn assemble<T: Copy + Default>(
-        &self,
-        width: u32,
-        height: u32,
-        pixels: impl for<'u> Fn(&'u UnitDecoder<'_>) -> &'u [T],
-    ) -> Plane<T> {
-        let mut plane = Plane::filled(width, height, T::default());
-        for unit in &self.units {
-            let [left, top, unit_width, _] = unit.rect;
-            for (y, row) in pixels(unit).chunks_exact(unit_width as usize).enumerate() {
-                plane.row_mut(top + y as u32)[left as usize..(left + unit_width) as usize].copy_from_slice(row);
-            }
-        }
-        plane
+    /// Pixels of the units that were wanted, over all frames so far.
+    pub fn wanted_pixels(&self) -> u64 {
+        self.wanted_pixels
     }
+}
+
+fn assemble<'u, T: Copy + 'u>(
+    [width, height]: [u32; 2],
+    blank: T,
+    units: &[&'u UnitDecoder<'_>],
+    pixels: impl Fn(&'u UnitDecoder<'_>) -> &'u [T],
+) -> Plane<T> {
+    let mut plane = Plane::filled(width, height, blank);
+    for unit in units {
+        let [left, top, unit_width, _] = unit.rect;
+        for (y, row) in pixels(unit).chunks_exact(unit_width as usize).enumerate() {
+            plane.row_mut(top + y as u32)[left as usize..(left + unit_width) as usize].copy_from_slice(row);
+        }
+    }
+    plane
 }

@@ -18,6 +18,7 @@ use crate::ordered::{try_map_ordered, try_map_ordered_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
 use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
+use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Which streams and frames. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default)]
@@ -80,6 +81,22 @@ impl Selection {
     }
 }
 
+/// What is to be decoded: streams with their frames, and which of their units.
+#[derive(Clone, Copy)]
+pub struct Request<'a> {
+    /// Streams and frames.
+    pub chosen: &'a [Chosen<'a>],
+    /// Units.
+    pub filter: &'a dyn UnitFilter,
+}
+
+impl<'a> Request<'a> {
+    /// All units of streams and frames.
+    pub fn all(chosen: &'a [Chosen<'a>]) -> Request<'a> {
+        Request { chosen, filter: &AllUnits }
+    }
+}
+
 /// What kind of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FileFormat {
@@ -104,7 +121,7 @@ impl FileFormat {
 pub struct DecodeSummary {
     /// Images decoded.
     pub frames: u64,
-    /// Their pixels.
+    /// Pixels of those of their units that were wanted.
     pub pixels: u64,
     /// Bytes of the pixels that were written, in the codec's domain.
     pub bytes_out: u64,
@@ -134,28 +151,52 @@ pub fn decoded_pixel_bytes(header: &CodecHeader) -> u64 {
     }
 }
 
-/// Decodes everything chosen, frame by frame, and drops it. The monitor advances by one for every image.
-pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn Monitor) -> Result<DecodeSummary> {
+/// Stored bytes of all chunks of the frames that were chosen: what decoding all units reads, but for a chunk after the
+/// last frame, into which a cell of colour may lead.
+pub fn stored_bytes(decoder: &Decoder, chosen: &[Chosen<'_>]) -> u64 {
+    let of_stream = |(stream, frames): &Chosen<'_>| {
+        let chunks = (0..stream.entry.unit_count())
+            .flat_map(|unit| decoder.reader().index().unit_chunks(stream.index, unit))
+            .filter(|chunk| {
+                let key = &chunk.key;
+                let held = FrameRange { first: key.first_frame, last: key.first_frame + (key.frame_count - 1) };
+                held.intersect(*frames).is_some()
+            });
+        chunks.map(|chunk| u64::from(chunk.stored_bytes)).sum::<u64>()
+    };
+    chosen.iter().map(of_stream).sum()
+}
+
+/// Decodes what the filter wants of everything chosen, frame by frame, and drops it. The monitor advances by one for
+/// every image.
+pub fn decode_to_nothing(
+    decoder: &Decoder,
+    Request { chosen, filter }: Request<'_>,
+    monitor: &dyn Monitor,
+) -> Result<DecodeSummary> {
     let jobs: Vec<_> = chosen
         .iter()
         .flat_map(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
         .collect();
     let summaries = try_map_ordered_with(jobs, Vec::new, |spare, (stream, frames, unit)| {
         let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
+        let mut wanted = 0;
         for frame in frames.iter() {
             monitor.check()?;
-            decoder.decode(frame)?;
+            if filter.wants(stream, unit, frame) {
+                decoder.decode(frame)?;
+                wanted += 1;
+            }
         }
-        let [_, _, width, height] = decoder.rect();
         let first = unit == 0;
         if first {
             monitor.advance(frames.count());
         }
-        let cost = decoder.cost();
+        let (cost, unit_pixels) = (decoder.cost(), decoder.pixels());
         *spare = decoder.into_spare();
         Ok(DecodeSummary {
             frames: if first { frames.count() } else { 0 },
-            pixels: frames.count() * u64::from(width) * u64::from(height),
+            pixels: wanted * unit_pixels,
             bytes_out: cost.updated_pixels * decoded_pixel_bytes(&stream.header),
             cost,
         })
@@ -165,11 +206,14 @@ pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn
 
 /// Decodes the images of one stream.
 pub trait Images {
-    /// The image of a frame.
+    /// The image of a frame, in which units that are not wanted are left out: background where it is depth, else 0.
     ///
     /// # Errors
     /// The stream does not have the frame, a chunk is damaged, or the device that decodes fails.
-    fn decode(&mut self, frame: u32) -> Result<Picture>;
+    fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
+
+    /// Pixels of the units that were wanted, over all frames so far.
+    fn wanted_pixels(&self) -> u64;
 
     /// What decoding cost so far.
     fn cost(&self) -> DecodeCost;
@@ -195,8 +239,12 @@ impl ImageSource for OnCpu {
 }
 
 impl Images for FaceDecoder<'_> {
-    fn decode(&mut self, frame: u32) -> Result<Picture> {
-        FaceDecoder::decode(self, frame)
+    fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        FaceDecoder::decode_wanted(self, frame, filter)
+    }
+
+    fn wanted_pixels(&self) -> u64 {
+        FaceDecoder::wanted_pixels(self)
     }
 
     fn cost(&self) -> DecodeCost {
@@ -213,11 +261,12 @@ pub enum Destination {
     Files(Pattern),
 }
 
-/// Decodes everything chosen into files. The monitor advances by one for every image.
+/// Decodes what the filter wants of everything chosen into files; the rest of an image is background where it is
+/// depth, else 0. The monitor advances by one for every image.
 pub fn decode_to_files(
     source: &dyn ImageSource,
     decoder: &Decoder,
-    chosen: &[Chosen<'_>],
+    Request { chosen, filter }: Request<'_>,
     destination: &Destination,
     format: FileFormat,
     monitor: &dyn Monitor,
@@ -240,12 +289,12 @@ pub fn decode_to_files(
             if let Some(parent) = path.parent() {
                 std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
-            writer.write(&path, face.decode(frame)?).map_err(|error| error.in_file(&path))?;
+            writer.write(&path, face.decode_wanted(frame, filter)?).map_err(|error| error.in_file(&path))?;
             let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
             written.fetch_add(bytes, Ordering::Relaxed);
             monitor.advance(1);
         }
-        let pixels = frames.count() * u64::from(stream.entry.width) * u64::from(stream.entry.height);
+        let pixels = face.wanted_pixels();
         Ok(DecodeSummary { frames: frames.count(), pixels, bytes_out: 0, cost: face.cost() })
     })?;
     let mut summary = summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus);

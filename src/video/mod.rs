@@ -17,7 +17,9 @@ pub mod pack;
 pub mod scan;
 pub mod side;
 pub mod tile_quality;
+pub mod unit_filter;
 
 pub use codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 pub use decode::{Decoder, FaceDecoder, Picture, UnitDecoder};
 pub use encode::{EncodeSettings, EncodeSummary, encode};
+pub use unit_filter::{AllUnits, UnitFilter};

@@ -8,8 +8,9 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, Pick, device, verify};
 use lightfold::monitor::Silent;
-use lightfold::video::decode::Decoder;
-use lightfold::video::export::Selection;
+use lightfold::video::decode::{Decoder, StreamInfo};
+use lightfold::video::export::{Request, Selection};
+use lightfold::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Random streams that are decoded; `lightfold selftest --streams` takes more.
 const STREAMS: u64 = 400;
@@ -42,7 +43,16 @@ fn random_streams() -> Result<(), Failed> {
     })
 }
 
-/// Frozen containers, all their frames in order.
+/// Leaves units out in one frame of three, so that they are behind in the next.
+struct TwoOfThree;
+
+impl UnitFilter for TwoOfThree {
+    fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool {
+        !(stream.index + unit + frame).is_multiple_of(3)
+    }
+}
+
+/// Frozen containers, all their frames in order, with all units and with some.
 fn vectors() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid");
@@ -54,9 +64,12 @@ fn vectors() -> Result<(), Failed> {
             }
             let decoder = Decoder::open(&path).map_err(|error| error.to_string())?;
             let Ok(chosen) = Selection::default().choose(&decoder) else { continue };
-            let (_, found) = verify::verify(gpu, &decoder, &chosen, &Silent).map_err(|error| error.to_string())?;
-            if found.mismatched_words > 0 {
-                return Err(format!("{}: {found:?}", path.display()).into());
+            for filter in [&AllUnits as &dyn UnitFilter, &TwoOfThree] {
+                let request = Request { chosen: &chosen, filter };
+                let (_, found) = verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
+                if found.mismatched_words > 0 {
+                    return Err(format!("{}: {found:?}", path.display()).into());
+                }
             }
             count += 1;
         }

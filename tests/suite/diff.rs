@@ -87,7 +87,8 @@ impl Bench {
         let chosen = export::Selection::default().choose(&decoder).unwrap();
         let destination = export::Destination::Dataset(self.path(folder));
         let format = export::FileFormat::Exr;
-        export::decode_to_files(&export::OnCpu, &decoder, &chosen, &destination, format, &Silent).unwrap();
+        let request = export::Request::all(&chosen);
+        export::decode_to_files(&export::OnCpu, &decoder, request, &destination, format, &Silent).unwrap();
     }
 
     /// Exit code, standard output and standard error.

@@ -19,3 +19,5 @@ mod samples;
 mod vectors;
 mod vectors_of_blocks;
 mod vectors_of_nodes;
+mod view;
+mod visibility;

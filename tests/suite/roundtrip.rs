@@ -16,7 +16,7 @@ use lightfold::video::codec::{CodecHeader, ColorFormat};
 use lightfold::video::convert;
 use lightfold::video::decode::{Decoder, Picture};
 use lightfold::video::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, encode};
-use lightfold::video::export::{Selection, decode_to_nothing};
+use lightfold::video::export::{Request, Selection, decode_to_nothing};
 
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;
@@ -397,7 +397,8 @@ fn of_two_damaged_chunks_the_first_is_named() {
     for threads in [1, 4] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for _ in 0..20 {
-            let error = pool.install(|| decode_to_nothing(&decoder, &chosen, &Silent)).unwrap_err().to_string();
+            let error =
+                pool.install(|| decode_to_nothing(&decoder, Request::all(&chosen), &Silent)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");
             let error = pool.install(|| decoder.face(chosen[0].0).decode(0)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");

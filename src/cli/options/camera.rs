@@ -1,0 +1,180 @@
+//! Options of cameras: which parts of a container are decoded, and what that saves.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use glam::DVec3;
+use serde_json::{Value, json};
+
+use crate::cli::output::human_bytes;
+use crate::error::Result;
+use crate::math::{Camera, Lens};
+use crate::reconstruct::{CameraFile, SeenCounts, SeenUnits, TimedCamera};
+use crate::video::decode::Decoder;
+use crate::video::export::{self, Chosen, DecodeSummary};
+use crate::video::unit_filter::{AllUnits, UnitFilter};
+
+/// Parses `x,y,z`.
+pub fn parse_point(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|number| number.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
+        _ => Err(format!("'{text}' is not x,y,z: three finite numbers such as -0.5,1.75,2")),
+    }
+}
+
+/// Parses `16/9`, `16:9` or `1.78`.
+pub fn parse_aspect(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let ratio = match text.split_once(['/', ':']) {
+        Some((width, height)) => number(width).zip(number(height)).map(|(width, height)| width / height),
+        None => number(text),
+    };
+    ratio
+        .filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+        .ok_or_else(|| format!("'{text}' is neither a ratio such as 16/9 nor a number above 0"))
+}
+
+/// Cameras, and whether to report what they see.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "View")]
+pub struct CameraArgs {
+    /// Decode what the cameras of this file see; may be given more than once
+    #[arg(long, value_name = "CAM.json")]
+    pub camera: Vec<PathBuf>,
+    /// Decode what a camera here sees, in metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
+        requires_all = ["look_at", "fov"])]
+    pub eye: Option<DVec3>,
+    /// The point that it looks at, in metres
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<DVec3>,
+    /// The direction that is up in its picture [default: 0,1,0]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
+    pub up: Option<DVec3>,
+    /// Its vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", requires = "eye")]
+    pub fov: Option<f64>,
+    /// Width of its picture over the height, such as 16/9 [default: 1]
+    #[arg(long, value_name = "W/H", value_parser = parse_aspect, requires = "eye")]
+    pub aspect: Option<f64>,
+    /// Report what the cameras see of the tiles and cells, and what was read
+    #[arg(long)]
+    pub stats: bool,
+}
+
+impl CameraArgs {
+    /// All cameras that are asked for, none where all is to be decoded.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or a camera that sees nothing.
+    pub fn cameras(&self) -> Result<Vec<TimedCamera>> {
+        let mut cameras = Vec::new();
+        for path in &self.camera {
+            cameras.extend(CameraFile::read(path)?);
+        }
+        if let (Some(eye), Some(target), Some(fov_y_deg)) = (self.eye, self.look_at, self.fov) {
+            let lens = Lens { aspect: self.aspect.unwrap_or(1.0), ..Lens::new(fov_y_deg) };
+            let camera = Camera::look_at(eye, target, self.up.unwrap_or(DVec3::Y), lens)?;
+            cameras.push(TimedCamera { camera, frames: None });
+        }
+        Ok(cameras)
+    }
+
+    /// What the cameras see of what was chosen.
+    ///
+    /// # Errors
+    /// As for [`CameraArgs::cameras`].
+    pub fn view(&self, decoder: &Decoder, chosen: &[Chosen<'_>]) -> Result<View> {
+        let cameras = self.cameras()?;
+        let seen = (!cameras.is_empty()).then(|| SeenUnits::find(decoder, chosen, &cameras));
+        let units = chosen.iter().map(|(stream, _)| u64::from(stream.entry.unit_count())).sum();
+        let counts = match &seen {
+            Some(seen) => seen.counts(),
+            None => SeenCounts { units, visible_units: units, ..SeenCounts::default() },
+        };
+        let bytes_total = if self.stats { export::stored_bytes(decoder, chosen) } else { 0 };
+        Ok(View { seen, counts, bytes_total, stats: self.stats })
+    }
+}
+
+/// The part of a container that is decoded.
+#[derive(Debug)]
+pub struct View {
+    seen: Option<SeenUnits>,
+    counts: SeenCounts,
+    bytes_total: u64,
+    stats: bool,
+}
+
+impl View {
+    /// The tiles and cells to decode.
+    pub fn filter(&self) -> &dyn UnitFilter {
+        match &self.seen {
+            Some(seen) => seen,
+            None => &AllUnits,
+        }
+    }
+
+    /// Adds what `--stats` asks for to a report in JSON.
+    pub fn add_to(&self, report: &mut Value) {
+        if !self.stats {
+            return;
+        }
+        let counts = &self.counts;
+        report["cameras"] = json!(counts.cameras);
+        report["units"] = json!(counts.units);
+        report["visible_units"] = json!(counts.visible_units);
+        report["visible_fraction"] = json!(self.visible_fraction());
+        report["frustum_tests"] = json!({ "regular": counts.regular_tests, "hierarchical": counts.hierarchical_tests });
+        report["bytes_total"] = json!(self.bytes_total);
+    }
+
+    /// What `--stats` asks for as a second line of a report, empty where nothing is asked for.
+    pub fn line(&self, summary: &DecodeSummary) -> String {
+        if !self.stats {
+            return String::new();
+        }
+        let counts = &self.counts;
+        let who = match counts.cameras {
+            0 => "without a camera".to_owned(),
+            1 => "1 camera sees".to_owned(),
+            cameras => format!("{cameras} cameras see"),
+        };
+        format!(
+            "\n{who} {} of {} tiles and cells ({:.1}%), found with {} of {} frustum tests; {} of {} read ({:.1}%)",
+            counts.visible_units,
+            counts.units,
+            100.0 * self.visible_fraction(),
+            counts.hierarchical_tests,
+            counts.regular_tests,
+            human_bytes(summary.cost.bytes_read),
+            human_bytes(self.bytes_total),
+            100.0 * summary.cost.bytes_read as f64 / self.bytes_total.max(1) as f64,
+        )
+    }
+
+    fn visible_fraction(&self) -> f64 {
+        self.counts.visible_units as f64 / self.counts.units.max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_and_ratios_are_parsed() {
+        assert_eq!(parse_point("-0.5,1.75, -3e-1"), Ok(DVec3::new(-0.5, 1.75, -0.3)));
+        for text in ["", "1", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "1,2,inf", "1 2 3"] {
+            assert!(parse_point(text).unwrap_err().contains("three finite numbers"), "{text}");
+        }
+        assert_eq!(parse_aspect("3/2"), Ok(1.5));
+        assert_eq!(parse_aspect("16:8"), Ok(2.0));
+        assert_eq!(parse_aspect("1.25"), Ok(1.25));
+        for text in ["", "0", "-1", "1/0", "0/0", "a/b", "1/2/3", "inf", "nan"] {
+            assert!(parse_aspect(text).is_err(), "{text}");
+        }
+    }
+}

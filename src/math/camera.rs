@@ -1,0 +1,174 @@
+//! A perspective camera in the world: right-handed, +Y up, metres.
+
+use glam::{DQuat, DVec3};
+
+use super::frustum::{Frustum, Window};
+use crate::error::{Error, Result};
+
+/// How far the length of a quaternion may be from 1.
+const QUATERNION_SLACK: f64 = 1e-3;
+/// Sine of the smallest angle between the direction of view and up.
+const MIN_UP_SINE: f64 = 1e-9;
+
+/// What a camera sees of what lies before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Vertical field of view in degrees, above 0 and below 180.
+    pub fov_y_deg: f64,
+    /// Width of the image over its height, above 0.
+    pub aspect: f64,
+    /// Nothing nearer is seen: metres along the viewing axis, at least 0.
+    pub near_m: f64,
+    /// Nothing farther is seen, but the background is: metres along the viewing axis, above `near_m`, may be `+inf`.
+    pub far_m: f64,
+}
+
+impl Lens {
+    /// A square image with this vertical field of view, from the eye to infinity.
+    pub fn new(fov_y_deg: f64) -> Lens {
+        Lens { fov_y_deg, aspect: 1.0, near_m: 0.0, far_m: f64::INFINITY }
+    }
+}
+
+/// A camera that can see something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    /// Forward, right, down.
+    axes: [DVec3; 3],
+    /// Half the width and half the height of the image at distance 1.
+    half: [f64; 2],
+    depth_m: [f64; 2],
+}
+
+impl Camera {
+    /// A camera at `eye` that looks at `target`, with `up` somewhere above its horizon.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a number is not finite, the eye is the target, `up` is parallel to the direction of
+    /// view, or the lens sees nothing.
+    pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Result<Camera> {
+        for (what, point) in [("eye", eye), ("look-at point", target), ("up direction", up)] {
+            check_finite(what, point)?;
+        }
+        let forward = (target - eye)
+            .try_normalize()
+            .ok_or_else(|| usage(format!("the camera looks at {target}, where its eye is: move one of them")))?;
+        let up_unit = up.try_normalize().unwrap_or(DVec3::ZERO);
+        let right = forward.cross(up_unit);
+        if right.length() < MIN_UP_SINE {
+            return Err(usage(format!(
+                "the camera looks along {forward}, and its up direction {up} gives no horizon to that: name another up"
+            )));
+        }
+        let right = right.normalize();
+        Self::new(eye, [forward, right, forward.cross(right)], lens)
+    }
+
+    /// A camera at `eye` that looks along −Z with +Y up, turned by the quaternion x, y, z, w.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a number is not finite, the quaternion's length is not 1, or the lens sees nothing.
+    pub fn oriented(eye: DVec3, orientation: [f64; 4], lens: Lens) -> Result<Camera> {
+        check_finite("eye", eye)?;
+        let turn = rotation(orientation).ok_or_else(|| {
+            usage(format!("a camera's orientation must be a quaternion of length 1, not {orientation:?}"))
+        })?;
+        Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
+    }
+
+    fn new(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
+        let Lens { fov_y_deg, aspect, near_m, far_m } = lens;
+        if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
+            return Err(usage(format!("a field of view of {fov_y_deg} degrees must lie between 0 and 180")));
+        }
+        let tangent = (fov_y_deg.to_radians() / 2.0).tan();
+        let half = [tangent * aspect, tangent];
+        if !(aspect > 0.0 && half.iter().all(|half| half.is_finite() && *half > 0.0)) {
+            return Err(usage(format!("an image {aspect} times as wide as high: a number above 0 was expected")));
+        }
+        if !(near_m >= 0.0 && near_m < far_m) {
+            return Err(usage(format!(
+                "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
+            )));
+        }
+        Ok(Camera { eye, axes, half, depth_m: [near_m, far_m] })
+    }
+
+    /// Where it stands.
+    pub fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Forward, right and down: of length 1, each at right angles to the others.
+    pub fn axes(&self) -> [DVec3; 3] {
+        self.axes
+    }
+
+    /// All that it sees.
+    pub fn frustum(&self) -> Frustum {
+        let [x, y] = self.half;
+        Frustum::new(self.eye, self.axes, Window { u: [-x, x], v: [-y, y] }, self.depth_m)
+    }
+}
+
+/// The rotation of a quaternion x, y, z, w, where it has length 1 or nearly so.
+pub fn rotation(orientation: [f64; 4]) -> Option<DQuat> {
+    let quaternion = DQuat::from_array(orientation);
+    ((quaternion.length() - 1.0).abs() <= QUATERNION_SLACK).then(|| quaternion.normalize())
+}
+
+fn check_finite(what: &str, value: DVec3) -> Result<()> {
+    if value.is_finite() { Ok(()) } else { Err(usage(format!("the camera's {what} must be finite, not {value}"))) }
+}
+
+fn usage(message: String) -> Error {
+    Error::Usage(message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_are_those_of_a_picture() {
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::new(0.0, 0.0, -5.0), DVec3::Y, Lens::new(60.0)).unwrap();
+        assert_eq!(camera.axes(), [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y]);
+        let same = Camera::oriented(DVec3::ZERO, [0.0, 0.0, 0.0, 1.0], Lens::new(60.0)).unwrap();
+        assert_eq!(same, camera);
+        // A quarter turn to the left about +Y looks along −X.
+        let half = 0.5f64.sqrt();
+        let turned = Camera::oriented(DVec3::X, [0.0, half, 0.0, half], Lens::new(60.0)).unwrap();
+        let looking = Camera::look_at(DVec3::X, DVec3::new(-3.0, 0.0, 0.0), DVec3::Y, Lens::new(60.0)).unwrap();
+        for (a, b) in turned.axes().into_iter().zip(looking.axes()) {
+            assert!((a - b).length() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn cameras_that_see_nothing_are_refused() {
+        let (eye, target) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 4.0));
+        let lens = Lens::new(90.0);
+        let look = |eye, target, up, lens| Camera::look_at(eye, target, up, lens).map_err(|error| error.to_string());
+        assert!(look(eye, target, DVec3::Y, lens).is_ok());
+        assert!(look(eye, eye, DVec3::Y, lens).unwrap_err().contains("where its eye is"));
+        assert!(look(eye, target, DVec3::Z * 7.0, lens).unwrap_err().contains("name another up"));
+        assert!(look(eye, target, DVec3::ZERO, lens).unwrap_err().contains("name another up"));
+        assert!(look(DVec3::NAN, target, DVec3::Y, lens).unwrap_err().contains("eye must be finite"));
+        assert!(look(eye, DVec3::INFINITY, DVec3::Y, lens).unwrap_err().contains("look-at point must be finite"));
+        for fov_y_deg in [0.0, -1.0, 180.0, 400.0, f64::NAN, f64::INFINITY] {
+            let said = look(eye, target, DVec3::Y, Lens { fov_y_deg, ..lens }).unwrap_err();
+            assert!(said.contains("between 0 and 180"), "{said}");
+        }
+        for aspect in [0.0, -2.0, f64::NAN, f64::INFINITY] {
+            assert!(look(eye, target, DVec3::Y, Lens { aspect, ..lens }).unwrap_err().contains("times as wide"));
+        }
+        for (near_m, far_m) in [(-1.0, 5.0), (2.0, 2.0), (3.0, 1.0), (f64::NAN, 1.0), (0.0, f64::NAN)] {
+            assert!(look(eye, target, DVec3::Y, Lens { near_m, far_m, ..lens }).unwrap_err().contains("near < far"));
+        }
+        for orientation in [[0.0; 4], [1.0; 4], [f64::NAN, 0.0, 0.0, 1.0]] {
+            let said = Camera::oriented(eye, orientation, lens).unwrap_err().to_string();
+            assert!(said.contains("quaternion of length 1"), "{said}");
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Whether two frusta, or the directions of two frusta, have nothing in common.
+//!
+//! Two convex polyhedra are apart exactly where one of a few directions tells them apart: a normal of a plane of
+//! either, or one at right angles to an edge of each (the separating axis theorem). A rounded direction is as good a
+//! witness as an exact one, so rounding can only hide that they are apart, never pretend it.
+
+use glam::DVec3;
+
+use super::frustum::{Frustum, MAX_LENGTH};
+
+/// Gaps up to this part of all lengths involved may be rounding; a product of vectors is off by less than 3 · 10⁻¹⁵.
+const SLACK: f64 = 1e-13;
+/// Cosines up to this may be rounding.
+const COSINE_SLACK: f64 = 1e-14;
+
+/// Whether no direction of `a` is one of `b`, but for directions on the boundary of both.
+///
+/// To have a margin, widen one of them.
+pub(super) fn directions_apart(a: &Frustum, b: &Frustum) -> bool {
+    let before = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) >= -COSINE_SLACK);
+    let behind = |normal: DVec3, rays: &[DVec3; 4]| rays.iter().all(|ray| normal.dot(*ray) <= COSINE_SLACK);
+    if a.sides.iter().any(|side| behind(*side, &b.rays)) || b.sides.iter().any(|side| behind(*side, &a.rays)) {
+        return true;
+    }
+    let across = |edge: &DVec3, other: &DVec3| {
+        let Some(normal) = edge.cross(*other).try_normalize() else { return false };
+        (before(normal, &a.rays) && behind(normal, &b.rays)) || (behind(normal, &a.rays) && before(normal, &b.rays))
+    };
+    a.rays.iter().any(|edge| b.rays.iter().any(|other| across(edge, other)))
+}
+
+/// Whether no point of `a`, up to `far_m[0]` metres along its axis, is one of `b`, up to `far_m[1]`.
+pub(super) fn volumes_apart(a: &Frustum, b: &Frustum, far_m: [f64; 2]) -> bool {
+    let offset = b.apex - a.apex;
+    let size = far_m[0] * a.reach + far_m[1] * b.reach + offset.length() + a.apex.length() + b.apex.length();
+    if size.is_nan() || size > MAX_LENGTH {
+        return false;
+    }
+    let slack = SLACK * size;
+    let apart = |axis: &DVec3| {
+        let [a_low, a_high] = extent(a, *axis, far_m[0]);
+        let [b_low, b_high] = extent(b, *axis, far_m[1]);
+        let shift = offset.dot(*axis);
+        b_low + shift - a_high > slack || a_low - b_high - shift > slack
+    };
+    if a.normals().iter().any(apart) || b.normals().iter().any(apart) {
+        return true;
+    }
+    let (a_edges, b_edges) = (a.edges(), b.edges());
+    a_edges
+        .iter()
+        .any(|edge| b_edges.iter().any(|other| edge.cross(*other).try_normalize().is_some_and(|axis| apart(&axis))))
+}
+
+/// Least and greatest product with `axis` of the points of a frustum, seen from its tip, up to `far_m`.
+fn extent(frustum: &Frustum, axis: DVec3, far_m: f64) -> [f64; 2] {
+    let near_m = frustum.depth_m[0].min(far_m);
+    let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY];
+    for corner in frustum.corners {
+        let product = corner.dot(axis);
+        low = low.min(product);
+        high = high.max(product);
+    }
+    [low * if low < 0.0 { far_m } else { near_m }, high * if high < 0.0 { near_m } else { far_m }]
+}

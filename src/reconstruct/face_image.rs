@@ -1,0 +1,150 @@
+//! Where in the world the pixels of one image of a probe may lie (CALF 6.2).
+//!
+//! Enters: a face or a view of a probe, and a rectangle of its pixels. Leaves: the frustum that holds every surface
+//! that they may show; the background lies in the directions of that frustum.
+
+use glam::DVec3;
+
+use crate::container::index::ProbeEntry;
+use crate::dataset::stream::DepthKind;
+use crate::image::cube::Face;
+use crate::math::camera::rotation;
+use crate::math::{Frustum, Window};
+
+/// Nearest and farthest surface of an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthSpan {
+    /// Nearest, in metres, at least 0.
+    pub near_m: f64,
+    /// Farthest, in metres, at least `near_m`; may be `+inf`.
+    pub far_m: f64,
+    /// What the metres measure.
+    pub kind: DepthKind,
+}
+
+impl DepthSpan {
+    /// The span of an image whose depth is not known.
+    pub fn unknown() -> DepthSpan {
+        DepthSpan { near_m: 0.0, far_m: f64::INFINITY, kind: DepthKind::Planar }
+    }
+}
+
+/// An image of a probe, as part of the world.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FaceImage {
+    centre: DVec3,
+    /// Forward, right, down.
+    axes: [DVec3; 3],
+    /// For columns, then rows: where pixel edge 0 lies on the plane at distance 1, and how far the next.
+    columns: [f64; 2],
+    rows: [f64; 2],
+    depth: DepthSpan,
+}
+
+impl FaceImage {
+    /// The image of `size` (width, height) pixels of a face of a probe.
+    ///
+    /// None where there is nothing to tell directions by: a view without intrinsics, or an orientation whose length
+    /// is not 1.
+    pub fn new(probe: &ProbeEntry, face: Face, size: [u32; 2], depth: DepthSpan) -> Option<FaceImage> {
+        let turn = rotation(probe.orientation)?;
+        let [columns, rows] = if face == Face::View {
+            let [fx, fy, cx, cy] = probe.intrinsics;
+            [[-cx / fx, 1.0 / fx], [-cy / fy, 1.0 / fy]]
+        } else {
+            size.map(|pixels| [-1.0, 2.0 / f64::from(pixels)])
+        };
+        let axes = face.axes().map(|axis| turn * axis);
+        let usable = columns.iter().chain(&rows).all(|value| value.is_finite());
+        usable.then_some(FaceImage { centre: DVec3::from_array(probe.position), axes, columns, rows, depth })
+    }
+
+    /// The frustum of pixels from `from` up to, but without, `to` (column, row).
+    pub fn frustum(&self, from: [u32; 2], to: [u32; 2]) -> Frustum {
+        let edges = |[first, step]: [f64; 2], from: u32, to: u32| {
+            let at = |pixel: u32| first + step * f64::from(pixel);
+            [at(from).min(at(to)), at(from).max(at(to))]
+        };
+        let window = Window { u: edges(self.columns, from[0], to[0]), v: edges(self.rows, from[1], to[1]) };
+        let DepthSpan { near_m, far_m, kind } = self.depth;
+        let depth_m = match kind {
+            DepthKind::Planar => [near_m, far_m],
+            DepthKind::Distance => {
+                let [least, greatest] = length_range(window);
+                [near_m / greatest, far_m / least]
+            }
+        };
+        Frustum::new(self.centre, self.axes, window, depth_m)
+    }
+}
+
+/// Least and greatest √(1 + u² + v²) in a window: how much farther a point is than its distance along the axis.
+fn length_range(window: Window) -> [f64; 2] {
+    let least = |[low, high]: [f64; 2]| 0f64.clamp(low, high);
+    let greatest = |[low, high]: [f64; 2]| low.abs().max(high.abs());
+    let length = |u: f64, v: f64| (1.0 + u * u + v * v).sqrt();
+    [length(least(window.u), least(window.v)), length(greatest(window.u), greatest(window.v))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::cube::{distance_from_planar, distance_from_planar_view};
+
+    fn probe(orientation: [f64; 4], intrinsics: [f64; 4]) -> ProbeEntry {
+        ProbeEntry { name: "p".into(), position: [1.0, 2.0, 3.0], orientation, frames: [0, 0], intrinsics }
+    }
+
+    #[test]
+    fn surfaces_of_a_pixel_lie_in_its_frustum() {
+        let half = 0.5f64.sqrt();
+        let (near_m, far_m) = (0.5, 20.0);
+        for orientation in [[0.0, 0.0, 0.0, 1.0], [0.0, half, 0.0, half], [0.5, -0.5, 0.5, 0.5]] {
+            let turn = rotation(orientation).unwrap();
+            for kind in [DepthKind::Distance, DepthKind::Planar] {
+                let depth = DepthSpan { near_m, far_m, kind };
+                for face in Face::CUBE {
+                    let image = FaceImage::new(&probe(orientation, [0.0; 4]), face, [8, 8], depth).unwrap();
+                    for (col, row) in (0..8).flat_map(|col| (0..8).map(move |row| (col, row))) {
+                        let direction = turn * face.direction(col, row, 8);
+                        let factor = if kind == DepthKind::Distance { distance_from_planar(col, row, 8) } else { 1.0 };
+                        let point = |depth_m: f64| DVec3::new(1.0, 2.0, 3.0) + direction * (depth_m / factor);
+                        let alone = image.frustum([col, row], [col + 1, row + 1]);
+                        let other = image.frustum([(col + 1) % 8, row], [(col + 1) % 8 + 1, row + 1]);
+                        for depth_m in [near_m, 3.0, far_m] {
+                            assert!(alone.contains(point(depth_m)), "{face:?} {col} {row} {depth_m}");
+                            assert!(!other.contains(point(depth_m)));
+                        }
+                        assert!(!alone.contains(point(near_m * 0.7)) && !alone.contains(point(far_m * 1.4)));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn views_use_their_intrinsics() {
+        let intrinsics = [40.0, 50.0, 10.0, 7.0];
+        let depth = DepthSpan { near_m: 1.0, far_m: 2.0, kind: DepthKind::Distance };
+        let image = FaceImage::new(&probe([0.0, 0.0, 0.0, 1.0], intrinsics), Face::View, [32, 24], depth).unwrap();
+        for (col, row) in [(0, 0), (31, 23), (9, 7), (10, 6)] {
+            let [u, v] = [(f64::from(col) + 0.5 - 10.0) / 40.0, (f64::from(row) + 0.5 - 7.0) / 50.0];
+            let metres = 1.5 / distance_from_planar_view(col, row, intrinsics);
+            let point = DVec3::new(1.0, 2.0, 3.0) + metres * DVec3::new(u, -v, -1.0);
+            assert!(image.frustum([col, row], [col + 1, row + 1]).contains(point));
+            assert!(!image.frustum([col + 1, row], [col + 2, row + 1]).contains(point));
+        }
+    }
+
+    #[test]
+    fn images_without_directions_are_none() {
+        let image = |orientation, intrinsics, face| {
+            FaceImage::new(&probe(orientation, intrinsics), face, [8, 8], DepthSpan::unknown())
+        };
+        let straight = [0.0, 0.0, 0.0, 1.0];
+        assert!(image(straight, [0.0; 4], Face::Px).is_some());
+        assert!(image(straight, [0.0; 4], Face::View).is_none());
+        assert!(image(straight, [1e-310, 1.0, 0.0, 0.0], Face::View).is_none());
+        assert!(image([0.0; 4], [0.0; 4], Face::Px).is_none());
+    }
+}
