@@ -16,7 +16,6 @@ use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
 use lightfold::depth::temporal::{TemporalEncoder, TemporalSettings};
 use lightfold::monitor::Silent;
-use lightfold::video::AllUnits;
 use lightfold::video::codec::{CodecHeader, DepthCoding, DepthHeader};
 use lightfold::video::decode::Decoder;
 use lightfold::video::depth_chunk::DepthChunk;
