@@ -71,8 +71,7 @@ impl Frustum {
         self.apex.is_finite()
             && self.reach < MAX_LENGTH
             && self.axes.iter().chain(&self.rays).chain(&self.sides).all(unit)
-            && near >= 0.0
-            && near < MAX_LENGTH
+            && (0.0..MAX_LENGTH).contains(&near)
             && near <= far
     }
 

@@ -230,7 +230,7 @@ impl Eye {
         let turn = match kind {
             7 => {
                 rotation(setup.probe.orientation).unwrap()
-                    * DQuat::from_rotation_y(1.5707963267948966 * random.below(4) as f64)
+                    * DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2 * f64::from(random.below(4)))
             }
             0..=2 => turn,
             _ => {
