@@ -80,15 +80,16 @@ fn lightfold(arguments: &[&str]) -> Result<String, Failed> {
 fn commands() -> Result<(), Failed> {
     let name = device::list().iter().map(|info| info.name.clone()).collect::<Vec<_>>();
     let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    lightfold(&["demo", "--frame-count", "4", "--size", "24", "--probes", "2", "--quiet", "-o", &path("demo")])?;
+    let demo = path("demo/demo.lfold");
+    for device in ["gpu", "cpu"] {
+        lightfold(&["decode", &demo, "--device", device, "-o", &path(device), "--quiet"])?;
+    }
+    lightfold(&["diff", &path("gpu"), &path("cpu"), "--exact"])?;
     for vector in ["material", "half-cells-negative", "nodes-linear", "depth-w3-boxes", "blocks"] {
         let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid").join(vector);
         let input = input.with_extension("lfold").display().to_string();
-        let decoded = |device: &str| -> Result<String, Failed> {
-            let to = folder.path().join(format!("{vector}-{device}")).display().to_string();
-            lightfold(&["decode", &input, "--device", device, "-o", &to, "--quiet"])?;
-            Ok(to)
-        };
-        lightfold(&["diff", &decoded("gpu")?, &decoded("cpu")?, "--exact"])?;
         let report: serde_json::Value =
             serde_json::from_str(&lightfold(&["decode", &input, "--verify", "--null", "--json"])?)?;
         let known = report["device"].as_str().is_some_and(|device| name.iter().any(|name| name == device));
