@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::json;
 
+use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{FrameArgs, SelectionArgs};
 use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
@@ -13,9 +14,11 @@ use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
 use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::video::decode::Decoder;
-use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat};
+use crate::video::export::{self, Chosen, DecodeSummary, Destination, FileFormat, ImageSource, OnCpu};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -25,17 +28,27 @@ const LOAD_BYTES: u64 = 1 << 30;
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
-    lightfold decode film.lfold --null --json")]
+    lightfold decode film.lfold --null --json\n  \
+    lightfold decode film.lfold --device gpu --null\n  lightfold decode film.lfold --verify")]
 pub struct Args {
     /// The container, - for standard input
-    #[arg(value_name = "IN.lfold")]
-    pub input: PathBuf,
+    #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
+    pub input: Option<PathBuf>,
     /// Folder to write a dataset into, or a pattern such as depth.%04d.exr for a single stream
-    #[arg(long, short, value_name = "DIR", required_unless_present = "null")]
+    #[arg(long, short, value_name = "DIR", required_unless_present_any = ["null", "verify", "list_devices"])]
     pub output: Option<PathBuf>,
     /// Decode everything and write nothing; reports the time of the decoding alone
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
+    /// Where to decode; the images are the same [default: cpu]
+    #[arg(long, value_enum)]
+    pub device: Option<DeviceArg>,
+    /// Decode everything on a graphics device and on the CPU, and compare; exit code 1 where a word differs
+    #[arg(long, conflicts_with = "output")]
+    pub verify: bool,
+    /// Which graphics device.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
     /// Streams.
     #[command(flatten)]
     pub selection: SelectionArgs,
@@ -61,28 +74,64 @@ pub enum FormatArg {
 
 /// Decodes.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
-    let mut reader = Reader::open(&args.input)?;
+    if args.gpu.list_devices {
+        return device::list(args.json);
+    }
+    let Some(input) = &args.input else { return Err(Error::Usage("name a container to decode".into())) };
+    let (choice, gpu) = open_device(args)?;
+    let mut reader = Reader::open(input)?;
     let start = Instant::now();
     // The time of decoding alone is asked for: the file is read before it counts, where memory allows.
-    let in_memory = args.null && reader.load(LOAD_BYTES)?;
+    let in_memory = args.output.is_none() && reader.load(LOAD_BYTES)?;
     let reading = start.elapsed();
     let decoder = Decoder::new(reader)?;
     let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
     let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
     let progress = Progress::start(global, "decoding", images)?;
     let start = Instant::now();
-    let summary = match &args.output {
-        None => export::decode_to_nothing(&decoder, &chosen, &progress)?,
-        Some(output) => write(&decoder, &chosen, output, args.format, &progress)?,
-    };
+    let ((summary, found), name) = device::or_on_cpu(
+        gpu.as_ref(),
+        choice,
+        |gpu| match &args.output {
+            Some(output) => Ok((write(gpu, &decoder, &chosen, output, args.format, &progress)?, None)),
+            None if args.verify => {
+                let (summary, found) = verify::verify(gpu, &decoder, &chosen, &progress)?;
+                Ok((summary, Some(found)))
+            }
+            None => Ok((verify::decode_to_nothing(gpu, &decoder, &chosen, &progress)?, None)),
+        },
+        || match &args.output {
+            Some(output) => Ok((write(&OnCpu, &decoder, &chosen, output, args.format, &progress)?, None)),
+            None => Ok((export::decode_to_nothing(&decoder, &chosen, &progress)?, None)),
+        },
+    )?;
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
-    let pace = Pace { seconds, reading_seconds: reading.as_secs_f64(), in_memory };
-    report(args, &summary, pace, global)?;
-    Ok(Outcome::Fine)
+    let pace = Pace { seconds, reading_seconds: reading.as_secs_f64(), in_memory, device: name };
+    report(args, &summary, &pace, found.as_ref(), global)?;
+    Ok(match found {
+        Some(found) if found.mismatched_words > 0 => Outcome::Differs,
+        _ => Outcome::Fine,
+    })
+}
+
+/// The choice of a device, and the graphics device that it leads to; comparing takes one.
+fn open_device(args: &Args) -> Result<(DeviceArg, Option<Gpu>)> {
+    let choice = match (args.device, args.verify) {
+        (Some(DeviceArg::Cpu), true) => {
+            return Err(Error::Usage(
+                "--verify compares a graphics device with the CPU: leave out --device cpu".into(),
+            ));
+        }
+        // Software will do to compare.
+        (_, true) => DeviceArg::Gpu,
+        (choice, false) => choice.unwrap_or(DeviceArg::Cpu),
+    };
+    Ok((choice, args.gpu.open(choice)?))
 }
 
 fn write(
+    source: &dyn ImageSource,
     decoder: &Decoder,
     chosen: &[Chosen<'_>],
     output: &Path,
@@ -105,7 +154,7 @@ fn write(
         }
         let folder = OutputFolder::create(output)?;
         let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+        let summary = export::decode_to_files(source, decoder, chosen, &destination, format, progress)
             .map_err(|error| folder.present(error))?;
         folder.commit()?;
         return Ok(summary);
@@ -134,7 +183,7 @@ fn write(
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
     let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(decoder, chosen, &destination, format, progress)
+    let summary = export::decode_to_files(source, decoder, chosen, &destination, format, progress)
         .map_err(|error| folder.present(error))?;
     folder.commit()?;
     Ok(summary)
@@ -157,14 +206,22 @@ struct Pace {
     /// Time for reading the file beforehand, which `seconds` does not include.
     reading_seconds: f64,
     in_memory: bool,
+    /// What decoded.
+    device: String,
 }
 
-fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs) -> Result<()> {
+fn report(
+    args: &Args,
+    summary: &DecodeSummary,
+    pace: &Pace,
+    found: Option<&Verification>,
+    global: &GlobalArgs,
+) -> Result<()> {
     let seconds = pace.seconds;
     let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
     let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
     if args.json {
-        return output::print_json(&json!({
+        let mut report = json!({
             "frames": summary.frames,
             "pixels": summary.pixels,
             "updated_pixels": summary.cost.updated_pixels,
@@ -177,8 +234,13 @@ fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs)
             "bytes_out": summary.bytes_out,
             "fetching_thread_seconds": summary.cost.fetching.as_secs_f64(),
             "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
-            "device": "cpu",
-        }));
+            "device": pace.device,
+        });
+        if let Some(found) = found {
+            report["mismatched_words"] = found.mismatched_words.into();
+            report["first_mismatch"] = found.first.clone().into();
+        }
+        return output::print_json(&report);
     }
     let line = format!(
         "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} {}, {seconds:.3} s, {speed:.0} Mpixel/s",
@@ -186,8 +248,17 @@ fn report(args: &Args, summary: &DecodeSummary, pace: Pace, global: &GlobalArgs)
         summary.pixels as f64 / 1e6,
         human_bytes(summary.cost.bytes_read),
         human_bytes(summary.bytes_out),
-        if args.null { "decoded" } else { "written" },
+        if args.output.is_none() { "decoded" } else { "written" },
     );
+    let on = if pace.device == "cpu" { String::new() } else { format!(", on {}", pace.device) };
+    let compared = match found {
+        None => String::new(),
+        Some(Verification { first: Some(first), mismatched_words }) => {
+            format!("\n{mismatched_words} words differ from the CPU's, the first in {first}")
+        }
+        Some(_) => "\nall words are those of the CPU".to_owned(),
+    };
+    let line = format!("{line}{on}{compared}");
     match &args.output {
         None => output::print_text(&format!("{line}\n")),
         Some(output) => {

@@ -17,7 +17,7 @@ use crate::video::compare::{self, CompareSettings, Pairing, SsimFrames};
 use crate::video::comparison::Comparison;
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::encode::{self, EncodeSettings, ErrorBound};
-use crate::video::export::{self, Destination, FileFormat, Selection};
+use crate::video::export::{self, Destination, FileFormat, OnCpu, Selection};
 use crate::video::inspect::{self, Check, FrameRows, InspectSettings, Totals};
 use crate::video::side::{self, SideOptions};
 
@@ -142,7 +142,7 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let progress = Progress::start(global, "decoding", chosen.iter().map(|(_, frames)| frames.count()).sum())?;
     let folder = OutputFolder::create(path)?;
     let destination = Destination::Dataset(folder.work_path().to_path_buf());
-    export::decode_to_files(decoder, &chosen, &destination, FileFormat::Exr, &progress)?;
+    export::decode_to_files(&OnCpu, decoder, &chosen, &destination, FileFormat::Exr, &progress)?;
     folder.commit()
 }
 

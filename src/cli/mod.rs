@@ -4,6 +4,7 @@ pub mod bc4w;
 pub mod completions;
 pub mod decode;
 pub mod demo;
+pub mod device;
 pub mod diff;
 mod diff_text;
 pub mod encode;
@@ -16,6 +17,7 @@ pub mod output;
 pub mod pack;
 pub mod progress;
 pub mod quadtree;
+pub mod selftest;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -42,7 +44,8 @@ pub struct GlobalArgs {
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, 2 bad input or usage, 130 interrupted.\n\n\
+    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken or devices disagree, 2 bad input or usage,\n\
+        130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
@@ -79,6 +82,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Compare two of anything: containers, datasets, sequences
     Diff(diff::Args),
+    /// Test whether this machine's graphics devices decode what its CPU decodes
+    Selftest(selftest::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),
     /// Write the man pages
@@ -91,7 +96,7 @@ pub enum Command {
 pub enum Outcome {
     /// All is well.
     Fine,
-    /// What was compared differs by more than allowed.
+    /// What was compared differs by more than allowed: files, or what two devices decoded.
     Differs,
 }
 
@@ -135,6 +140,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
+        Command::Selftest(args) => selftest::run(&args, global),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     }

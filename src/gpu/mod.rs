@@ -3,6 +3,7 @@
 //! Enters: an open container. Leaves: its pictures, in the domain of their codecs. The kernels are in `shaders/`, each
 //! a mirror of a file of `depth` or `color`; `kernels` is their table and `selftest` runs each against its mirror.
 
+pub mod decode;
 pub mod device;
 pub mod family;
 pub mod harness;
@@ -11,6 +12,9 @@ pub mod layout;
 pub mod pictures;
 pub mod prepare;
 pub mod random;
+pub mod resident;
 pub mod selftest;
+pub mod verify;
 
+pub use decode::GpuDecoder;
 pub use device::{DeviceChoice, DeviceInfo, Gpu, Pick};

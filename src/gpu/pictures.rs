@@ -3,6 +3,11 @@
 //! Codes lie two in a word, the left one in the low half; a row starts with a new word, and what is left of its last one
 //! is 0. Three bytes make a word, the first the lowest. Three halves make two words: the first two, then the third.
 
+use half::f16;
+
+use crate::image::plane::Plane;
+use crate::video::decode::Picture;
+
 /// Words of a row of codes.
 pub fn code_stride(width: u32) -> u32 {
     width.div_ceil(2)
@@ -44,9 +49,53 @@ pub fn unpack_halves([low, high]: [u32; 2]) -> [u16; 3] {
     [low as u16, (low >> 16) as u16, high as u16]
 }
 
+/// Words in which two pictures differ; all of the first one's where they are not of one kind and size.
+pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
+    fn differing<T: Copy, const N: usize>(
+        one: &Plane<T>,
+        other: &Plane<T>,
+        words: impl Fn(&[T]) -> Vec<[u32; N]>,
+    ) -> u64 {
+        let of =
+            |plane: &Plane<T>| -> Vec<[u32; N]> { (0..plane.height()).flat_map(|y| words(plane.row(y))).collect() };
+        let (one, other) = (of(one), of(other));
+        if one.len() != other.len() {
+            return (N * one.len()) as u64;
+        }
+        one.iter().flatten().zip(other.iter().flatten()).filter(|(one, other)| one != other).count() as u64
+    }
+    let codes = |row: &[u16]| pack_codes(row, row.len()).into_iter().map(|word| [word]).collect();
+    let bytes = |row: &[[u8; 3]]| row.iter().map(|&pixel| [pack_bytes(pixel)]).collect();
+    let halves = |row: &[[f16; 3]]| row.iter().map(|pixel| pack_halves(pixel.map(f16::to_bits))).collect();
+    match (one, other) {
+        (Picture::Depth(one), Picture::Depth(other)) => differing(one, other, codes),
+        (Picture::Color8(one), Picture::Color8(other)) | (Picture::Material(one), Picture::Material(other)) => {
+            differing(one, other, bytes)
+        }
+        (Picture::ColorHalf(one), Picture::ColorHalf(other)) => differing(one, other, halves),
+        _ => 1,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_that_differ_are_found() {
+        let mut plane = Plane::filled(3, 2, 7u16);
+        let one = Picture::Depth(plane.clone());
+        assert_eq!(mismatched_words(&one, &one), 0);
+        plane.row_mut(1)[2] = 8;
+        plane.row_mut(0)[0] = 8;
+        plane.row_mut(0)[1] = 8;
+        assert_eq!(mismatched_words(&one, &Picture::Depth(plane)), 2);
+        assert!(mismatched_words(&one, &Picture::Depth(Plane::filled(1, 1, 7))) > 0);
+        assert!(mismatched_words(&one, &Picture::Material(Plane::filled(3, 2, [7; 3]))) > 0);
+        // Infinities and NaNs are patterns like others.
+        let nan = Picture::ColorHalf(Plane::filled(1, 1, [f16::NAN; 3]));
+        assert_eq!(mismatched_words(&nan, &nan), 0);
+    }
 
     #[test]
     fn words_are_packed_and_come_back() {

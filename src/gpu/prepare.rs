@@ -65,6 +65,13 @@ pub struct Prepared {
     pub timeline: Timeline,
 }
 
+impl Prepared {
+    /// Whether its records are nodes, which are found by words; all else is found by bytes.
+    pub fn is_nodes(&self) -> bool {
+        self.boxes.is_empty() && matches!(self.timeline, Timeline::Records(_))
+    }
+}
+
 /// Checks a payload and brings it into the device's form.
 ///
 /// # Errors

@@ -5,6 +5,7 @@ mod boxes;
 mod cells;
 mod nodes;
 mod plans;
+pub mod streams;
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;

@@ -17,7 +17,7 @@ use crate::monitor::Monitor;
 use crate::ordered::{try_map_ordered, try_map_ordered_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
-use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
 
 /// Which streams and frames. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default)]
@@ -113,7 +113,9 @@ pub struct DecodeSummary {
 }
 
 impl DecodeSummary {
-    fn plus(self, other: DecodeSummary) -> DecodeSummary {
+    /// The sum of two.
+    #[must_use]
+    pub fn plus(self, other: DecodeSummary) -> DecodeSummary {
         DecodeSummary {
             frames: self.frames + other.frames,
             pixels: self.pixels + other.pixels,
@@ -161,6 +163,47 @@ pub fn decode_to_nothing(decoder: &Decoder, chosen: &[Chosen<'_>], monitor: &dyn
     Ok(summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus))
 }
 
+/// Decodes the images of one stream.
+pub trait Images {
+    /// The image of a frame.
+    ///
+    /// # Errors
+    /// The stream does not have the frame, a chunk is damaged, or the device that decodes fails.
+    fn decode(&mut self, frame: u32) -> Result<Picture>;
+
+    /// What decoding cost so far.
+    fn cost(&self) -> DecodeCost;
+}
+
+/// Where images are decoded.
+pub trait ImageSource: Sync {
+    /// A decoder of all units of a stream.
+    ///
+    /// # Errors
+    /// The device that decodes has no room for it.
+    fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>>;
+}
+
+/// Images are decoded on the CPU.
+#[derive(Debug, Clone, Copy)]
+pub struct OnCpu;
+
+impl ImageSource for OnCpu {
+    fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>> {
+        Ok(Box::new(decoder.face(stream)))
+    }
+}
+
+impl Images for FaceDecoder<'_> {
+    fn decode(&mut self, frame: u32) -> Result<Picture> {
+        FaceDecoder::decode(self, frame)
+    }
+
+    fn cost(&self) -> DecodeCost {
+        FaceDecoder::cost(self)
+    }
+}
+
 /// Where images go.
 #[derive(Debug, Clone)]
 pub enum Destination {
@@ -172,6 +215,7 @@ pub enum Destination {
 
 /// Decodes everything chosen into files. The monitor advances by one for every image.
 pub fn decode_to_files(
+    source: &dyn ImageSource,
     decoder: &Decoder,
     chosen: &[Chosen<'_>],
     destination: &Destination,
@@ -181,7 +225,7 @@ pub fn decode_to_files(
     let written = AtomicU64::new(0);
     let summaries = try_map_ordered(chosen.to_vec(), |(stream, frames)| {
         let writer = ImageWriter::new(stream, format);
-        let mut face = decoder.face(stream);
+        let mut face = source.open(decoder, stream)?;
         for frame in frames.iter() {
             monitor.check()?;
             let path = match destination {

@@ -86,7 +86,8 @@ impl Bench {
         let decoder = Decoder::open(self.path(container)).unwrap();
         let chosen = export::Selection::default().choose(&decoder).unwrap();
         let destination = export::Destination::Dataset(self.path(folder));
-        export::decode_to_files(&decoder, &chosen, &destination, export::FileFormat::Exr, &Silent).unwrap();
+        let format = export::FileFormat::Exr;
+        export::decode_to_files(&export::OnCpu, &decoder, &chosen, &destination, format, &Silent).unwrap();
     }
 
     /// Exit code, standard output and standard error.

@@ -1,0 +1,119 @@
+//! Which device decodes: options, the list of devices, and the way back to the CPU.
+
+use clap::ValueEnum;
+use serde_json::json;
+
+use crate::cli::{Outcome, output};
+use crate::error::{Error, Result};
+use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
+use crate::report::table::{Column, Table};
+
+/// Picks a graphics device by its number or a part of its name, where `--gpu-index` does not.
+const VARIABLE: &str = "LIGHTFOLD_GPU";
+
+/// Which graphics device.
+#[derive(Debug, Clone, clap::Args)]
+pub struct GpuArgs {
+    /// The graphics device of this number; LIGHTFOLD_GPU may hold a number or a part of a name instead
+    #[arg(long, value_name = "N")]
+    pub gpu_index: Option<usize>,
+    /// List the graphics devices, and do nothing else
+    #[arg(long)]
+    pub list_devices: bool,
+}
+
+/// `--device`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DeviceArg {
+    /// A graphics device where there is one that is not software, else the CPU
+    Auto,
+    /// A graphics device; without one it is an error
+    Gpu,
+    /// The CPU
+    Cpu,
+}
+
+impl GpuArgs {
+    /// The device that the option or the environment asks for.
+    pub fn pick(&self) -> Pick {
+        let variable = || std::env::var(VARIABLE).map_or(Pick::Best, |words| Pick::parse(&words));
+        self.gpu_index.map_or_else(variable, Pick::Index)
+    }
+
+    /// The graphics device for a choice, `None` for the CPU; says so where `auto` has to do without one.
+    pub fn open(&self, choice: DeviceArg) -> Result<Option<Gpu>> {
+        let choice = match choice {
+            DeviceArg::Auto => DeviceChoice::Auto,
+            DeviceArg::Gpu => DeviceChoice::Gpu,
+            DeviceArg::Cpu => DeviceChoice::Cpu,
+        };
+        let (gpu, why) = device::choose(choice, &self.pick())?;
+        why.iter().for_each(output::note);
+        Ok(gpu)
+    }
+}
+
+/// Does something on a graphics device, or on the CPU where there is none; with `auto` also where the device fails.
+pub fn or_on_cpu<T>(
+    gpu: Option<&Gpu>,
+    choice: DeviceArg,
+    on_gpu: impl FnOnce(&Gpu) -> Result<T>,
+    on_cpu: impl FnOnce() -> Result<T>,
+) -> Result<(T, String)> {
+    let Some(gpu) = gpu else { return Ok((on_cpu()?, "cpu".to_owned())) };
+    match on_gpu(gpu) {
+        Ok(done) => Ok((done, gpu.info.name.clone())),
+        Err(error @ Error::Unsupported { .. }) if choice == DeviceArg::Auto => {
+            output::note(format_args!("{error}; decoding on the CPU"));
+            Ok((on_cpu()?, "cpu".to_owned()))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Prints the list of devices.
+pub fn list(as_json: bool) -> Result<Outcome> {
+    let devices = device::list();
+    if as_json {
+        output::print_json(&json!({ "devices": devices.iter().map(to_json).collect::<Vec<_>>() }))?;
+        return Ok(Outcome::Fine);
+    }
+    let mut table = Table::new(&[
+        Column::Right("#"),
+        Column::Left("Device"),
+        Column::Left("Kind"),
+        Column::Left("Backend"),
+        Column::Left("Driver"),
+        Column::Right("Buffer MiB"),
+        Column::Right("Workgroup"),
+    ]);
+    for info in &devices {
+        table.row([
+            info.index.to_string(),
+            info.name.clone(),
+            info.kind.to_owned(),
+            info.backend.clone(),
+            info.driver.clone(),
+            (info.max_binding_bytes >> 20).to_string(),
+            info.max_invocations.to_string(),
+        ]);
+    }
+    match devices.is_empty() {
+        true => output::print_text("no graphics device was found\n")?,
+        false => output::print_text(&table.to_string())?,
+    }
+    Ok(Outcome::Fine)
+}
+
+/// A device as JSON.
+pub fn to_json(info: &DeviceInfo) -> serde_json::Value {
+    json!({
+        "index": info.index,
+        "name": info.name,
+        "kind": info.kind,
+        "backend": info.backend,
+        "driver": info.driver,
+        "max_binding_bytes": info.max_binding_bytes,
+        "max_workgroup_invocations": info.max_invocations,
+    })
+}

@@ -1,0 +1,458 @@
+//! Decodes streams of one family on a graphics device: all their tiles and cells in one dispatch.
+//!
+//! Enters: which units are to show which frame. On the device lie the chunks ([`crate::gpu::resident`]), the pictures,
+//! and what each shows; for each call only the list of units goes there. A planning kernel finds the record that each
+//! unit applies next and sums up the work; the decoding kernel, whose size the plan says, finds its part by bisection.
+//! Units that are more than a window behind take several rounds.
+//!
+//! Based on: GDC 5, algorithm 2.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use half::f16;
+
+use crate::container::ChunkEntry;
+use crate::depth::record_table;
+use crate::error::{Error, Result};
+use crate::gpu::device::{Gpu, Pipeline};
+use crate::gpu::family::Family;
+use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
+use crate::gpu::pictures::{unpack_bytes, unpack_codes, unpack_halves};
+use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::resident::{Growing, Resident};
+use crate::image::plane::Plane;
+use crate::ordered::try_map_ordered;
+use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+
+/// Units whose chunks are fetched and checked together.
+const FETCH_TOGETHER: usize = 32;
+/// Rounds that are handed in together.
+const ROUNDS_TOGETHER: u32 = 64;
+
+/// A unit and the frame that it is to show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted {
+    /// Position of its stream among those that the decoder was made for.
+    pub stream: usize,
+    /// The tile or cell.
+    pub unit: u32,
+    /// The frame, numbered as in the source.
+    pub frame: u32,
+}
+
+/// What a unit's picture shows, as the host knows it: the chunk's key and the frame in it.
+type Shown = Option<(u32, u32)>;
+
+/// Decodes streams of one family.
+#[derive(Debug)]
+pub struct GpuDecoder<'a> {
+    gpu: &'a Gpu,
+    decoder: &'a Decoder,
+    streams: Vec<&'a StreamInfo>,
+    family: Family,
+    /// Position of each stream's first unit among all units.
+    first_units: Vec<usize>,
+    units: Vec<Unit>,
+    shown: Vec<Shown>,
+    resident: Resident,
+    buffers: Buffers,
+    plan: Arc<Pipeline>,
+    kernel: Arc<Pipeline>,
+    cost: DecodeCost,
+}
+
+#[derive(Debug)]
+struct Buffers {
+    units: wgpu::Buffer,
+    states: wgpu::Buffer,
+    pictures: wgpu::Buffer,
+    picture_words: usize,
+    log2_table: wgpu::Buffer,
+    dispatch: wgpu::Buffer,
+    items: Growing,
+    jobs: wgpu::Buffer,
+    job_words: usize,
+}
+
+/// A list of units that are ready to go: their chunks are on the device.
+#[derive(Default)]
+struct Batch {
+    items: Vec<Item>,
+    rounds: u32,
+}
+
+/// Words of the pictures of a stream.
+pub fn picture_words(stream: &StreamInfo) -> u64 {
+    let family = Family::of(&stream.header);
+    let rects = (0..stream.entry.unit_count()).map(|unit| stream.entry.unit_rect(unit));
+    rects.map(|[_, _, width, height]| u64::from(family.stride(width)) * u64::from(height)).sum()
+}
+
+impl<'a> GpuDecoder<'a> {
+    /// A decoder of streams of one family, at least one.
+    ///
+    /// # Errors
+    /// Their families differ, or their pictures do not fit into one buffer of the device.
+    pub fn new(gpu: &'a Gpu, decoder: &'a Decoder, streams: &[&'a StreamInfo]) -> Result<GpuDecoder<'a>> {
+        let families: Vec<_> = streams.iter().map(|stream| Family::of(&stream.header)).collect();
+        let family = families.first().copied().unwrap_or(Family::Nodes);
+        if families.iter().any(|&other| other != family) {
+            return Err(Error::Usage("streams of different families cannot be decoded together".into()));
+        }
+        let total: u64 = streams.iter().map(|stream| picture_words(stream)).sum();
+        // A buffer says itself what it would need and what is allowed.
+        let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
+        let none = wgpu::BufferUsages::empty();
+        let pictures = gpu.buffer("pictures", picture_words, none)?;
+        let (mut units, mut first_units, mut at) = (Vec::new(), Vec::new(), 0);
+        for stream in streams {
+            first_units.push(units.len());
+            for unit in 0..stream.entry.unit_count() {
+                let [_, _, width, height] = stream.entry.unit_rect(unit);
+                units.push(family.unit(&stream.header, [width, height], at));
+                at += family.stride(width) * height;
+            }
+        }
+        let filled = |label: &str, words: &[u32]| {
+            let buffer = gpu.buffer(label, words.len(), none)?;
+            gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
+            Ok::<_, Error>(buffer)
+        };
+        let buffers = Buffers {
+            units: filled("units", &words_of(&units))?,
+            states: gpu.buffer("states", units.len() * State::WORDS, none)?,
+            pictures,
+            picture_words,
+            log2_table: filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
+            dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
+            items: Growing::new(gpu, "items")?,
+            jobs: gpu.buffer("jobs", 4, none)?,
+            job_words: 4,
+        };
+        Ok(GpuDecoder {
+            gpu,
+            decoder,
+            streams: streams.to_vec(),
+            family,
+            first_units,
+            shown: vec![None; units.len()],
+            units,
+            resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
+            buffers,
+            plan: gpu.pipeline(family.plan())?,
+            kernel: gpu.pipeline(family.kernel())?,
+            cost: DecodeCost::default(),
+        })
+    }
+
+    /// Drops chunks as soon as they take more than `words` words of a buffer: for tests of what then happens.
+    pub fn limit_resident(&mut self, words: usize) -> Result<()> {
+        self.resident = Resident::new(self.gpu, words.min(self.gpu.info.max_binding_bytes as usize / 4))?;
+        Ok(())
+    }
+
+    /// Shows a frame of each stream; streams that do not have it stay as they are.
+    ///
+    /// # Errors
+    /// A chunk is damaged, or the device fails.
+    pub fn decode(&mut self, frame: u32) -> Result<()> {
+        let mut wanted = Vec::new();
+        for (at, stream) in self.streams.iter().enumerate().filter(|(_, stream)| stream.frames.contains(frame)) {
+            wanted.extend((0..stream.entry.unit_count()).map(|unit| Wanted { stream: at, unit, frame }));
+        }
+        self.decode_units(&wanted)
+    }
+
+    /// Shows frames of some units, each named once at most.
+    ///
+    /// # Errors
+    /// A stream lacks a frame, a chunk is damaged, or the device fails.
+    pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
+        let mut batch = Batch::default();
+        let listed = self.list(wanted, &mut batch);
+        // Also after an error: what the host believes of the listed units must be so.
+        let submitted = self.submit(&mut batch);
+        listed.and(submitted)
+    }
+
+    /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
+    fn list(&mut self, wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
+        for part in wanted.chunks(FETCH_TOGETHER) {
+            let start = Instant::now();
+            let mut fetched = self.fetch_missing(part)?;
+            self.cost.fetching += start.elapsed();
+            for &one in part {
+                if self.add(one, &mut fetched, batch)? {
+                    continue;
+                }
+                self.submit(batch)?;
+                self.resident.clear();
+                if !self.add(one, &mut fetched, batch)? {
+                    let most = self.gpu.info.max_binding_bytes;
+                    return Err(self
+                        .gpu
+                        .failed("a chunk", &format!("it takes more than the {most} bytes of a buffer")));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What decoding cost so far; the time of the device counts where it was waited for.
+    pub fn cost(&self) -> DecodeCost {
+        self.cost
+    }
+
+    /// The chunk that holds a frame of a unit, and its key: its place in the index, counted from 1.
+    fn chunk(&self, one: Wanted) -> Result<(u32, ChunkEntry)> {
+        let (reader, stream) = (self.decoder.reader(), self.streams[one.stream]);
+        if !stream.frames.contains(one.frame) {
+            let frames = stream.frames;
+            return Err(Error::Usage(format!("frame {} is not one of the stream's frames {frames}", one.frame)));
+        }
+        let chunks = &reader.index().chunks;
+        let key = |chunk: &ChunkEntry| (chunk.key.stream, chunk.key.unit, chunk.key.first_frame);
+        let after = chunks.partition_point(|chunk| key(chunk) <= (stream.index, one.unit, one.frame));
+        let found = after.checked_sub(1).map(|at| chunks[at]).filter(|chunk| {
+            (chunk.key.stream, chunk.key.unit) == (stream.index, one.unit)
+                && one.frame - chunk.key.first_frame < chunk.key.frame_count
+        });
+        let entry = found
+            .ok_or_else(|| Error::invalid(format!("no chunk holds frame {}", one.frame)).in_file(reader.path()))?;
+        Ok((after as u32, entry))
+    }
+
+    /// The chunk after one of a unit.
+    fn chunk_after(&self, key: u32, entry: &ChunkEntry) -> Result<ChunkEntry> {
+        let reader = self.decoder.reader();
+        let next = reader.index().chunks.get(key as usize);
+        let next = next.filter(|next| (next.key.stream, next.key.unit) == (entry.key.stream, entry.key.unit));
+        next.copied().ok_or_else(|| {
+            Error::invalid("a cell's last chunk leads to a next one, and there is none").in_file(reader.path())
+        })
+    }
+
+    fn fetch(&self, entry: &ChunkEntry) -> Result<Prepared> {
+        let (reader, stream) = (self.decoder.reader(), &self.decoder.streams()[entry.key.stream as usize]);
+        let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
+        let payload = reader.fetch(entry)?;
+        prepare::prepare(&stream.header, payload, [width, height], entry.key.frame_count)
+            .map_err(|error| reader.blame(entry, error))
+    }
+
+    /// Fetches and checks the chunks that are not on the device, those of different units in parallel.
+    fn fetch_missing(&mut self, wanted: &[Wanted]) -> Result<HashMap<u32, Prepared>> {
+        let mut missing = Vec::new();
+        for &one in wanted {
+            let (key, entry) = self.chunk(one)?;
+            if self.resident.slot(key).is_none() {
+                missing.push((key, entry));
+            }
+        }
+        self.cost.bytes_read += missing.iter().map(|(_, entry)| u64::from(entry.stored_bytes)).sum::<u64>();
+        let this = &*self;
+        let fetched = try_map_ordered(missing, |(key, entry)| Ok((key, this.fetch(&entry)?)))?;
+        Ok(fetched.into_iter().collect())
+    }
+
+    /// Brings a chunk onto the device; `false` where there is no room.
+    fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
+        if self.resident.slot(key).is_some() {
+            return Ok(true);
+        }
+        let chunk = match fetched.remove(&key) {
+            Some(chunk) => chunk,
+            None => {
+                self.cost.bytes_read += u64::from(entry.stored_bytes);
+                self.fetch(entry)?
+            }
+        };
+        let room = self.resident.has_room(&chunk);
+        if room {
+            self.resident.place(key, chunk);
+        } else {
+            fetched.insert(key, chunk);
+        }
+        Ok(room)
+    }
+
+    /// Adds a unit to the list; `false` where its chunks do not fit beside those that the list needs.
+    fn add(&mut self, one: Wanted, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
+        let (key, entry) = self.chunk(one)?;
+        let frame = one.frame - entry.key.first_frame;
+        let unit = self.first_units[one.stream] + one.unit as usize;
+        if self.shown[unit] == Some((key, frame)) {
+            return Ok(true);
+        }
+        if !self.make_resident(key, &entry, fetched)? {
+            return Ok(false);
+        }
+        let mut next = NONE;
+        if self.resident.slot(key).is_some_and(|slot| slot.timeline.blend(frame).1) {
+            let after = self.chunk_after(key, &entry)?;
+            if !self.make_resident(key + 1, &after, fetched)? {
+                return Ok(false);
+            }
+            next = self.resident.slot(key + 1).map_or(NONE, |slot| slot.chunk);
+        }
+        let (rounds, pixels) = self.work(unit, key, frame);
+        let Some(slot) = self.resident.slot(key) else { return Ok(false) };
+        batch.items.push(Item { unit: unit as u32, chunk: slot.chunk, next, frame, key });
+        batch.rounds = batch.rounds.max(rounds);
+        self.shown[unit] = Some((key, frame));
+        self.cost.updated_pixels += pixels;
+        Ok(true)
+    }
+
+    /// Rounds that a unit takes to a frame of a chunk on the device, at least one, and the pixels that it writes.
+    fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
+        let Some(slot) = self.resident.slot(key) else { return (1, 0) };
+        let at = self.shown[unit].filter(|shown| shown.0 == key).map(|shown| shown.1);
+        let pixels = u64::from(self.units[unit].width) * u64::from(self.units[unit].height);
+        if self.family.is_color() {
+            let same = at.is_some_and(|at| slot.timeline.blend(at).0 == slot.timeline.blend(frame).0);
+            return (1, if same { 0 } else { pixels });
+        }
+        let Ok(window @ 1..) = u8::try_from(self.units[unit].window) else { return (1, pixels) };
+        let records = slot.timeline.records();
+        let steps = record_table::steps(records, |record| record.0, at, frame, window);
+        let (rounds, pixels) = steps.fold((0, 0), |(rounds, sum), step| (rounds + 1, sum + records[step].1));
+        (rounds.max(1), pixels)
+    }
+
+    /// Hands in the list, and empties it.
+    fn submit(&mut self, batch: &mut Batch) -> Result<()> {
+        let Batch { items, rounds } = std::mem::take(batch);
+        if items.is_empty() {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let gpu = self.gpu;
+        self.resident.flush(gpu)?;
+        self.buffers.list(gpu, &items)?;
+        let [plan, kernel] = self.bind();
+        let mut left = rounds;
+        while left > 0 {
+            let now = left.min(ROUNDS_TOGETHER);
+            gpu.guard(self.family.kernel().name, || {
+                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                for _ in 0..now {
+                    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                    pass.set_pipeline(&self.plan.pipeline);
+                    pass.set_bind_group(0, &plan, &[]);
+                    pass.dispatch_workgroups(1, 1, 1);
+                    pass.set_pipeline(&self.kernel.pipeline);
+                    pass.set_bind_group(0, &kernel, &[]);
+                    pass.dispatch_workgroups_indirect(&self.buffers.dispatch, 0);
+                }
+                gpu.queue.submit([encoder.finish()]);
+            })?;
+            left -= now;
+        }
+        self.cost.applying += start.elapsed();
+        Ok(())
+    }
+
+    /// Buffers of the planning and of the decoding kernel, by the names in their rows.
+    fn bind(&self) -> [wgpu::BindGroup; 2] {
+        let of = |name: &str| match name {
+            "units" => &self.buffers.units,
+            "chunks" => self.resident.chunks.buffer(),
+            "records" => self.resident.records.buffer(),
+            "boxes" => self.resident.boxes.buffer(),
+            "stream" => self.resident.stream.buffer(),
+            "items" => self.buffers.items.buffer(),
+            "states" => &self.buffers.states,
+            "jobs" => &self.buffers.jobs,
+            "dispatch" => &self.buffers.dispatch,
+            "log2_table" => &self.buffers.log2_table,
+            _ => &self.buffers.pictures,
+        };
+        [(self.family.plan(), &self.plan), (self.family.kernel(), &self.kernel)].map(|(row, pipeline)| {
+            let buffers: Vec<_> = row.bindings.iter().map(|binding| of(binding.name())).collect();
+            self.gpu.bind(pipeline, &buffers)
+        })
+    }
+
+    /// Waits for the device.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn wait(&mut self) -> Result<()> {
+        let start = Instant::now();
+        self.gpu.wait()?;
+        self.cost.applying += start.elapsed();
+        Ok(())
+    }
+
+    /// The pictures of all streams, brought back from the device.
+    ///
+    /// # Errors
+    /// The device was lost or has no memory.
+    pub fn read(&mut self) -> Result<Vec<Picture>> {
+        self.wait()?;
+        let words = self.gpu.read(&self.buffers.pictures, self.buffers.picture_words)?;
+        Ok(self
+            .streams
+            .iter()
+            .zip(&self.first_units)
+            .map(|(stream, &first)| self.picture(stream, first, &words))
+            .collect())
+    }
+
+    fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
+        match self.family {
+            Family::Nodes | Family::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
+            Family::Material => Picture::Material(self.assemble(stream, first, words, bytes_of)),
+            Family::Cells8 => Picture::Color8(self.assemble(stream, first, words, bytes_of)),
+            Family::CellsHalf => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
+        }
+    }
+
+    /// Puts the units of a stream together; `unpack` makes pixels of the words of a row.
+    fn assemble<T: Copy + Default>(
+        &self,
+        stream: &StreamInfo,
+        first: usize,
+        words: &[u32],
+        unpack: impl Fn(&[u32], &mut [T]),
+    ) -> Plane<T> {
+        let mut plane = Plane::filled(stream.entry.width, stream.entry.height, T::default());
+        for (number, unit) in (0..stream.entry.unit_count()).zip(&self.units[first..]) {
+            let [left, top, width, height] = stream.entry.unit_rect(number);
+            for y in 0..height {
+                let row = &words[(unit.picture + y * unit.stride) as usize..][..unit.stride as usize];
+                unpack(row, &mut plane.row_mut(top + y)[left as usize..(left + width) as usize]);
+            }
+        }
+        plane
+    }
+}
+
+fn bytes_of(words: &[u32], out: &mut [[u8; 3]]) {
+    out.iter_mut().zip(words).for_each(|(pixel, &word)| *pixel = unpack_bytes(word));
+}
+
+fn halves_of(words: &[u32], out: &mut [[f16; 3]]) {
+    for (pixel, &words) in out.iter_mut().zip(words.as_chunks().0) {
+        *pixel = unpack_halves(words).map(f16::from_bits);
+    }
+}
+
+impl Buffers {
+    /// Brings the list onto the device, and makes room for its jobs.
+    fn list(&mut self, gpu: &Gpu, items: &[Item]) -> Result<()> {
+        self.items.clear();
+        self.items.push(&[items.len() as u32, 0]);
+        self.items.push(&words_of(items));
+        self.items.flush(gpu)?;
+        let job_words = LIST_HEAD_WORDS + items.len() * Job::WORDS;
+        if job_words > self.job_words {
+            self.jobs = gpu.buffer("jobs", job_words, wgpu::BufferUsages::empty())?;
+            self.job_words = job_words;
+        }
+        Ok(())
+    }
+}

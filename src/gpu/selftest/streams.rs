@@ -1,0 +1,352 @@
+//! Random valid streams of every codec, shown by both decoders in any order of frames.
+//!
+//! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
+//! part of the intermediate form comes from its encoder.
+
+use crate::color::blend::HalfKey;
+use crate::color::cells::CellBuilder;
+use crate::color::keyframes::SearchSettings;
+use crate::container::index::{ProbeEntry, StreamEntry};
+use crate::container::writer::Writer;
+use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
+use crate::dataset::stream::DepthKind;
+use crate::depth::DomainParts;
+use crate::depth::block_chunk::picture_bytes;
+use crate::depth::domain::{Domain, DomainKind};
+use crate::depth::node_chunk::NodeChunkBuilder;
+use crate::depth::node_encoder::NodeSettings;
+use crate::depth::nodes::Grid;
+use crate::depth::quantise::DepthRange;
+use crate::depth::record_table::TableBuilder;
+use crate::depth::temporal::TemporalSettings;
+use crate::depth::tree_chunk::TreeEncoder;
+use crate::error::Result;
+use crate::gpu::decode::{GpuDecoder, Wanted};
+use crate::gpu::device::Gpu;
+use crate::gpu::family::Family;
+use crate::gpu::random::Random;
+use crate::gpu::selftest::boxes::{BoxTexel, random_boxes, random_picture};
+use crate::gpu::selftest::cells::CellSample;
+use crate::gpu::selftest::nodes::random_nodes;
+use crate::gpu::verify::Verification;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::monitor::Monitor;
+use crate::video::codec::{
+    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+};
+use crate::video::decode::{Decoder, FaceDecoder, StreamInfo};
+
+/// Faces of a probe, each with a stream of depth, of colour and of material.
+const FACES: u8 = 6;
+/// Times that each stream is asked for a frame.
+const VISITS: u32 = 6;
+
+/// What came of streams.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StreamsReport {
+    /// Streams that were decoded.
+    pub streams: u64,
+    /// Images that were compared.
+    pub images: u64,
+    /// Words that differ, and where the first of them is.
+    pub verification: Verification,
+}
+
+/// Decodes at least `count` random streams on both devices. The monitor advances by one for each stream.
+///
+/// # Errors
+/// The device fails, or a stream that should be valid is not.
+pub fn test_streams(gpu: &Gpu, count: u64, seed: u64, monitor: &dyn Monitor) -> Result<StreamsReport> {
+    let mut report = StreamsReport::default();
+    let mut random = Random::new(seed);
+    while report.streams < count {
+        let container = random_container(&mut random)?;
+        let decoder = Decoder::new(Reader::from_memory(container)?)?;
+        for family in [Family::Nodes, Family::Codes, Family::Material, Family::Cells8, Family::CellsHalf] {
+            monitor.check()?;
+            let of = decoder.streams().iter().filter(|stream| Family::of(&stream.header) == family);
+            let streams: Vec<&StreamInfo> = of.collect();
+            if !streams.is_empty() {
+                compare(gpu, &decoder, &streams, &mut random, &mut report)?;
+                monitor.advance(streams.len() as u64);
+            }
+        }
+    }
+    Ok(report)
+}
+
+fn compare(
+    gpu: &Gpu,
+    decoder: &Decoder,
+    streams: &[&StreamInfo],
+    random: &mut Random,
+    report: &mut StreamsReport,
+) -> Result<()> {
+    let mut on_gpu = GpuDecoder::new(gpu, decoder, streams)?;
+    if random.one_in(8) {
+        // Enough for any of these chunks and its successor, too little for all of them.
+        on_gpu.limit_resident(1 << 15)?;
+    }
+    let mut on_cpu: Vec<FaceDecoder<'_>> = streams.iter().map(|stream| decoder.face(stream)).collect();
+    let mut frames: Vec<u32> = streams.iter().map(|stream| stream.frames.first).collect();
+    for _ in 0..VISITS {
+        for (frame, stream) in frames.iter_mut().zip(streams) {
+            let last = stream.frames.last;
+            *frame = match random.below(4) {
+                0 => stream.frames.first + random.below((last - stream.frames.first).min(60) + 1),
+                1 => *frame,
+                _ => (*frame + 1 + random.below(4)).min(last),
+            };
+        }
+        let now: Vec<usize> = (0..streams.len()).filter(|_| !random.one_in(5)).collect();
+        let units_of = |stream: usize| (0..streams[stream].entry.unit_count()).map(move |unit| (stream, unit));
+        let units = now.iter().flat_map(|&stream| units_of(stream));
+        let wanted = units.map(|(stream, unit)| Wanted { stream, unit, frame: frames[stream] });
+        on_gpu.decode_units(&wanted.collect::<Vec<_>>())?;
+        let pictures = on_gpu.read()?;
+        for at in now {
+            let on_cpu = on_cpu[at].decode(frames[at])?;
+            report.images += 1;
+            report.verification.compare(&pictures[at], &on_cpu, || {
+                let header = &streams[at].header;
+                let number = report.streams;
+                format!("frame {} of a {} stream, about number {number}", frames[at], header.codec_name())
+            });
+        }
+    }
+    report.streams += streams.len() as u64;
+    Ok(())
+}
+
+/// A stream with its coded chunks.
+struct Made {
+    entry: StreamEntry,
+    chunks: Vec<(u32, EncodedChunk)>,
+}
+
+fn random_container(random: &mut Random) -> Result<Vec<u8>> {
+    let mut writer = Writer::new(Vec::new(), "random", 24.0, 0)?;
+    let probe = ProbeEntry {
+        name: "00".into(),
+        position: [0.0; 3],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+        frames: [0, 1 << 20],
+        intrinsics: [0.0; 4],
+    };
+    writer.add_probe(probe)?;
+    let mut chunks = Vec::new();
+    for face in 0..FACES {
+        for header in [depth_header(random)?, color_header(random), material_header(random)] {
+            let Made { entry, chunks: of_stream } = random_stream(face, &header, random)?;
+            let stream = writer.add_stream(entry.clone());
+            let key = |unit: u32, chunk: &EncodedChunk| ChunkKey {
+                stream,
+                unit,
+                first_frame: entry.first_frame + chunk.first_frame,
+                frame_count: chunk.frame_count,
+            };
+            chunks.extend(of_stream.into_iter().map(|(unit, chunk)| (key(unit, &chunk), chunk.payload)));
+        }
+    }
+    for (key, payload) in chunks {
+        writer.push(&PackedChunk::new(key, payload, None)?)?;
+    }
+    Ok(writer.finish()?.0)
+}
+
+fn depth_header(random: &mut Random) -> Result<CodecHeader> {
+    let nodes = |random: &mut Random, window: u8| {
+        let domain = match random.below(4) {
+            0 => DomainParts { kind: DomainKind::Linear, base: random.below(24 << 24), scale: random.word().max(1) },
+            1 => DomainParts { kind: DomainKind::Inverse, base: random.below(24 << 24), scale: random.word().max(1) },
+            2 => DomainParts { kind: DomainKind::Inverse, base: 402_652_814, scale: 4_194_176 },
+            _ => DomainParts { kind: DomainKind::Log, base: 0, scale: 0 },
+        };
+        NodeHeader { window, epsilon: 0, keyframe_interval: 64, bound: 100, domain }
+    };
+    let window = random_window(random);
+    let coding = match random.below(10) {
+        0..4 => DepthCoding::Nodes(nodes(random, window)),
+        4 => DepthCoding::Tree(nodes(random, 1)),
+        5 | 6 => DepthCoding::Blocks,
+        _ => DepthCoding::Boxes(TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 }),
+    };
+    let (range, kind) = (DepthRange::new(0.5, 8.0)?, DepthKind::Distance);
+    Ok(CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind, coding }))
+}
+
+fn color_header(random: &mut Random) -> CodecHeader {
+    let format = if random.one_in(2) {
+        ColorFormat::EightBit(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 })
+    } else {
+        ColorFormat::Half { white_cd_m2: 100.0 }
+    };
+    CodecHeader::Color(ColorHeader::new(format, &SearchSettings::default()))
+}
+
+fn material_header(random: &mut Random) -> CodecHeader {
+    let window = random_window(random);
+    let temporal = TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 };
+    CodecHeader::Material(MaterialHeader { temporal })
+}
+
+fn random_window(random: &mut Random) -> u8 {
+    random.pick(&[1, 2, 3, 5, 255]).unwrap_or(1)
+}
+
+fn random_stream(face: u8, header: &CodecHeader, random: &mut Random) -> Result<Made> {
+    let side = |random: &mut Random| if random.one_in(4) { 1 + random.below(90) } else { 1 + random.below(24) };
+    let (width, height) = (side(random), side(random));
+    // At least a few units, at most a few dozen.
+    let part = |size: u32, random: &mut Random| size.div_ceil(6).max(1 + random.below(size + 4));
+    let (unit_width, unit_height) = (part(width, random), part(height, random));
+    // Each frame of some codecs takes bytes.
+    let long = random.one_in(20) && !matches!(Family::of(header), Family::Nodes);
+    let frame_count = 1 + random.below(if long { 100_000 } else { 40 });
+    let entry = StreamEntry {
+        kind: header.kind() as u8,
+        face,
+        probe: 0,
+        codec: header.codec(),
+        width,
+        height,
+        first_frame: random.below(3),
+        frame_count,
+        unit_width,
+        unit_height,
+        codec_header: header.write(),
+    };
+    let mut chunks = Vec::new();
+    for unit in 0..entry.unit_count() {
+        let [_, _, width, height] = entry.unit_rect(unit);
+        let of_unit = unit_chunks(header, [width, height], frame_count, random)?;
+        chunks.extend(of_unit.into_iter().map(|chunk| (unit, chunk)));
+    }
+    Ok(Made { entry, chunks })
+}
+
+/// Chunks that cover the frames of a unit.
+fn unit_chunks(
+    header: &CodecHeader,
+    size: [u32; 2],
+    frame_count: u32,
+    random: &mut Random,
+) -> Result<Vec<EncodedChunk>> {
+    let grid = Grid { width: size[0], height: size[1] };
+    let mut chunks = Vec::new();
+    let mut first_frame = 0;
+    while first_frame < frame_count {
+        let left = frame_count - first_frame;
+        let mut count = if random.one_in(3) { left } else { 1 + random.below(left) };
+        let last = count == left;
+        let payload = match header {
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_), .. }) => nodes(grid, count, random)?,
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Tree(header), .. }) => {
+                let domain = header.domain.domain()?;
+                // Made by an encoder, frame by frame.
+                count = count.min(8);
+                tree(grid, domain, count, random)?
+            }
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Blocks, .. }) => {
+                count = count.min(12);
+                blocks(grid, count, random)
+            }
+            CodecHeader::Depth(_) => records::<u16>(size, count, random)?,
+            CodecHeader::Material(_) => records::<[u8; 3]>(size, count, random)?,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                cells::<u8>(size, count, last, random)?
+            }
+            CodecHeader::Color(_) => cells::<HalfKey>(size, count, last, random)?,
+        };
+        chunks.push(EncodedChunk { first_frame, frame_count: count, payload });
+        first_frame += count;
+    }
+    Ok(chunks)
+}
+
+/// Frames that have a record: the first, and some after it.
+fn record_frames(count: u32, random: &mut Random) -> Vec<u32> {
+    let mut frames = vec![0];
+    let mut frame = 0;
+    while frames.len() < 24 {
+        let gap = if random.one_in(4) { 30 } else { 3 };
+        frame += 1 + random.below(gap);
+        if frame >= count {
+            break;
+        }
+        frames.push(frame);
+    }
+    frames
+}
+
+fn nodes(grid: Grid, count: u32, random: &mut Random) -> Result<Vec<u8>> {
+    let mut builder = NodeChunkBuilder::new(grid);
+    for frame in record_frames(count, random) {
+        builder.push(frame, &random_nodes(grid, frame > 0, random));
+    }
+    builder.finish()
+}
+
+fn tree(grid: Grid, domain: Domain, count: u32, random: &mut Random) -> Result<Vec<u8>> {
+    let settings = NodeSettings { keyframe_interval: u32::MAX, ..NodeSettings::default() };
+    let mut encoder = TreeEncoder::new(grid, domain, settings);
+    let mut picture = random_picture::<u16>(grid.pixel_count() as usize, random);
+    for _ in 0..count {
+        let changed = random.below(picture.len() as u32) as usize;
+        picture[changed] = random.word() as u16;
+        encoder.push(&picture)?;
+    }
+    Ok(encoder.finish()?.map(|chunk| chunk.payload).unwrap_or_default())
+}
+
+fn blocks(grid: Grid, count: u32, random: &mut Random) -> Vec<u8> {
+    let mut payload = vec![0; picture_bytes(grid) * count as usize];
+    random.fill(&mut payload);
+    // The last bytes of a block must not be a marker.
+    payload.iter_mut().skip(31).step_by(32).for_each(|byte| *byte &= 0x7f);
+    payload
+}
+
+/// Records of all kinds, also those that no encoder of ours writes.
+fn records<T: BoxTexel>(size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
+    let pixels = (size[0] * size[1]) as usize;
+    let mut table = TableBuilder::default();
+    for frame in record_frames(count, random) {
+        let kind = if frame == 0 || random.one_in(5) { random.below(2) } else { 2 };
+        let boxes = random_boxes(size, random);
+        let data = table.begin(frame);
+        data.extend_from_slice(&[kind as u8, 0]);
+        data.extend_from_slice(&(if kind == 2 { boxes.len() as u16 } else { 0 }).to_le_bytes());
+        let values = match kind {
+            0 => pixels,
+            1 => 1,
+            _ => {
+                for b in &boxes {
+                    [b.x, b.y, b.width, b.height].iter().for_each(|value| data.extend_from_slice(&value.to_le_bytes()));
+                }
+                boxes.iter().map(|b| b.area() as usize).sum()
+            }
+        };
+        random_picture::<T>(values, random).into_iter().for_each(|value| value.put(data));
+    }
+    table.finish()
+}
+
+/// Keyframes with weights between them; weights behind the last lead to the next chunk, which the last one has not.
+fn cells<S: CellSample>(size: [u32; 2], count: u32, last: bool, random: &mut Random) -> Result<Vec<u8>> {
+    let samples = 3 * size[0] * size[1];
+    let mut builder = CellBuilder::default();
+    loop {
+        builder.push_keyframe(&(0..samples).map(|_| S::random(random)).collect::<Vec<_>>());
+        let left = count - builder.frame_count();
+        let weights = random.below(6);
+        // Another keyframe follows these weights.
+        let more = weights < left && builder.keyframe_count() < 6;
+        if more || !last {
+            (0..weights.min(left)).for_each(|_| builder.push_weight(random.word() as u8, 1));
+        }
+        if !more {
+            return builder.finish();
+        }
+    }
+}
