@@ -52,7 +52,11 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 4u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 4u, 1u) << 4u),
             );
         }
         case 1u: {
@@ -79,7 +83,11 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 3u, 2u) << 4u),
-                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 12u, 2u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 32u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 2u: {
@@ -106,7 +114,10 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u),
             );
         }
         case 6u: {
@@ -133,7 +144,10 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 4u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 69u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+                bptc_bits(words, 69u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u),
             );
         }
         case 10u: {
@@ -160,7 +174,10 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 4u),
                 bptc_bits(words, 51u, 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 69u, 2u) << 1u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 75u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 69u, 2u) << 1u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 75u, 1u) << 4u),
             );
         }
         case 14u: {
@@ -187,7 +204,11 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u),
             );
         }
         case 18u: {
@@ -214,7 +235,10 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 13u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 33u, 2u) << 3u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 33u, 2u) << 3u),
             );
         }
         case 22u: {
@@ -241,7 +265,11 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
-                bptc_bits(words, 13u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+                bptc_bits(words, 13u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u),
             );
         }
         case 26u: {
@@ -268,7 +296,12 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 13u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 13u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 30u: {
@@ -295,7 +328,11 @@ fn bc6h_values(words: vec4u) -> Bc6hValues {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 11u, 1u) << 4u) | (bptc_bits(words, 31u, 1u) << 5u),
-                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 12u, 2u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 32u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 3u: {
@@ -382,7 +419,8 @@ fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
         return value;
     }
     let spread = ((value << vec3u(16u)) + 0x8000u) >> vec3u(endpoint_bits);
-    return select(select(spread, vec3u(0xffffu), value == vec3u((1u << endpoint_bits) - 1u)), vec3u(0u), value == vec3u(0u));
+    let last = vec3u((1u << endpoint_bits) - 1u);
+    return select(select(spread, vec3u(0xffffu), value == last), vec3u(0u), value == vec3u(0u));
 }
 
 // A block whose endpoints are ready: a and b of subset 0, c and d of subset 1.
