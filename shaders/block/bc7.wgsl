@@ -108,7 +108,7 @@ fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
 }
 
 // A pixel of a block: r | g << 8 | b << 16 | a << 24.
-fn bc7_texel(block: Bc7, texel: u32) -> u32 {
+fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     let mode = block.mode;
     if (mode.subsets == 0u) {
         return 0u;
@@ -147,10 +147,15 @@ fn bc7_texel(block: Bc7, texel: u32) -> u32 {
     return pixel.x | (pixel.y << 8u) | (pixel.z << 16u) | (pixel.w << 24u);
 }
 
+// The same of a block that is not open yet.
+fn bc7_texel(words: vec4u, texel: u32) -> u32 {
+    return bc7_pixel(bc7_open(words), texel);
+}
+
 // All pixels of a block.
 fn bc7_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
     let block = bc7_open(words);
     for (var texel = 0u; texel < 16u; texel++) {
-        (*out)[texel] = bc7_texel(block, texel);
+        (*out)[texel] = bc7_pixel(block, texel);
     }
 }
