@@ -1,7 +1,7 @@
 // Boxes of depth codes (depth.md 4). Mirrors `impl Texel for u16` of src/depth/texel.rs.
 //
 // An invocation writes a word: two codes, or the one of them that lies in the box. Another box of the record may hold the
-// other half of the word, so halves are written by operations that leave the rest alone.
+// other half of the word, so halves are written by operations that leave the rest alone. Needs `box_value`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -10,8 +10,8 @@
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<atomic<u32>>;
 
-// The code at column x and row y of a box.
-fn box_code(row: BoxRow, x: u32, y: u32) -> u32 {
+// The code at column x and row y of a box of values.
+fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     if (row.coding == BOX_CONSTANT) {
         return half_at(row.at);
     }
@@ -37,11 +37,11 @@ fn decode_codes(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
     var codes = 0u;
     var mask = 0u;
     if (left) {
-        codes = box_code(row, 2u * word - row.x, y);
+        codes = box_value(row, 2u * word - row.x, y);
         mask = 0xffffu;
     }
     if (right) {
-        codes |= box_code(row, 2u * word + 1u - row.x, y) << 16u;
+        codes |= box_value(row, 2u * word + 1u - row.x, y) << 16u;
         mask |= 0xffff0000u;
     }
     if (left && right) {

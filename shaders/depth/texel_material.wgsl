@@ -1,5 +1,5 @@
 // Boxes of material (depth.md 4, 5). Mirrors `impl Texel for [u8; 3]` of src/depth/texel.rs. An invocation writes a
-// pixel.
+// pixel. Needs `box_value`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -8,8 +8,8 @@
 @group(0) @binding(4) var<storage, read> stream: array<u32>;
 @group(0) @binding(5) var<storage, read_write> pictures: array<u32>;
 
-// The pixel at column x and row y of a box, r | g << 8 | b << 16.
-fn box_pixel(row: BoxRow, x: u32, y: u32) -> u32 {
+// The pixel at column x and row y of a box of values, r | g << 8 | b << 16.
+fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     var at = row.at;
     if (row.coding != BOX_CONSTANT) {
         at += 3u * (y * row.width + x);
@@ -28,5 +28,5 @@ fn decode_material(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     let row = boxes[found.row];
     let x = found.part % row.width;
     let y = found.part / row.width;
-    pictures[unit.picture + (row.y + y) * unit.stride + row.x + x] = box_pixel(row, x, y);
+    pictures[unit.picture + (row.y + y) * unit.stride + row.x + x] = box_value(row, x, y);
 }

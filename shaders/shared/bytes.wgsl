@@ -1,4 +1,4 @@
-// Bytes and halves of `stream` at any offset, little endian.
+// Bytes, halves and words of `stream` at any offset, little endian.
 
 fn byte_at(at: u32) -> u32 {
     return (stream[at >> 2u] >> ((at & 3u) * 8u)) & 255u;
@@ -6,4 +6,13 @@ fn byte_at(at: u32) -> u32 {
 
 fn half_at(at: u32) -> u32 {
     return byte_at(at) | (byte_at(at + 1u) << 8u);
+}
+
+fn word_at(at: u32) -> u32 {
+    let shift = (at & 3u) * 8u;
+    let low = stream[at >> 2u] >> shift;
+    if (shift == 0u) {
+        return low;
+    }
+    return low | (stream[(at >> 2u) + 1u] << (32u - shift));
 }

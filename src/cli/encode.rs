@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, OutputArgs};
+use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -19,6 +19,7 @@ use crate::video::encode::{self, EncodeSettings, EncodeSummary};
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
+    lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
     lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
@@ -48,6 +49,9 @@ pub struct Args {
     /// Colour.
     #[command(flatten)]
     pub color: ColorArgs,
+    /// Material.
+    #[command(flatten)]
+    pub material: MaterialArgs,
     /// Effort.
     #[command(flatten)]
     pub effort: EffortArgs,
@@ -56,8 +60,9 @@ pub struct Args {
 /// Encodes a dataset.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.depth.apply(&mut options, &mut settings);
+    args.depth.apply(&mut options, &mut settings)?;
     args.color.apply(&mut options, &mut settings)?;
+    args.material.apply(&mut settings);
     options.frames = args.frames.frames;
     options.face_size = args.face_size;
     options.channel = args.depth_channel.clone();

@@ -11,6 +11,7 @@ use crate::video::encode::EncodeSettings;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-color face_px/color.%04d.exr --face px -o px.lfold\n  \
+    lightfold encode-color color.####.exr --color-block bc1 -o small.lfold\n  \
     lightfold encode-color pano.####.exr --layout equirect --hdr -o pano.lfold\n\n\
     Channels are looked for by their usual names: R, G, B, or layers such as rgba, Combined and beauty; Y alone is gray.")]
 pub struct Args {

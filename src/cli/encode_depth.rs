@@ -11,6 +11,7 @@ use crate::video::encode::EncodeSettings;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
+    lightfold encode-depth depth.####.exr --depth-codec aabb --depth-block bc5 --epsilon 30 -o a.lfold\n  \
     lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 \\\n      \
     --depth-kind planar --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
     Channels are looked for by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, \
@@ -39,7 +40,7 @@ pub struct Args {
 /// Encodes a sequence.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.depth.apply(&mut options, &mut settings);
+    args.depth.apply(&mut options, &mut settings)?;
     options.frames = args.frames.frames;
     args.effort.apply(&mut settings);
     settings.lzma2 = args.output.lzma2;

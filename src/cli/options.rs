@@ -2,6 +2,7 @@
 
 mod color;
 mod depth;
+mod material;
 mod sequence;
 
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ pub use color::{ColorArgs, InvalidColorArg};
 pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
+pub use material::MaterialArgs;
 pub use sequence::{ColorSpaceArg, ImageArgs, SequenceArgs};
 
 /// Parses a stream kind.
@@ -69,7 +71,7 @@ impl SelectionArgs {
 /// How hard searches try.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct EffortArgs {
-    /// How hard to search: for the farthest keyframe of colour, and for BC4w blocks of depth
+    /// How hard to search: for the farthest keyframe of colour, and for blocks of all kinds
     #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
     pub effort: EffortArg,
 }

@@ -2,9 +2,8 @@
 //!
 //! Decoder first: [`CellChunk`]. The encoder's side, [`CellBuilder`], is below it.
 
-use std::marker::PhantomData;
-
 use crate::color::blend::Sample;
+use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::container::Payload;
 use crate::container::fields::{Fields, PutFields};
 use crate::error::{Error, Result};
@@ -18,6 +17,43 @@ pub const MAX_WEIGHTS: u32 = 1 << 20;
 const FIXED_BYTES: usize = 8;
 /// Bytes of a row of the table of keyframes.
 const KEYFRAME_ROW_BYTES: usize = 4;
+/// Bit of a row, in codecs of blocks: this keyframe is stored as samples.
+const AS_SAMPLES: u32 = 1 << 31;
+
+/// What must be known of a cell to read its chunks.
+#[derive(Debug, Clone, Copy)]
+pub struct CellFormat<S> {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// The format of keyframes in blocks; `None` where all keyframes are samples.
+    pub blocks: Option<KeyframeBlocks<S>>,
+}
+
+impl<S: Sample> CellFormat<S> {
+    /// A cell whose keyframes are samples.
+    pub fn of_samples(width: usize, height: usize) -> CellFormat<S> {
+        CellFormat { size: [width, height], blocks: None }
+    }
+
+    /// Pixels of the cell.
+    pub fn pixels(&self) -> usize {
+        self.size[0] * self.size[1]
+    }
+
+    /// Bytes of a keyframe in blocks (`None`: the codec has none), and of one in samples.
+    fn keyframe_bytes(&self) -> [Option<u64>; 2] {
+        let blocks = self.blocks.map(|blocks| blocks.image_bytes(self.size) as u64);
+        [blocks, Some(self.pixels() as u64 * 3 * S::BYTES as u64)]
+    }
+}
+
+/// Where a keyframe lies in the payload.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    start: usize,
+    bytes: usize,
+    in_blocks: bool,
+}
 
 /// How a frame is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,18 +69,17 @@ pub struct Blend {
 pub struct CellChunk<S> {
     payload: Payload,
     keyframes: Vec<u32>,
+    places: Vec<Place>,
     weights: std::ops::Range<usize>,
-    pixels: usize,
-    samples: usize,
-    sample: PhantomData<S>,
+    format: CellFormat<S>,
 }
 
 impl<S: Sample> CellChunk<S> {
-    /// Checks a payload for a cell of `pixels` pixels and `frame_count` frames.
+    /// Checks a payload for a cell of this format and `frame_count` frames.
     ///
     /// Afterwards all keyframes lie inside the payload, their frames ascend from 0, and every weight that is not
     /// zero stands between two keyframes of the chunk or is announced as closed by the next chunk.
-    pub fn parse(payload: impl Into<Payload>, pixels: usize, frame_count: u32) -> Result<Self> {
+    pub fn parse(payload: impl Into<Payload>, format: CellFormat<S>, frame_count: u32) -> Result<Self> {
         let payload = payload.into();
         let mut fields = Fields::new(&payload, 0, SECTION);
         let (count, flags) = (fields.u16()?, fields.u8()?);
@@ -60,13 +95,17 @@ impl<S: Sample> CellChunk<S> {
             )));
         }
         let mut keyframes = Vec::with_capacity(usize::from(count));
+        let mut in_blocks = Vec::with_capacity(usize::from(count));
         for at in 0..usize::from(count) {
-            let frame = fields.u32()?;
+            let row = fields.u32()?;
+            // Without blocks the bit belongs to the frame, and puts it out of range.
+            let frame = if format.blocks.is_some() { row & !AS_SAMPLES } else { row };
             let ascends = if at == 0 { frame == 0 } else { frame > keyframes[at - 1] };
             if !ascends || frame >= frame_count {
                 return Err(fields.error(format!("keyframe {at} at frame {frame} is out of order or out of range")));
             }
             keyframes.push(frame);
+            in_blocks.push(format.blocks.is_some() && row & AS_SAMPLES == 0);
         }
         let start = fields.position();
         let weights = fields.bytes(weight_count as usize)?;
@@ -76,13 +115,21 @@ impl<S: Sample> CellChunk<S> {
         if at_keyframe || unclosed {
             return Err(fields.error("a weight stands where no two keyframes enclose it"));
         }
-        let samples = fields.position();
-        let wanted = u64::from(count) * pixels as u64 * 3 * S::BYTES as u64;
+        let weights = start..fields.position();
+        let sizes = format.keyframe_bytes();
+        let bytes_of = |&in_blocks: &bool| sizes[usize::from(!in_blocks)].unwrap_or(0);
+        let wanted: u64 = in_blocks.iter().map(bytes_of).sum();
         if wanted != fields.remaining() as u64 {
             return Err(fields.error(format!("keyframes of {wanted} bytes expected, {} there", fields.remaining())));
         }
-        let weights = start..samples;
-        Ok(CellChunk { payload, keyframes, weights, pixels, samples, sample: PhantomData })
+        let mut start = weights.end;
+        let places = in_blocks.iter().map(|in_blocks| {
+            let place = Place { start, bytes: bytes_of(in_blocks) as usize, in_blocks: *in_blocks };
+            start += place.bytes;
+            place
+        });
+        let places = places.collect();
+        Ok(CellChunk { payload, keyframes, places, weights, format })
     }
 
     /// The payload's memory, for the next chunk.
@@ -105,9 +152,9 @@ impl<S: Sample> CellChunk<S> {
         (self.weights.start, &self.payload[self.weights.clone()])
     }
 
-    /// Offset in the payload of a keyframe's first sample.
+    /// Offset in the payload of a keyframe's first sample or block.
     pub fn keyframe_at(&self, keyframe: usize) -> usize {
-        self.samples + keyframe * self.pixels * 3 * S::BYTES
+        self.places[keyframe].start
     }
 
     /// Number of frames, from the first, that have a weight in the payload; all later ones have weight 0.
@@ -115,9 +162,14 @@ impl<S: Sample> CellChunk<S> {
         self.weights.len() as u32
     }
 
-    /// Payload bytes that one keyframe takes, its row in the table of keyframes included.
-    pub fn keyframe_bytes(&self) -> u64 {
-        (KEYFRAME_ROW_BYTES + self.pixels * 3 * S::BYTES) as u64
+    /// Payload bytes that a keyframe takes, its row in the table of keyframes included.
+    pub fn keyframe_bytes(&self, keyframe: usize) -> u64 {
+        (KEYFRAME_ROW_BYTES + self.places[keyframe].bytes) as u64
+    }
+
+    /// Whether a keyframe is stored as blocks.
+    pub fn in_blocks(&self, keyframe: usize) -> bool {
+        self.places[keyframe].in_blocks
     }
 
     /// How a frame (counted from the chunk's first) is made.
@@ -132,29 +184,48 @@ impl<S: Sample> CellChunk<S> {
         keyframe + 1 == self.keyframes.len()
     }
 
-    /// Reads the samples of a keyframe: three for each pixel, as many as `out` holds.
+    /// Reads the samples of a keyframe: three for each pixel. `out` holds those of all pixels.
     pub fn read_keyframe(&self, keyframe: usize, out: &mut [S]) {
-        let bytes = self.pixels * 3 * S::BYTES;
-        let start = self.keyframe_at(keyframe);
-        S::get_row(out, &self.payload[start..start + bytes]);
+        let Place { start, bytes, in_blocks } = self.places[keyframe];
+        let stored = &self.payload[start..start + bytes];
+        match self.format.blocks {
+            Some(blocks) if in_blocks => (blocks.decode)(stored, self.format.size, out),
+            _ => S::get_row(out, stored),
+        }
     }
 }
 
 /// Builds a payload keyframe by keyframe.
 #[derive(Debug, Default)]
 pub struct CellBuilder {
+    /// Rows of the table of keyframes.
     keyframes: Vec<u32>,
     weights: Vec<u8>,
     samples: Vec<u8>,
 }
 
 impl CellBuilder {
-    /// Adds a keyframe at the next frame.
+    /// Adds a keyframe at the next frame, as samples, in a codec without blocks.
     pub fn push_keyframe<S: Sample>(&mut self, samples: &[S]) {
         self.keyframes.push(self.weights.len() as u32);
         self.weights.push(0);
         self.samples.reserve(samples.len() * S::BYTES);
         samples.iter().for_each(|sample| sample.put(&mut self.samples));
+    }
+
+    /// Adds a keyframe at the next frame, as samples, in a codec of blocks.
+    pub fn push_keyframe_as_samples<S: Sample>(&mut self, samples: &[S]) {
+        self.push_keyframe(samples);
+        if let Some(row) = self.keyframes.last_mut() {
+            *row |= AS_SAMPLES;
+        }
+    }
+
+    /// Adds a keyframe at the next frame, as blocks.
+    pub fn push_keyframe_in_blocks(&mut self, blocks: &[u8]) {
+        self.keyframes.push(self.weights.len() as u32);
+        self.weights.push(0);
+        self.samples.extend_from_slice(blocks);
     }
 
     /// Adds `run` frames of one weight.
@@ -186,7 +257,7 @@ impl CellBuilder {
         if used > MAX_WEIGHTS as usize {
             return Err(Error::unsupported(format!("a chunk of {used} weights; at most {MAX_WEIGHTS} fit")));
         }
-        let last = self.keyframes.last().map_or(0, |&frame| frame as usize);
+        let last = self.keyframes.last().map_or(0, |&row| (row & !AS_SAMPLES) as usize);
         let mut payload = Vec::with_capacity(self.bytes());
         payload.put_u16(count);
         payload.push(if used > last { CLOSED_BY_NEXT } else { 0 });
@@ -215,9 +286,9 @@ mod tests {
 
     #[test]
     fn keyframes_and_weights_come_back() {
-        let chunk = CellChunk::<u8>::parse(sample(), 2, 8).unwrap();
+        let chunk = CellChunk::<u8>::parse(sample(), CellFormat::of_samples(2, 1), 8).unwrap();
         assert_eq!(chunk.keyframes(), [0, 4]);
-        assert_eq!((chunk.weight_count(), chunk.keyframe_bytes()), (4, 10));
+        assert_eq!((chunk.weight_count(), chunk.keyframe_bytes(1)), (4, 10));
         let blends: Vec<_> = (0..8).map(|frame| chunk.blend(frame)).map(|b| (b.keyframe, b.weight)).collect();
         assert_eq!(blends, [(0, 0), (0, 100), (0, 200), (0, 200), (1, 0), (1, 0), (1, 0), (1, 0)]);
         let mut samples = [0; 6];
@@ -230,13 +301,13 @@ mod tests {
     fn damaged_payloads_are_refused() {
         let good = sample();
         for length in 0..good.len() {
-            assert!(CellChunk::<u8>::parse(good[..length].to_vec(), 2, 8).is_err());
+            assert!(CellChunk::<u8>::parse(good[..length].to_vec(), CellFormat::of_samples(2, 1), 8).is_err());
         }
         for at in 0..good.len() {
             for bit in 0..8 {
                 let mut damaged = good.clone();
                 damaged[at] ^= 1 << bit;
-                if let Ok(chunk) = CellChunk::<u8>::parse(damaged, 2, 8) {
+                if let Ok(chunk) = CellChunk::<u8>::parse(damaged, CellFormat::of_samples(2, 1), 8) {
                     let mut samples = [0; 6];
                     for frame in 0..8 {
                         chunk.read_keyframe(chunk.blend(frame).keyframe, &mut samples);
@@ -244,8 +315,8 @@ mod tests {
                 }
             }
         }
-        assert!(CellChunk::<u8>::parse(good.clone(), 3, 8).is_err());
-        assert!(CellChunk::<u8>::parse(good, 2, 4).is_err());
+        assert!(CellChunk::<u8>::parse(good.clone(), CellFormat::of_samples(3, 1), 8).is_err());
+        assert!(CellChunk::<u8>::parse(good, CellFormat::of_samples(2, 1), 4).is_err());
     }
 
     #[test]
@@ -254,11 +325,11 @@ mod tests {
         builder.push_keyframe::<u8>(&[1, 2, 3]);
         builder.push_weight(7, MAX_WEIGHTS - 1);
         let payload = builder.finish().unwrap();
-        assert!(CellChunk::<u8>::parse(payload.clone(), 1, MAX_WEIGHTS + 1).is_ok());
+        assert!(CellChunk::<u8>::parse(payload.clone(), CellFormat::of_samples(1, 1), MAX_WEIGHTS + 1).is_ok());
         let mut more = payload;
         more[4..8].copy_from_slice(&(MAX_WEIGHTS + 1).to_le_bytes());
         more.insert(12, 7);
-        assert!(CellChunk::<u8>::parse(more, 1, MAX_WEIGHTS + 1).is_err());
+        assert!(CellChunk::<u8>::parse(more, CellFormat::of_samples(1, 1), MAX_WEIGHTS + 1).is_err());
         let mut builder = CellBuilder::default();
         builder.push_keyframe::<u8>(&[1, 2, 3]);
         builder.push_weight(7, MAX_WEIGHTS);
@@ -271,8 +342,8 @@ mod tests {
         builder.push_keyframe::<u8>(&[1, 2, 3]);
         builder.push_weight(7, 1);
         let mut payload = builder.finish().unwrap();
-        assert!(CellChunk::<u8>::parse(payload.clone(), 1, 2).is_ok());
+        assert!(CellChunk::<u8>::parse(payload.clone(), CellFormat::of_samples(1, 1), 2).is_ok());
         payload[2] = 0;
-        assert!(CellChunk::<u8>::parse(payload, 1, 2).is_err());
+        assert!(CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), 2).is_err());
     }
 }

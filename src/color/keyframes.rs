@@ -116,6 +116,16 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         if high_error < low_error { (high, high_error) } else { (low, low_error) }
     }
 
+    /// The weights of all pictures between the keyframe and the last, or the first picture that no weight serves.
+    pub fn weights_of_all(&self) -> Result<Vec<u8>, usize> {
+        let next = self.pictures.len() - 1;
+        let weight = |at| {
+            let (weight, error) = self.best_weight(at, next);
+            if error <= self.max_squared_error { Ok(weight) } else { Err(at) }
+        };
+        (1..next).map(weight).collect()
+    }
+
     fn error(&self, at: usize, next: usize, weight: u8) -> u64 {
         let [a, b, source] = [self.pictures[0], self.pictures[next], self.pictures[at]];
         self.quality.squared_error(a, b, weight, source, self.max_squared_error)

@@ -5,12 +5,14 @@
 
 pub mod blend;
 pub mod cells;
+pub mod keyframe_blocks;
 pub mod keyframes;
 pub mod quality;
 pub mod temporal;
 
 pub use blend::{HalfKey, Sample};
-pub use cells::CellChunk;
+pub use cells::{CellChunk, CellFormat};
+pub use keyframe_blocks::KeyframeBlocks;
 pub use keyframes::{Effort, SearchSettings};
 pub use quality::Quality;
 pub use temporal::CellEncoder;

@@ -1,13 +1,15 @@
-//! Encodes the frames of one colour cell into chunks (CALF 5.1, algorithm 2).
+//! Encodes the frames of one colour cell into chunks (CALF 5.1, algorithm 2; keyframes in blocks: 5.3).
 //!
 //! Enters: the cell's samples, frame by frame. Leaves: payloads of [`crate::color::cells`]. Memory: the pictures that
 //! the search may reach, repeats counted once, and the open chunk.
 
 use crate::color::blend::Sample;
 use crate::color::cells::CellBuilder;
+use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::color::keyframes::{Candidates, SearchSettings};
 use crate::color::quality::Quality;
 use crate::container::EncodedChunk;
+use crate::effort::Effort;
 use crate::error::Result;
 
 /// A chunk is closed at the first keyframe after it has grown to this many bytes. Larger chunks compress better,
@@ -23,13 +25,44 @@ struct Entry<S> {
     run: u32,
 }
 
+/// How the keyframes of a cell become blocks, once their places are known (CALF 5.3).
+#[derive(Debug, Clone, Copy)]
+pub struct BlockStage<S> {
+    /// The format.
+    pub blocks: KeyframeBlocks<S>,
+    /// Width and height of the cell in pixels.
+    pub size: [usize; 2],
+    /// PSNR that every frame still reaches between keyframes in blocks, in dB; at most that of the search.
+    pub final_psnr_db: f64,
+}
+
+/// A keyframe as it is stored and shown.
+#[derive(Debug)]
+enum Keyframe<S> {
+    Samples,
+    Blocks { stored: Vec<u8>, shown: Vec<S> },
+}
+
+impl<S> Keyframe<S> {
+    /// What a decoder shows for it.
+    fn shown<'a>(&'a self, source: &'a [S]) -> &'a [S] {
+        match self {
+            Keyframe::Samples => source,
+            Keyframe::Blocks { shown, .. } => shown,
+        }
+    }
+}
+
 /// Encodes one cell.
 #[derive(Debug)]
 pub struct CellEncoder<S> {
     settings: SearchSettings,
+    blocks: Option<BlockStage<S>>,
     close_at_bytes: usize,
     /// The last keyframe, and what came after it.
     pending: Vec<Entry<S>>,
+    /// How the first of them is stored.
+    keyframe: Keyframe<S>,
     open: CellBuilder,
     chunk_first: u32,
 }
@@ -37,7 +70,21 @@ pub struct CellEncoder<S> {
 impl<S: Sample> CellEncoder<S> {
     /// An encoder for one cell that closes chunks at `close_at_bytes`, [`CLOSE_AT_BYTES`] unless memory is short.
     pub fn new(settings: SearchSettings, close_at_bytes: usize) -> Self {
-        CellEncoder { settings, close_at_bytes, pending: Vec::new(), open: CellBuilder::default(), chunk_first: 0 }
+        CellEncoder {
+            settings,
+            blocks: None,
+            close_at_bytes,
+            pending: Vec::new(),
+            keyframe: Keyframe::Samples,
+            open: CellBuilder::default(),
+            chunk_first: 0,
+        }
+    }
+
+    /// The same with keyframes in blocks.
+    #[must_use]
+    pub fn with_blocks(self, blocks: BlockStage<S>) -> Self {
+        CellEncoder { blocks: Some(blocks), ..self }
     }
 
     /// Takes the next frame; all frames have the same number of samples. Answers the chunk that it closes, if any.
@@ -49,8 +96,9 @@ impl<S: Sample> CellEncoder<S> {
             }
             Some(_) => self.pending.push(Entry { samples: samples.to_vec(), run: 1 }),
             None => {
-                self.open.push_keyframe(samples);
+                let keyframe = self.coded(samples, quality);
                 self.pending.push(Entry { samples: samples.to_vec(), run: 1 });
+                self.open_keyframe(keyframe);
             }
         }
         if self.pending.len() > self.settings.reach as usize + 1 { self.place_keyframe(quality) } else { Ok(None) }
@@ -60,7 +108,7 @@ impl<S: Sample> CellEncoder<S> {
     pub fn finish<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Vec<EncodedChunk>> {
         let mut chunks = Vec::new();
         while self.pending.len() > 1 {
-            if self.candidates(quality).keyframe_serves_all() {
+            if self.keyframe_serves_all(quality) {
                 self.pending[0].run += self.pending.drain(1..).map(|entry| entry.run).sum::<u32>();
             } else {
                 chunks.extend(self.place_keyframe(quality)?);
@@ -73,16 +121,73 @@ impl<S: Sample> CellEncoder<S> {
         Ok(chunks)
     }
 
-    fn candidates<'a, Q: Quality<S>>(&'a self, quality: &'a Q) -> Candidates<'a, S, Q> {
+    /// The PSNR that frames must reach as they are shown.
+    fn shown_psnr_db(&self) -> f64 {
+        self.blocks.map_or(self.settings.min_psnr_db, |stage| stage.final_psnr_db)
+    }
+
+    /// The sources, for the search.
+    fn sources<'a, Q: Quality<S>>(&'a self, quality: &'a Q) -> Candidates<'a, S, Q> {
         let pictures = self.pending.iter().map(|entry| entry.samples.as_slice()).collect();
         Candidates::new(pictures, quality, self.settings.min_psnr_db)
     }
 
+    /// The same with the keyframe as it is shown, up to `next`, which is shown as `last`.
+    fn shown<'a, Q: Quality<S>>(&'a self, next: usize, last: &'a [S], quality: &'a Q) -> Candidates<'a, S, Q> {
+        let mut pictures: Vec<_> = self.pending[..=next].iter().map(|entry| entry.samples.as_slice()).collect();
+        pictures[0] = self.keyframe.shown(pictures[0]);
+        pictures[next] = last;
+        Candidates::new(pictures, quality, self.shown_psnr_db())
+    }
+
+    fn keyframe_serves_all<Q: Quality<S>>(&self, quality: &Q) -> bool {
+        let last = self.pending.len() - 1;
+        let source = self.pending[last].samples.as_slice();
+        self.sources(quality).keyframe_serves_all()
+            && (self.blocks.is_none() || self.shown(last, source, quality).keyframe_serves_all())
+    }
+
+    /// How a keyframe is stored: as blocks where they show its own frame well enough.
+    fn coded<Q: Quality<S>>(&self, source: &[S], quality: &Q) -> Keyframe<S> {
+        let Some(BlockStage { blocks, size, final_psnr_db }) = self.blocks else { return Keyframe::Samples };
+        let limit = quality.max_squared_error(final_psnr_db, source.len());
+        let efforts = [self.settings.effort, Effort::Exhaustive];
+        let tries = if efforts[0] == efforts[1] { &efforts[1..] } else { &efforts[..] };
+        for &effort in tries {
+            let stored = (blocks.encode)(source, size, effort);
+            let mut shown = vec![S::default(); source.len()];
+            (blocks.decode)(&stored, size, &mut shown);
+            if quality.squared_error(&shown, &shown, 0, source, limit) <= limit {
+                return Keyframe::Blocks { stored, shown };
+            }
+        }
+        Keyframe::Samples
+    }
+
+    /// Adds the first of the pending pictures to the open chunk.
+    fn open_keyframe(&mut self, keyframe: Keyframe<S>) {
+        match &keyframe {
+            Keyframe::Blocks { stored, .. } => self.open.push_keyframe_in_blocks(stored),
+            Keyframe::Samples if self.blocks.is_some() => self.open.push_keyframe_as_samples(&self.pending[0].samples),
+            Keyframe::Samples => self.open.push_keyframe(&self.pending[0].samples),
+        }
+        self.keyframe = keyframe;
+    }
+
     /// Writes the frames up to the next keyframe, and the keyframe.
+    ///
+    /// Places are searched among the sources. Between keyframes in blocks a frame may turn out to be shown too badly:
+    /// it becomes the next keyframe itself, which leaves fewer frames in between each time.
     fn place_keyframe<Q: Quality<S>>(&mut self, quality: &Q) -> Result<Option<EncodedChunk>> {
-        let search = self.candidates(quality);
-        let next = search.next_keyframe(self.settings.effort);
-        let weights: Vec<u8> = (1..next).map(|at| search.best_weight(at, next).0).collect();
+        let mut next = self.sources(quality).next_keyframe(self.settings.effort);
+        let (weights, keyframe) = loop {
+            let source = &self.pending[next].samples;
+            let keyframe = self.coded(source, quality);
+            match self.shown(next, keyframe.shown(source), quality).weights_of_all() {
+                Ok(weights) => break (weights, keyframe),
+                Err(failed) => next = failed,
+            }
+        };
         // The keyframe's own frame is in the chunk already; its repeats are not.
         self.open.push_weight(0, self.pending[0].run - 1);
         for (entry, weight) in self.pending[1..next].iter().zip(weights) {
@@ -91,7 +196,7 @@ impl<S: Sample> CellEncoder<S> {
         self.pending.drain(..next);
         let full = self.open.bytes() >= self.close_at_bytes || self.open.keyframe_count() >= MAX_KEYFRAMES;
         let closed = if full { Some(self.close()?) } else { None };
-        self.open.push_keyframe(&self.pending[0].samples);
+        self.open_keyframe(keyframe);
         Ok(closed)
     }
 
@@ -104,100 +209,4 @@ impl<S: Sample> CellEncoder<S> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::color::cells::CellChunk;
-    use crate::color::keyframes::Effort;
-    use crate::color::quality::EightBit;
-
-    fn encode(frames: &[Vec<u8>], settings: SearchSettings) -> Vec<(EncodedChunk, CellChunk<u8>)> {
-        let mut encoder = CellEncoder::new(settings, CLOSE_AT_BYTES);
-        let mut chunks = Vec::new();
-        for frame in frames {
-            chunks.extend(encoder.push(frame, &EightBit).unwrap());
-        }
-        chunks.extend(encoder.finish(&EightBit).unwrap());
-        chunks
-            .into_iter()
-            .map(|chunk| {
-                let parsed = CellChunk::parse(chunk.payload.clone(), frames[0].len() / 3, chunk.frame_count).unwrap();
-                (chunk, parsed)
-            })
-            .collect()
-    }
-
-    /// Decodes every frame from scratch and checks its quality; answers the number of keyframes.
-    fn check(frames: &[Vec<u8>], settings: SearchSettings) -> usize {
-        let chunks = encode(frames, settings);
-        let samples = frames[0].len();
-        let limit = EightBit.max_squared_error(settings.min_psnr_db, samples);
-        let mut frame = 0;
-        for (at, (chunk, cell)) in chunks.iter().enumerate() {
-            assert_eq!(chunk.first_frame as usize, frame);
-            for inside in 0..chunk.frame_count {
-                let blend = cell.blend(inside);
-                let (mut a, mut b) = (vec![0; samples], vec![0; samples]);
-                cell.read_keyframe(blend.keyframe, &mut a);
-                if blend.weight != 0 {
-                    let (next, index) =
-                        if cell.is_last(blend.keyframe) { (&chunks[at + 1].1, 0) } else { (cell, blend.keyframe + 1) };
-                    next.read_keyframe(index, &mut b);
-                }
-                let error = EightBit.squared_error(&a, &b, blend.weight, &frames[frame], u64::MAX);
-                assert!(error <= limit, "frame {frame}: {error} > {limit}");
-                frame += 1;
-            }
-        }
-        assert_eq!(frame, frames.len());
-        chunks.iter().map(|(_, cell)| cell.keyframes().len()).sum()
-    }
-
-    fn footage(n: usize, samples: usize) -> Vec<Vec<u8>> {
-        let mut seed = 11u32;
-        (0..n)
-            .map(|t| {
-                (0..samples)
-                    .map(|i| {
-                        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                        let noise = if (t / 40) % 2 == 1 { (seed >> 24) % 8 } else { 0 };
-                        let cut = if t > n / 2 { 60 } else { 0 };
-                        (i + t / 2 + cut + noise as usize) as u8
-                    })
-                    .collect()
-            })
-            .collect()
-    }
-
-    #[test]
-    fn every_frame_reaches_the_quality_asked_for() {
-        for effort in [Effort::Fast, Effort::Normal, Effort::Exhaustive] {
-            for (min_psnr_db, reach) in [(50.0, 64), (35.0, 64), (50.0, 1), (99.0, 3)] {
-                let count = check(&footage(160, 60), SearchSettings { min_psnr_db, effort, reach });
-                assert!(count > 1 && count <= 160);
-            }
-        }
-    }
-
-    #[test]
-    fn a_cell_that_never_changes_has_one_keyframe_and_no_weights() {
-        let frames = vec![(0..30).collect::<Vec<u8>>(); 500];
-        assert_eq!(check(&frames, SearchSettings::default()), 1);
-        assert_eq!(encode(&frames, SearchSettings::default())[0].0.payload.len(), 8 + 4 + 30);
-    }
-
-    #[test]
-    fn a_cell_that_changes_once_has_two() {
-        let mut frames = vec![vec![10u8; 30]; 100];
-        frames.extend(vec![vec![200u8; 30]; 100]);
-        assert_eq!(check(&frames, SearchSettings::default()), 2);
-    }
-
-    #[test]
-    fn long_noise_is_split_into_chunks_that_lead_into_each_other() {
-        let frames = footage(80, 30_000);
-        let settings = SearchSettings { min_psnr_db: 30.0, reach: 8, ..SearchSettings::default() };
-        assert!(encode(&frames, SearchSettings { min_psnr_db: 60.0, ..settings }).len() > 1);
-        check(&frames, SearchSettings { min_psnr_db: 60.0, ..settings });
-        check(&frames, settings);
-    }
-}
+mod tests;

@@ -1,5 +1,6 @@
 //! The payload of a temporally coded chunk: a keyframe and what changes after it (depth.md 4).
 //!
+//! The pixels of a unit or a box are stored as values ([`Values`]) or in pieces ([`crate::depth::pieces`]).
 //! Decoder first: [`TemporalChunk`]. The encoder's side, [`ChunkBuilder`], is below it.
 
 use std::marker::PhantomData;
@@ -18,10 +19,43 @@ const CONSTANT: u8 = 1;
 /// Boxes follow, then their pixels.
 const BOXES: u8 = 2;
 const SECTION: &str = "depth.md 4";
-/// Bytes of a record before its boxes or values.
-const RECORD_HEAD_BYTES: usize = 4;
-/// Bytes of a box before its values.
-const BOX_BYTES: usize = 8;
+
+/// How the pixels of a rectangle, which is a unit or a box, are stored.
+pub trait Layout<T: Texel>: std::fmt::Debug + Clone + Copy + Send + Sync + 'static {
+    /// Boxes start at multiples of this, in pixels, and end at multiples of it or at the unit's edge.
+    const GRID: u32;
+
+    /// Takes the bytes of a rectangle of this width and height, and checks them.
+    fn take(fields: &mut Fields<'_>, size: [usize; 2]) -> Result<()>;
+
+    /// Writes the pixels of a rectangle (left, top, width, height) into a picture of `stride` columns; `bytes` start
+    /// with what [`Self::take`] took.
+    fn draw(bytes: &[u8], rect: [usize; 4], picture: &mut [T], stride: usize);
+}
+
+/// Values as they are, row by row.
+#[derive(Debug, Clone, Copy)]
+pub struct Values;
+
+impl<T: Texel> Layout<T> for Values {
+    const GRID: u32 = 1;
+
+    fn take(fields: &mut Fields<'_>, [width, height]: [usize; 2]) -> Result<()> {
+        let bytes = width.saturating_mul(height).saturating_mul(T::BYTES);
+        fields.bytes(bytes).map(drop)
+    }
+
+    fn draw(bytes: &[u8], [left, top, width, height]: [usize; 4], picture: &mut [T], stride: usize) {
+        if width == stride {
+            let pixels = top * stride..(top + height) * stride;
+            return T::get_row(&mut picture[pixels], &bytes[..width * height * T::BYTES]);
+        }
+        let rows = picture[top * stride..].chunks_mut(stride).take(height);
+        for (row, bytes) in rows.zip(bytes.chunks(width * T::BYTES)) {
+            T::get_row(&mut row[left..left + width], bytes);
+        }
+    }
+}
 
 /// What one record does to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,19 +80,21 @@ pub struct Record {
     pub frame: u32,
     /// What changes.
     pub body: Body,
+    /// Payload bytes that it takes, its row in the record table included.
+    pub bytes: u64,
 }
 
 /// A payload that has been checked, ready to be applied.
 #[derive(Debug, Clone)]
-pub struct TemporalChunk<T> {
+pub struct TemporalChunk<T, L = Values> {
     payload: Payload,
     records: Vec<Record>,
     boxes: Vec<(PixelBox, usize)>,
     size: [u32; 2],
-    texel: PhantomData<T>,
+    layout: PhantomData<(T, L)>,
 }
 
-impl<T: Texel> TemporalChunk<T> {
+impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
     /// Checks a payload for a unit of `size` (width, height) pixels and `frame_count` frames.
     ///
     /// Afterwards every offset lies inside the payload and every box inside the unit, no two boxes of a record
@@ -72,7 +108,7 @@ impl<T: Texel> TemporalChunk<T> {
             records: Vec::with_capacity(table.len()),
             boxes: Vec::new(),
             size,
-            texel: PhantomData,
+            layout: PhantomData,
         };
         for (at, &row) in table.iter().enumerate() {
             record_table::check_start(&fields, at, row)?;
@@ -80,7 +116,8 @@ impl<T: Texel> TemporalChunk<T> {
             if at == 0 && matches!(body, Body::Boxes { .. }) {
                 return Err(fields.error("a chunk's first record must be a whole picture"));
             }
-            chunk.records.push(Record { frame: row.frame, body });
+            let bytes = record_table::ROW_BYTES as u64 + fields.offset() - u64::from(row.offset);
+            chunk.records.push(Record { frame: row.frame, body, bytes });
         }
         fields.finish()?;
         chunk.payload = payload;
@@ -98,8 +135,7 @@ impl<T: Texel> TemporalChunk<T> {
         match kind {
             WHOLE => {
                 let start = fields.position();
-                let bytes = u64::from(width) * u64::from(height) * T::BYTES as u64;
-                fields.bytes(usize::try_from(bytes).unwrap_or(usize::MAX))?;
+                L::take(fields, [width as usize, height as usize])?;
                 Ok(Body::Whole(start))
             }
             CONSTANT => {
@@ -117,6 +153,13 @@ impl<T: Texel> TemporalChunk<T> {
                     if !inside(x, w, width) || !inside(y, h, height) {
                         return Err(fields.error(format!("a box of {w}x{h} at {x},{y} is not inside {width}x{height}")));
                     }
+                    let on_grid = |start: u16, size: u16, limit: u32| {
+                        let end = u32::from(start) + u32::from(size);
+                        u32::from(start) % L::GRID == 0 && (end % L::GRID == 0 || end == limit)
+                    };
+                    if !on_grid(x, w, width) || !on_grid(y, h, height) {
+                        return Err(fields.error(format!("a box of {w}x{h} at {x},{y} cuts blocks of 4x4 pixels")));
+                    }
                     let new = PixelBox { x, y, width: w, height: h };
                     if self.boxes[first..].iter().any(|(other, _)| other.overlaps(new)) {
                         return Err(fields.error("two boxes of a record overlap"));
@@ -124,8 +167,9 @@ impl<T: Texel> TemporalChunk<T> {
                     self.boxes.push((new, 0));
                 }
                 for at in first..self.boxes.len() {
-                    self.boxes[at].1 = fields.position();
-                    fields.bytes(self.boxes[at].0.area() as usize * T::BYTES)?;
+                    let (b, start) = &mut self.boxes[at];
+                    *start = fields.position();
+                    L::take(fields, [usize::from(b.width), usize::from(b.height)])?;
                 }
                 Ok(Body::Boxes { first, count: usize::from(count) })
             }
@@ -164,14 +208,16 @@ impl<T: Texel> TemporalChunk<T> {
         }
     }
 
-    /// Payload bytes that a record takes, its row in the record table included.
-    pub fn record_bytes(&self, body: Body) -> u64 {
-        let values = match body {
-            Body::Constant(_) => 1,
-            _ => self.updated_pixels(body),
+    /// The stored rectangles of a record: width and height, and their bytes, which other bytes may follow. None for one
+    /// value that the whole unit has.
+    pub fn rectangles(&self, body: Body) -> impl Iterator<Item = ([usize; 2], &[u8])> {
+        let whole = match body {
+            Body::Whole(start) => Some((self.size.map(|side| side as usize), start)),
+            _ => None,
         };
-        let boxes = self.boxes(body).len() * BOX_BYTES;
-        (record_table::ROW_BYTES + RECORD_HEAD_BYTES + boxes) as u64 + values * T::BYTES as u64
+        let boxes = self.boxes(body).iter();
+        let boxes = boxes.map(|&(b, start)| ([usize::from(b.width), usize::from(b.height)], start));
+        whole.into_iter().chain(boxes).map(|(size, start)| (size, &self.payload[start..]))
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
@@ -186,9 +232,9 @@ impl<T: Texel> TemporalChunk<T> {
 
     /// Writes what one record holds into `picture`; answers how many pixels that were.
     pub fn apply(&self, picture: &mut [T], body: Body) -> u64 {
-        let width = self.size[0] as usize;
+        let [width, height] = self.size.map(|side| side as usize);
         match body {
-            Body::Whole(start) => T::get_row(picture, &self.payload[start..start + picture.len() * T::BYTES]),
+            Body::Whole(start) => L::draw(&self.payload[start..], [0, 0, width, height], picture, width),
             Body::Constant(start) => {
                 let mut value = [T::default()];
                 T::get_row(&mut value, &self.payload[start..start + T::BYTES]);
@@ -196,11 +242,8 @@ impl<T: Texel> TemporalChunk<T> {
             }
             Body::Boxes { .. } => {
                 for &(b, start) in self.boxes(body) {
-                    let row_bytes = usize::from(b.width) * T::BYTES;
-                    let rows = picture[usize::from(b.y) * width..].chunks_mut(width).take(usize::from(b.height));
-                    for (row, bytes) in rows.zip(self.payload[start..].chunks(row_bytes)) {
-                        T::get_row(&mut row[usize::from(b.x)..usize::from(b.x) + usize::from(b.width)], bytes);
-                    }
+                    let rect = [b.x, b.y, b.width, b.height].map(usize::from);
+                    L::draw(&self.payload[start..], rect, picture, width);
                 }
             }
         }
@@ -218,11 +261,19 @@ pub struct ChunkBuilder<T> {
 impl<T: Texel> ChunkBuilder<T> {
     /// Starts with the keyframe.
     pub fn new(keyframe: &[T]) -> Self {
+        Self::starting_with(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)))
+    }
+
+    /// Starts with the keyframe, which `put` writes unless it has one value.
+    pub fn starting_with(keyframe: &[T], put: impl FnOnce(&mut Vec<u8>)) -> Self {
         let mut builder = ChunkBuilder { records: TableBuilder::default(), texel: PhantomData };
         let constant = keyframe.iter().all(|value| *value == keyframe[0]);
-        let (kind, values) = if constant { (CONSTANT, &keyframe[..1]) } else { (WHOLE, keyframe) };
-        let data = builder.begin(0, kind, 0);
-        values.iter().for_each(|value| value.put(data));
+        let data = builder.begin(0, if constant { CONSTANT } else { WHOLE }, 0);
+        if constant {
+            keyframe[0].put(data);
+        } else {
+            put(data);
+        }
         builder
     }
 
@@ -235,18 +286,22 @@ impl<T: Texel> ChunkBuilder<T> {
 
     /// Adds the boxes that a frame updates, with their pixels from `picture` of `width` columns.
     pub fn push_boxes(&mut self, frame: u32, boxes: &[PixelBox], picture: &[T], width: usize) {
-        let data = self.begin(frame, BOXES, boxes.len() as u16);
-        let pixels: usize = boxes.iter().map(|b| b.area() as usize).sum();
-        data.reserve(8 * boxes.len() + T::BYTES * pixels);
-        for b in boxes {
-            [b.x, b.y, b.width, b.height].iter().for_each(|&value| data.put_u16(value));
-        }
-        for b in boxes {
+        self.put_boxes(frame, boxes, |b, data| {
+            data.reserve(T::BYTES * b.area() as usize);
             for y in usize::from(b.y)..usize::from(b.y) + usize::from(b.height) {
                 let start = y * width + usize::from(b.x);
                 picture[start..start + usize::from(b.width)].iter().for_each(|value| value.put(data));
             }
+        });
+    }
+
+    /// Adds the boxes that a frame updates; `put` writes the pixels of each.
+    pub fn put_boxes(&mut self, frame: u32, boxes: &[PixelBox], mut put: impl FnMut(PixelBox, &mut Vec<u8>)) {
+        let data = self.begin(frame, BOXES, boxes.len() as u16);
+        for b in boxes {
+            [b.x, b.y, b.width, b.height].iter().for_each(|&value| data.put_u16(value));
         }
+        boxes.iter().for_each(|&b| put(b, data));
     }
 
     /// Bytes gathered so far.
@@ -276,7 +331,7 @@ mod tests {
     #[test]
     fn records_are_applied_at_their_frames() {
         let chunk = TemporalChunk::<u16>::parse(sample(), [3, 2], 5).unwrap();
-        assert_eq!(chunk.records().iter().map(|record| chunk.record_bytes(record.body)).collect::<Vec<_>>(), [24, 28]);
+        assert_eq!(chunk.records().iter().map(|record| record.bytes).collect::<Vec<_>>(), [24, 28]);
         let mut picture = [0; 6];
         assert_eq!(chunk.advance(&mut picture, None, 2, 1), 6);
         assert_eq!(picture, [1, 2, 3, 4, 5, 6]);

@@ -17,7 +17,7 @@ use crate::container::ChunkEntry;
 use crate::depth::record_table;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
-use crate::gpu::family::Family;
+use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
 use crate::gpu::pictures::{unpack_bytes, unpack_codes, unpack_halves};
 use crate::gpu::prepare::{self, Prepared};
@@ -403,11 +403,13 @@ impl<'a> GpuDecoder<'a> {
     }
 
     fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
-        match self.family {
-            Family::Nodes | Family::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
-            Family::Material => Picture::Material(self.assemble(stream, first, words, bytes_of)),
-            Family::Cells8 => Picture::Color8(self.assemble(stream, first, words, bytes_of)),
-            Family::CellsHalf => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
+        match self.family.words() {
+            PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
+            PixelWords::Bytes if self.family.is_color() => {
+                Picture::Color8(self.assemble(stream, first, words, bytes_of))
+            }
+            PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),
+            PixelWords::Halves => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
         }
     }
 

@@ -86,6 +86,22 @@ const BYTES: ShaderFile = file!("shared/bytes.wgsl");
 const PLAN: ShaderFile = file!("shared/plan.wgsl");
 const BLEND: ShaderFile = file!("color/blend.wgsl");
 
+const BLEND_8: ShaderFile = file!("color/blend_8.wgsl");
+const BLEND_HALF: ShaderFile = file!("color/blend_half.wgsl");
+const SAMPLES_8: ShaderFile = file!("color/samples_8.wgsl");
+const SAMPLES_HALF: ShaderFile = file!("color/samples_half.wgsl");
+const KEYFRAME_BLOCKS: ShaderFile = file!("color/keyframe_blocks.wgsl");
+const RECORDS: ShaderFile = file!("depth/records.wgsl");
+const CODES: ShaderFile = file!("depth/texel_codes.wgsl");
+const MATERIAL: ShaderFile = file!("depth/texel_material.wgsl");
+const PIECES: ShaderFile = file!("depth/pieces.wgsl");
+const BC1_BLOCKS: ShaderFile = file!("block/bc1.wgsl");
+const BC4_BLOCKS: ShaderFile = file!("block/bc4.wgsl");
+const BC5_BLOCKS: ShaderFile = file!("block/bc5.wgsl");
+const BC6H_BLOCKS: ShaderFile = file!("block/bc6h.wgsl");
+const BC7_BLOCKS: ShaderFile = file!("block/bc7.wgsl");
+const BPTC: ShaderFile = file!("block/bptc.wgsl");
+
 const BOX_BINDINGS: &[Binding] =
     &[Read("units"), Read("records"), Read("jobs"), Read("boxes"), Read("stream"), Write("pictures")];
 const CELL_BINDINGS: &[Binding] = &[Read("units"), Read("records"), Read("jobs"), Read("stream"), Write("pictures")];
@@ -94,7 +110,7 @@ const CELL_BINDINGS: &[Binding] = &[Read("units"), Read("records"), Read("jobs")
 pub static BOXES_CODES: Kernel = Kernel {
     name: "boxes-codes",
     entry: "decode_codes",
-    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_codes.wgsl")],
+    files: &[LAYOUT, JOBS, BYTES, RECORDS, file!("depth/boxes_of_values.wgsl"), CODES],
     bindings: BOX_BINDINGS,
     workgroup: 64,
 };
@@ -103,7 +119,7 @@ pub static BOXES_CODES: Kernel = Kernel {
 pub static BOXES_MATERIAL: Kernel = Kernel {
     name: "boxes-material",
     entry: "decode_material",
-    files: &[LAYOUT, JOBS, BYTES, file!("depth/records.wgsl"), file!("depth/texel_material.wgsl")],
+    files: &[LAYOUT, JOBS, BYTES, RECORDS, file!("depth/boxes_of_values.wgsl"), MATERIAL],
     bindings: BOX_BINDINGS,
     workgroup: 64,
 };
@@ -112,7 +128,7 @@ pub static BOXES_MATERIAL: Kernel = Kernel {
 pub static CELLS_8: Kernel = Kernel {
     name: "cells-8bit",
     entry: "decode_cells_8",
-    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_8.wgsl"), file!("color/blend_8.wgsl")],
+    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_8, file!("color/keyframes_samples.wgsl"), BLEND_8],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -121,7 +137,84 @@ pub static CELLS_8: Kernel = Kernel {
 pub static CELLS_HALF: Kernel = Kernel {
     name: "cells-half",
     entry: "decode_cells_half",
-    files: &[LAYOUT, JOBS, BYTES, BLEND, file!("color/samples_half.wgsl"), file!("color/blend_half.wgsl")],
+    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_HALF, file!("color/keyframes_samples.wgsl"), BLEND_HALF],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Boxes of depth codes, pieces of them in BC5: `DAB5`.
+pub static BOXES_BC5: Kernel = Kernel {
+    name: "boxes-bc5",
+    entry: "decode_codes",
+    files: &[LAYOUT, JOBS, BYTES, RECORDS, PIECES, BC4_BLOCKS, BC5_BLOCKS, file!("depth/pieces_bc5.wgsl"), CODES],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Boxes of material, pieces of them in BC1: `MAB1`.
+pub static BOXES_BC1: Kernel = Kernel {
+    name: "boxes-bc1",
+    entry: "decode_material",
+    files: &[LAYOUT, JOBS, BYTES, RECORDS, PIECES, BC1_BLOCKS, file!("depth/pieces_bc1.wgsl"), MATERIAL],
+    bindings: BOX_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of 8-bit colour with keyframes in BC1: `CCB1`.
+pub static CELLS_BC1: Kernel = Kernel {
+    name: "cells-bc1",
+    entry: "decode_cells_8",
+    files: &[
+        LAYOUT,
+        JOBS,
+        BYTES,
+        BLEND,
+        BC1_BLOCKS,
+        KEYFRAME_BLOCKS,
+        SAMPLES_8,
+        file!("color/keyframes_bc1.wgsl"),
+        BLEND_8,
+    ],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of 8-bit colour with keyframes in BC7: `CCB7`.
+pub static CELLS_BC7: Kernel = Kernel {
+    name: "cells-bc7",
+    entry: "decode_cells_8",
+    files: &[
+        LAYOUT,
+        JOBS,
+        BYTES,
+        BLEND,
+        BPTC,
+        BC7_BLOCKS,
+        KEYFRAME_BLOCKS,
+        SAMPLES_8,
+        file!("color/keyframes_bc7.wgsl"),
+        BLEND_8,
+    ],
+    bindings: CELL_BINDINGS,
+    workgroup: 64,
+};
+
+/// Cells of half floats with keyframes in BC6H: `CCB6`.
+pub static CELLS_BC6H: Kernel = Kernel {
+    name: "cells-bc6h",
+    entry: "decode_cells_half",
+    files: &[
+        LAYOUT,
+        JOBS,
+        BYTES,
+        BLEND,
+        BPTC,
+        BC6H_BLOCKS,
+        KEYFRAME_BLOCKS,
+        SAMPLES_HALF,
+        file!("color/keyframes_bc6h.wgsl"),
+        BLEND_HALF,
+    ],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -167,7 +260,7 @@ const BLOCK_BINDINGS: &[Binding] = &[Read("blocks"), Write("texels")];
 pub static BC1: Kernel = Kernel {
     name: "bc1",
     entry: "decode_bc1",
-    files: &[LAYOUT, file!("block/bc1.wgsl"), file!("block/decode_bc1.wgsl")],
+    files: &[LAYOUT, BC1_BLOCKS, file!("block/decode_bc1.wgsl")],
     bindings: BLOCK_BINDINGS,
     workgroup: 64,
 };
@@ -176,7 +269,7 @@ pub static BC1: Kernel = Kernel {
 pub static BC4: Kernel = Kernel {
     name: "bc4",
     entry: "decode_bc4",
-    files: &[LAYOUT, file!("block/bc4.wgsl"), file!("block/decode_bc4.wgsl")],
+    files: &[LAYOUT, BC4_BLOCKS, file!("block/decode_bc4.wgsl")],
     bindings: BLOCK_BINDINGS,
     workgroup: 64,
 };
@@ -185,7 +278,7 @@ pub static BC4: Kernel = Kernel {
 pub static BC5: Kernel = Kernel {
     name: "bc5",
     entry: "decode_bc5",
-    files: &[LAYOUT, file!("block/bc4.wgsl"), file!("block/bc5.wgsl"), file!("block/decode_bc5.wgsl")],
+    files: &[LAYOUT, BC4_BLOCKS, BC5_BLOCKS, file!("block/decode_bc5.wgsl")],
     bindings: BLOCK_BINDINGS,
     workgroup: 64,
 };
@@ -194,7 +287,7 @@ pub static BC5: Kernel = Kernel {
 pub static BC6H: Kernel = Kernel {
     name: "bc6h",
     entry: "decode_bc6h",
-    files: &[LAYOUT, file!("block/bptc.wgsl"), file!("block/bc6h.wgsl"), file!("block/decode_bc6h.wgsl")],
+    files: &[LAYOUT, BPTC, BC6H_BLOCKS, file!("block/decode_bc6h.wgsl")],
     bindings: BLOCK_BINDINGS,
     workgroup: 64,
 };
@@ -203,18 +296,23 @@ pub static BC6H: Kernel = Kernel {
 pub static BC7: Kernel = Kernel {
     name: "bc7",
     entry: "decode_bc7",
-    files: &[LAYOUT, file!("block/bptc.wgsl"), file!("block/bc7.wgsl"), file!("block/decode_bc7.wgsl")],
+    files: &[LAYOUT, BPTC, BC7_BLOCKS, file!("block/decode_bc7.wgsl")],
     bindings: BLOCK_BINDINGS,
     workgroup: 64,
 };
 
 /// All kernels.
-pub static KERNELS: [&Kernel; 12] = [
+pub static KERNELS: [&Kernel; 17] = [
     &NODES,
     &BOXES_CODES,
     &BOXES_MATERIAL,
     &CELLS_8,
     &CELLS_HALF,
+    &BOXES_BC5,
+    &BOXES_BC1,
+    &CELLS_BC1,
+    &CELLS_BC7,
+    &CELLS_BC6H,
     &PLAN_RECORDS,
     &PLAN_CELLS,
     &BC1,

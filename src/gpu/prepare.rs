@@ -3,18 +3,19 @@
 //! Enters: a payload. Leaves: rows whose offsets count from the chunk's own first byte, word or row; [`crate::gpu::resident`]
 //! adds where the chunk comes to lie.
 
-use crate::color::blend::{HalfKey, Sample};
+use crate::color::blend::Sample;
 use crate::color::cells::{Blend, CellChunk};
 use crate::container::Payload;
-use crate::depth::records::{Body, TemporalChunk};
+use crate::depth::pieces::{BlockTexel, Pieces, StoredPiece, stored_pieces};
+use crate::depth::records::{Body, Layout, TemporalChunk, Values};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
 use crate::error::Result;
-use crate::gpu::family::Family;
-use crate::gpu::layout::{BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_SAMPLES, Record};
+use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;
-use crate::video::codec::CodecHeader;
+use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::depth_chunk::DepthChunk;
+use crate::video::material_chunk::MaterialChunk;
 
 /// What the host keeps of a chunk that is on the device.
 #[derive(Debug, Clone)]
@@ -77,20 +78,50 @@ impl Prepared {
 /// # Errors
 /// Those of the codec.
 pub fn prepare(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Prepared> {
-    let pixels = size[0] as usize * size[1] as usize;
-    Ok(match (header, Family::of(header)) {
-        (CodecHeader::Depth(header), _) => match DepthChunk::parse(header, payload, size, frames)? {
-            DepthChunk::Boxes(chunk) => of_boxes(&chunk, size, Family::Codes),
+    Ok(match header {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
+            DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
+            DepthChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
             DepthChunk::Nodes(chunk) => of_nodes(chunk.runtime()),
             DepthChunk::Tree(chunk) => of_nodes(chunk.runtime()),
             DepthChunk::Blocks(chunk) => of_nodes(&chunk.runtime()),
         },
-        (CodecHeader::Color(_), Family::CellsHalf) => of_cells(&CellChunk::<HalfKey>::parse(payload, pixels, frames)?),
-        (CodecHeader::Color(_), _) => of_cells(&CellChunk::<u8>::parse(payload, pixels, frames)?),
-        (CodecHeader::Material(_), family) => {
-            of_boxes(&TemporalChunk::<[u8; 3]>::parse(payload, size, frames)?, size, family)
-        }
+        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
+            MaterialChunk::Boxes(chunk) => of_boxes(&chunk, size),
+            MaterialChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
+        },
+        CodecHeader::Color(header) => match header.format {
+            ColorFormat::EightBit(_) => of_cells(&CellChunk::parse(payload, header.cell_of_bytes(size), frames)?),
+            ColorFormat::Half { .. } => of_cells(&CellChunk::parse(payload, header.cell_of_halves(size), frames)?),
+        },
     })
+}
+
+/// A part of a rectangle that is stored in one way: left, top, width and height in it, the way, and where it starts
+/// among the bytes of the rectangle.
+type Part = ([u32; 4], u32, usize);
+
+/// How a rectangle is put together.
+pub trait Parts<T: Texel>: Layout<T> {
+    /// Its parts; `bytes` start with what is stored of it.
+    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part>;
+}
+
+impl<T: Texel> Parts<T> for Values {
+    fn parts(_: &[u8], [width, height]: [u32; 2]) -> Vec<Part> {
+        vec![([0, 0, width, height], BOX_VALUES, 0)]
+    }
+}
+
+impl<T: BlockTexel> Parts<T> for Pieces {
+    fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part> {
+        let pieces = stored_pieces::<T>(bytes, size.map(|side| side as usize));
+        let part = |piece: StoredPiece| {
+            let coding = if piece.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
+            (piece.rect.map(|side| side as u32), coding, piece.start)
+        };
+        pieces.map(part).collect()
+    }
 }
 
 /// Bytes as words, the last filled up with zeros.
@@ -114,24 +145,29 @@ pub fn of_nodes(runtime: &Runtime) -> Prepared {
     }
 }
 
-/// Boxes of codes or of material.
-pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2], family: Family) -> Prepared {
+/// Boxes of codes or of material, part by part.
+pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, height]: [u32; 2]) -> Prepared {
     let mut boxes = Vec::new();
     let mut records = Vec::new();
     for record in chunk.records() {
         let (first, mut work) = (boxes.len(), 0);
-        let mut push = |[x, y, width, height]: [u32; 4], at: usize, coding: u32| {
+        let mut push = |[x, y, width, height]: [u32; 4], coding: u32, at: usize| {
             // As many as the kernel writes words of each row.
-            let columns = if family == Family::Codes { code_stride(x + width) - x / 2 } else { width };
+            let columns = if T::BYTES == 2 { code_stride(x + width) - x / 2 } else { width };
             work += columns * height;
             boxes.push(BoxRow { x, y, width, height, at: at as u32, coding, end: work });
         };
+        let mut parts = |[left, top, width, height]: [u32; 4], at: usize| {
+            for ([x, y, width, height], coding, start) in L::parts(&chunk.payload()[at..], [width, height]) {
+                push([left + x, top + y, width, height], coding, at + start);
+            }
+        };
         match record.body {
-            Body::Whole(at) => push([0, 0, width, height], at, BOX_VALUES),
-            Body::Constant(at) => push([0, 0, width, height], at, BOX_CONSTANT),
+            Body::Whole(at) => parts([0, 0, width, height], at),
+            Body::Constant(at) => push([0, 0, width, height], BOX_CONSTANT, at),
             Body::Boxes { .. } => {
                 for &(b, at) in chunk.boxes(record.body) {
-                    push([b.x, b.y, b.width, b.height].map(u32::from), at, BOX_VALUES);
+                    parts([b.x, b.y, b.width, b.height].map(u32::from), at);
                 }
             }
         }
@@ -147,7 +183,8 @@ pub fn of_boxes<T: Texel>(chunk: &TemporalChunk<T>, [width, height]: [u32; 2], f
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
     let records = chunk.keyframes().iter().enumerate().map(|(at, &frame)| {
         let start = chunk.keyframe_at(at) as u32;
-        Record { frame, at: start, coding: KEYFRAME_SAMPLES, ..Record::default() }
+        let coding = if chunk.in_blocks(at) { KEYFRAME_BLOCKS } else { KEYFRAME_SAMPLES };
+        Record { frame, at: start, coding, ..Record::default() }
     });
     let (weights_at, weights) = chunk.weights();
     Prepared {

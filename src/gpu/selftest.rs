@@ -7,6 +7,8 @@ mod nodes;
 mod plans;
 pub mod streams;
 
+use crate::depth::pieces::Pieces;
+use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::{self, Case};
@@ -29,10 +31,15 @@ pub struct Row {
 /// Inputs of all kernels.
 pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::NODES, cases: nodes::cases },
-    Row { kernel: &kernels::BOXES_CODES, cases: boxes::cases::<u16> },
-    Row { kernel: &kernels::BOXES_MATERIAL, cases: boxes::cases::<[u8; 3]> },
+    Row { kernel: &kernels::BOXES_CODES, cases: boxes::cases::<u16, Values> },
+    Row { kernel: &kernels::BOXES_MATERIAL, cases: boxes::cases::<[u8; 3], Values> },
     Row { kernel: &kernels::CELLS_8, cases: cells::bytes },
     Row { kernel: &kernels::CELLS_HALF, cases: cells::halves },
+    Row { kernel: &kernels::BOXES_BC5, cases: boxes::cases::<u16, Pieces> },
+    Row { kernel: &kernels::BOXES_BC1, cases: boxes::cases::<[u8; 3], Pieces> },
+    Row { kernel: &kernels::CELLS_BC1, cases: cells::bc1 },
+    Row { kernel: &kernels::CELLS_BC7, cases: cells::bc7 },
+    Row { kernel: &kernels::CELLS_BC6H, cases: cells::bc6h },
     Row { kernel: &kernels::PLAN_RECORDS, cases: plans::records },
     Row { kernel: &kernels::PLAN_CELLS, cases: plans::cells },
     Row { kernel: &kernels::BC1, cases: blocks::bc1 },

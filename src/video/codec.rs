@@ -1,5 +1,9 @@
 //! What a stream's codec needs to know once (depth.md 3, color.md 2): typed here, bytes in the container.
 
+use crate::block::SIDE;
+use crate::color::blend::HalfKey;
+use crate::color::cells::CellFormat;
+use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::color::keyframes::SearchSettings;
 use crate::color::quality::Pu21;
 use crate::container::StreamEntry;
@@ -21,12 +25,22 @@ pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
 pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
 /// Depth as plain BC4w blocks.
 pub const DEPTH_BLOCKS: [u8; 4] = *b"DB4W";
+/// Depth codes in boxes, pieces of them in BC5 blocks.
+pub const DEPTH_AABB_BC5: [u8; 4] = *b"DAB5";
 /// Material triples in boxes.
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
+/// Material triples in boxes, pieces of them in BC1 blocks.
+pub const MATERIAL_AABB_BC1: [u8; 4] = *b"MAB1";
 /// 8-bit colour cells.
 pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
 /// Half-float colour cells.
 pub const COLOR_CELLS_HALF: [u8; 4] = *b"CCLH";
+/// 8-bit colour cells with keyframes in BC1 blocks.
+pub const COLOR_CELLS_BC1: [u8; 4] = *b"CCB1";
+/// 8-bit colour cells with keyframes in BC7 blocks.
+pub const COLOR_CELLS_BC7: [u8; 4] = *b"CCB7";
+/// Half-float colour cells with keyframes in BC6H blocks.
+pub const COLOR_CELLS_BC6H: [u8; 4] = *b"CCB6";
 
 /// Header of a depth stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,6 +60,8 @@ pub struct DepthHeader {
 pub enum DepthCoding {
     /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
     Boxes(TemporalSettings),
+    /// The same with pieces of the boxes in BC5 blocks.
+    BoxesInBlocks(TemporalSettings),
     /// Packed nodes of a quadtree.
     Nodes(NodeHeader),
     /// The quadtree itself, with all leaves as they are.
@@ -74,6 +90,8 @@ pub struct NodeHeader {
 pub struct MaterialHeader {
     /// How it was coded; only the window matters to a decoder.
     pub temporal: TemporalSettings,
+    /// Whether pieces of the boxes are in BC1 blocks.
+    pub in_blocks: bool,
 }
 
 /// The domain that colour is coded and measured in.
@@ -88,11 +106,24 @@ pub enum ColorFormat {
     },
 }
 
+/// A format of blocks for keyframes of colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ColorBlocks {
+    /// 8 bytes for 4x4 pixels of 8 bits.
+    Bc1,
+    /// 16 bytes for 4x4 pixels of 8 bits.
+    Bc7,
+    /// 16 bytes for 4x4 pixels of half floats.
+    Bc6h,
+}
+
 /// Header of a colour stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorHeader {
     /// The domain.
     pub format: ColorFormat,
+    /// What keyframes are stored in: BC1 or BC7 for 8 bits, BC6H for half floats; `None` for samples alone.
+    pub blocks: Option<ColorBlocks>,
     /// The PSNR that every frame of every cell reaches.
     pub min_psnr_db: f64,
 }
@@ -112,7 +143,7 @@ impl DepthHeader {
     /// The longest step of a decoder, in frames.
     pub fn window(&self) -> u8 {
         match self.coding {
-            DepthCoding::Boxes(temporal) => temporal.window,
+            DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => temporal.window,
             DepthCoding::Nodes(nodes) => nodes.window,
             DepthCoding::Tree(_) | DepthCoding::Blocks => 1,
         }
@@ -121,7 +152,7 @@ impl DepthHeader {
     /// The promise: how far a decoded surface is from its source at most, in codes; `None` where there is none.
     pub fn error_bound(&self) -> Option<u16> {
         match self.coding {
-            DepthCoding::Boxes(temporal) => Some(temporal.epsilon),
+            DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => Some(temporal.epsilon),
             DepthCoding::Nodes(nodes) => Some(nodes.bound.saturating_add(nodes.epsilon)),
             DepthCoding::Tree(_) => Some(0),
             DepthCoding::Blocks => None,
@@ -130,9 +161,23 @@ impl DepthHeader {
 }
 
 impl ColorHeader {
-    /// A header that speaks of what the search was asked for.
+    /// The header of cells of samples, which speaks of what the search was asked for.
     pub fn new(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
-        ColorHeader { format, min_psnr_db: search.min_psnr_db }
+        ColorHeader { format, blocks: None, min_psnr_db: search.min_psnr_db }
+    }
+
+    /// How a cell of this width and height is read, of a stream of 8 bits.
+    pub fn cell_of_bytes(&self, [width, height]: [u32; 2]) -> CellFormat<u8> {
+        let blocks = self.blocks.map(|blocks| match blocks {
+            ColorBlocks::Bc1 => KeyframeBlocks::BC1,
+            ColorBlocks::Bc7 | ColorBlocks::Bc6h => KeyframeBlocks::BC7,
+        });
+        CellFormat { size: [width as usize, height as usize], blocks }
+    }
+
+    /// How a cell of this width and height is read, of a stream of half floats.
+    pub fn cell_of_halves(&self, [width, height]: [u32; 2]) -> CellFormat<HalfKey> {
+        CellFormat { size: [width as usize, height as usize], blocks: self.blocks.map(|_| KeyframeBlocks::BC6H) }
     }
 }
 
@@ -151,13 +196,20 @@ impl CodecHeader {
         match self {
             CodecHeader::Depth(header) => match header.coding {
                 DepthCoding::Boxes(_) => DEPTH_AABB,
+                DepthCoding::BoxesInBlocks(_) => DEPTH_AABB_BC5,
                 DepthCoding::Nodes(_) => DEPTH_NODES,
                 DepthCoding::Tree(_) => DEPTH_TREE,
                 DepthCoding::Blocks => DEPTH_BLOCKS,
             },
-            CodecHeader::Material(_) => MATERIAL_AABB,
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => COLOR_CELLS_8,
-            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => COLOR_CELLS_HALF,
+            CodecHeader::Material(MaterialHeader { in_blocks: false, .. }) => MATERIAL_AABB,
+            CodecHeader::Material(MaterialHeader { in_blocks: true, .. }) => MATERIAL_AABB_BC1,
+            CodecHeader::Color(header) => match (header.format, header.blocks) {
+                (ColorFormat::EightBit(_), None) => COLOR_CELLS_8,
+                (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => COLOR_CELLS_BC1,
+                (ColorFormat::EightBit(_), Some(_)) => COLOR_CELLS_BC7,
+                (ColorFormat::Half { .. }, None) => COLOR_CELLS_HALF,
+                (ColorFormat::Half { .. }, Some(_)) => COLOR_CELLS_BC6H,
+            },
         }
     }
 
@@ -166,6 +218,11 @@ impl CodecHeader {
         match self.codec() {
             COLOR_CELLS_8 => "cells-8bit",
             COLOR_CELLS_HALF => "cells-half",
+            COLOR_CELLS_BC1 => "cells-bc1",
+            COLOR_CELLS_BC7 => "cells-bc7",
+            COLOR_CELLS_BC6H => "cells-bc6h",
+            DEPTH_AABB_BC5 => "aabb-bc5",
+            MATERIAL_AABB_BC1 => "aabb-bc1",
             DEPTH_NODES => "quadtree",
             DEPTH_TREE => "quadtree-intermediate",
             DEPTH_BLOCKS => "bc4w",
@@ -186,7 +243,9 @@ impl CodecHeader {
                     DepthKind::Planar => 1,
                 });
                 match header.coding {
-                    DepthCoding::Boxes(temporal) => write_temporal(&temporal, &mut out),
+                    DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => {
+                        write_temporal(&temporal, &mut out);
+                    }
                     DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
                     DepthCoding::Blocks => {}
                 }
@@ -214,19 +273,25 @@ impl CodecHeader {
         let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
         let mut fields = Fields::new(&stream.codec_header, 0, section);
         let header = match (StreamKind::from_index(stream.kind), stream.codec) {
-            (Some(StreamKind::Depth), DEPTH_AABB | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS) => {
-                let header = read_depth(&mut fields, stream.codec)?;
-                if stream.codec != DEPTH_AABB && stream.unit_width.max(stream.unit_height) > MAX_TILE {
+            (
+                Some(StreamKind::Depth),
+                codec @ (DEPTH_AABB | DEPTH_AABB_BC5 | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS),
+            ) => {
+                let header = read_depth(&mut fields, codec)?;
+                let in_boxes = codec == DEPTH_AABB || codec == DEPTH_AABB_BC5;
+                if !in_boxes && stream.unit_width.max(stream.unit_height) > MAX_TILE {
                     return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
                 }
                 CodecHeader::Depth(header)
             }
-            (Some(StreamKind::Material), MATERIAL_AABB) => {
-                CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)? })
+            (Some(StreamKind::Material), codec @ (MATERIAL_AABB | MATERIAL_AABB_BC1)) => {
+                let in_blocks = codec == MATERIAL_AABB_BC1;
+                CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)?, in_blocks })
             }
-            (Some(StreamKind::Color), COLOR_CELLS_8 | COLOR_CELLS_HALF) => {
-                CodecHeader::Color(read_color(&mut fields, stream.codec)?)
-            }
+            (
+                Some(StreamKind::Color),
+                codec @ (COLOR_CELLS_8 | COLOR_CELLS_HALF | COLOR_CELLS_BC1 | COLOR_CELLS_BC7 | COLOR_CELLS_BC6H),
+            ) => CodecHeader::Color(read_color(&mut fields, codec)?),
             _ => {
                 return Err(Error::unsupported(format!(
                     "a stream of kind {} uses codec '{}', which this lightfold does not know",
@@ -235,8 +300,20 @@ impl CodecHeader {
                 )));
             }
         };
+        if header.in_blocks() && [stream.unit_width, stream.unit_height].iter().any(|side| side % SIDE as u32 != 0) {
+            return Err(fields.error(format!("units whose sides are no multiples of {SIDE} pixels")));
+        }
         fields.finish()?;
         Ok(header)
+    }
+
+    /// Whether units are made of blocks of 4x4 pixels, so that their sides are multiples of 4.
+    pub fn in_blocks(&self) -> bool {
+        match self {
+            CodecHeader::Depth(header) => matches!(header.coding, DepthCoding::BoxesInBlocks(_)),
+            CodecHeader::Material(header) => header.in_blocks,
+            CodecHeader::Color(header) => header.blocks.is_some(),
+        }
     }
 }
 
@@ -262,6 +339,7 @@ fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
             }
         },
         DEPTH_BLOCKS => DepthCoding::Blocks,
+        DEPTH_AABB_BC5 => DepthCoding::BoxesInBlocks(read_temporal(fields)?),
         _ => DepthCoding::Boxes(read_temporal(fields)?),
     };
     Ok(DepthHeader { range, background, kind, coding })
@@ -297,7 +375,13 @@ fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
 
 fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
     let min_psnr_db = fields.finite_f64("the quality")?;
-    let format = if codec == COLOR_CELLS_8 {
+    let blocks = match codec {
+        COLOR_CELLS_BC1 => Some(ColorBlocks::Bc1),
+        COLOR_CELLS_BC7 => Some(ColorBlocks::Bc7),
+        COLOR_CELLS_BC6H => Some(ColorBlocks::Bc6h),
+        _ => None,
+    };
+    let format = if codec != COLOR_CELLS_HALF && codec != COLOR_CELLS_BC6H {
         let exposure_ev = fields.f32()?;
         if !(-32.0..=32.0).contains(&exposure_ev) {
             return Err(fields.error(format!("an exposure of {exposure_ev} stops is not within -32 to 32")));
@@ -313,7 +397,7 @@ fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
         Pu21::check_white(white_cd_m2)?;
         ColorFormat::Half { white_cd_m2 }
     };
-    Ok(ColorHeader { format, min_psnr_db })
+    Ok(ColorHeader { format, blocks, min_psnr_db })
 }
 
 fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
@@ -363,16 +447,34 @@ mod tests {
         let depth = |coding| {
             CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, coding })
         };
-        let tone = ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 };
+        let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
+        let half = ColorFormat::Half { white_cd_m2: 80.0 };
+        let color = |format, blocks| CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 });
         vec![
             depth(DepthCoding::Boxes(temporal)),
+            depth(DepthCoding::BoxesInBlocks(temporal)),
             depth(DepthCoding::Nodes(nodes)),
             depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
             depth(DepthCoding::Blocks),
-            CodecHeader::Material(MaterialHeader { temporal }),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), min_psnr_db: 50.0 }),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2: 80.0 }, min_psnr_db: 40.0 }),
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
+            color(tone, None),
+            color(tone, Some(ColorBlocks::Bc1)),
+            color(tone, Some(ColorBlocks::Bc7)),
+            color(half, None),
+            color(half, Some(ColorBlocks::Bc6h)),
         ]
+    }
+
+    #[test]
+    fn units_of_blocks_have_sides_in_whole_blocks() {
+        for header in samples() {
+            for (width, height) in [(7, 8), (8, 6), (12, 4)] {
+                let odd = StreamEntry { unit_width: width, unit_height: height, ..entry(&header) };
+                let refused = header.in_blocks() && (width, height) != (12, 4);
+                assert_eq!(CodecHeader::read(&odd).is_err(), refused, "{}", header.codec_name());
+            }
+        }
     }
 
     #[test]

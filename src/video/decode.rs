@@ -6,19 +6,18 @@ use std::time::{Duration, Instant};
 use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::CellChunk;
+use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::index::ProbeEntry;
 use crate::container::{ChunkEntry, Payload, Reader, StreamEntry};
 use crate::dataset::stream::StreamKind;
-use crate::depth::records::TemporalChunk;
-use crate::depth::texel::Texel;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::ordered::try_map_ordered;
-use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
 use crate::video::depth_chunk::DepthChunk;
+use crate::video::material_chunk::MaterialChunk;
 
 /// A stream of an open container, typed.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,14 +134,14 @@ impl Decoder {
     /// A decoder of one unit that reads its chunks into `spare`, which [`UnitDecoder::into_spare`] of another gave.
     pub fn unit_in<'a>(&'a self, stream: &'a StreamInfo, unit: u32, spare: Vec<u8>) -> UnitDecoder<'a> {
         let [_, _, width, height] = stream.entry.unit_rect(unit);
-        let (size, pixels) = ([width, height], width as usize * height as usize);
+        let size = [width, height];
         let state = match stream.header {
             CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), header)),
-            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, ())),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                State::Color8(CellState::new(pixels))
+            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, header)),
+            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                State::Color8(CellState::new(header.cell_of_bytes(size)))
             }
-            CodecHeader::Color(_) => State::ColorHalf(CellState::new(pixels)),
+            CodecHeader::Color(header) => State::ColorHalf(CellState::new(header.cell_of_halves(size))),
         };
         let chunks = self.reader.index().unit_chunks(stream.index, unit);
         let source = ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare };
@@ -198,7 +197,7 @@ pub struct UnitDecoder<'a> {
 #[derive(Debug)]
 enum State {
     Depth(TemporalState<DepthChunk>),
-    Material(TemporalState<TemporalChunk<[u8; 3]>>),
+    Material(TemporalState<MaterialChunk>),
     Color8(CellState<u8>),
     ColorHalf(CellState<HalfKey>),
 }
@@ -270,20 +269,20 @@ impl PictureChunk for DepthChunk {
     }
 }
 
-impl<T: Texel> PictureChunk for TemporalChunk<T> {
-    type Pixel = T;
-    type Header = ();
+impl PictureChunk for MaterialChunk {
+    type Pixel = [u8; 3];
+    type Header = MaterialHeader;
 
-    fn parse((): &(), payload: Payload, size: [u32; 2], frames: u32) -> Result<Self> {
-        TemporalChunk::parse(payload, size, frames)
+    fn parse(header: &MaterialHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Self> {
+        MaterialChunk::parse(header, payload, size, frames)
     }
 
-    fn advance(&self, picture: &mut [T], at: Option<u32>, target: u32, window: u8) -> u64 {
-        TemporalChunk::advance(self, picture, at, target, window)
+    fn advance(&self, picture: &mut [[u8; 3]], at: Option<u32>, target: u32, window: u8) -> u64 {
+        MaterialChunk::advance(self, picture, at, target, window)
     }
 
     fn into_spare(self) -> Vec<u8> {
-        TemporalChunk::into_spare(self)
+        MaterialChunk::into_spare(self)
     }
 }
 
@@ -331,7 +330,7 @@ impl<C: PictureChunk> TemporalState<C> {
 /// A colour cell: the samples shown, and the two keyframes they lie between.
 #[derive(Debug)]
 struct CellState<S> {
-    pixels: usize,
+    format: CellFormat<S>,
     shown: Vec<S>,
     /// Index of the chunk, keyframe in it, weight.
     recipe: Option<(usize, usize, u8)>,
@@ -349,9 +348,9 @@ struct Keyframe<S> {
 }
 
 impl<S: Sample> CellState<S> {
-    fn new(pixels: usize) -> Self {
+    fn new(format: CellFormat<S>) -> Self {
         CellState {
-            pixels,
+            format,
             shown: Vec::new(),
             recipe: None,
             chunk: None,
@@ -373,7 +372,7 @@ impl<S: Sample> CellState<S> {
         let start = Instant::now();
         let fetched_before = source.cost.fetching;
         self.hold(source, 0, (index, blend.keyframe))?;
-        let samples = self.pixels * 3;
+        let samples = self.format.pixels() * 3;
         self.shown.resize(samples, S::default());
         if blend.weight == 0 {
             self.shown.copy_from_slice(&self.keyframes[0].samples);
@@ -386,7 +385,7 @@ impl<S: Sample> CellState<S> {
         }
         self.recipe = Some(recipe);
         source.cost.applying += start.elapsed().saturating_sub(source.cost.fetching - fetched_before);
-        Ok(self.pixels as u64)
+        Ok(self.format.pixels() as u64)
     }
 
     fn load(&mut self, source: &mut ChunkSource<'_>, index: usize, entry: &ChunkEntry) -> Result<()> {
@@ -403,8 +402,8 @@ impl<S: Sample> CellState<S> {
     }
 
     fn parse(&self, source: &mut ChunkSource<'_>, entry: &ChunkEntry) -> Result<CellChunk<S>> {
-        let pixels = self.pixels;
-        source.fetch(entry, |payload| CellChunk::parse(payload, pixels, entry.key.frame_count))
+        let format = self.format;
+        source.fetch(entry, |payload| CellChunk::parse(payload, format, entry.key.frame_count))
     }
 
     /// Brings a keyframe into a slot, from the other slot where it is there.
@@ -429,7 +428,7 @@ impl<S: Sample> CellState<S> {
         let held = if holds(&self.chunk) { &self.chunk } else { &self.next_chunk };
         let chunk = held.as_ref().map(|(_, chunk)| chunk);
         let target = &mut self.keyframes[slot];
-        target.samples.resize(self.pixels * 3, S::default());
+        target.samples.resize(self.format.pixels() * 3, S::default());
         if let Some(chunk) = chunk {
             chunk.read_keyframe(keyframe, &mut target.samples);
         }

@@ -4,6 +4,7 @@ use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::Grid;
+use crate::depth::pieces::Pieces;
 use crate::depth::records::TemporalChunk;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
@@ -14,6 +15,8 @@ use crate::video::codec::{DepthCoding, DepthHeader};
 pub enum DepthChunk {
     /// Codes in boxes.
     Boxes(TemporalChunk<u16>),
+    /// Codes in boxes, pieces of them in BC5 blocks.
+    BoxesInBlocks(TemporalChunk<u16, Pieces>),
     /// Packed nodes.
     Nodes(NodeChunk),
     /// The intermediate form.
@@ -28,6 +31,7 @@ impl DepthChunk {
         let grid = Grid { width: size[0], height: size[1] };
         Ok(match header.coding {
             DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(payload, size, frames)?),
+            DepthCoding::BoxesInBlocks(_) => DepthChunk::BoxesInBlocks(TemporalChunk::parse(payload, size, frames)?),
             DepthCoding::Nodes(nodes) => {
                 DepthChunk::Nodes(NodeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
             }
@@ -43,6 +47,7 @@ impl DepthChunk {
     pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         match self {
             DepthChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
+            DepthChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
             DepthChunk::Nodes(chunk) => chunk.advance(picture, at, target, window),
             DepthChunk::Tree(chunk) => chunk.advance(picture, at, target),
             DepthChunk::Blocks(_) if at == Some(target) => 0,
@@ -54,6 +59,7 @@ impl DepthChunk {
     pub fn into_spare(self) -> Vec<u8> {
         match self {
             DepthChunk::Boxes(chunk) => chunk.into_spare(),
+            DepthChunk::BoxesInBlocks(chunk) => chunk.into_spare(),
             DepthChunk::Nodes(chunk) => chunk.into_spare(),
             DepthChunk::Tree(chunk) => chunk.into_spare(),
             DepthChunk::Blocks(chunk) => chunk.into_spare(),

@@ -20,15 +20,14 @@ use crate::dataset::source::{Source, SourceGroup};
 use crate::dataset::stream::{Projection, StreamKind};
 use crate::depth::block::MAX_TILE;
 use crate::depth::quantise::{DepthRange, Quantiser};
-use crate::depth::temporal::TemporalSettings;
 use crate::error::{Error, Result};
 use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
-use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::video::scan;
 
-pub use settings::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound};
+pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings};
 use unit::{ColorMemory, GroupCoder, Pace, UnitJob, timed};
 
 /// Frames read and coded together. Fixed, because the file's order depends on it.
@@ -85,11 +84,7 @@ pub fn encode<W: Write>(
     out: W,
     monitor: &dyn Monitor,
 ) -> Result<(W, EncodeSummary)> {
-    settings.temporal.check()?;
-    settings.nodes(0).check()?;
-    if settings.tiles == 0 || settings.cell == 0 || settings.search.reach == 0 {
-        return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
-    }
+    settings.check()?;
     let groups = selected_groups(source, settings);
     if groups.is_empty() {
         return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
@@ -128,14 +123,13 @@ impl<W: Write> Job<'_, W> {
                 groups.iter().copied().filter(move |(_, group)| group.probe == probe && group.kind == kind)
             };
             for (_, group) in of(StreamKind::Color) {
-                let header = CodecHeader::Color(ColorHeader::new(self.settings.color, &self.settings.search));
+                let header = CodecHeader::Color(self.settings.color_header());
                 self.encode_group(GroupCoder::new(group, header, self.settings)?, |_| None)?;
             }
             let depth: Vec<_> = of(StreamKind::Depth).collect();
             self.encode_depth(&depth)?;
             for (_, group) in of(StreamKind::Material) {
-                let temporal = TemporalSettings { epsilon: 0, ..self.settings.temporal };
-                let header = CodecHeader::Material(MaterialHeader { temporal });
+                let header = CodecHeader::Material(self.settings.material_header());
                 self.encode_group(GroupCoder::new(group, header, self.settings)?, |_| None)?;
             }
         }
@@ -221,7 +215,9 @@ impl<W: Write> Job<'_, W> {
             .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
         let unit = |side: u32| match (group.kind, self.settings.depth.codec) {
             (StreamKind::Color, _) => self.settings.cell.min(MAX_SIZE),
-            (StreamKind::Material, _) | (_, DepthCodec::Boxes) => tile_side(side, self.settings.tiles),
+            (StreamKind::Material, _) | (_, DepthCodec::Boxes | DepthCodec::BoxesInBlocks) => {
+                tile_side(side, self.settings.tiles)
+            }
             (StreamKind::Depth, _) => tile_side(side, self.settings.tiles.max(side.div_ceil(MAX_TILE))),
         };
         let (unit_width, unit_height) = (unit(group.width), unit(group.height));

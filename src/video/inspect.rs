@@ -16,7 +16,7 @@ use crate::monitor::Monitor;
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::encode::raw_pixel_bytes;
 
-pub use counts::FrameCost;
+pub use counts::{BlockCount, FrameCost};
 use counts::{ChunkMeasure, Event, count_chunk};
 
 /// Rows of frames that one inspection may list.
@@ -101,6 +101,8 @@ pub struct StreamStats<'a> {
     pub aabbs: u64,
     /// Nodes of all frames, by level and function; of a tree all that it holds, whatever it will be flattened to.
     pub nodes: NodeCensus,
+    /// Keyframes and pieces by how they are stored, in codecs of blocks.
+    pub blocks: BlockCount,
     /// Pixels written, keyframes included, when all frames are shown in order.
     pub updated_pixels: u64,
     /// Units whose picture never changes; keyframes that repeat it do not count as change.
@@ -275,6 +277,7 @@ struct UnitMeasure {
     /// Sums of all frames.
     total: FrameCost,
     census: NodeCensus,
+    blocks: BlockCount,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
@@ -297,6 +300,7 @@ impl Watch<'_> {
         let mut measure = UnitMeasure {
             total: FrameCost::default(),
             census: NodeCensus::default(),
+            blocks: BlockCount::default(),
             is_static: true,
             constant: true,
             events: vec![],
@@ -361,6 +365,7 @@ impl UnitMeasure {
             self.total.add(event.cost);
         }
         self.census.add(&chunk.census);
+        self.blocks.add(chunk.blocks);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
         if rows != FrameRows::None {
@@ -385,6 +390,7 @@ impl<'a> StreamMeasure<'a> {
         let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
         let (mut total, mut census) = (FrameCost::default(), NodeCensus::default());
+        let mut blocks = BlockCount::default();
         let (mut static_units, mut constant_units) = (0, 0);
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
         let spread = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
@@ -393,6 +399,7 @@ impl<'a> StreamMeasure<'a> {
         for unit in units {
             total.add(unit.total);
             census.add(&unit.census);
+            blocks.add(unit.blocks);
             let sound = unit.damaged.is_empty();
             static_units += u64::from(sound && unit.is_static);
             constant_units += u64::from(sound && unit.constant);
@@ -416,6 +423,7 @@ impl<'a> StreamMeasure<'a> {
             },
             aabbs: total.aabbs,
             nodes: census,
+            blocks,
             updated_pixels: total.updated_pixels,
             static_units,
             constant_units,

@@ -12,6 +12,7 @@ pub mod encode;
 pub mod export;
 pub mod flatten;
 pub mod inspect;
+pub mod material_chunk;
 pub mod pack;
 pub mod scan;
 pub mod side;

@@ -5,6 +5,7 @@ use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::container::{Index, Reader, Storage};
 use lightfold::depth::TemporalSettings;
+use lightfold::video::codec::ColorBlocks;
 use lightfold::video::decode::Decoder;
 use rayon::prelude::*;
 
@@ -36,6 +37,23 @@ fn small(level: Option<u32>) -> Vec<u8> {
     bytes
 }
 
+/// The same with pieces and keyframes in blocks.
+fn in_blocks() -> Vec<u8> {
+    let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [8, 4], first_frame: 3, frame_count };
+    let settings = TemporalSettings { window: 2, epsilon: 90, max_aabbs: 4, keyframe_interval: 3 };
+    let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
+    let size = [9, 6];
+    let streams = [
+        samples::depth_in_blocks(shape(0, size, 4), &samples::moving_codes(size, 4, 5), settings),
+        samples::color8_in_blocks(shape(0, size, 5), ColorBlocks::Bc1, &samples::drifting_bytes(size, 5), search, 20.0),
+        samples::color8_in_blocks(shape(1, size, 5), ColorBlocks::Bc7, &samples::drifting_bytes(size, 5), search, 35.0),
+        samples::material_in_blocks(shape(0, size, 4), &samples::patched_materials(size, 4), settings),
+    ];
+    let bytes = samples::container(0, samples::probe("00", 9), &streams, None);
+    assert!(bytes.len() < 6000, "{} bytes", bytes.len());
+    bytes
+}
+
 /// Fails where a damaged file shows other pixels than the good one.
 fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
     if let Ok(images) = samples::decode_all(damaged) {
@@ -43,9 +61,8 @@ fn check(damaged: Vec<u8>, expected: &Images, what: impl Fn() -> String) {
     }
 }
 
-fn both() -> [(Vec<u8>, Images); 2] {
-    [None, Some(6)].map(|level| {
-        let file = small(level);
+fn all() -> [(Vec<u8>, Images); 3] {
+    [small(None), small(Some(6)), in_blocks()].map(|file| {
         let images = samples::decode_all(file.clone()).unwrap();
         (file, images)
     })
@@ -53,7 +70,7 @@ fn both() -> [(Vec<u8>, Images); 2] {
 
 #[test]
 fn a_file_cut_at_any_length_is_refused() {
-    for (file, _) in both() {
+    for (file, _) in all() {
         for length in 0..file.len() {
             assert!(samples::decode_all(file[..length].to_vec()).is_err(), "{length} bytes are taken");
         }
@@ -62,7 +79,7 @@ fn a_file_cut_at_any_length_is_refused() {
 
 #[test]
 fn any_flipped_bit_is_an_error_or_changes_nothing() {
-    for (file, images) in both() {
+    for (file, images) in all() {
         (0..file.len() * 8).into_par_iter().for_each(|bit| {
             let mut damaged = file.clone();
             damaged[bit / 8] ^= 1 << (bit % 8);
@@ -73,7 +90,7 @@ fn any_flipped_bit_is_an_error_or_changes_nothing() {
 
 #[test]
 fn any_byte_inserted_or_deleted_is_an_error() {
-    for (file, _) in both() {
+    for (file, _) in all() {
         for at in 0..=file.len() {
             for value in [0, 0xff, file[at.min(file.len() - 1)]] {
                 let mut damaged = file.clone();
@@ -91,7 +108,7 @@ fn any_byte_inserted_or_deleted_is_an_error() {
 
 #[test]
 fn any_two_bytes_exchanged_are_an_error_or_change_nothing() {
-    for (file, images) in both() {
+    for (file, images) in all() {
         for distance in [1, 4, 8, 40] {
             for at in 0..file.len() - distance {
                 let mut damaged = file.clone();
@@ -161,7 +178,7 @@ fn repair_chunks(index: &mut Index, stored: &[u8]) {
 
 #[test]
 fn payloads_damaged_under_a_right_crc_never_panic() {
-    for (file, _) in both() {
+    for (file, _) in all() {
         let (index, stored) = samples::take_apart(&file);
         let taken: usize = (0..6000u64)
             .into_par_iter()
@@ -204,7 +221,7 @@ fn payloads_cut_or_lengthened_under_a_right_crc_never_panic() {
 
 #[test]
 fn indices_damaged_under_a_right_crc_never_panic() {
-    for (file, _) in both() {
+    for (file, _) in all() {
         let (index, stored) = samples::take_apart(&file);
         let taken: usize = (0..10_000u64)
             .into_par_iter()

@@ -1,8 +1,10 @@
 //! One test binary for everything that is tested from outside the crate.
 
+mod blocks;
 mod cli;
 mod commands;
 mod corrupt;
+mod devices;
 mod diff;
 mod docs;
 mod exr_files;
@@ -16,4 +18,5 @@ mod quality;
 mod roundtrip;
 mod samples;
 mod vectors;
+mod vectors_of_blocks;
 mod vectors_of_nodes;

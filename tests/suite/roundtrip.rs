@@ -21,13 +21,13 @@ use lightfold::video::export::{Selection, decode_to_nothing};
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;
 
-fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
+pub fn encoded(source: &Source, settings: &EncodeSettings) -> Vec<u8> {
     let (bytes, summary) = encode(source, settings, Vec::new(), &Silent).unwrap();
     assert_eq!(summary.bytes, bytes.len() as u64);
     bytes
 }
 
-fn decoder(bytes: &[u8]) -> Decoder {
+pub fn decoder(bytes: &[u8]) -> Decoder {
     Decoder::new(Reader::from_memory(bytes.to_vec()).unwrap()).unwrap()
 }
 
@@ -41,7 +41,7 @@ const BOUNDED: [(DepthCodec, u16); 4] =
     [(DepthCodec::Boxes, 0), (DepthCodec::Tree, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 100)];
 
 /// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.
-fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
+pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
     let decoder = decoder(bytes);
     for stream in decoder.streams() {
         let CodecHeader::Depth(header) = stream.header else { continue };
@@ -61,7 +61,7 @@ fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
 }
 
 /// Every frame of every cell of an 8-bit colour stream reaches the PSNR asked for.
-fn check_color8(source: &Source, bytes: &[u8], settings: &EncodeSettings) {
+pub fn check_color8(source: &Source, bytes: &[u8], min_psnr_db: f64) {
     let decoder = decoder(bytes);
     let table = EncodeTable::new(&ToneMap::default());
     let group = &source.groups()[0];
@@ -80,7 +80,7 @@ fn check_color8(source: &Source, bytes: &[u8], settings: &EncodeSettings) {
                 };
                 let (a, b) = (cut(&shown), cut(&wanted));
                 let error = EightBit.squared_error(&a, &a, 0, &b, u64::MAX);
-                let allowed = EightBit.max_squared_error(settings.search.min_psnr_db, a.len());
+                let allowed = EightBit.max_squared_error(min_psnr_db, a.len());
                 assert!(error <= allowed, "frame {frame} unit {unit}: {error} > {allowed}");
             }
         }
@@ -114,7 +114,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         let source = footage.open(folder.path());
         for cell in [64, 4, 1] {
             let settings = EncodeSettings { cell, lzma2: Some(1), ..EncodeSettings::default() };
-            check_color8(&source, &encoded(&source, &settings), &settings);
+            check_color8(&source, &encoded(&source, &settings), settings.search.min_psnr_db);
         }
         footage.color = None;
         footage.material = Some(&material);

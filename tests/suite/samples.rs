@@ -3,8 +3,9 @@
 use half::f16;
 use lightfold::Result;
 use lightfold::color::cells::CellBuilder;
-use lightfold::color::quality::{EightBit, Pu21};
-use lightfold::color::{CellEncoder, HalfKey, SearchSettings};
+use lightfold::color::quality::{EightBit, Pu21, Quality};
+use lightfold::color::temporal::BlockStage;
+use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
 use lightfold::container::{
     ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
@@ -13,12 +14,13 @@ use lightfold::depth::block_chunk::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
+use lightfold::depth::temporal::Held;
 use lightfold::depth::tree_chunk::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
 use lightfold::image::transfer::ToneMap;
 use lightfold::video::codec::{
-    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+    CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
 use lightfold::video::decode::{Decoder, Picture};
 
@@ -71,12 +73,16 @@ pub fn cut<T: Copy>(image: &[T], width: u32, [left, top, w, h]: [u32; 4]) -> Vec
     (top..top + h).flat_map(|y| (left..left + w).map(move |x| image[(y * width + x) as usize])).collect()
 }
 
-fn temporal<T: Texel>(entry: StreamEntry, images: &[Vec<T>], settings: TemporalSettings) -> Stream {
+fn temporal<T: Texel, H: Held<T>>(
+    entry: StreamEntry,
+    images: &[Vec<T>],
+    encoder: impl Fn([u32; 2]) -> TemporalEncoder<T, H>,
+) -> Stream {
     assert_eq!(images.len(), entry.frame_count as usize);
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let rect = entry.unit_rect(unit);
-        let mut encoder = TemporalEncoder::new(rect[2], settings);
+        let mut encoder = encoder([rect[2], rect[3]]);
         for image in images {
             chunks.extend(encoder.push(&cut(image, entry.width, rect)).unwrap().map(|chunk| (unit, chunk)));
         }
@@ -185,12 +191,34 @@ pub fn blocks(shape: Shape, images: &[Vec<u16>], keyframe_interval: u32) -> Stre
 }
 
 pub fn depth(shape: Shape, range: [f32; 2], images: &[Vec<u16>], settings: TemporalSettings) -> Stream {
-    temporal(entry(shape, &depth_header(range, settings)), images, settings)
+    temporal(entry(shape, &depth_header(range, settings)), images, |[width, _]| TemporalEncoder::new(width, settings))
+}
+
+/// The codec of depth in boxes of BC5.
+pub fn bc5_codec(settings: TemporalSettings) -> CodecHeader {
+    header_of(node_range(), DepthCoding::BoxesInBlocks(settings))
+}
+
+/// Depth in boxes, pieces of them in BC5.
+pub fn depth_in_blocks(shape: Shape, images: &[Vec<u16>], settings: TemporalSettings) -> Stream {
+    let encoder = |size| TemporalEncoder::in_blocks(size, settings, Effort::Fast);
+    temporal(entry(shape, &bc5_codec(settings)), images, encoder)
 }
 
 pub fn material(shape: Shape, images: &[Vec<[u8; 3]>], settings: TemporalSettings) -> Stream {
-    let header = CodecHeader::Material(MaterialHeader { temporal: settings });
-    temporal(entry(shape, &header), images, settings)
+    let header = CodecHeader::Material(MaterialHeader { temporal: settings, in_blocks: false });
+    temporal(entry(shape, &header), images, |[width, _]| TemporalEncoder::new(width, settings))
+}
+
+/// The codec of material in boxes of BC1.
+pub fn bc1_codec(settings: TemporalSettings) -> CodecHeader {
+    CodecHeader::Material(MaterialHeader { temporal: settings, in_blocks: true })
+}
+
+/// Material in boxes, pieces of them in BC1.
+pub fn material_in_blocks(shape: Shape, images: &[Vec<[u8; 3]>], settings: TemporalSettings) -> Stream {
+    let encoder = |size| TemporalEncoder::in_blocks(size, settings, Effort::Fast);
+    temporal(entry(shape, &bc1_codec(settings)), images, encoder)
 }
 
 pub fn color8_header(search: &SearchSettings) -> CodecHeader {
@@ -201,36 +229,85 @@ pub fn half_header(search: &SearchSettings) -> CodecHeader {
     CodecHeader::Color(ColorHeader::new(ColorFormat::Half { white_cd_m2: 100.0 }, search))
 }
 
-pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> Stream {
-    let entry = entry(shape, &color8_header(&search));
+/// A stream whose cells are each coded by what `encoder` makes for a size.
+fn cells<S: Sample, Q: Quality<S>>(
+    entry: StreamEntry,
+    images: &[Vec<[S; 3]>],
+    quality: &Q,
+    encoder: impl Fn([u32; 2]) -> CellEncoder<S>,
+) -> Stream {
     let mut chunks = Vec::new();
     for unit in 0..entry.unit_count() {
         let rect = entry.unit_rect(unit);
-        let mut encoder = CellEncoder::<u8>::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
+        let mut encoder = encoder([rect[2], rect[3]]);
         for image in images {
             let cell = cut(image, entry.width, rect);
-            chunks.extend(encoder.push(cell.as_flattened(), &EightBit).unwrap().map(|chunk| (unit, chunk)));
+            chunks.extend(encoder.push(cell.as_flattened(), quality).unwrap().map(|chunk| (unit, chunk)));
         }
-        chunks.extend(encoder.finish(&EightBit).unwrap().into_iter().map(|chunk| (unit, chunk)));
+        chunks.extend(encoder.finish(quality).unwrap().into_iter().map(|chunk| (unit, chunk)));
     }
     Stream { entry, chunks }
 }
 
+fn half_keys(images: &[Vec<[f16; 3]>]) -> Vec<Vec<[HalfKey; 3]>> {
+    let key = |value: f16| HalfKey::from_bits(value.to_bits());
+    images.iter().map(|image| image.iter().map(|pixel| pixel.map(key)).collect()).collect()
+}
+
+/// An encoder of a cell of a format; with blocks, frames reach `db` after them.
+fn cell_encoder<S: Sample>(
+    search: SearchSettings,
+    CellFormat { size, blocks }: CellFormat<S>,
+    db: f64,
+) -> CellEncoder<S> {
+    let encoder = CellEncoder::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
+    match blocks {
+        Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db: db }),
+        None => encoder,
+    }
+}
+
+pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> Stream {
+    let entry = entry(shape, &color8_header(&search));
+    let format = |[width, height]: [u32; 2]| CellFormat::of_samples(width as usize, height as usize);
+    cells(entry, images, &EightBit, |size| cell_encoder(search, format(size), 0.0))
+}
+
 pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings) -> Stream {
     let entry = entry(shape, &half_header(&search));
+    let format = |[width, height]: [u32; 2]| CellFormat::of_samples(width as usize, height as usize);
     let quality = Pu21::new(100.0).unwrap();
-    let mut chunks = Vec::new();
-    for unit in 0..entry.unit_count() {
-        let rect = entry.unit_rect(unit);
-        let mut encoder = CellEncoder::<HalfKey>::new(search, lightfold::color::temporal::CLOSE_AT_BYTES);
-        for image in images {
-            let cell = cut(image, entry.width, rect);
-            let keys: Vec<_> = cell.as_flattened().iter().map(|v| HalfKey::from_bits(v.to_bits())).collect();
-            chunks.extend(encoder.push(&keys, &quality).unwrap().map(|chunk| (unit, chunk)));
-        }
-        chunks.extend(encoder.finish(&quality).unwrap().into_iter().map(|chunk| (unit, chunk)));
-    }
-    Stream { entry, chunks }
+    cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, format(size), 0.0))
+}
+
+/// The header of colour whose keyframes are in blocks, and reach `db`.
+pub fn color_blocks_header(blocks: ColorBlocks, db: f64) -> ColorHeader {
+    let format = match blocks {
+        ColorBlocks::Bc6h => ColorFormat::Half { white_cd_m2: 100.0 },
+        _ => ColorFormat::EightBit(ToneMap::default()),
+    };
+    ColorHeader { format, blocks: Some(blocks), min_psnr_db: db }
+}
+
+/// 8-bit colour whose keyframes are in blocks.
+pub fn color8_in_blocks(
+    shape: Shape,
+    blocks: ColorBlocks,
+    images: &[Vec<[u8; 3]>],
+    search: SearchSettings,
+    db: f64,
+) -> Stream {
+    let header = color_blocks_header(blocks, db);
+    let entry = entry(shape, &CodecHeader::Color(header));
+    cells(entry, images, &EightBit, |size| cell_encoder(search, header.cell_of_bytes(size), db))
+}
+
+/// Half-float colour whose keyframes are in BC6H.
+pub fn color_half_in_blocks(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings, db: f64) -> Stream {
+    let header = color_blocks_header(ColorBlocks::Bc6h, db);
+    let entry = entry(shape, &CodecHeader::Color(header));
+    let quality = Pu21::new(100.0).unwrap();
+    cells(entry, &half_keys(images), &quality, |size| cell_encoder(search, header.cell_of_halves(size), db))
 }
 
 /// A stream of one unit whose cell payloads are made by hand.
@@ -382,6 +459,20 @@ pub fn scene_codes([width, height]: [u32; 2], frame_count: u32) -> Vec<Vec<u16>>
     };
     let image = |t| (0..width * height).map(|at| code(at % width, at / width, t)).collect();
     (0..frame_count).map(image).collect()
+}
+
+/// Materials that are the same over patches, with a few that change.
+pub fn patched_materials(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> {
+    let pixel = |at: u32, t: u32| {
+        let (x, y) = (at % size[0], at / size[0]);
+        match (x / 8 + y / 8) % 3 {
+            0 => [0, 0, 0],
+            1 => [80 + (x % 8) as u8, 40, 128],
+            _ if (x * 7 + y * 3 + t / 2) % 23 == 0 => [255, (t * 40) as u8, 3],
+            _ => [200, 10, (y * 2) as u8],
+        }
+    };
+    (0..frame_count).map(|t| (0..size[0] * size[1]).map(|at| pixel(at, t)).collect()).collect()
 }
 
 /// Bytes that drift at different speeds, hold for a while, and are cut once.

@@ -15,7 +15,7 @@ use lightfold::depth::TemporalSettings;
 use lightfold::video::decode::Decoder;
 
 use crate::samples::{self, Random, Shape, Stream};
-use crate::vectors_of_nodes;
+use crate::{vectors_of_blocks, vectors_of_nodes};
 
 fn folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name)
@@ -343,6 +343,7 @@ fn valid() -> Vec<(&'static str, Vec<u8>)> {
         bytes
     }));
     all.extend(vectors_of_nodes::valid());
+    all.extend(vectors_of_blocks::valid());
     all
 }
 
@@ -603,5 +604,6 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         "leads to a next one, and there is none",
     ));
     all.extend(vectors_of_nodes::invalid());
+    all.extend(vectors_of_blocks::invalid());
     all
 }

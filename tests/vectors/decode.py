@@ -16,6 +16,8 @@ import sys
 import unicodedata
 import zlib
 
+import blocks
+
 MAX_SIZE = 16384
 MAX_FRAME = 1 << 31
 MAX_CHUNK_BYTES = 1 << 30
@@ -184,8 +186,10 @@ def read_depth_fields(fields):
 
 def read_temporal_header(stream):
     fields = Fields(stream.header)
-    if stream.codec == b"DAAB":
+    if stream.kind == 1:
         read_depth_fields(fields)
+    if stream.codec in PIECES:
+        check_unit(stream)
     window, boxes, _epsilon = fields.take("HHH")
     fields.zeros(2)
     check(1 <= window <= 255 and 1 <= boxes <= 256 and fields.take("I") >= 1, "a header is illegal")
@@ -204,8 +208,42 @@ def read_record_table(fields, frame_count):
     return table
 
 
-def parse_records(payload, width, height, frame_count, size):
+def check_unit(stream):
+    check(stream.unit_width % 4 == stream.unit_height % 4 == 0, "a unit's sides are no multiples of 4")
+
+
+# Size of a block, and what makes values of its pixels (depth.md 14).
+PIECES = {
+    b"DAB5": (16, lambda block: [bytes((low, high)) for high, low in blocks.bc5(block)]),
+    b"MAB1": (8, blocks.bc1),
+}
+
+
+def read_pieces(fields, width, height, size, codec):
+    """The values of a rectangle that is cut into pieces (depth.md 14)."""
+    block_size, decode = PIECES[codec]
+    rects = [(x, y, min(16, width - x), min(16, height - y)) for y in range(0, height, 16) for x in range(0, width, 16)]
+    of_pieces = int.from_bytes(fields.bytes(-(-len(rects) // 8)), "little")
+    check(of_pieces >> len(rects) == 0, "spare bits of a map are not zero")
+    values = bytearray(width * height * size)
+    for at, (x, y, w, h) in enumerate(rects):
+        if of_pieces >> at & 1:
+            stored = fields.bytes(blocks.image_bytes(block_size, w, h))
+            piece = b"".join(blocks.image(stored, block_size, decode, w, h))
+        else:
+            piece = fields.bytes(w * h * size)
+        for row in range(h):
+            start = ((y + row) * width + x) * size
+            values[start:start + w * size] = piece[row * w * size:(row + 1) * w * size]
+    return bytes(values)
+
+
+def parse_records(payload, width, height, frame_count, size, codec):
     """{frame: [(x, y, width, height, values)]}; `size` is that of a value."""
+    if codec in PIECES:
+        grid, read = 4, lambda w, h: read_pieces(fields, w, h, size, codec)
+    else:
+        grid, read = 1, lambda w, h: fields.bytes(w * h * size)
     fields = Fields(payload)
     records, last = {}, -1
     for frame, offset in read_record_table(fields, frame_count):
@@ -218,22 +256,24 @@ def parse_records(payload, width, height, frame_count, size):
             rects = [fields.take("4H") for _ in range(boxes)]
             for i, (x, y, w, h) in enumerate(rects):
                 check(w and h and x + w <= width and y + h <= height, "a box is outside of its unit")
+                check(x % grid == 0 and (w % grid == 0 or x + w == width), "a box cuts blocks")
+                check(y % grid == 0 and (h % grid == 0 or y + h == height), "a box cuts blocks")
                 for u, v, s, t in rects[:i]:
                     check(x + w <= u or u + s <= x or y + h <= v or v + t <= y, "two boxes overlap")
-            records[frame] = [(*r, fields.bytes(r[2] * r[3] * size)) for r in rects]
+            records[frame] = [(*r, read(r[2], r[3])) for r in rects]
         else:
             check(kind <= 1 and boxes == 0, "a record is illegal")
-            values = fields.bytes(width * height * size) if kind == 0 else fields.bytes(size) * (width * height)
+            values = read(width, height) if kind == 0 else fields.bytes(size) * (width * height)
             records[frame] = [(0, 0, width, height, values)]
         last = frame
     fields.finish()
     return records
 
 
-def decode_temporal(data, chunks, width, height, size, window):
+def decode_temporal(data, chunks, width, height, size, window, codec):
     """The pictures of a unit, each reached along its own path of fewest steps."""
     for _first, count, place in chunks:
-        records = parse_records(fetch(data, place), width, height, count, size)
+        records = parse_records(fetch(data, place), width, height, count, size, codec)
         for target in range(count):
             picture = bytearray(width * height * size)
             for frame in [*range(0, target, window), target]:
@@ -543,12 +583,14 @@ def decode_blocks(data, chunks, width, height):
             yield struct.pack(f"<{width * height}H", *codes)
 
 
-# color.md 2 to 4, arithmetic.md 3, 4 ---------------------------------------------------------------------------------
+# color.md 2 to 4, arithmetic.md 3, 4, blocks.md ----------------------------------------------------------------------
 
 def read_color_header(stream):
     fields = Fields(stream.header)
     fields.take("d")
-    if stream.codec == b"CCL8":
+    if stream.codec in KEYFRAMES:
+        check_unit(stream)
+    if stream.codec in (b"CCL8", b"CCB1", b"CCB7"):
         exposure, transfer = fields.take("fI")
         check(-32 <= exposure <= 32 and transfer <= 1, "a colour header is illegal")
     else:
@@ -556,20 +598,39 @@ def read_color_header(stream):
     fields.finish()
 
 
-def parse_cell(payload, pixels, frame_count, size):
+# Size of a block, and what makes the samples of its pixels (color.md 4).
+KEYFRAMES = {
+    b"CCB1": (8, blocks.bc1),
+    b"CCB7": (16, blocks.bc7),
+    b"CCB6": (16, lambda block: [struct.pack("<3H", *pixel) for pixel in blocks.bc6h(block)]),
+}
+
+
+def read_keyframe(fields, width, height, size, codec, as_samples):
+    if as_samples:
+        return fields.bytes(3 * size * width * height)
+    block_size, decode = KEYFRAMES[codec]
+    stored = fields.bytes(blocks.image_bytes(block_size, width, height))
+    return b"".join(blocks.image(stored, block_size, decode, width, height))
+
+
+def parse_cell(payload, width, height, frame_count, size, codec):
     fields = Fields(payload)
     count, flags = fields.take("HB")
     fields.zeros(1)
     weight_count = fields.take("I")
     check(1 <= count <= frame_count and flags <= 1 and weight_count <= min(frame_count, 1 << 20), "a cell's counts are illegal")
     fields.fits(count, 4)
-    frames = [fields.take("I") for _ in range(count)]
+    frames, as_samples = [fields.take("I") for _ in range(count)], [1] * count
+    if codec in KEYFRAMES:
+        as_samples = [row >> 31 for row in frames]
+        frames = [row & 0x7FFFFFFF for row in frames]
     check(frames[0] == 0 and frames[-1] < frame_count, "keyframes are out of range")
     check(all(a < b for a, b in zip(frames, frames[1:])), "keyframes are out of order")
     weights = fields.bytes(weight_count)
     check(not any(weights[frame] for frame in frames if frame < weight_count), "a keyframe has a weight")
     check(flags or not any(weights[frames[-1]:]), "a weight leads nowhere")
-    samples = [fields.bytes(3 * size * pixels) for _ in range(count)]
+    samples = [read_keyframe(fields, width, height, size, codec, raw) for raw in as_samples]
     fields.finish()
     return frames, weights, samples
 
@@ -594,8 +655,8 @@ def blend(a, b, weight, size):
     return struct.pack(layout, *(bits_of(lerp(key_of(x), key_of(y), weight)) for x, y in pairs))
 
 
-def decode_cell(data, chunks, pixels, size):
-    cells = [parse_cell(fetch(data, place), pixels, count, size) for _first, count, place in chunks]
+def decode_cell(data, chunks, width, height, size, codec):
+    cells = [parse_cell(fetch(data, place), width, height, count, size, codec) for _first, count, place in chunks]
     for at, ((_first, count, _place), (frames, weights, samples)) in enumerate(zip(chunks, cells)):
         for frame in range(count):
             before = sum(first <= frame for first in frames) - 1
@@ -611,7 +672,12 @@ def decode_cell(data, chunks, pixels, size):
 # Whole images --------------------------------------------------------------------------------------------------------
 
 NODE_CODECS = (b"DQPN", b"DQTR", b"DB4W")
-PIXEL_BYTES = {(1, b"DAAB"): 2, **{(1, codec): 2 for codec in NODE_CODECS}, (2, b"MAAB"): 3, (0, b"CCL8"): 3, (0, b"CCLH"): 6}
+PIXEL_BYTES = {
+    **{(1, codec): 2 for codec in (b"DAAB", b"DAB5", *NODE_CODECS)},
+    **{(2, codec): 3 for codec in (b"MAAB", b"MAB1")},
+    **{(0, codec): 3 for codec in (b"CCL8", b"CCB1", b"CCB7")},
+    **{(0, codec): 6 for codec in (b"CCLH", b"CCB6")},
+}
 
 
 def decode_stream(data, stream):
@@ -627,13 +693,13 @@ def decode_stream(data, stream):
     for unit, chunks in enumerate(stream.chunks):
         left, top, width, height = stream.rect(unit)
         if stream.kind == 0:
-            pictures = decode_cell(data, chunks, width * height, pixel // 3)
+            pictures = decode_cell(data, chunks, width, height, pixel // 3, stream.codec)
         elif stream.codec == b"DB4W":
             pictures = decode_blocks(data, chunks, width, height)
         elif stream.codec in NODE_CODECS:
             pictures = decode_nodes(data, chunks, width, height, window, domain, stream.codec == b"DQTR")
         else:
-            pictures = decode_temporal(data, chunks, width, height, pixel, window)
+            pictures = decode_temporal(data, chunks, width, height, pixel, window, stream.codec)
         for image, picture in zip(images, pictures):
             for row in range(height):
                 start = ((top + row) * stream.width + left) * pixel

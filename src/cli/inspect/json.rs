@@ -57,6 +57,10 @@ pub const COLUMNS: &[&str] = &[
     "transfer",
     "exposure_ev",
     "white_cd_m2",
+    "keyframes_blocks",
+    "keyframes_raw",
+    "pieces.blocks",
+    "pieces.raw",
 ];
 
 /// Everything but the rows of frames.
@@ -182,7 +186,7 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
     put("keyframes", json!(stats.keyframes));
     put("updated_pixels", json!(stats.updated_pixels));
     put("updated_percent", json!(percent(stats.updated_pixels, stats.pixels())));
-    let mut put_temporal = |temporal: &TemporalSettings| {
+    let put_temporal = |put: &mut dyn FnMut(&str, Value), temporal: &TemporalSettings| {
         put("static_tiles", json!(stats.static_units));
         put("constant_units", json!(stats.constant_units));
         put("aabbs", json!(stats.aabbs));
@@ -194,7 +198,11 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
     match &info.header {
         CodecHeader::Depth(header) => {
             match &header.coding {
-                DepthCoding::Boxes(temporal) => put_temporal(temporal),
+                DepthCoding::Boxes(temporal) => put_temporal(&mut put, temporal),
+                DepthCoding::BoxesInBlocks(temporal) => {
+                    put_temporal(&mut put, temporal);
+                    put("pieces", pieces(stats));
+                }
                 coding => coding_of_nodes(header, coding, stats, &mut put),
             }
             put("near_m", json_number(shortest(header.range.near_m())));
@@ -202,12 +210,21 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
             put("background", json_number(shortest(header.background)));
             put("depth_kind", json!(depth_kind_name(header.kind)));
         }
-        CodecHeader::Material(header) => put_temporal(&header.temporal),
+        CodecHeader::Material(header) => {
+            put_temporal(&mut put, &header.temporal);
+            if header.in_blocks {
+                put("pieces", pieces(stats));
+            }
+        }
         CodecHeader::Color(header) => {
             let spread = stats.keyframes_per_unit;
             put("keyframes_per_cell", json!({ "min": spread.min, "mean": spread.mean, "max": spread.max }));
             put("static_cells", json!(stats.static_units));
             put("min_psnr_db", json_number(header.min_psnr_db));
+            if header.blocks.is_some() {
+                put("keyframes_blocks", json!(stats.blocks.keyframes.blocks));
+                put("keyframes_raw", json!(stats.blocks.keyframes.raw));
+            }
             match header.format {
                 ColorFormat::EightBit(tone) => {
                     put("transfer", json!(transfer_name(tone.transfer)));
@@ -218,6 +235,10 @@ fn stream(report: &Report<'_>, stats: &StreamStats<'_>) -> Map<String, Value> {
         }
     }
     object
+}
+
+fn pieces(stats: &StreamStats<'_>) -> Value {
+    json!({ "blocks": stats.blocks.pieces.blocks, "raw": stats.blocks.pieces.raw })
 }
 
 fn coding_of_nodes(

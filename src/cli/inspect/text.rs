@@ -1,5 +1,6 @@
 //! `inspect` for people.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::json::{depth_kind_name, projection_name, transfer_name};
@@ -11,8 +12,8 @@ use crate::depth::census::{NodeCensus, Share};
 use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::report::{Column, Table};
-use crate::video::codec::{CodecHeader, ColorFormat, DepthCoding, NodeHeader};
-use crate::video::inspect::{StreamStats, Totals};
+use crate::video::codec::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
+use crate::video::inspect::{BlockCount, StreamStats, Totals};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
@@ -25,6 +26,9 @@ pub fn summary(report: &Report<'_>) -> String {
     let _ = write!(out, "\n{}\n{}", kinds(report), streams(report));
     if let Some(nodes) = nodes(report) {
         let _ = write!(out, "\n{nodes}");
+    }
+    if let Some(blocks) = blocks(report) {
+        let _ = write!(out, "\n{blocks}");
     }
     let settings = settings(report);
     if !settings.is_empty() {
@@ -246,6 +250,30 @@ fn nodes(report: &Report<'_>) -> Option<Table> {
     Some(table)
 }
 
+/// How often blocks were close enough, by codec: keyframes of colour, and pieces of depth and material.
+fn blocks(report: &Report<'_>) -> Option<Table> {
+    let mut counts: BTreeMap<&str, BlockCount> = BTreeMap::new();
+    for stats in report.inspection.streams.iter().filter(|stats| stats.stream.header.in_blocks()) {
+        counts.entry(stats.stream.header.codec_name()).or_default().add(stats.blocks);
+    }
+    let mut table = Table::new(&[
+        Column::Left("Codec"),
+        Column::Left("Of"),
+        Column::Right("In blocks"),
+        Column::Right("Raw"),
+        Column::Right("Raw %"),
+    ]);
+    for (codec, count) in &counts {
+        let (of, count) = match codec.starts_with("cells") {
+            true => ("keyframes", count.keyframes),
+            false => ("pieces of 16x16", count.pieces),
+        };
+        let raw = format!("{:.2}", percent(count.raw, count.blocks + count.raw));
+        table.row([(*codec).to_owned(), of.to_owned(), count.blocks.to_string(), count.raw.to_string(), raw]);
+    }
+    (!counts.is_empty()).then_some(table)
+}
+
 /// How the streams were coded, each different setting once, with the widest range of depths that goes with it.
 fn settings(report: &Report<'_>) -> String {
     let mut out = String::new();
@@ -298,6 +326,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
         CodecHeader::Depth(header) => {
             let coding = match header.coding {
                 DepthCoding::Boxes(settings) => temporal(&settings),
+                DepthCoding::BoxesInBlocks(settings) => format!("{}, BC5", temporal(&settings)),
                 DepthCoding::Nodes(nodes) => {
                     let NodeHeader { window, epsilon, keyframe_interval, bound, domain } = nodes;
                     let epsilon = if epsilon > 0 { format!(" and {epsilon} in time") } else { String::new() };
@@ -317,7 +346,9 @@ fn setting(stats: &StreamStats<'_>) -> String {
             };
             format!("{coding}, {}", depth_kind_name(header.kind))
         }
-        CodecHeader::Material(header) => temporal(&header.temporal),
+        CodecHeader::Material(header) => {
+            format!("{}{}", temporal(&header.temporal), if header.in_blocks { ", BC1" } else { "" })
+        }
         CodecHeader::Color(header) => {
             let format = match header.format {
                 ColorFormat::EightBit(tone) => {
@@ -325,7 +356,13 @@ fn setting(stats: &StreamStats<'_>) -> String {
                 }
                 ColorFormat::Half { white_cd_m2 } => format!("half floats, white at {white_cd_m2} cd/m²"),
             };
-            format!("{format}, at least {} dB, cell {units}", header.min_psnr_db)
+            let blocks = match header.blocks {
+                None => "",
+                Some(ColorBlocks::Bc1) => ", BC1",
+                Some(ColorBlocks::Bc7) => ", BC7",
+                Some(ColorBlocks::Bc6h) => ", BC6H",
+            };
+            format!("{format}{blocks}, at least {} dB, cell {units}", header.min_psnr_db)
         }
     }
 }

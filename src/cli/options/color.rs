@@ -7,19 +7,27 @@ use crate::dataset::source::{InvalidColor, SourceOptions};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
-use crate::video::codec::ColorFormat;
-use crate::video::encode::EncodeSettings;
+use crate::video::codec::{ColorBlocks, ColorFormat};
+use crate::video::encode::{ColorBlockSettings, EncodeSettings};
 
 /// How colour is read and coded.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
-    /// Width and height of a cell in pixels
+    /// Width and height of a cell in pixels; with --color-block a multiple of 4
     #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub cell: u32,
     /// Least PSNR of every frame of every cell, in dB
     #[arg(long, value_name = "DB", default_value_t = SearchSettings::default().min_psnr_db)]
     pub psnr: f64,
+    /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr. Smaller, at a loss that
+    /// --psnr-final bounds
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ColorBlockArg::None)]
+    pub color_block: ColorBlockArg,
+    /// Least PSNR of every frame of every cell once keyframes are in blocks, in dB, at most --psnr [default: 30 for bc1,
+    /// 40 for bc7 and bc6h]
+    #[arg(long, value_name = "DB")]
+    pub psnr_final: Option<f64>,
     /// From light to 8-bit codes
     #[arg(long, value_enum, default_value_t = TransferArg::Srgb, conflicts_with = "hdr")]
     pub transfer: TransferArg,
@@ -40,6 +48,30 @@ pub struct ColorArgs {
     /// What becomes of NaN colours
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
     pub invalid_color: InvalidColorArg,
+}
+
+/// `--color-block`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ColorBlockArg {
+    /// Samples as they are
+    None,
+    /// 8 bytes for 4x4 pixels
+    Bc1,
+    /// 16 bytes for 4x4 pixels
+    Bc7,
+    /// 16 bytes for 4x4 pixels of half floats
+    Bc6h,
+}
+
+impl ColorBlockArg {
+    fn get(self) -> Option<ColorBlocks> {
+        match self {
+            ColorBlockArg::None => None,
+            ColorBlockArg::Bc1 => Some(ColorBlocks::Bc1),
+            ColorBlockArg::Bc7 => Some(ColorBlocks::Bc7),
+            ColorBlockArg::Bc6h => Some(ColorBlocks::Bc6h),
+        }
+    }
 }
 
 /// `--transfer`.
@@ -78,9 +110,19 @@ impl ColorArgs {
         if !(-8.0..=8.0).contains(&self.exposure) {
             return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
         }
+        if let Some(db) = self.psnr_final.filter(|db| !(0.0..=self.psnr).contains(db)) {
+            return Err(Error::Usage(format!("--psnr-final {db}: 0 to {} dB was expected, as --psnr says", self.psnr)));
+        }
         settings.cell = self.cell;
         settings.search =
             SearchSettings { min_psnr_db: self.psnr, effort: settings.search.effort, reach: self.keyframe_reach };
+        settings.color_blocks = self.color_block.get().map(|blocks| {
+            let usual = ColorBlockSettings::new(blocks, &settings.search);
+            ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
+        });
+        if settings.color_blocks.is_none() && self.psnr_final.is_some() {
+            return Err(Error::Usage("--psnr-final speaks of keyframes in blocks: give --color-block too".into()));
+        }
         let transfer = match self.transfer {
             TransferArg::Srgb => Transfer::Srgb,
             TransferArg::Linear => Transfer::Linear,

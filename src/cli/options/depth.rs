@@ -8,10 +8,11 @@ use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::temporal::TemporalSettings;
+use crate::error::{Error, Result};
 use crate::video::encode::{DepthCodec, EncodeSettings, ErrorBound};
 
 /// Parses a background: a finite float, or +inf.
-pub fn parse_background(text: &str) -> Result<f32, String> {
+pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
     let value: f32 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
     if value == f32::INFINITY && !text.contains("inf") || value == f32::NEG_INFINITY || value.is_nan() {
         return Err(format!("'{text}' is neither a finite 32-bit float nor inf"));
@@ -26,6 +27,9 @@ pub struct DepthArgs {
     /// How depth is stored
     #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
     pub depth_codec: DepthCodecArg,
+    /// Store depth in blocks of a texture format where these stay within --epsilon, for aabb
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = DepthBlockArg::None)]
+    pub depth_block: DepthBlockArg,
     /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless
     #[arg(long, value_name = "CODES", default_value_t = NodeSettings::default().bound, conflicts_with = "error_relative",
         value_parser = clap::value_parser!(u16).range(..=65534))]
@@ -141,6 +145,15 @@ pub enum DepthCodecArg {
     Bc4w,
 }
 
+/// `--depth-block`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthBlockArg {
+    /// Codes as they are
+    None,
+    /// 16 bytes for 4x4 pixels
+    Bc5,
+}
+
 /// `--depth-domain`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DomainArg {
@@ -181,7 +194,7 @@ impl From<DecideArg> for Decide {
 }
 
 /// Parses a share: `0.1%` or `0.001`.
-pub fn parse_share(text: &str) -> Result<f64, String> {
+pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
     let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
     let share: f64 = number.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
     let share = share * unit;
@@ -231,11 +244,17 @@ pub enum DepthKindArg {
 
 impl DepthArgs {
     /// Puts the options where the encoder reads them.
-    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
-        settings.depth.codec = match self.depth_codec {
-            DepthCodecArg::Quadtree => DepthCodec::Quadtree,
-            DepthCodecArg::Aabb => DepthCodec::Boxes,
-            DepthCodecArg::Bc4w => DepthCodec::Blocks,
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
+        settings.depth.codec = match (self.depth_codec, self.depth_block) {
+            (DepthCodecArg::Quadtree, DepthBlockArg::None) => DepthCodec::Quadtree,
+            (DepthCodecArg::Aabb, DepthBlockArg::None) => DepthCodec::Boxes,
+            (DepthCodecArg::Aabb, DepthBlockArg::Bc5) => DepthCodec::BoxesInBlocks,
+            (DepthCodecArg::Bc4w, DepthBlockArg::None) => DepthCodec::Blocks,
+            (_, DepthBlockArg::Bc5) => {
+                return Err(Error::Usage(
+                    "--depth-block bc5 is for boxes of codes: give --depth-codec aabb too".into(),
+                ));
+            }
         };
         settings.depth.error = self.error_relative.map_or(ErrorBound::Codes(self.error), ErrorBound::Relative);
         settings.temporal.max_aabbs = self.max_aabbs;
@@ -243,6 +262,7 @@ impl DepthArgs {
         self.model.apply(settings);
         self.steps.apply(settings);
         self.units.apply(source, settings);
+        Ok(())
     }
 }
 

@@ -1,19 +1,20 @@
-//! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records.
+//! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records,
+//! pieces in blocks.
 
 use crate::depth::boxes::PixelBox;
-use crate::depth::records::{ChunkBuilder, TemporalChunk};
+use crate::depth::pieces::{BlockTexel, Pieces, pieces_of, stored_pieces};
+use crate::depth::records::{ChunkBuilder, TemporalChunk, Values};
 use crate::depth::texel::Texel;
-use crate::gpu::family::Family;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, Unit, words_of};
-use crate::gpu::pictures::{pack_bytes, pack_codes};
-use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::pictures::{code_stride, pack_bytes, pack_codes};
+use crate::gpu::prepare::{self, Parts, Prepared};
 use crate::gpu::random::Random;
 
 /// A pixel that boxes hold.
 pub trait BoxTexel: Texel {
-    /// Streams of it.
-    const FAMILY: Family;
+    /// Words of a row of this width.
+    fn stride(width: u32) -> u32;
 
     /// A random one, often one that others are like.
     fn random(random: &mut Random) -> Self;
@@ -22,8 +23,55 @@ pub trait BoxTexel: Texel {
     fn pack(picture: &[Self], width: usize) -> Vec<u32>;
 }
 
+/// How boxes are stored, with what may stand in them.
+pub trait RandomLayout<T: BoxTexel>: Parts<T> {
+    /// Appends a random rectangle.
+    fn put(size: [u32; 2], random: &mut Random, data: &mut Vec<u8>);
+
+    /// Boxes of a unit that do not overlap.
+    fn boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox>;
+}
+
+impl<T: BoxTexel> RandomLayout<T> for Values {
+    fn put([width, height]: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
+        random_picture::<T>((width * height) as usize, random).into_iter().for_each(|value| value.put(data));
+    }
+
+    fn boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
+        random_boxes(size, random)
+    }
+}
+
+impl<T: BoxTexel + BlockTexel> RandomLayout<T> for Pieces {
+    fn put(size: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
+        let size = size.map(|side| side as usize);
+        let count = pieces_of(size).count();
+        let mut map = vec![0; count.div_ceil(8)];
+        (0..count).filter(|_| !random.one_in(3)).for_each(|piece| map[piece / 8] |= 1 << (piece % 8));
+        let bytes = stored_pieces::<T>(&map, size).map(|piece| piece.bytes).sum();
+        let mut pieces = vec![0; bytes];
+        random.fill(&mut pieces);
+        data.extend(map);
+        data.extend(pieces);
+    }
+
+    fn boxes([width, height]: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
+        let whole = random_boxes([width.div_ceil(4), height.div_ceil(4)], random);
+        let inside = |start: u16, size: u16, end: u32| (4 * size).min(end as u16 - 4 * start);
+        let on_grid = |b: PixelBox| PixelBox {
+            x: 4 * b.x,
+            y: 4 * b.y,
+            width: inside(b.x, b.width, width),
+            height: inside(b.y, b.height, height),
+        };
+        whole.into_iter().map(on_grid).collect()
+    }
+}
+
 impl BoxTexel for u16 {
-    const FAMILY: Family = Family::Codes;
+    fn stride(width: u32) -> u32 {
+        code_stride(width)
+    }
 
     fn random(random: &mut Random) -> u16 {
         if random.one_in(4) { 65535 } else { random.word() as u16 }
@@ -35,7 +83,9 @@ impl BoxTexel for u16 {
 }
 
 impl BoxTexel for [u8; 3] {
-    const FAMILY: Family = Family::Material;
+    fn stride(width: u32) -> u32 {
+        width
+    }
 
     fn random(random: &mut Random) -> [u8; 3] {
         if random.one_in(4) { [0; 3] } else { std::array::from_fn(|_| random.word() as u8) }
@@ -94,20 +144,24 @@ struct Gathered {
 
 impl Gathered {
     /// Adds a unit to which record `at` of a chunk is applied, over a random picture.
-    fn push<T: BoxTexel>(&mut self, chunk: &TemporalChunk<T>, at: usize, size: [u32; 2], random: &mut Random) {
+    fn push<T, L>(&mut self, chunk: &TemporalChunk<T, L>, at: usize, size: [u32; 2], random: &mut Random)
+    where
+        T: BoxTexel,
+        L: RandomLayout<T>,
+    {
         let mut picture = random_picture::<T>((size[0] * size[1]) as usize, random);
         let width = size[0] as usize;
         let unit = Unit {
             picture: self.before.len() as u32,
             width: size[0],
             height: size[1],
-            stride: T::FAMILY.stride(size[0]),
+            stride: T::stride(size[0]),
             ..Unit::default()
         };
         self.before.extend(T::pack(&picture, width));
         self.pixels += chunk.apply(&mut picture, chunk.records()[at].body);
         self.expected.extend(T::pack(&picture, width));
-        let Prepared { stream, records, boxes, .. } = prepare::of_boxes(chunk, size, T::FAMILY);
+        let Prepared { stream, records, boxes, .. } = prepare::of_boxes(chunk, size);
         let (bytes, rows) = (4 * self.stream.len() as u32, self.boxes.len() as u32);
         self.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));
         let record = Record { first: records[at].first + rows, ..records[at] };
@@ -143,25 +197,29 @@ impl Gathered {
 }
 
 /// A chunk with a keyframe and a record of boxes.
-fn chunk<T: BoxTexel>(size: [u32; 2], boxes: &[PixelBox], random: &mut Random) -> Option<TemporalChunk<T>> {
-    let pixels = (size[0] * size[1]) as usize;
-    let mut builder = ChunkBuilder::new(&random_picture::<T>(pixels, random));
-    builder.push_boxes(1, boxes, &random_picture::<T>(pixels, random), size[0] as usize);
+fn chunk<T, L>(size: [u32; 2], boxes: &[PixelBox], random: &mut Random) -> Option<TemporalChunk<T, L>>
+where
+    T: BoxTexel,
+    L: RandomLayout<T>,
+{
+    let keyframe = random_picture::<T>((size[0] * size[1]) as usize, random);
+    let mut builder = ChunkBuilder::starting_with(&keyframe, |data| L::put(size, random, data));
+    builder.put_boxes(1, boxes, |b, data| L::put([b.width, b.height].map(u32::from), random, data));
     TemporalChunk::parse(builder.finish().ok()?, size, 2).ok()
 }
 
-/// All cases of one kind of pixel.
-pub(super) fn cases<T: BoxTexel>(seed: u64) -> Vec<Case> {
+/// All cases of one kind of pixel, stored in one way.
+pub(super) fn cases<T: BoxTexel, L: RandomLayout<T>>(seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut small = Gathered::default();
     for width in 1..=9 {
         for height in 1..=3 {
             let size = [width, height];
-            // Boxes of one column each: every word is shared.
+            // Boxes of one column each, where that is allowed: every word is shared.
             let column = |x| PixelBox { x, y: 0, width: 1, height: height as u16 };
             let columns: Vec<_> = (0..width as u16).filter(|_| !random.one_in(3)).map(column).collect();
-            let boxes = if columns.is_empty() { vec![column(0)] } else { columns };
-            if let Some(chunk) = chunk::<T>(size, &boxes, random) {
+            let boxes = if columns.is_empty() || L::GRID > 1 { L::boxes(size, random) } else { columns };
+            if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
                 (0..2).for_each(|record| small.push(&chunk, record, size, random));
             }
         }
@@ -169,16 +227,16 @@ pub(super) fn cases<T: BoxTexel>(seed: u64) -> Vec<Case> {
     let mut odd = Gathered::default();
     for _ in 0..150 {
         let size = [1 + random.below(70), 1 + random.below(70)];
-        let boxes = random_boxes(size, random);
-        if let Some(chunk) = chunk::<T>(size, &boxes, random) {
+        let boxes = L::boxes(size, random);
+        if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
             (0..2).for_each(|record| odd.push(&chunk, record, size, random));
         }
     }
     let mut large = Gathered::default();
     let size = [1024, 1024];
     for _ in 0..4 {
-        let boxes = random_boxes(size, random);
-        if let Some(chunk) = chunk::<T>(size, &boxes, random) {
+        let boxes = L::boxes(size, random);
+        if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
             large.push(&chunk, 0, size, random);
         }
     }

@@ -1,8 +1,9 @@
-//! Inputs of the kernels of colour: every pair of bytes at every weight, every edge of half floats, odd offsets.
+//! Inputs of the kernels of colour: every pair of bytes at every weight, every edge of half floats, odd offsets,
+//! keyframes in blocks.
 
 use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::{CellBuilder, CellChunk};
-use crate::gpu::family::Family;
+use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
+use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit, words_of};
 use crate::gpu::pictures::{pack_bytes, pack_halves};
@@ -11,9 +12,6 @@ use crate::gpu::random::Random;
 
 /// A sample that cells hold.
 pub trait CellSample: Sample {
-    /// Streams of it.
-    const FAMILY: Family;
-
     /// A random one, often an edge.
     fn random(random: &mut Random) -> Self;
 
@@ -22,8 +20,6 @@ pub trait CellSample: Sample {
 }
 
 impl CellSample for u8 {
-    const FAMILY: Family = Family::Cells8;
-
     fn random(random: &mut Random) -> u8 {
         random.word() as u8
     }
@@ -40,8 +36,6 @@ const HALVES: [u16; 16] = [
 ];
 
 impl CellSample for HalfKey {
-    const FAMILY: Family = Family::CellsHalf;
-
     fn random(random: &mut Random) -> HalfKey {
         let edge = random.pick(&HALVES).filter(|_| random.one_in(3));
         HalfKey::from_bits(edge.unwrap_or(random.word() as u16))
@@ -52,16 +46,52 @@ impl CellSample for HalfKey {
     }
 }
 
+/// A keyframe as it is stored.
+#[derive(Clone)]
+enum Keyframe<S> {
+    Samples(Vec<S>),
+    Blocks(Vec<u8>),
+}
+
+impl<S: CellSample> Keyframe<S> {
+    /// Random samples, or, where the format has them, mostly random blocks.
+    fn random(format: &CellFormat<S>, random: &mut Random) -> Keyframe<S> {
+        match format.blocks {
+            Some(blocks) if !random.one_in(4) => {
+                let mut bytes = vec![0; blocks.image_bytes(format.size)];
+                random.fill(&mut bytes);
+                Keyframe::Blocks(bytes)
+            }
+            _ => Keyframe::Samples((0..3 * format.pixels()).map(|_| S::random(random)).collect()),
+        }
+    }
+
+    fn push(&self, format: &CellFormat<S>, builder: &mut CellBuilder) {
+        match self {
+            Keyframe::Blocks(blocks) => builder.push_keyframe_in_blocks(blocks),
+            Keyframe::Samples(samples) if format.blocks.is_some() => builder.push_keyframe_as_samples(samples),
+            Keyframe::Samples(samples) => builder.push_keyframe(samples),
+        }
+    }
+}
+
+/// Adds a random keyframe of a cell of this format.
+pub fn push_random_keyframe<S: CellSample>(format: &CellFormat<S>, builder: &mut CellBuilder, random: &mut Random) {
+    Keyframe::random(format, random).push(format, builder);
+}
+
 /// A cell between two keyframes.
 struct Between<S> {
-    size: [u32; 2],
-    keyframes: [Vec<S>; 2],
+    format: CellFormat<S>,
+    keyframes: [Keyframe<S>; 2],
 }
 
 impl<S: CellSample> Between<S> {
-    fn random(size: [u32; 2], random: &mut Random) -> Between<S> {
-        let mut samples = || (0..3 * size[0] * size[1]).map(|_| S::random(random)).collect();
-        Between { size, keyframes: [samples(), samples()] }
+    fn random([width, height]: [usize; 2], blocks: Option<KeyframeBlocks<S>>, random: &mut Random) -> Between<S> {
+        let format = CellFormat { size: [width, height], blocks };
+        let mut keyframe = || Keyframe::random(&format, random);
+        let keyframes = [keyframe(), keyframe()];
+        Between { format, keyframes }
     }
 }
 
@@ -79,28 +109,32 @@ impl Gathered {
     /// that these start at any byte.
     fn push<S: CellSample>(&mut self, cell: &Between<S>, weights: &[u8], lead: u32) {
         let mut builder = CellBuilder::default();
-        builder.push_keyframe(&cell.keyframes[0]);
+        cell.keyframes[0].push(&cell.format, &mut builder);
         builder.push_weight(1, lead);
-        builder.push_keyframe(&cell.keyframes[1]);
+        cell.keyframes[1].push(&cell.format, &mut builder);
         let frames = builder.frame_count();
-        let pixels = (cell.size[0] * cell.size[1]) as usize;
+        let pixels = cell.format.pixels();
         let Ok(payload) = builder.finish() else { return };
-        let Ok(chunk) = CellChunk::<S>::parse(payload, pixels, frames) else { return };
+        let Ok(chunk) = CellChunk::parse(payload, cell.format, frames) else { return };
+        let [a, b] = [0, 1].map(|keyframe| {
+            let mut samples = vec![S::default(); 3 * pixels];
+            chunk.read_keyframe(keyframe, &mut samples);
+            samples
+        });
         let Prepared { stream, records, .. } = prepare::of_cells(&chunk);
         let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
         self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
         self.stream.extend(stream);
         for &weight in weights {
-            let [a, b] = &cell.keyframes;
-            let shown: Vec<S> = a.iter().zip(b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
+            let shown: Vec<S> = a.iter().zip(&b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
             let end = self.jobs.last().map_or(0, |job| job.end) + pixels as u32;
             let (unit, next) = (self.units.len() as u32, first + u32::from(weight > 0));
             self.jobs.push(Job { unit, end, record: first, next, weight: weight.into() });
             self.units.push(Unit {
                 picture: self.expected.len() as u32,
-                width: cell.size[0],
-                height: cell.size[1],
-                stride: S::FAMILY.stride(cell.size[0]),
+                width: cell.format.size[0] as u32,
+                height: cell.format.size[1] as u32,
+                stride: (cell.format.size[0] * S::BYTES) as u32,
                 ..Unit::default()
             });
             self.expected.extend(S::pack(&shown));
@@ -130,11 +164,12 @@ fn all_weights() -> Vec<u8> {
 /// 8-bit samples.
 pub(super) fn bytes(seed: u64) -> Vec<Case> {
     // Every pair of bytes; the last sample fills up the pixel.
-    let pair = |half: u32| -> Vec<u8> { (0..65_538u32).map(|at| (at >> (8 * half)) as u8).collect() };
+    let pair = |half: u32| Keyframe::Samples((0..65_538u32).map(|at| (at >> (8 * half)) as u8).collect());
     let mut pairs = Gathered::default();
-    pairs.push(&Between { size: [21_846, 1], keyframes: [pair(1), pair(0)] }, &all_weights(), 0);
+    let format = CellFormat::of_samples(21_846, 1);
+    pairs.push(&Between { format, keyframes: [pair(1), pair(0)] }, &all_weights(), 0);
     let mut cases = vec![pairs.case("every pair of bytes at every weight")];
-    cases.extend(random_cases::<u8>(seed));
+    cases.extend(random_cases::<u8>(seed, None));
     cases
 }
 
@@ -142,23 +177,39 @@ pub(super) fn bytes(seed: u64) -> Vec<Case> {
 pub(super) fn halves(seed: u64) -> Vec<Case> {
     let mut edges = Gathered::default();
     let half = |at: usize| HalfKey::from_bits(HALVES[at % HALVES.len()]);
-    let a = (0..258).map(half).collect();
-    let b = (0..258).map(|at| half(at / HALVES.len())).collect();
-    edges.push(&Between { size: [43, 2], keyframes: [a, b] }, &all_weights(), 1);
+    let a = Keyframe::Samples((0..258).map(half).collect());
+    let b = Keyframe::Samples((0..258).map(|at| half(at / HALVES.len())).collect());
+    edges.push(&Between { format: CellFormat::of_samples(43, 2), keyframes: [a, b] }, &all_weights(), 1);
     let mut cases = vec![edges.case("every pair of edges at every weight")];
-    cases.extend(random_cases::<HalfKey>(seed));
+    cases.extend(random_cases::<HalfKey>(seed, None));
     cases
 }
 
-fn random_cases<S: CellSample>(seed: u64) -> Vec<Case> {
+/// Keyframes in blocks of BC1.
+pub(super) fn bc1(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC1))
+}
+
+/// Keyframes in blocks of BC7.
+pub(super) fn bc7(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC7))
+}
+
+/// Keyframes in blocks of BC6H.
+pub(super) fn bc6h(seed: u64) -> Vec<Case> {
+    random_cases(seed, Some(KeyframeBlocks::BC6H))
+}
+
+fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut odd = Gathered::default();
     for lead in 0..60 {
-        let size = [1 + random.below(33), 1 + random.below(33)];
+        let size = [1 + random.below(33) as usize, 1 + random.below(33) as usize];
         let weights = [0, 255, random.word() as u8, random.word() as u8];
-        odd.push(&Between::<S>::random(size, random), &weights, lead);
+        odd.push(&Between::<S>::random(size, blocks, random), &weights, lead);
     }
     let mut large = Gathered::default();
-    large.push(&Between::<S>::random([1024, 1024], random), &[17, 254], 1);
-    vec![odd.case("odd sizes and offsets"), large.case("cells of 1024x1024")]
+    let side = if blocks.is_some() { 256 } else { 1024 };
+    large.push(&Between::<S>::random([side, side], blocks, random), &[17, 254], 1);
+    vec![odd.case("odd sizes and offsets"), large.case("large cells")]
 }

@@ -1,6 +1,6 @@
 //! Inputs of the planning kernels: all ways to reach a frame, in tables of all lengths, and more items than a workgroup.
 
-use crate::color::cells::{CellBuilder, CellChunk};
+use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
 use crate::depth::record_table;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, words_of};
@@ -110,7 +110,7 @@ impl Gathered {
         // More frames than weights: the last ones hold a keyframe.
         let frames = builder.frame_count() + random.below(3);
         let Ok(payload) = builder.finish() else { return };
-        let Ok(chunk) = CellChunk::<u8>::parse(payload, 1, frames) else { return };
+        let Ok(chunk) = CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), frames) else { return };
         let Prepared { stream, records, weights, .. } = prepare::of_cells(&chunk);
         let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
         self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));

@@ -3,9 +3,7 @@
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
 //! part of the intermediate form comes from its encoder.
 
-use crate::color::blend::HalfKey;
-use crate::color::cells::CellBuilder;
-use crate::color::keyframes::SearchSettings;
+use crate::color::cells::{CellBuilder, CellFormat};
 use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
@@ -16,8 +14,10 @@ use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_chunk::NodeChunkBuilder;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::Grid;
+use crate::depth::pieces::Pieces;
 use crate::depth::quantise::DepthRange;
 use crate::depth::record_table::TableBuilder;
+use crate::depth::records::Values;
 use crate::depth::temporal::TemporalSettings;
 use crate::depth::tree_chunk::TreeEncoder;
 use crate::error::Result;
@@ -25,14 +25,14 @@ use crate::gpu::decode::{GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
 use crate::gpu::random::Random;
-use crate::gpu::selftest::boxes::{BoxTexel, random_boxes, random_picture};
-use crate::gpu::selftest::cells::CellSample;
+use crate::gpu::selftest::boxes::{BoxTexel, RandomLayout, random_picture};
+use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::monitor::Monitor;
 use crate::video::codec::{
-    CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
+    CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
 use crate::video::decode::{Decoder, FaceDecoder, StreamInfo};
 
@@ -62,7 +62,7 @@ pub fn test_streams(gpu: &Gpu, count: u64, seed: u64, monitor: &dyn Monitor) -> 
     while report.streams < count {
         let container = random_container(&mut random)?;
         let decoder = Decoder::new(Reader::from_memory(container)?)?;
-        for family in [Family::Nodes, Family::Codes, Family::Material, Family::Cells8, Family::CellsHalf] {
+        for family in Family::ALL {
             monitor.check()?;
             let of = decoder.streams().iter().filter(|stream| Family::of(&stream.header) == family);
             let streams: Vec<&StreamInfo> = of.collect();
@@ -165,29 +165,36 @@ fn depth_header(random: &mut Random) -> Result<CodecHeader> {
         NodeHeader { window, epsilon: 0, keyframe_interval: 64, bound: 100, domain }
     };
     let window = random_window(random);
-    let coding = match random.below(10) {
+    let temporal = TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 };
+    let coding = match random.below(12) {
         0..4 => DepthCoding::Nodes(nodes(random, window)),
         4 => DepthCoding::Tree(nodes(random, 1)),
         5 | 6 => DepthCoding::Blocks,
-        _ => DepthCoding::Boxes(TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 }),
+        7 | 8 => DepthCoding::BoxesInBlocks(temporal),
+        _ => DepthCoding::Boxes(temporal),
     };
     let (range, kind) = (DepthRange::new(0.5, 8.0)?, DepthKind::Distance);
     Ok(CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind, coding }))
 }
 
 fn color_header(random: &mut Random) -> CodecHeader {
-    let format = if random.one_in(2) {
-        ColorFormat::EightBit(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 })
-    } else {
-        ColorFormat::Half { white_cd_m2: 100.0 }
-    };
-    CodecHeader::Color(ColorHeader::new(format, &SearchSettings::default()))
+    let bytes = ColorFormat::EightBit(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
+    let half = ColorFormat::Half { white_cd_m2: 100.0 };
+    let all = [
+        (bytes, None),
+        (bytes, Some(ColorBlocks::Bc1)),
+        (bytes, Some(ColorBlocks::Bc7)),
+        (half, None),
+        (half, Some(ColorBlocks::Bc6h)),
+    ];
+    let (format, blocks) = random.pick(&all).unwrap_or(all[0]);
+    CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 })
 }
 
 fn material_header(random: &mut Random) -> CodecHeader {
     let window = random_window(random);
     let temporal = TemporalSettings { window, epsilon: 0, max_aabbs: 256, keyframe_interval: 64 };
-    CodecHeader::Material(MaterialHeader { temporal })
+    CodecHeader::Material(MaterialHeader { temporal, in_blocks: random.one_in(2) })
 }
 
 fn random_window(random: &mut Random) -> u8 {
@@ -199,7 +206,9 @@ fn random_stream(face: u8, header: &CodecHeader, random: &mut Random) -> Result<
     let (width, height) = (side(random), side(random));
     // At least a few units, at most a few dozen.
     let part = |size: u32, random: &mut Random| size.div_ceil(6).max(1 + random.below(size + 4));
+    let grid = if header.in_blocks() { 4 } else { 1 };
     let (unit_width, unit_height) = (part(width, random), part(height, random));
+    let (unit_width, unit_height) = (unit_width.next_multiple_of(grid), unit_height.next_multiple_of(grid));
     // Each frame of some codecs takes bytes.
     let long = random.one_in(20) && !matches!(Family::of(header), Family::Nodes);
     let frame_count = 1 + random.below(if long { 100_000 } else { 40 });
@@ -251,12 +260,16 @@ fn unit_chunks(
                 count = count.min(12);
                 blocks(grid, count, random)
             }
-            CodecHeader::Depth(_) => records::<u16>(size, count, random)?,
-            CodecHeader::Material(_) => records::<[u8; 3]>(size, count, random)?,
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                cells::<u8>(size, count, last, random)?
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Boxes(_), .. }) => {
+                records::<u16, Values>(size, count, random)?
             }
-            CodecHeader::Color(_) => cells::<HalfKey>(size, count, last, random)?,
+            CodecHeader::Depth(_) => records::<u16, Pieces>(size, count, random)?,
+            CodecHeader::Material(header) if header.in_blocks => records::<[u8; 3], Pieces>(size, count, random)?,
+            CodecHeader::Material(_) => records::<[u8; 3], Values>(size, count, random)?,
+            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                cells(&header.cell_of_bytes(size), count, last, random)?
+            }
+            CodecHeader::Color(header) => cells(&header.cell_of_halves(size), count, last, random)?,
         };
         chunks.push(EncodedChunk { first_frame, frame_count: count, payload });
         first_frame += count;
@@ -308,36 +321,31 @@ fn blocks(grid: Grid, count: u32, random: &mut Random) -> Vec<u8> {
 }
 
 /// Records of all kinds, also those that no encoder of ours writes.
-fn records<T: BoxTexel>(size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
-    let pixels = (size[0] * size[1]) as usize;
+fn records<T: BoxTexel, L: RandomLayout<T>>(size: [u32; 2], count: u32, random: &mut Random) -> Result<Vec<u8>> {
     let mut table = TableBuilder::default();
     for frame in record_frames(count, random) {
         let kind = if frame == 0 || random.one_in(5) { random.below(2) } else { 2 };
-        let boxes = random_boxes(size, random);
+        let boxes = if kind == 2 { L::boxes(size, random) } else { Vec::new() };
         let data = table.begin(frame);
         data.extend_from_slice(&[kind as u8, 0]);
-        data.extend_from_slice(&(if kind == 2 { boxes.len() as u16 } else { 0 }).to_le_bytes());
-        let values = match kind {
-            0 => pixels,
-            1 => 1,
-            _ => {
-                for b in &boxes {
-                    [b.x, b.y, b.width, b.height].iter().for_each(|value| data.extend_from_slice(&value.to_le_bytes()));
-                }
-                boxes.iter().map(|b| b.area() as usize).sum()
-            }
-        };
-        random_picture::<T>(values, random).into_iter().for_each(|value| value.put(data));
+        data.extend_from_slice(&(boxes.len() as u16).to_le_bytes());
+        for b in &boxes {
+            [b.x, b.y, b.width, b.height].iter().for_each(|value| data.extend_from_slice(&value.to_le_bytes()));
+        }
+        match kind {
+            0 => L::put(size, random, data),
+            1 => T::random(random).put(data),
+            _ => boxes.iter().for_each(|b| L::put([b.width, b.height].map(u32::from), random, data)),
+        }
     }
     table.finish()
 }
 
 /// Keyframes with weights between them; weights behind the last lead to the next chunk, which the last one has not.
-fn cells<S: CellSample>(size: [u32; 2], count: u32, last: bool, random: &mut Random) -> Result<Vec<u8>> {
-    let samples = 3 * size[0] * size[1];
+fn cells<S: CellSample>(format: &CellFormat<S>, count: u32, last: bool, random: &mut Random) -> Result<Vec<u8>> {
     let mut builder = CellBuilder::default();
     loop {
-        builder.push_keyframe(&(0..samples).map(|_| S::random(random)).collect::<Vec<_>>());
+        push_random_keyframe(format, &mut builder, random);
         let left = count - builder.frame_count();
         let weights = random.below(6);
         // Another keyframe follows these weights.

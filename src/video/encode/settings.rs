@@ -1,5 +1,6 @@
 //! How a dataset is encoded.
 
+use crate::block::SIDE;
 use crate::color::keyframes::SearchSettings;
 use crate::dataset::stream::StreamKind;
 use crate::depth::domain::{Domain, DomainKind};
@@ -8,8 +9,8 @@ use crate::depth::node_encoder::NodeSettings;
 use crate::depth::quantise::{DepthRange, FAR_CODE};
 use crate::depth::temporal::TemporalSettings;
 use crate::effort::Effort;
-use crate::error::Result;
-use crate::video::codec::{ColorFormat, DepthCoding, NodeHeader};
+use crate::error::{Error, Result};
+use crate::video::codec::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
 
 /// How depth is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,6 +22,8 @@ pub enum DepthCodec {
     Tree,
     /// Codes as they are, in boxes around what changes.
     Boxes,
+    /// The same with pieces of the boxes in BC5 blocks, where these stay within epsilon.
+    BoxesInBlocks,
     /// BC4w blocks, without a bound.
     Blocks,
 }
@@ -65,6 +68,35 @@ impl Default for DepthSettings {
     }
 }
 
+/// How keyframes of colour become blocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ColorBlockSettings {
+    /// The format: BC1 or BC7 for 8 bits, BC6H for half floats.
+    pub blocks: ColorBlocks,
+    /// PSNR that every frame of every cell still reaches between keyframes in blocks, in dB; at most that of the search.
+    pub final_psnr_db: f64,
+}
+
+impl ColorBlockSettings {
+    /// The format with the quality that it reaches on most footage, or the search's where that is less.
+    pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
+        let usual: f64 = match blocks {
+            ColorBlocks::Bc1 => 30.0,
+            ColorBlocks::Bc7 | ColorBlocks::Bc6h => 40.0,
+        };
+        ColorBlockSettings { blocks, final_psnr_db: usual.min(search.min_psnr_db) }
+    }
+}
+
+/// How material is coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MaterialSettings {
+    /// Largest difference of any of its three bytes from the source.
+    pub epsilon: u16,
+    /// Whether pieces of the boxes are in BC1 blocks, where these stay within epsilon.
+    pub in_blocks: bool,
+}
+
 impl ErrorBound {
     /// The bound in codes of a stream of this range; a proportion is rounded down, so that it holds.
     pub fn codes(self, range: DepthRange) -> u16 {
@@ -82,8 +114,10 @@ impl ErrorBound {
 /// How a dataset is encoded.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
-    /// Depth in time; material follows it, with an epsilon of 0.
+    /// Depth in time; material follows it, with an epsilon of its own.
     pub temporal: TemporalSettings,
+    /// Material.
+    pub material: MaterialSettings,
     /// Depth in space.
     pub depth: DepthSettings,
     /// Depth and material tiles along each side of a face.
@@ -98,6 +132,8 @@ pub struct EncodeSettings {
     pub color: ColorFormat,
     /// Colour in time.
     pub search: SearchSettings,
+    /// Keyframes of colour in blocks; `None` for samples.
+    pub color_blocks: Option<ColorBlockSettings>,
     /// LZMA2 preset for chunks that it makes smaller.
     pub lzma2: Option<u32>,
     /// Kinds of streams to encode.
@@ -108,6 +144,7 @@ impl Default for EncodeSettings {
     fn default() -> Self {
         EncodeSettings {
             temporal: TemporalSettings::default(),
+            material: MaterialSettings::default(),
             depth: DepthSettings::default(),
             tiles: 2,
             near_m: None,
@@ -115,6 +152,7 @@ impl Default for EncodeSettings {
             cell: 64,
             color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
             search: SearchSettings::default(),
+            color_blocks: None,
             lzma2: None,
             kinds: StreamKind::ALL.to_vec(),
         }
@@ -122,6 +160,48 @@ impl Default for EncodeSettings {
 }
 
 impl EncodeSettings {
+    /// Refuses what no encoder could do.
+    pub(super) fn check(&self) -> Result<()> {
+        self.temporal.check()?;
+        self.nodes(0).check()?;
+        if self.tiles == 0 || self.cell == 0 || self.search.reach == 0 {
+            return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
+        }
+        let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
+        if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
+            let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with --hdr, bc1 or bc7 without";
+            return Err(Error::Usage(message.into()));
+        }
+        if !self.cell.is_multiple_of(SIDE as u32) {
+            let message = format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell);
+            return Err(Error::Usage(message));
+        }
+        if final_psnr_db > self.search.min_psnr_db {
+            return Err(Error::Usage(format!(
+                "{final_psnr_db} dB after blocks, but keyframes are chosen for {} dB: blocks only lose",
+                self.search.min_psnr_db
+            )));
+        }
+        Ok(())
+    }
+
+    /// The header of colour streams.
+    pub(super) fn color_header(&self) -> ColorHeader {
+        let header = ColorHeader::new(self.color, &self.search);
+        match self.color_blocks {
+            Some(ColorBlockSettings { blocks, final_psnr_db }) => {
+                ColorHeader { blocks: Some(blocks), min_psnr_db: final_psnr_db, ..header }
+            }
+            None => header,
+        }
+    }
+
+    /// The header of material streams.
+    pub(super) fn material_header(&self) -> MaterialHeader {
+        let MaterialSettings { epsilon, in_blocks } = self.material;
+        MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
+    }
+
     /// How nodes are coded with a bound in codes.
     pub fn nodes(&self, bound: u16) -> NodeSettings {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
@@ -140,6 +220,7 @@ impl EncodeSettings {
         };
         Ok(match self.depth.codec {
             DepthCodec::Boxes => DepthCoding::Boxes(self.temporal),
+            DepthCodec::BoxesInBlocks => DepthCoding::BoxesInBlocks(self.temporal),
             DepthCodec::Quadtree => DepthCoding::Nodes(nodes()?),
             DepthCodec::Tree => DepthCoding::Tree(NodeHeader { window: 1, epsilon: 0, ..nodes()? }),
             DepthCodec::Blocks => DepthCoding::Blocks,

@@ -5,14 +5,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use super::{EncodeSettings, raw_pixel_bytes};
-use crate::color::blend::HalfKey;
+use crate::color::blend::{HalfKey, Sample};
+use crate::color::cells::CellFormat;
 use crate::color::keyframes::SearchSettings;
 use crate::color::quality::{EightBit, Pu21};
-use crate::color::temporal::{CLOSE_AT_BYTES, CellEncoder};
+use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk};
 use crate::dataset::source::{Source, SourceGroup};
 use crate::dataset::stream::StreamKind;
 use crate::depth::block_chunk::BlockEncoder;
+use crate::depth::block_temporal::HeldBlocks;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::NodeEncoder;
 use crate::depth::nodes::Grid;
@@ -23,7 +25,7 @@ use crate::error::{Error, Result};
 use crate::image::plane::{DepthPlane, Plane};
 use crate::image::transfer::EncodeTable;
 use crate::monitor::Monitor;
-use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader};
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 use crate::video::convert;
 
 /// Pictures that the cells of a group may wait for their next keyframe with: bounds how far it may lie.
@@ -34,10 +36,12 @@ const OPEN_BYTES: usize = 384 << 20;
 /// The encoder of one unit, whatever its stream holds.
 enum Unit {
     Depth(TemporalEncoder<u16>),
+    DepthInBlocks(TemporalEncoder<u16, HeldBlocks<u16>>),
     DepthNodes(Box<NodeEncoder>),
     DepthTree(Box<TreeEncoder>),
     DepthBlocks(BlockEncoder),
     Material(TemporalEncoder<[u8; 3]>),
+    MaterialInBlocks(TemporalEncoder<[u8; 3], HeldBlocks<[u8; 3]>>),
     Color8(CellEncoder<u8>),
     ColorHalf(CellEncoder<HalfKey>),
 }
@@ -80,6 +84,15 @@ impl ColorMemory {
         let close_at_bytes = CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
         ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
     }
+
+    /// The encoder of a cell; with blocks, frames then reach `final_psnr_db`.
+    fn encoder<S: Sample>(&self, CellFormat { size, blocks }: CellFormat<S>, final_psnr_db: f64) -> CellEncoder<S> {
+        let encoder = CellEncoder::new(self.search, self.close_at_bytes);
+        match blocks {
+            Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
+            None => encoder,
+        }
+    }
 }
 
 impl<'a> GroupCoder<'a> {
@@ -104,14 +117,22 @@ impl<'a> GroupCoder<'a> {
         Ok(coder)
     }
 
-    fn unit_encoder(&self, rect: [u32; 4], memory: &ColorMemory) -> Result<Unit> {
+    fn unit_encoder(&self, [_, _, width, height]: [u32; 4], memory: &ColorMemory) -> Result<Unit> {
+        let size = [width, height];
         Ok(match self.header {
-            CodecHeader::Depth(header) => self.depth_encoder(&header, Grid { width: rect[2], height: rect[3] })?,
-            CodecHeader::Material(header) => Unit::Material(TemporalEncoder::new(rect[2], header.temporal)),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Unit::Color8(CellEncoder::new(memory.search, memory.close_at_bytes))
+            CodecHeader::Depth(header) => self.depth_encoder(&header, Grid { width, height })?,
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }) => {
+                Unit::Material(TemporalEncoder::new(width, temporal))
             }
-            CodecHeader::Color(_) => Unit::ColorHalf(CellEncoder::new(memory.search, memory.close_at_bytes)),
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
+                Unit::MaterialInBlocks(TemporalEncoder::in_blocks(size, temporal, self.settings.depth.effort))
+            }
+            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                Unit::Color8(memory.encoder(header.cell_of_bytes(size), header.min_psnr_db))
+            }
+            CodecHeader::Color(header) => {
+                Unit::ColorHalf(memory.encoder(header.cell_of_halves(size), header.min_psnr_db))
+            }
         })
     }
 
@@ -119,6 +140,10 @@ impl<'a> GroupCoder<'a> {
         let settings = self.settings;
         Ok(match header.coding {
             DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
+            DepthCoding::BoxesInBlocks(temporal) => {
+                let size = [grid.width, grid.height];
+                Unit::DepthInBlocks(TemporalEncoder::in_blocks(size, temporal, settings.depth.effort))
+            }
             DepthCoding::Nodes(nodes) => {
                 let domain = Domain::new(nodes.domain.kind, header.range)?;
                 Unit::DepthNodes(Box::new(NodeEncoder::new(grid, domain, settings.nodes(nodes.bound))))
@@ -267,10 +292,12 @@ impl Unit {
     fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
         match (self, picture) {
             (Unit::Depth(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
+            (Unit::DepthInBlocks(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthNodes(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect), None),
             (Unit::DepthTree(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::DepthBlocks(encoder), Coded::Depth(plane)) => Ok(encoder.push(&cut(plane, rect))),
             (Unit::Material(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
+            (Unit::MaterialInBlocks(encoder), Coded::Bytes(plane)) => encoder.push(&cut(plane, rect)),
             (Unit::Color8(encoder), Coded::Bytes(plane)) => encoder.push(cut(plane, rect).as_flattened(), &EightBit),
             (Unit::ColorHalf(encoder), Coded::Half(plane)) => match &coder.pu21 {
                 Some(pu21) => encoder.push(cut(plane, rect).as_flattened(), pu21),
@@ -284,10 +311,12 @@ impl Unit {
     fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<EncodedChunk>> {
         match self {
             Unit::Depth(encoder) => Ok(encoder.finish()?.into_iter().collect()),
+            Unit::DepthInBlocks(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthNodes(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthTree(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::DepthBlocks(encoder) => Ok(encoder.finish().into_iter().collect()),
             Unit::Material(encoder) => Ok(encoder.finish()?.into_iter().collect()),
+            Unit::MaterialInBlocks(encoder) => Ok(encoder.finish()?.into_iter().collect()),
             Unit::Color8(encoder) => encoder.finish(&EightBit),
             Unit::ColorHalf(encoder) => coder.pu21.as_ref().map_or(Ok(Vec::new()), |pu21| encoder.finish(pu21)),
         }

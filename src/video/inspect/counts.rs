@@ -1,16 +1,18 @@
 //! What one chunk holds and changes, frame by frame: keyframes, boxes, pixels, bytes.
 
-use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::CellChunk;
+use crate::color::blend::Sample;
+use crate::color::cells::{CellChunk, CellFormat};
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::census::NodeCensus;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
-use crate::depth::records::{Body, TemporalChunk};
+use crate::depth::pieces::{BlockTexel, PieceCount, Pieces};
+use crate::depth::records::{Body, Layout, Record, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
 use crate::video::depth_chunk::DepthChunk;
+use crate::video::material_chunk::MaterialChunk;
 
 /// What a frame holds and changes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,6 +39,23 @@ impl FrameCost {
     }
 }
 
+/// Keyframes of colour, and pieces of depth or material, by how they are stored.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct BlockCount {
+    /// Keyframes of colour.
+    pub keyframes: PieceCount,
+    /// Pieces of whole units and of boxes.
+    pub pieces: PieceCount,
+}
+
+impl BlockCount {
+    /// Adds another count.
+    pub fn add(&mut self, other: BlockCount) {
+        self.keyframes.add(other.keyframes);
+        self.pieces.add(other.pieces);
+    }
+}
+
 /// What a chunk holds at one of its frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
@@ -56,44 +75,63 @@ pub(super) struct ChunkMeasure {
     pub leads_on: bool,
     /// Nodes of all frames.
     pub census: NodeCensus,
+    /// What is in blocks, in codecs that have them.
+    pub blocks: BlockCount,
 }
 
 /// Parses and counts a payload of a unit of `size` (width, height) pixels.
 pub(super) fn count_chunk(header: &CodecHeader, payload: Vec<u8>, size: [u32; 2], frames: u32) -> Result<ChunkMeasure> {
-    let pixels = size[0] as usize * size[1] as usize;
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
     Ok(match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload.into(), size, frames)? {
             DepthChunk::Boxes(chunk) => count_records(&chunk),
+            DepthChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
             DepthChunk::Nodes(chunk) => count_nodes(&chunk),
             DepthChunk::Tree(chunk) => count_tree(&chunk),
-            DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels as u64, frames),
+            DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels, frames),
         },
-        CodecHeader::Material(_) => count_records(&TemporalChunk::<[u8; 3]>::parse(payload, size, frames)?),
-        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            count_blends(&CellChunk::<u8>::parse(payload, pixels, frames)?, pixels, frames)
+        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload.into(), size, frames)? {
+            MaterialChunk::Boxes(chunk) => count_records(&chunk),
+            MaterialChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
+        },
+        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+            let format = header.cell_of_bytes(size);
+            count_blends(&CellChunk::parse(payload, format, frames)?, format, frames)
         }
-        CodecHeader::Color(_) => count_blends(&CellChunk::<HalfKey>::parse(payload, pixels, frames)?, pixels, frames),
+        CodecHeader::Color(header) => {
+            let format = header.cell_of_halves(size);
+            count_blends(&CellChunk::parse(payload, format, frames)?, format, frames)
+        }
     })
 }
 
-fn count_records<T: Texel>(chunk: &TemporalChunk<T>) -> ChunkMeasure {
-    let event = |frame: u32, body: Body| Event {
-        frame,
+fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMeasure {
+    let event = |record: &Record| Event {
+        frame: record.frame,
         cost: FrameCost {
-            keyframe_units: u64::from(!matches!(body, Body::Boxes { .. })),
-            aabbs: chunk.boxes(body).len() as u64,
+            keyframe_units: u64::from(!matches!(record.body, Body::Boxes { .. })),
+            aabbs: chunk.boxes(record.body).len() as u64,
             nodes: 0,
-            updated_pixels: chunk.updated_pixels(body),
-            bytes: chunk.record_bytes(body),
+            updated_pixels: chunk.updated_pixels(record.body),
+            bytes: record.bytes,
         },
     };
     let records = chunk.records();
     ChunkMeasure {
-        events: records.iter().map(|record| event(record.frame, record.body)).collect(),
+        events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
         leads_on: false,
         census: NodeCensus::default(),
+        blocks: BlockCount::default(),
     }
+}
+
+fn count_pieces<T: BlockTexel>(chunk: &TemporalChunk<T, Pieces>) -> ChunkMeasure {
+    let mut measure = count_records(chunk);
+    for (size, bytes) in chunk.records().iter().flat_map(|record| chunk.rectangles(record.body)) {
+        measure.blocks.pieces.add(PieceCount::of_rectangle(bytes, size));
+    }
+    measure
 }
 
 fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
@@ -112,6 +150,7 @@ fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
         constant: chunk.is_constant(),
         leads_on: false,
         census: chunk.census(),
+        blocks: BlockCount::default(),
     }
 }
 
@@ -127,7 +166,7 @@ fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
         },
     };
     let events = chunk.records().enumerate().map(event).collect();
-    ChunkMeasure { events, constant: false, leads_on: false, census: chunk.census() }
+    ChunkMeasure { events, constant: false, leads_on: false, census: chunk.census(), blocks: BlockCount::default() }
 }
 
 fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
@@ -135,10 +174,10 @@ fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasu
     let nodes = chunk.blocks_of_frame();
     let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
     let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
-    ChunkMeasure { events, constant: false, leads_on: false, census }
+    ChunkMeasure { events, constant: false, leads_on: false, census, blocks: BlockCount::default() }
 }
 
-fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32) -> ChunkMeasure {
+fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_count: u32) -> ChunkMeasure {
     // Behind the weights nothing changes but at keyframes.
     let mut frames: Vec<u32> = (0..frame_count.min(chunk.weight_count().saturating_add(1))).collect();
     frames.extend_from_slice(chunk.keyframes());
@@ -149,7 +188,12 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32
         constant: false,
         leads_on: false,
         census: NodeCensus::default(),
+        blocks: BlockCount::default(),
     };
+    if format.blocks.is_some() {
+        let in_blocks = (0..chunk.keyframes().len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
+        measure.blocks.keyframes = PieceCount { blocks: in_blocks, raw: chunk.keyframes().len() as u64 - in_blocks };
+    }
     let mut shown = None;
     for frame in frames {
         let blend = chunk.blend(frame);
@@ -163,8 +207,8 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, pixels: usize, frame_count: u32
                 keyframe_units: u64::from(keyframe),
                 aabbs: 0,
                 nodes: 0,
-                updated_pixels: if written { pixels as u64 } else { 0 },
-                bytes: weight_bytes + if keyframe { chunk.keyframe_bytes() } else { 0 },
+                updated_pixels: if written { format.pixels() as u64 } else { 0 },
+                bytes: weight_bytes + if keyframe { chunk.keyframe_bytes(blend.keyframe) } else { 0 },
             },
         });
     }

@@ -1,0 +1,287 @@
+//! The picture that every decoder of boxes in blocks holds, kept in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
+//!
+//! Enters: the unit's pixels, frame by frame, by way of [`TemporalEncoder`]. Leaves: records whose boxes are cut into pieces.
+//! Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
+//!
+//! A block that a decoder may keep showing is left alone. One that it may not is encoded anew from the source; where a pixel
+//! of what comes out leaves the bound, the values are held instead. Either way all of it counts as changed, and is sent, as
+//! it is held, in this frame and the W - 1 after it: so every legal path shows the same picture.
+
+use crate::block::{self, BlockFormat, SIDE, TEXELS};
+use crate::depth::boxes::{self, BoxBudget, Mask, PixelBox};
+use crate::depth::pieces::{self, BlockTexel};
+use crate::depth::records::ChunkBuilder;
+use crate::depth::temporal::{Held, TemporalEncoder, TemporalSettings};
+use crate::effort::Effort;
+
+/// Bytes of a box before its pieces, rounded up for their map.
+const BOX_BYTES: usize = 10;
+
+/// A picture whose boxes are written in pieces.
+#[derive(Debug)]
+pub struct HeldBlocks<T> {
+    settings: TemporalSettings,
+    effort: Effort,
+    size: [usize; 2],
+    /// Columns of blocks.
+    columns: usize,
+    picture: Vec<T>,
+    blocks: Vec<HeldBlock>,
+    /// The block of the format of each, where it is held in blocks.
+    stored: Vec<u8>,
+    /// One byte a block: 1 where the last frame must send it.
+    mask: Vec<u8>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct HeldBlock {
+    /// Frames since it changed, saturating; `u8::MAX` also for "not since the keyframe".
+    age: u8,
+    in_block: bool,
+}
+
+impl<T: BlockTexel> TemporalEncoder<T, HeldBlocks<T>> {
+    /// An encoder for a unit of `size` (width, height) pixels, whose boxes are written in pieces.
+    pub fn in_blocks(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
+        Self::with(HeldBlocks::new(size, settings, effort), settings.keyframe_interval)
+    }
+}
+
+impl<T: BlockTexel> HeldBlocks<T> {
+    fn new(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
+        let size = size.map(|side| side as usize);
+        let [columns, rows] = block::grid(size[0], size[1]);
+        HeldBlocks {
+            settings,
+            effort,
+            size,
+            columns,
+            picture: Vec::new(),
+            blocks: vec![HeldBlock { age: u8::MAX, in_block: false }; columns * rows],
+            stored: vec![0; columns * rows * T::Format::BYTES],
+            mask: vec![0; columns * rows],
+        }
+    }
+
+    /// Offsets in the picture of the rows of a block, and how many of its columns are inside.
+    fn rows(&self, at: usize) -> (impl Iterator<Item = usize> + use<T>, usize) {
+        let [width, height] = self.size;
+        let (x, y) = (at % self.columns * SIDE, at / self.columns * SIDE);
+        let rows = (y..height.min(y + SIDE)).map(move |y| y * width + x);
+        (rows, SIDE.min(width - x))
+    }
+
+    /// The values of a block; beyond the edge the last column and row are repeated.
+    fn cut(&self, at: usize, source: &[T]) -> [T; TEXELS] {
+        let [width, height] = self.size;
+        let (x, y) = (at % self.columns * SIDE, at / self.columns * SIDE);
+        std::array::from_fn(|i| source[(y + i / SIDE).min(height - 1) * width + (x + i % SIDE).min(width - 1)])
+    }
+
+    /// Whether a decoder may keep showing what is held.
+    fn serves(&self, at: usize, source: &[T], epsilon: u16) -> bool {
+        let (mut rows, inside) = self.rows(at);
+        rows.all(|start| {
+            let held = self.picture[start..start + inside].iter().zip(&source[start..start + inside]);
+            held.into_iter().all(|(&held, &source)| T::within(held, source, epsilon))
+        })
+    }
+
+    /// Holds the source, in blocks where these are within `epsilon` of it.
+    fn replace(&mut self, wanted: &[usize], source: &[T], epsilon: u16) {
+        let values: Vec<_> = wanted.iter().map(|&at| self.cut(at, source)).collect();
+        let encoded = T::encode(&values, self.effort);
+        for ((&at, values), block) in wanted.iter().zip(&values).zip(encoded.chunks_exact(T::Format::BYTES)) {
+            let shown = T::decode(block);
+            let (rows, inside) = self.rows(at);
+            let (width, first) = (self.size[0], self.rows(at).0.next().unwrap_or(0));
+            // Pixels beyond the edge do not exist, whatever the block has there.
+            let of_row = |start: usize| (start - first) / width * SIDE;
+            let mut outside = rows.flat_map(|start| (0..inside).map(move |x| of_row(start) + x));
+            let serves = outside.all(|i| T::within(shown[i], values[i], epsilon));
+            let kept = if serves { &shown } else { values };
+            for start in self.rows(at).0 {
+                let row = of_row(start);
+                self.picture[start..start + inside].copy_from_slice(&kept[row..row + inside]);
+            }
+            self.stored[at * T::Format::BYTES..][..T::Format::BYTES].copy_from_slice(block);
+            self.blocks[at].in_block = serves;
+        }
+    }
+
+    /// Appends a rectangle as it is held; left, top, width and height in pixels.
+    fn put(&self, [left, top, width, height]: [usize; 4], out: &mut Vec<u8>) {
+        let block = |x: usize, y: usize| {
+            let at = (top + y) / SIDE * self.columns + (left + x) / SIDE;
+            self.blocks[at].in_block.then(|| &self.stored[at * T::Format::BYTES..][..T::Format::BYTES])
+        };
+        let value = |x: usize, y: usize| self.picture[(top + y) * self.size[0] + left + x];
+        pieces::put([width, height], block, value, out);
+    }
+
+    /// Boxes in pixels around the blocks of the mask.
+    fn boxes(&self) -> Vec<PixelBox> {
+        // One more box must save more blocks than it costs.
+        let min_saving = (BOX_BYTES / T::Format::BYTES) as u32;
+        let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving };
+        let covers = boxes::cover(Mask { pixels: &self.mask, width: self.columns }, budget);
+        let pixels = |start: u16, size: u16, limit: usize| {
+            let start = usize::from(start) * SIDE;
+            (start as u16, (usize::from(size) * SIDE).min(limit - start) as u16)
+        };
+        let scaled = covers.into_iter().map(|b| {
+            let ((x, width), (y, height)) = (pixels(b.x, b.width, self.size[0]), pixels(b.y, b.height, self.size[1]));
+            PixelBox { x, y, width, height }
+        });
+        scaled.collect()
+    }
+}
+
+impl<T: BlockTexel> Held<T> for HeldBlocks<T> {
+    fn start(&mut self, source: &[T]) -> ChunkBuilder<T> {
+        self.picture.clear();
+        self.picture.extend_from_slice(source);
+        let all: Vec<usize> = (0..self.blocks.len()).collect();
+        // One value for all pixels is stored as such, and later boxes must repeat it exactly.
+        let constant = source.iter().all(|value| *value == source[0]);
+        self.replace(&all, source, if constant { 0 } else { self.settings.epsilon });
+        self.blocks.iter_mut().for_each(|block| block.age = u8::MAX);
+        let whole = [0, 0, self.size[0], self.size[1]];
+        ChunkBuilder::starting_with(source, |data| self.put(whole, data))
+    }
+
+    fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>) {
+        let epsilon = self.settings.epsilon;
+        let wanted: Vec<usize> = (0..self.blocks.len()).filter(|&at| !self.serves(at, source, epsilon)).collect();
+        self.replace(&wanted, source, epsilon);
+        self.blocks.iter_mut().for_each(|block| block.age = block.age.saturating_add(1));
+        wanted.iter().for_each(|&at| self.blocks[at].age = 0);
+        for (mask, block) in self.mask.iter_mut().zip(&self.blocks) {
+            *mask = u8::from(block.age < self.settings.window);
+        }
+        if self.mask.contains(&1) {
+            let boxes = self.boxes();
+            chunk.put_boxes(frame, &boxes, |b, data| self.put([b.x, b.y, b.width, b.height].map(usize::from), data));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::pieces::{PieceCount, Pieces};
+    use crate::depth::records::TemporalChunk;
+    use crate::depth::temporal::tests::paths;
+
+    struct Random(u32);
+
+    impl Random {
+        fn below(&mut self, n: u32) -> u32 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (self.0 >> 12) % n
+        }
+    }
+
+    fn check<T: BlockTexel>(frames: &[Vec<T>], size: [u32; 2], settings: TemporalSettings) -> PieceCount {
+        let chunks = paths::encode(TemporalEncoder::in_blocks(size, settings, Effort::Fast), frames);
+        let mut count = PieceCount::default();
+        for chunk in &chunks {
+            let parsed = TemporalChunk::<T, Pieces>::parse(chunk.payload.clone(), size, chunk.frame_count).unwrap();
+            for record in parsed.records() {
+                parsed
+                    .rectangles(record.body)
+                    .for_each(|(size, bytes)| count.add(PieceCount::of_rectangle(bytes, size)));
+            }
+        }
+        paths::check_all::<T, Pieces>(frames, size, chunks, settings);
+        count
+    }
+
+    /// A slope in which pixels jump, creep, vanish and come back.
+    fn moving_codes([width, height]: [u32; 2], count: usize, random: &mut Random) -> Vec<Vec<u16>> {
+        let pixels = width * height;
+        let mut frame: Vec<u16> = (0..pixels).map(|at| (20_000 + at % width * 9 + at / width * 3) as u16).collect();
+        let mut frames = vec![frame.clone()];
+        for _ in 1..count {
+            for _ in 0..random.below(6) {
+                let at = random.below(pixels) as usize;
+                frame[at] = match random.below(4) {
+                    0 => u16::MAX,
+                    1 => frame[at].wrapping_add(1),
+                    2 => 20_000,
+                    _ => random.below(65_536) as u16,
+                };
+            }
+            frames.push(frame.clone());
+        }
+        frames
+    }
+
+    #[test]
+    fn every_legal_path_shows_the_same_depth_within_epsilon() {
+        let mut random = Random(3);
+        for size in [[37, 21], [16, 16], [5, 3], [64, 1]] {
+            let frames = moving_codes(size, 40, &mut random);
+            for window in [1, 2, 16, 100] {
+                for epsilon in [0, 40, 3000] {
+                    for (max_aabbs, keyframe_interval) in [(1, 1000), (8, 20), (256, 7), (3, 1)] {
+                        check(&frames, size, TemporalSettings { window, epsilon, max_aabbs, keyframe_interval });
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_legal_path_shows_the_same_material_within_epsilon() {
+        let mut random = Random(9);
+        let size = [26, 19];
+        let mut frame: Vec<[u8; 3]> = (0..size[0] * size[1]).map(|at| [(at % 26 * 4) as u8, 30, 0]).collect();
+        let mut frames = vec![frame.clone()];
+        for _ in 1..30 {
+            for _ in 0..random.below(5) {
+                let at = random.below(size[0] * size[1]) as usize;
+                frame[at] = [random.below(256) as u8, frame[at][1].wrapping_add(1), (at % 3) as u8];
+            }
+            frames.push(frame.clone());
+        }
+        for (window, epsilon) in [(1, 0), (2, 8), (3, 30), (255, 8)] {
+            check(&frames, size, TemporalSettings { window, epsilon, ..TemporalSettings::default() });
+        }
+    }
+
+    #[test]
+    fn a_pixel_that_creeps_below_epsilon_for_600_frames_stays_within_it() {
+        let frames: Vec<Vec<u16>> =
+            (0..600u16).map(|n| (0..144).map(|at| if at == 50 { 1000 + n } else { 1007 }).collect()).collect();
+        let settings = TemporalSettings { epsilon: 10, keyframe_interval: 1000, ..TemporalSettings::default() };
+        check(&frames, [12, 12], settings);
+        let chunks = paths::encode(TemporalEncoder::in_blocks([12, 12], settings, Effort::Fast), &frames);
+        let parsed = TemporalChunk::<u16, Pieces>::parse(chunks[0].payload.clone(), [12, 12], 600).unwrap();
+        // At most every frame, at least as often as values would need.
+        assert!(parsed.records().len() > 599 / 21, "{}", parsed.records().len());
+    }
+
+    #[test]
+    fn pieces_are_in_blocks_where_these_are_close_enough_and_only_there() {
+        let smooth: Vec<u16> = (0..32 * 32).map(|at| (0x5000 + at % 32 + at / 32) as u16).collect();
+        let settings = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
+        assert_eq!(check(std::slice::from_ref(&smooth), [32, 32], settings(2)), PieceCount { blocks: 4, raw: 0 });
+        let mut rough = smooth;
+        rough[0] = u16::MAX;
+        rough[1] = 0x1234;
+        rough[2] = 0x9876;
+        assert_eq!(check(&[rough], [32, 32], settings(2)), PieceCount { blocks: 3, raw: 1 });
+    }
+
+    #[test]
+    fn one_value_is_stored_once_and_repeated_exactly() {
+        let flat = vec![0x1234u16; 20 * 20];
+        let mut cut = flat.clone();
+        (cut[0], cut[20 * 20 - 1]) = (9, 9);
+        let settings = TemporalSettings { max_aabbs: 1, epsilon: 900, ..TemporalSettings::default() };
+        check(&[flat.clone(), cut, flat.clone()], [20, 20], settings);
+        let chunks = paths::encode(TemporalEncoder::in_blocks([20, 20], settings, Effort::Fast), &[flat]);
+        assert_eq!(chunks[0].payload.len(), 4 + 8 + 4 + 2);
+    }
+}
