@@ -112,7 +112,7 @@ fn measure_lerp() {
     println!("{:<24} {:>11} {:>12} {:>9}", "lerp, one thread", "copy MB/s", "lerp MB/s", "of copy");
     for (name, cells, rounds) in [("cells in the cache", 1, 4096), ("cells in memory", 4096, 1)] {
         let bytes = cells * CELL;
-        let [a, b] = [3u32, 7].map(|step| (0..bytes as u32).map(|at| (at * step >> 3) as u8).collect::<Vec<u8>>());
+        let [a, b] = [3u32, 7].map(|step| (0..bytes as u32).map(|at| ((at * step) >> 3) as u8).collect::<Vec<u8>>());
         let mut shown = vec![1u8; bytes];
         let mut turns = Vec::new();
         for turn in 0..TURNS {
