@@ -1,7 +1,7 @@
 // BC6H UF16 (blocks.md 7). Mirrors src/block/bc6h.rs. Needs bptc.wgsl.
 
 // What the bits in front of the indices say.
-struct Bc6h {
+struct Bc6hValues {
     // 0 where the mode is reserved.
     subsets: u32,
     endpoint_bits: u32,
@@ -20,12 +20,12 @@ fn bc6h_reversed(bits: u32, count: u32) -> u32 {
 }
 
 // The values of a block, by the layout of its mode, which stands above each case.
-fn bc6h_open(words: vec4u) -> Bc6h {
+fn bc6h_values(words: vec4u) -> Bc6hValues {
     var code = words.x & 3u;
     if (code > 1u) {
         code = words.x & 31u;
     }
-    var block: Bc6h;
+    var block: Bc6hValues;
     block.subsets = 1u;
     switch (code) {
         case 0u: {
@@ -52,7 +52,11 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 4u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 4u, 1u) << 4u),
             );
         }
         case 1u: {
@@ -79,7 +83,11 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 3u, 2u) << 4u),
-                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 12u, 2u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 32u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 2u: {
@@ -106,7 +114,10 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u),
             );
         }
         case 6u: {
@@ -133,7 +144,10 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 4u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 69u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u),
+                bptc_bits(words, 69u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u),
             );
         }
         case 10u: {
@@ -160,7 +174,10 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 4u),
                 bptc_bits(words, 51u, 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 69u, 2u) << 1u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 75u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 69u, 2u) << 1u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 75u, 1u) << 4u),
             );
         }
         case 14u: {
@@ -187,7 +204,11 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u),
             );
         }
         case 18u: {
@@ -214,7 +235,10 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 13u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 33u, 2u) << 3u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 33u, 2u) << 3u),
             );
         }
         case 22u: {
@@ -241,7 +265,11 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
-                bptc_bits(words, 13u, 1u) | (bptc_bits(words, 60u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u),
+                bptc_bits(words, 13u, 1u)
+                    | (bptc_bits(words, 60u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u),
             );
         }
         case 26u: {
@@ -268,7 +296,12 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 5u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 40u, 1u) << 4u),
-                bptc_bits(words, 50u, 1u) | (bptc_bits(words, 13u, 1u) << 1u) | (bptc_bits(words, 70u, 1u) << 2u) | (bptc_bits(words, 76u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 50u, 1u)
+                    | (bptc_bits(words, 13u, 1u) << 1u)
+                    | (bptc_bits(words, 70u, 1u) << 2u)
+                    | (bptc_bits(words, 76u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 30u: {
@@ -295,7 +328,11 @@ fn bc6h_open(words: vec4u) -> Bc6h {
             block.z = vec3u(
                 bptc_bits(words, 71u, 6u),
                 bptc_bits(words, 51u, 4u) | (bptc_bits(words, 11u, 1u) << 4u) | (bptc_bits(words, 31u, 1u) << 5u),
-                bptc_bits(words, 12u, 2u) | (bptc_bits(words, 23u, 1u) << 2u) | (bptc_bits(words, 32u, 1u) << 3u) | (bptc_bits(words, 34u, 1u) << 4u) | (bptc_bits(words, 33u, 1u) << 5u),
+                bptc_bits(words, 12u, 2u)
+                    | (bptc_bits(words, 23u, 1u) << 2u)
+                    | (bptc_bits(words, 32u, 1u) << 3u)
+                    | (bptc_bits(words, 34u, 1u) << 4u)
+                    | (bptc_bits(words, 33u, 1u) << 5u),
             );
         }
         case 3u: {
@@ -366,52 +403,75 @@ fn bc6h_open(words: vec4u) -> Bc6h {
 }
 
 // An endpoint as numbers of 16 bits; `value` is stored as its difference from the first where there are difference bits.
-fn bc6h_endpoint(block: Bc6h, value: vec3u) -> vec3u {
-    let last = (1u << block.endpoint_bits) - 1u;
+fn bc6h_endpoint(block: Bc6hValues, value: vec3u) -> vec3u {
     var whole = value;
     if (block.delta.x > 0u) {
         let unused = 32u - block.delta;
         let difference = vec3i(value << unused) >> unused;
-        whole = (block.w + vec3u(difference)) & vec3u(last);
+        whole = (block.w + vec3u(difference)) & vec3u((1u << block.endpoint_bits) - 1u);
     }
-    return bc6h_widen(whole, block.endpoint_bits, last);
+    return bc6h_widen(whole, block.endpoint_bits);
 }
 
-// Numbers of `endpoint_bits` bits, the largest of which is `last`, spread over 16.
-fn bc6h_widen(value: vec3u, endpoint_bits: u32, last: u32) -> vec3u {
+// Numbers of `endpoint_bits` bits spread over 16.
+fn bc6h_widen(value: vec3u, endpoint_bits: u32) -> vec3u {
     if (endpoint_bits >= 15u) {
         return value;
     }
     let spread = ((value << vec3u(16u)) + 0x8000u) >> vec3u(endpoint_bits);
-    return select(select(spread, vec3u(0xffffu), value == vec3u(last)), vec3u(0u), value == vec3u(0u));
+    let last = vec3u((1u << endpoint_bits) - 1u);
+    return select(select(spread, vec3u(0xffffu), value == last), vec3u(0u), value == vec3u(0u));
+}
+
+// A block whose endpoints are ready: a and b of subset 0, c and d of subset 1.
+struct Bc6h {
+    words: vec4u,
+    subsets: u32,
+    parts: BptcPartition,
+    a: vec3u,
+    b: vec3u,
+    c: vec3u,
+    d: vec3u,
+}
+
+fn bc6h_open(words: vec4u) -> Bc6h {
+    let values = bc6h_values(words);
+    return Bc6h(
+        words,
+        values.subsets,
+        bptc_partition(values.subsets, values.partition_number),
+        bc6h_widen(values.w, values.endpoint_bits),
+        bc6h_endpoint(values, values.x),
+        bc6h_endpoint(values, values.y),
+        bc6h_endpoint(values, values.z),
+    );
 }
 
 // A pixel of a block: r | g << 16, then b.
-fn bc6h_texel(words: vec4u, texel: u32) -> vec2u {
-    let block = bc6h_open(words);
+fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     if (block.subsets == 0u) {
         return vec2u(0u);
     }
-    let parts = bptc_partition(block.subsets, block.partition_number);
-    var a: vec3u;
-    var b: vec3u;
-    if (bptc_subset(parts, texel) == 0u) {
-        a = bc6h_widen(block.w, block.endpoint_bits, (1u << block.endpoint_bits) - 1u);
-        b = bc6h_endpoint(block, block.x);
-    } else {
-        a = bc6h_endpoint(block, block.y);
-        b = bc6h_endpoint(block, block.z);
-    }
+    let second = bptc_subset(block.parts, texel) == 1u;
+    let a = select(block.a, block.c, second);
+    let b = select(block.b, block.d, second);
     let index_bits = 5u - block.subsets;
-    let index = bptc_index(words, select(65u, 82u, block.subsets == 2u), index_bits, parts, texel);
+    let indices_at = select(65u, 82u, block.subsets == 2u);
+    let index = bptc_index(block.words, indices_at, index_bits, block.parts, texel);
     // From 0 to 65535 to the patterns of finite half floats.
     let halves = (bptc_mix(a, b, index, index_bits) * 31u) >> vec3u(6u);
     return vec2u(halves.x | (halves.y << 16u), halves.z);
 }
 
+// The same of a block that is not open yet.
+fn bc6h_texel(words: vec4u, texel: u32) -> vec2u {
+    return bc6h_pixel(bc6h_open(words), texel);
+}
+
 // All pixels of a block.
 fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
+    let block = bc6h_open(words);
     for (var texel = 0u; texel < 16u; texel++) {
-        (*out)[texel] = bc6h_texel(words, texel);
+        (*out)[texel] = bc6h_pixel(block, texel);
     }
 }

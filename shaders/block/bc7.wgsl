@@ -14,19 +14,78 @@ struct Bc7Mode {
     second_index_bits: u32,
 }
 
-const BC7_MODES = array<Bc7Mode, 8>(
-    Bc7Mode(3u, 4u, 0u, 0u, 4u, 0u, 1u, 3u, 0u),
-    Bc7Mode(2u, 6u, 0u, 0u, 6u, 0u, 2u, 3u, 0u),
-    Bc7Mode(3u, 6u, 0u, 0u, 5u, 0u, 0u, 2u, 0u),
-    Bc7Mode(2u, 6u, 0u, 0u, 7u, 0u, 1u, 2u, 0u),
-    Bc7Mode(1u, 0u, 2u, 1u, 5u, 6u, 0u, 2u, 3u),
-    Bc7Mode(1u, 0u, 2u, 0u, 7u, 8u, 0u, 2u, 2u),
-    Bc7Mode(1u, 0u, 0u, 0u, 7u, 7u, 1u, 4u, 0u),
-    Bc7Mode(2u, 6u, 0u, 0u, 5u, 5u, 1u, 2u, 0u),
-);
+// A row of the document's table; without subsets where the mode is reserved.
+fn bc7_mode(number: u32) -> Bc7Mode {
+    switch (number) {
+        case 0u: {
+            return Bc7Mode(3u, 4u, 0u, 0u, 4u, 0u, 1u, 3u, 0u);
+        }
+        case 1u: {
+            return Bc7Mode(2u, 6u, 0u, 0u, 6u, 0u, 2u, 3u, 0u);
+        }
+        case 2u: {
+            return Bc7Mode(3u, 6u, 0u, 0u, 5u, 0u, 0u, 2u, 0u);
+        }
+        case 3u: {
+            return Bc7Mode(2u, 6u, 0u, 0u, 7u, 0u, 1u, 2u, 0u);
+        }
+        case 4u: {
+            return Bc7Mode(1u, 0u, 2u, 1u, 5u, 6u, 0u, 2u, 3u);
+        }
+        case 5u: {
+            return Bc7Mode(1u, 0u, 2u, 0u, 7u, 8u, 0u, 2u, 2u);
+        }
+        case 6u: {
+            return Bc7Mode(1u, 0u, 0u, 0u, 7u, 7u, 1u, 4u, 0u);
+        }
+        case 7u: {
+            return Bc7Mode(2u, 6u, 0u, 0u, 5u, 5u, 1u, 2u, 0u);
+        }
+        default: {
+            return Bc7Mode();
+        }
+    }
+}
 
-// Endpoint `number` of a block whose endpoints start at bit `at`, 8 bits a channel.
-fn bc7_endpoint(words: vec4u, mode: Bc7Mode, at: u32, number: u32) -> vec4u {
+// What the bits before the endpoints say, and where the others are.
+struct Bc7 {
+    words: vec4u,
+    mode: Bc7Mode,
+    parts: BptcPartition,
+    rotation: u32,
+    selection: u32,
+    endpoints_at: u32,
+    indices_at: u32,
+    second_indices_at: u32,
+}
+
+fn bc7_open(words: vec4u) -> Bc7 {
+    let number = countTrailingZeros(words.x);
+    let mode = bc7_mode(number);
+    let rotation_at = number + 1u + mode.partition_bits;
+    let selection_at = rotation_at + mode.rotation_bits;
+    let endpoints_at = selection_at + mode.selection_bits;
+    var indices_at = endpoints_at + 2u * mode.subsets * (3u * mode.color_bits + mode.alpha_bits);
+    if (mode.low_bits > 0u) {
+        indices_at += 2u * mode.subsets / mode.low_bits;
+    }
+    return Bc7(
+        words,
+        mode,
+        bptc_partition(mode.subsets, bptc_bits(words, number + 1u, mode.partition_bits)),
+        bptc_bits(words, rotation_at, mode.rotation_bits),
+        bptc_bits(words, selection_at, mode.selection_bits),
+        endpoints_at,
+        indices_at,
+        indices_at + 16u * mode.index_bits - mode.subsets,
+    );
+}
+
+// Endpoint `number` of a block, 8 bits a channel.
+fn bc7_endpoint(block: Bc7, number: u32) -> vec4u {
+    let words = block.words;
+    let mode = block.mode;
+    let at = block.endpoints_at;
     let step = 2u * mode.subsets * mode.color_bits;
     let color_at = at + number * mode.color_bits;
     var value = vec4u(
@@ -49,34 +108,22 @@ fn bc7_endpoint(words: vec4u, mode: Bc7Mode, at: u32, number: u32) -> vec4u {
 }
 
 // A pixel of a block: r | g << 8 | b << 16 | a << 24.
-fn bc7_texel(words: vec4u, texel: u32) -> u32 {
-    let number = countTrailingZeros(words.x);
-    if (number > 7u) {
+fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
+    let mode = block.mode;
+    if (mode.subsets == 0u) {
         return 0u;
     }
-    let mode = BC7_MODES[number];
-    var at = number + 1u;
-    let parts = bptc_partition(mode.subsets, bptc_bits(words, at, mode.partition_bits));
-    at += mode.partition_bits;
-    let rotation = bptc_bits(words, at, mode.rotation_bits);
-    at += mode.rotation_bits;
-    let selection = bptc_bits(words, at, mode.selection_bits);
-    at += mode.selection_bits;
-    let pair = 2u * bptc_subset(parts, texel);
-    let a = bc7_endpoint(words, mode, at, pair);
-    let b = bc7_endpoint(words, mode, at, pair + 1u);
-    at += 2u * mode.subsets * (3u * mode.color_bits + mode.alpha_bits);
-    if (mode.low_bits > 0u) {
-        at += 2u * mode.subsets / mode.low_bits;
-    }
+    let pair = 2u * bptc_subset(block.parts, texel);
+    let a = bc7_endpoint(block, pair);
+    let b = bc7_endpoint(block, pair + 1u);
     // An index and how many bits it has.
-    let first = vec2u(bptc_index(words, at, mode.index_bits, parts, texel), mode.index_bits);
+    let first = vec2u(bptc_index(block.words, block.indices_at, mode.index_bits, block.parts, texel), mode.index_bits);
     var of_color = first;
     var of_alpha = first;
     if (mode.second_index_bits > 0u) {
-        at += 16u * mode.index_bits - mode.subsets;
-        let second = vec2u(bptc_index(words, at, mode.second_index_bits, parts, texel), mode.second_index_bits);
-        if (selection == 1u) {
+        let count = mode.second_index_bits;
+        let second = vec2u(bptc_index(block.words, block.second_indices_at, count, block.parts, texel), count);
+        if (block.selection == 1u) {
             of_color = second;
         } else {
             of_alpha = second;
@@ -85,7 +132,7 @@ fn bc7_texel(words: vec4u, texel: u32) -> u32 {
     let color = bptc_mix(a.xyz, b.xyz, of_color.x, of_color.y);
     let alpha = bptc_mix(a.www, b.www, of_alpha.x, of_alpha.y).x;
     var pixel = vec4u(color, alpha);
-    switch (rotation) {
+    switch (block.rotation) {
         case 1u: {
             pixel = pixel.wyzx;
         }
@@ -100,9 +147,15 @@ fn bc7_texel(words: vec4u, texel: u32) -> u32 {
     return pixel.x | (pixel.y << 8u) | (pixel.z << 16u) | (pixel.w << 24u);
 }
 
+// The same of a block that is not open yet.
+fn bc7_texel(words: vec4u, texel: u32) -> u32 {
+    return bc7_pixel(bc7_open(words), texel);
+}
+
 // All pixels of a block.
 fn bc7_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
+    let block = bc7_open(words);
     for (var texel = 0u; texel < 16u; texel++) {
-        (*out)[texel] = bc7_texel(words, texel);
+        (*out)[texel] = bc7_pixel(block, texel);
     }
 }

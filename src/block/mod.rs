@@ -1,8 +1,8 @@
 //! Block-compressed images: 4x4 pixels in 8 or 16 bytes, as GPUs read them.
 //!
 //! Enters: blocks, row by row, and the size of the image they cover; or pixels to be made into blocks. Leaves: pixels, row by
-//! row; or blocks. Decoders are ours and use integers only ([formats/blocks.md](../../formats/blocks.md) says what each bit
-//! means); encoders are libraries behind [`BlockEncoder`].
+//! row; or blocks. Decoders are ours and use integers only (formats/blocks.md); encoders are libraries behind
+//! [`BlockEncoder`].
 
 pub mod bc1;
 pub mod bc4;

@@ -354,3 +354,25 @@ fn the_examples_of_the_document_hold() {
         assert!(examples[1].contains(&shown), "pixel {texel} {shown}");
     }
 }
+
+#[test]
+fn the_tables_of_the_shaders_are_those_of_the_code() {
+    let shader = include_str!("../../shaders/block/bptc.wgsl");
+    let table = |name: &str| -> Vec<u32> {
+        let body = shader.split(&format!("const {name} = ")).nth(1).unwrap().split(");").next().unwrap();
+        let numbers = body.split("0x").skip(1).map(|number| number.split('u').next().unwrap());
+        numbers.map(|number| u32::from_str_radix(number, 16).unwrap()).collect()
+    };
+    let two = bptc::TWO.iter().zip(bptc::ANCHOR_OF_TWO).map(|(&map, anchor)| u32::from(map) | u32::from(anchor) << 16);
+    assert_eq!(table("BPTC_TWO"), two.collect::<Vec<_>>());
+    assert_eq!(table("BPTC_THREE"), bptc::THREE);
+    let anchors: Vec<u8> = bptc::ANCHORS_OF_THREE.iter().map(|[second, third]| second | third << 4).collect();
+    let anchors: Vec<u32> = anchors.as_chunks().0.iter().map(|&bytes| u32::from_le_bytes(bytes)).collect();
+    assert_eq!(table("BPTC_ANCHORS_OF_THREE"), anchors);
+    // The layouts stand above the cases that follow them; what the cases do is compared on a device.
+    let shader = include_str!("../../shaders/block/bc6h.wgsl");
+    for mode in &bc6h::MODES {
+        let case = format!("case {}u: {{\n            // {}\n", mode.code, mode.layout);
+        assert!(shader.contains(&case), "bc6h.wgsl has no {case}");
+    }
+}

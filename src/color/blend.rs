@@ -24,6 +24,13 @@ pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static 
     fn get_row(out: &mut [Self], bytes: &[u8]);
 }
 
+/// Writes what lies `weight`/255 of the way from each sample of `a` to that of `b`.
+pub fn lerp_all<S: Sample>(a: &[S], b: &[S], weight: u8, out: &mut [S]) {
+    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+        *out = S::lerp(a, b, weight);
+    }
+}
+
 /// 8-bit samples, after the transfer function.
 impl Sample for u8 {
     const BYTES: usize = 1;

@@ -63,12 +63,13 @@ impl<T: BlockTexel> HeldBlocks<T> {
         }
     }
 
-    /// Offsets in the picture of the rows of a block, and how many of its columns are inside.
-    fn rows(&self, at: usize) -> (impl Iterator<Item = usize> + use<T>, usize) {
+    /// The pixels of a block that exist: their places in the picture and in the block.
+    fn pixels(&self, at: usize) -> impl Iterator<Item = (usize, usize)> + use<T> {
         let [width, height] = self.size;
         let (x, y) = (at % self.columns * SIDE, at / self.columns * SIDE);
-        let rows = (y..height.min(y + SIDE)).map(move |y| y * width + x);
-        (rows, SIDE.min(width - x))
+        let (columns, rows) = (SIDE.min(width - x), SIDE.min(height - y));
+        (0..rows)
+            .flat_map(move |row| (0..columns).map(move |column| ((y + row) * width + x + column, row * SIDE + column)))
     }
 
     /// The values of a block; beyond the edge the last column and row are repeated.
@@ -80,32 +81,21 @@ impl<T: BlockTexel> HeldBlocks<T> {
 
     /// Whether a decoder may keep showing what is held.
     fn serves(&self, at: usize, source: &[T], epsilon: u16) -> bool {
-        let (mut rows, inside) = self.rows(at);
-        rows.all(|start| {
-            let held = self.picture[start..start + inside].iter().zip(&source[start..start + inside]);
-            held.into_iter().all(|(&held, &source)| T::within(held, source, epsilon))
-        })
+        self.pixels(at).all(|(pixel, _)| T::within(self.picture[pixel], source[pixel], epsilon))
     }
 
     /// Holds the source, in blocks where these are within `epsilon` of it.
     fn replace(&mut self, wanted: &[usize], source: &[T], epsilon: u16) {
         let values: Vec<_> = wanted.iter().map(|&at| self.cut(at, source)).collect();
         let encoded = T::encode(&values, self.effort);
-        for ((&at, values), block) in wanted.iter().zip(&values).zip(encoded.chunks_exact(T::Format::BYTES)) {
+        for (&at, block) in wanted.iter().zip(encoded.chunks_exact(T::Format::BYTES)) {
             let shown = T::decode(block);
-            let (rows, inside) = self.rows(at);
-            let (width, first) = (self.size[0], self.rows(at).0.next().unwrap_or(0));
-            // Pixels beyond the edge do not exist, whatever the block has there.
-            let of_row = |start: usize| (start - first) / width * SIDE;
-            let mut outside = rows.flat_map(|start| (0..inside).map(move |x| of_row(start) + x));
-            let serves = outside.all(|i| T::within(shown[i], values[i], epsilon));
-            let kept = if serves { &shown } else { values };
-            for start in self.rows(at).0 {
-                let row = of_row(start);
-                self.picture[start..start + inside].copy_from_slice(&kept[row..row + inside]);
+            let in_block = self.pixels(at).all(|(pixel, texel)| T::within(shown[texel], source[pixel], epsilon));
+            for (pixel, texel) in self.pixels(at) {
+                self.picture[pixel] = if in_block { shown[texel] } else { source[pixel] };
             }
             self.stored[at * T::Format::BYTES..][..T::Format::BYTES].copy_from_slice(block);
-            self.blocks[at].in_block = serves;
+            self.blocks[at].in_block = in_block;
         }
     }
 

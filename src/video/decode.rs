@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use half::f16;
 
-use crate::color::blend::{HalfKey, Sample};
+use crate::color::blend::{self, HalfKey, Sample};
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::index::ProbeEntry;
 use crate::container::{ChunkEntry, Payload, Reader, StreamEntry};
@@ -370,25 +370,23 @@ impl<S: Sample> CellState<S> {
         let (index, entry) = source.find(frame)?;
         self.load(source, index, &entry)?;
         let Some((_, chunk)) = &self.chunk else { return Ok(0) };
-        let blend = chunk.blend(frame - entry.key.first_frame);
-        let recipe = (index, blend.keyframe, blend.weight);
+        let made = chunk.blend(frame - entry.key.first_frame);
+        let recipe = (index, made.keyframe, made.weight);
         if self.recipe == Some(recipe) {
             return Ok(0);
         }
-        let next = if chunk.is_last(blend.keyframe) { (index + 1, 0) } else { (index, blend.keyframe + 1) };
+        let next = if chunk.is_last(made.keyframe) { (index + 1, 0) } else { (index, made.keyframe + 1) };
         let start = Instant::now();
         let fetched_before = source.cost.fetching;
-        self.hold(source, 0, (index, blend.keyframe))?;
+        self.hold(source, 0, (index, made.keyframe))?;
         let samples = self.format.pixels() * 3;
         self.shown.resize(samples, S::default());
-        if blend.weight == 0 {
+        if made.weight == 0 {
             self.shown.copy_from_slice(&self.keyframes[0].samples);
         } else {
             self.hold(source, 1, next)?;
             let [a, b] = &self.keyframes;
-            for ((shown, &a), &b) in self.shown.iter_mut().zip(&a.samples).zip(&b.samples) {
-                *shown = S::lerp(a, b, blend.weight);
-            }
+            blend::lerp_all(&a.samples, &b.samples, made.weight, &mut self.shown);
         }
         self.recipe = Some(recipe);
         source.cost.applying += start.elapsed().saturating_sub(source.cost.fetching - fetched_before);

@@ -4,12 +4,15 @@
 //! procedural depth stream. Copies and decodes take turns, so that drift of the machine hits both; medians of the
 //! turns' ratios are printed, with the fraction of pixels that changed, without which a speed means nothing.
 //!
+//! Interpolation of colour is measured by itself, on one thread.
+//!
 //! Containers lie in memory, as `decode --null` reads them beforehand; CRCs are checked, payloads parsed. Two copies are measured, by as many threads: `plain`, from memory to other memory, both as large as what decoding
 //! writes; and `hot`, into pictures of the units' size as decoding does it, which stay in the caches.
 
 use std::time::Instant;
 
 use lightfold::Result;
+use lightfold::color::blend::lerp_all;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
 use lightfold::depth::node_chunk::NodeChunk;
@@ -42,6 +45,8 @@ fn main() {
             measure(name, Decoder::new(reader)?)
         })
     };
+    println!();
+    measure_lerp();
     let outcome = outcome.and_then(|()| {
         println!();
         println!(
@@ -98,6 +103,42 @@ fn measure(name: &str, decoder: Decoder) -> Result<()> {
         );
     }
     Ok(())
+}
+
+/// Interpolates cells of 64x64 pixels of 8 bits between two keyframes, on one thread, beside copies of as many bytes: of a
+/// cell that stays in the cache, and of so many that each is fetched from memory.
+fn measure_lerp() {
+    const CELL: usize = 64 * 64 * 3;
+    println!("{:<24} {:>11} {:>12} {:>9}", "lerp, one thread", "copy MB/s", "lerp MB/s", "of copy");
+    for (name, cells, rounds) in [("cells in the cache", 1, 4096), ("cells in memory", 4096, 1)] {
+        let bytes = cells * CELL;
+        let [a, b] = [3u32, 7].map(|step| (0..bytes as u32).map(|at| ((at * step) >> 3) as u8).collect::<Vec<u8>>());
+        let mut shown = vec![1u8; bytes];
+        let mut turns = Vec::new();
+        for turn in 0..TURNS {
+            let start = Instant::now();
+            for _ in 0..rounds {
+                shown.copy_from_slice(std::hint::black_box(&a));
+                std::hint::black_box(&shown);
+            }
+            let copied = start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            for round in 0..rounds {
+                let cells = shown.chunks_mut(CELL).zip(std::hint::black_box(&a).chunks(CELL).zip(b.chunks(CELL)));
+                cells.for_each(|(shown, (a, b))| lerp_all(a, b, (turn + round) as u8 | 1, shown));
+                std::hint::black_box(&shown);
+            }
+            turns.push([copied, start.elapsed().as_secs_f64()]);
+        }
+        let median = |value: &dyn Fn(&[f64; 2]) -> f64| {
+            let mut values: Vec<f64> = turns.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        };
+        let speed = |at: usize| (bytes * rounds) as f64 / 1e6 / median(&|turn| turn[at]);
+        let ratio = 100.0 * median(&|turn| turn[0] / turn[1]);
+        println!("{name:<24} {:>11.0} {:>12.0} {ratio:>8.1}%", speed(0), speed(1));
+    }
 }
 
 /// Bytes of a unit's picture and bytes that decoding writes into it, for every unit.

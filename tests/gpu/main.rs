@@ -3,10 +3,12 @@
 //! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
 
 use std::path::Path;
+use std::process::Command;
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
-use lightfold::gpu::{Gpu, Pick, device, verify};
+use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
 use lightfold::monitor::Silent;
 use lightfold::video::decode::{Decoder, StreamInfo};
 use lightfold::video::export::{Request, Selection};
@@ -77,6 +79,82 @@ fn vectors() -> Result<(), Failed> {
     })
 }
 
+/// Answers standard output of a command that must succeed.
+fn lightfold(arguments: &[&str]) -> Result<String, Failed> {
+    let output = Command::new(env!("CARGO_BIN_EXE_lightfold")).args(arguments).output()?;
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    match output.status.success() {
+        true => Ok(text(&output.stdout)),
+        false => Err(format!("{arguments:?}: {}{}", text(&output.stdout), text(&output.stderr)).into()),
+    }
+}
+
+/// The files that `decode` writes are the same on both devices, and reports name the device.
+fn commands() -> Result<(), Failed> {
+    let name = device::list().iter().map(|info| info.name.clone()).collect::<Vec<_>>();
+    let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    lightfold(&["demo", "--frame-count", "4", "--size", "24", "--probes", "2", "--quiet", "-o", &path("demo")])?;
+    let demo = path("demo/demo.lfold");
+    for device in ["gpu", "cpu"] {
+        lightfold(&["decode", &demo, "--device", device, "-o", &path(device), "--quiet"])?;
+    }
+    lightfold(&["diff", &path("gpu"), &path("cpu"), "--exact"])?;
+    for vector in ["material", "half-cells-negative", "nodes-linear", "depth-w3-boxes", "blocks"] {
+        let input = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid").join(vector);
+        let input = input.with_extension("lfold").display().to_string();
+        let report: serde_json::Value =
+            serde_json::from_str(&lightfold(&["decode", &input, "--verify", "--null", "--json"])?)?;
+        let known = report["device"].as_str().is_some_and(|device| name.iter().any(|name| name == device));
+        if report["mismatched_words"] != 0 || !known {
+            return Err(report.to_string().into());
+        }
+        let on_cpu: serde_json::Value = serde_json::from_str(&lightfold(&["decode", &input, "--null", "--json"])?)?;
+        for key in ["frames", "pixels", "updated_pixels", "bytes_out", "bytes_read"] {
+            if report[key] != on_cpu[key] {
+                return Err(format!("{vector}: {key} is {} and on the CPU {}", report[key], on_cpu[key]).into());
+            }
+        }
+    }
+    let report: serde_json::Value = serde_json::from_str(&lightfold(&["selftest", "--streams", "18", "--json"])?)?;
+    let kernels = report["kernels"].as_array().map_or(0, Vec::len);
+    match report["failed"] == false && kernels >= ROWS.len() && report["streams"][0]["streams"] == 18 {
+        true => Ok(()),
+        false => Err(report.to_string().into()),
+    }
+}
+
+/// What a device refuses is an error that names the device and the way without it.
+fn refusals() -> Result<(), Failed> {
+    static BROKEN: Kernel = Kernel {
+        name: "broken",
+        entry: "main",
+        files: &[ShaderFile { path: "broken.wgsl", text: "fn main( {" }],
+        bindings: &[],
+        workgroup: 1,
+    };
+    with_gpu(|gpu| {
+        let words = gpu.info.max_binding_bytes as usize / 4 + 1;
+        let too_large = gpu.buffer("pictures", words, wgpu::BufferUsages::empty()).map(|_| ());
+        let broken = gpu.pipeline(&BROKEN).map(|_| ());
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/valid/blocks.lfold");
+        let decoder = Decoder::open(path).map_err(|error| error.to_string())?;
+        let streams: Vec<_> = decoder.streams().iter().collect();
+        let mut full = GpuDecoder::new(gpu, &decoder, &streams[..1]).map_err(|error| error.to_string())?;
+        full.limit_resident(8).map_err(|error| error.to_string())?;
+        let full = full.decode(streams[0].frames.first);
+        for (what, result) in [("pictures", too_large), ("broken", broken), ("a chunk", full)] {
+            let said = result.err().map(|error| error.to_string()).unwrap_or_default();
+            if ![what, &gpu.info.name, "--device cpu"].iter().all(|words| said.contains(words)) {
+                return Err(format!("{what}: it said '{said}'").into());
+            }
+        }
+        // The device is as good as before.
+        let report = selftest::test_kernel(gpu, &ROWS[0], SEED).map_err(|error| error.to_string())?;
+        if report.mismatches == 0 { Ok(()) } else { Err(format!("{report:?}").into()) }
+    })
+}
+
 fn main() {
     let arguments = Arguments::from_args();
     let none = device::list().is_empty();
@@ -84,7 +162,12 @@ fn main() {
         eprintln!("no graphics device was found: tests of kernels are ignored");
     }
     let trials = ROWS.iter().map(|row| Trial::test(format!("kernel::{}", row.kernel.name), || kernel(row)));
-    let others = [Trial::test("random_streams", random_streams), Trial::test("vectors", vectors)];
+    let others = [
+        Trial::test("random_streams", random_streams),
+        Trial::test("vectors", vectors),
+        Trial::test("commands", commands),
+        Trial::test("refusals", refusals),
+    ];
     let trials = trials.chain(others).map(|trial| trial.with_ignored_flag(none)).collect();
     libtest_mimic::run(&arguments, trials).exit();
 }

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use lightfold::cli::{self, Cli};
 use lightfold::dataset::Manifest;
+use lightfold::gpu::kernels::KERNELS;
+use lightfold::gpu::selftest::ROWS;
 use lightfold::image::channels;
 
 /// Width that help is wrapped to.
@@ -124,6 +126,32 @@ fn imports_go_down_the_layers_of_architecture_md() {
     }
     assert!(seen > 100, "only {seen} imports were found");
     assert!(wrong.is_empty(), "imports go down only (ARCHITECTURE.md):\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
+    let used: BTreeSet<PathBuf> = KERNELS
+        .iter()
+        .flat_map(|kernel| kernel.files.iter().map(|file| Path::new("shaders").join(file.path)))
+        .collect();
+    let mut shaders = files_below("shaders");
+    shaders.retain(|path| path.extension().is_some_and(|extension| extension == "wgsl"));
+    assert!(shaders.len() > 10, "only {} shaders were found", shaders.len());
+    for path in shaders {
+        assert!(used.contains(&path), "{} is in no row of src/gpu/kernels.rs", path.display());
+        let text = read(&path);
+        assert!(text.starts_with("// "), "{} does not say what it is", path.display());
+        assert!(text.lines().count() <= MAX_LINES, "{} is too long", path.display());
+        let mirrored = text.lines().take_while(|line| line.starts_with("//")).flat_map(str::split_whitespace);
+        let named =
+            mirrored.map(|word| word.trim_end_matches(['.', ',', ';', ':'])).filter(|word| word.starts_with("src/"));
+        for source in named {
+            assert!(root().join(source).exists(), "{} mirrors {source}, which is not there", path.display());
+        }
+    }
+    let rows: BTreeSet<_> = ROWS.iter().map(|row| row.kernel.name).collect();
+    let kernels: BTreeSet<_> = KERNELS.iter().map(|kernel| kernel.name).collect();
+    assert_eq!(rows, kernels, "kernels, and rows of inputs in src/gpu/selftest.rs");
 }
 
 #[test]
@@ -284,6 +312,7 @@ fn links_lead_somewhere() {
 fn no_source_file_is_too_long() {
     let mut files = sources();
     files.extend(files_below("tests/suite"));
+    files.extend(files_below("tests/gpu"));
     for path in files {
         let lines = read(&path).lines().count();
         assert!(lines <= MAX_LINES, "{} has {lines} lines; it wants splitting", path.display());

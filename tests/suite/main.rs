@@ -4,6 +4,7 @@ mod blocks;
 mod cli;
 mod commands;
 mod corrupt;
+mod devices;
 mod diff;
 mod docs;
 mod exr_files;

@@ -5,18 +5,22 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use lightfold::color::SearchSettings;
 use lightfold::container::Reader;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::dataset::stream::StreamKind;
+use lightfold::depth::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
-use lightfold::video::codec::CodecHeader;
+use lightfold::video::codec::{CodecHeader, ColorBlocks};
 use lightfold::video::convert;
 use lightfold::video::decode::{Decoder, Picture};
-use lightfold::video::encode::{DepthCodec, DepthSettings, EncodeSettings, encode};
+use lightfold::video::encode::{
+    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
+};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
 const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";
@@ -40,23 +44,43 @@ impl Row {
     }
 }
 
+/// Kinds of streams and how they are coded, by the word in the file.
+fn coded() -> Vec<(&'static str, EncodeSettings)> {
+    let of = |kind, codec| {
+        // The fast search is a little larger, and done while one waits.
+        let depth = DepthSettings { codec, effort: Effort::Fast, ..DepthSettings::default() };
+        EncodeSettings { kinds: vec![kind], depth, ..EncodeSettings::default() }
+    };
+    let color = || of(StreamKind::Color, DepthCodec::Boxes);
+    let blocks = |blocks| {
+        let search = SearchSettings { effort: Effort::Fast, ..SearchSettings::default() };
+        EncodeSettings { color_blocks: Some(ColorBlockSettings::new(blocks, &search)), search, ..color() }
+    };
+    let bc5 = of(StreamKind::Depth, DepthCodec::BoxesInBlocks);
+    let temporal = TemporalSettings { epsilon: 100, ..bc5.temporal };
+    let bc1 = of(StreamKind::Material, DepthCodec::Boxes);
+    vec![
+        ("color", color()),
+        ("color-bc1", blocks(ColorBlocks::Bc1)),
+        ("color-bc7", blocks(ColorBlocks::Bc7)),
+        ("depth", of(StreamKind::Depth, DepthCodec::Boxes)),
+        ("depth-quadtree", of(StreamKind::Depth, DepthCodec::Quadtree)),
+        ("depth-bc5", EncodeSettings { temporal, ..bc5 }),
+        ("material", of(StreamKind::Material, DepthCodec::Boxes)),
+        ("material-bc1", EncodeSettings { material: MaterialSettings { epsilon: 8, in_blocks: true }, ..bc1 }),
+    ]
+}
+
 fn measure(name: &str, folder: &Path) -> Vec<Row> {
     let source = Source::open(folder, &SourceOptions::default()).unwrap();
     let mut rows = Vec::new();
-    let coded = [
-        ("color", StreamKind::Color, DepthCodec::Boxes),
-        ("depth", StreamKind::Depth, DepthCodec::Boxes),
-        ("depth-quadtree", StreamKind::Depth, DepthCodec::Quadtree),
-        ("material", StreamKind::Material, DepthCodec::Boxes),
-    ];
-    for (label, kind, codec) in coded {
+    for (label, settings) in coded() {
+        let kind = settings.kinds[0];
         if source.groups().iter().all(|group| group.kind != kind) {
             continue;
         }
         for lzma2 in [None, Some(6)] {
-            // The fast search is a little larger, and done while one waits.
-            let depth = DepthSettings { codec, effort: Effort::Fast, ..DepthSettings::default() };
-            let settings = EncodeSettings { kinds: vec![kind], lzma2, depth, ..EncodeSettings::default() };
+            let settings = EncodeSettings { lzma2, ..settings.clone() };
             let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
             let (max_error_codes, min_psnr_db) = distance(&source, &bytes);
             rows.push(Row {
@@ -137,10 +161,13 @@ fn check(rows: &[Row]) {
         let key = format!("{},{},{},", row.name, row.kind, row.lzma2);
         let line = text.lines().find(|line| line.starts_with(&key)).unwrap_or_else(|| panic!("{key} has no baseline"));
         let numbers: Vec<f64> = line[key.len()..].split(',').map(|number| number.parse().unwrap()).collect();
-        assert!(row.bytes as f64 <= numbers[0], "{key} {} bytes are more than {}", row.bytes, numbers[0]);
+        // Encoders of blocks depend on the processor's instruction set a little (formats/blocks.md 9).
+        let slack = if row.kind.contains("-bc") { 1.01 } else { 1.0 };
+        assert!(row.bytes as f64 <= numbers[0] * slack, "{key} {} bytes are more than {}", row.bytes, numbers[0]);
         assert!(f64::from(row.max_error_codes) <= numbers[1], "{key} an error of {} codes", row.max_error_codes);
         // The file holds three decimals.
-        assert!(row.min_psnr_db >= numbers[2] - 0.0005, "{key} {} dB are less than {}", row.min_psnr_db, numbers[2]);
+        let slack = if row.kind.contains("-bc") { 0.5 } else { 0.0005 };
+        assert!(row.min_psnr_db >= numbers[2] - slack, "{key} {} dB are less than {}", row.min_psnr_db, numbers[2]);
     }
 }
 
@@ -153,7 +180,7 @@ fn the_demo_costs_no_more_and_is_no_worse() {
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn real_footage_costs_no_more_and_is_no_worse() {
     let rows = shared();
-    assert_eq!(rows.len(), 36);
+    assert_eq!(rows.len(), 70);
     check(&rows);
 }
 

@@ -468,7 +468,7 @@ pub fn patched_materials(size: [u32; 2], frame_count: u32) -> Vec<Vec<[u8; 3]>> 
         match (x / 8 + y / 8) % 3 {
             0 => [0, 0, 0],
             1 => [80 + (x % 8) as u8, 40, 128],
-            _ if (x * 7 + y * 3 + t / 2) % 23 == 0 => [255, (t * 40) as u8, 3],
+            _ if (x * 7 + y * 3 + t / 2).is_multiple_of(23) => [255, (t * 40) as u8, 3],
             _ => [200, 10, (y * 2) as u8],
         }
     };

@@ -213,7 +213,7 @@ fn a_frame_that_blocks_show_too_badly_becomes_a_keyframe() {
     // ends may be off by 1 each, but then what lies between is off by 4.
     let sample = |t: usize, at: usize| {
         let above = if t == 0 || t == 19 { 0 } else { 3 };
-        (if at % 2 == 0 { 100 + 4 * t } else { 180 - 4 * t } + above) as u8
+        (if at.is_multiple_of(2) { 100 + 4 * t } else { 180 - 4 * t } + above) as u8
     };
     let frames: Vec<Vec<u8>> = (0..20).map(|t| (0..48).map(|at| sample(t, at)).collect()).collect();
     let settings = SearchSettings { min_psnr_db: 38.3, ..SearchSettings::default() };
