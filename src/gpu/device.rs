@@ -333,3 +333,15 @@ impl Gpu {
         self.device.create_bind_group(&descriptor)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_pick_a_device() {
+        assert_eq!(Pick::parse(" "), Pick::Best);
+        assert_eq!(Pick::parse("2"), Pick::Index(2));
+        assert_eq!(Pick::parse("nvidia"), Pick::Named("nvidia".to_owned()));
+    }
+}
