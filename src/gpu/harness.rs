@@ -62,7 +62,7 @@ pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Res
     let mut buffers = Vec::new();
     for (binding, words) in kernel.bindings.iter().zip(&case.buffers) {
         let buffer = gpu.buffer(binding.name(), words.len(), wgpu::BufferUsages::empty())?;
-        gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        gpu.guard(binding.name(), || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
         buffers.push(buffer);
     }
     let dispatch = |times: u32| {
