@@ -14,7 +14,7 @@ fn stored_value(row: BoxRow, x: u32, y: u32) -> u32 {
     if (row.coding != BOX_CONSTANT) {
         at += 3u * (y * row.width + x);
     }
-    return byte_at(at) | (byte_at(at + 1u) << 8u) | (byte_at(at + 2u) << 16u);
+    return word_at(at) & 0xffffffu;
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -4,10 +4,6 @@ fn byte_at(at: u32) -> u32 {
     return (stream[at >> 2u] >> ((at & 3u) * 8u)) & 255u;
 }
 
-fn half_at(at: u32) -> u32 {
-    return byte_at(at) | (byte_at(at + 1u) << 8u);
-}
-
 fn word_at(at: u32) -> u32 {
     let shift = (at & 3u) * 8u;
     let low = stream[at >> 2u] >> shift;
@@ -15,4 +11,13 @@ fn word_at(at: u32) -> u32 {
         return low;
     }
     return low | (stream[(at >> 2u) + 1u] << (32u - shift));
+}
+
+fn half_at(at: u32) -> u32 {
+    let shift = (at & 3u) * 8u;
+    let low = stream[at >> 2u] >> shift;
+    if (shift <= 16u) {
+        return low & 0xffffu;
+    }
+    return (low | (stream[(at >> 2u) + 1u] << 8u)) & 0xffffu;
 }

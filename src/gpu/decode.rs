@@ -344,9 +344,11 @@ impl<'a> GpuDecoder<'a> {
         if items.is_empty() {
             return Ok(());
         }
-        let start = Instant::now();
         let gpu = self.gpu;
+        let start = Instant::now();
         self.resident.flush(gpu)?;
+        self.cost.fetching += start.elapsed();
+        let start = Instant::now();
         self.buffers.list(gpu, &items)?;
         let [plan, kernel] = self.bind();
         let mut left = rounds;

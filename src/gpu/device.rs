@@ -193,6 +193,11 @@ impl Gpu {
         device.set_device_lost_callback(move |_, words| {
             let _ = told.set(words);
         });
+        // What no error scope caught would otherwise end the process.
+        let told = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            let _ = told.set(error.to_string());
+        }));
         Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()) })
     }
 
@@ -207,6 +212,10 @@ impl Gpu {
         let mut refused = None;
         while let Some(scope) = scopes.pop() {
             refused = refused.or(pollster::block_on(scope.pop()));
+        }
+        if refused.is_some() {
+            // A device tells that it is lost when it is asked how it is.
+            let _ = self.device.poll(wgpu::PollType::Poll);
         }
         self.check_lost()?;
         match refused {
@@ -331,5 +340,17 @@ impl Gpu {
             .collect();
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
         self.device.create_bind_group(&descriptor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_pick_a_device() {
+        assert_eq!(Pick::parse(" "), Pick::Best);
+        assert_eq!(Pick::parse("2"), Pick::Index(2));
+        assert_eq!(Pick::parse("nvidia"), Pick::Named("nvidia".to_owned()));
     }
 }

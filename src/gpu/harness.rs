@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::MAX_GROUPS;
@@ -41,16 +41,28 @@ pub fn groups(count: u32) -> [u32; 2] {
     [x, count.div_ceil(x).max(1)]
 }
 
-/// Runs a case; `repeats` more times for the clock alone.
+/// Whether a case is also run for the clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clock {
+    /// Only compared.
+    Off,
+    /// Run again for about so many milliseconds.
+    Milliseconds(u32),
+}
+
+/// Most dispatches that are timed together.
+const MOST_REPEATS: f64 = 100.0;
+
+/// Runs a case.
 ///
 /// # Errors
 /// The device refuses the work or is lost.
-pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, repeats: u32) -> Result<CaseResult> {
+pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Result<CaseResult> {
     let pipeline = gpu.pipeline(kernel)?;
     let mut buffers = Vec::new();
     for (binding, words) in kernel.bindings.iter().zip(&case.buffers) {
         let buffer = gpu.buffer(binding.name(), words.len(), wgpu::BufferUsages::empty())?;
-        gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
+        gpu.guard(binding.name(), || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
         buffers.push(buffer);
     }
     let dispatch = |times: u32| {
@@ -77,11 +89,18 @@ pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, repeats: u32) -> Res
             result.first = Some(format!("{label}: word {word} of {name} is {found:#010x} and not {expected:#010x}"));
         }
     }
-    if repeats > 0 {
-        let start = Instant::now();
-        dispatch(repeats)?;
-        gpu.wait()?;
-        result.seconds = start.elapsed().as_secs_f64() / f64::from(repeats);
+    if let Clock::Milliseconds(most) = clock {
+        let timed = |times: u32| {
+            let start = Instant::now();
+            dispatch(times)?;
+            gpu.wait()?;
+            Ok::<_, Error>(start.elapsed().as_secs_f64() / f64::from(times))
+        };
+        result.seconds = timed(1)?;
+        let repeats = (f64::from(most) / 1e3 / result.seconds.max(1e-6)).min(MOST_REPEATS) as u32;
+        if repeats > 1 {
+            result.seconds = timed(repeats)?;
+        }
     }
     Ok(result)
 }

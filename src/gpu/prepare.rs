@@ -195,3 +195,49 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
         timeline: Timeline::Blends { keyframes: chunk.keyframes().to_vec(), weights: weights.to_vec() },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::cells::{CellBuilder, CellFormat};
+    use crate::depth::boxes::PixelBox;
+    use crate::depth::records::ChunkBuilder;
+
+    #[test]
+    fn boxes_count_the_words_that_they_touch() {
+        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+        let boxes = [PixelBox { x: 1, y: 0, width: 2, height: 2 }, PixelBox { x: 4, y: 1, width: 1, height: 1 }];
+        builder.push_boxes(3, &boxes, &[0; 10], 5);
+        let chunk = TemporalChunk::<u16>::parse(builder.finish().unwrap(), [5, 2], 4).unwrap();
+        let prepared = of_boxes(&chunk, [5, 2]);
+        assert_eq!(
+            prepared.records.iter().map(|row| (row.frame, row.first, row.count, row.work)).collect::<Vec<_>>(),
+            [(0, 0, 1, 6), (3, 1, 2, 5)]
+        );
+        assert_eq!(prepared.boxes.iter().map(|row| row.end).collect::<Vec<_>>(), [6, 4, 5]);
+        assert_eq!(prepared.timeline.records(), [(0, 10), (3, 5)]);
+        assert!(!prepared.is_nodes());
+    }
+
+    #[test]
+    fn blends_are_those_of_the_chunk() {
+        let mut builder = CellBuilder::default();
+        builder.push_keyframe::<u8>(&[1, 2, 3]);
+        builder.push_weight(9, 2);
+        builder.push_keyframe::<u8>(&[4, 5, 6]);
+        builder.push_weight(200, 1);
+        let chunk = CellChunk::parse(builder.finish().unwrap(), CellFormat::<u8>::of_samples(1, 1), 7).unwrap();
+        let prepared = of_cells(&chunk);
+        for frame in 0..7 {
+            let blend = chunk.blend(frame);
+            let closed = blend.weight > 0 && chunk.is_last(blend.keyframe);
+            assert_eq!(prepared.timeline.blend(frame), (blend, closed), "frame {frame}");
+        }
+        assert_eq!(prepared.weights[1], 5);
+    }
+
+    #[test]
+    fn bytes_become_words() {
+        assert_eq!(words_from(&[1, 2, 3, 4, 5]), [0x0403_0201, 5]);
+    }
+}

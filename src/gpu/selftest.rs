@@ -11,13 +11,13 @@ use crate::depth::pieces::Pieces;
 use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
-use crate::gpu::harness::{self, Case};
+use crate::gpu::harness::{self, Case, Clock};
 use crate::gpu::kernels::{self, Kernel};
 
 /// The seed of the inputs where none is given.
 pub const SEED: u64 = 1;
-/// Dispatches that are timed together.
-const REPEATS: u32 = 8;
+/// Time for measuring the speed of a kernel.
+const CLOCK: Clock = Clock::Milliseconds(200);
 
 /// Inputs of a kernel.
 #[derive(Debug)]
@@ -74,7 +74,7 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
         KernelReport { name: row.kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
     for (at, case) in cases.iter().enumerate() {
         let timed = at + 1 == cases.len();
-        let result = harness::run(gpu, row.kernel, case, if timed { REPEATS } else { 0 })?;
+        let result = harness::run(gpu, row.kernel, case, if timed { CLOCK } else { Clock::Off })?;
         report.inputs += case.inputs;
         report.mismatches += result.mismatches;
         report.first = report.first.or(result.first);

@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::Command;
 
 use libtest_mimic::{Arguments, Failed, Trial};
+use lightfold::Error;
+use lightfold::cli::device::{DeviceArg, or_on_cpu};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
@@ -149,9 +151,29 @@ fn refusals() -> Result<(), Failed> {
                 return Err(format!("{what}: it said '{said}'").into());
             }
         }
+        // With `auto` the CPU takes over, from a device that fails but not from a file that is broken.
+        let fails = |error: Error| or_on_cpu(Some(gpu), DeviceArg::Auto, |_| Err(error), || Ok(7));
+        let taken_over = fails(gpu.failed("decoding", "it is out of memory"));
+        if taken_over.ok() != Some((7, "cpu".to_owned())) || fails(Error::invalid("broken")).is_ok() {
+            return Err("auto did not go back to the CPU, or did so for a broken file".into());
+        }
+        lost_device()?;
         // The device is as good as before.
         let report = selftest::test_kernel(gpu, &ROWS[0], SEED).map_err(|error| error.to_string())?;
         if report.mismatches == 0 { Ok(()) } else { Err(format!("{report:?}").into()) }
+    })
+}
+
+/// A device that is gone while it is in use.
+fn lost_device() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        gpu.device.destroy();
+        let said = selftest::test_kernel(gpu, &ROWS[0], SEED).err().map(|error| error.to_string()).unwrap_or_default();
+        if said.contains(&gpu.info.name) && said.contains("lost") {
+            Ok(())
+        } else {
+            Err(format!("it said '{said}'").into())
+        }
     })
 }
 
