@@ -79,7 +79,9 @@ fn measure(name: &str, folder: &Path) -> Vec<Row> {
         if source.groups().iter().all(|group| group.kind != kind) {
             continue;
         }
-        for lzma2 in [None, Some(6)] {
+        // LZMA2 takes most of the time, and does the same to all of them.
+        let levels = if label.contains("-bc") { &[None][..] } else { &[None, Some(6)] };
+        for &lzma2 in levels {
             let settings = EncodeSettings { lzma2, ..settings.clone() };
             let (bytes, _) = encode(&source, &settings, Vec::new(), &Silent).unwrap();
             let (max_error_codes, min_psnr_db) = distance(&source, &bytes);
@@ -180,7 +182,7 @@ fn the_demo_costs_no_more_and_is_no_worse() {
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn real_footage_costs_no_more_and_is_no_worse() {
     let rows = shared();
-    assert_eq!(rows.len(), 70);
+    assert_eq!(rows.len(), 53);
     check(&rows);
 }
 

@@ -37,8 +37,13 @@ fn depth_settings(codec: DepthCodec, bound: u16) -> DepthSettings {
 }
 
 /// The codecs that keep a bound, each with one.
-const BOUNDED: [(DepthCodec, u16); 4] =
-    [(DepthCodec::Boxes, 0), (DepthCodec::Tree, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 100)];
+const BOUNDED: [(DepthCodec, u16); 5] = [
+    (DepthCodec::Boxes, 0),
+    (DepthCodec::BoxesInBlocks, 0),
+    (DepthCodec::Tree, 0),
+    (DepthCodec::Quadtree, 0),
+    (DepthCodec::Quadtree, 100),
+];
 
 /// Every depth pixel of every frame is within epsilon codes of its source, and background exactly where it was.
 pub fn check_depth(source: &Source, bytes: &[u8], epsilon: u16) {
@@ -190,7 +195,8 @@ fn a_creeping_pixel_stays_within_epsilon_for_600_frames_whatever_the_path() {
     };
     let source = Footage { frames: [0, 599], depth: Some(&depth), ..Footage::new(8, 8) }.open(folder.path());
     let steps = [(1, 4, 1000), (2, 10, 1000), (16, 3, 100), (255, 50, 64)];
-    let codecs = [(DepthCodec::Boxes, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 20)];
+    let codecs =
+        [(DepthCodec::Boxes, 0), (DepthCodec::BoxesInBlocks, 0), (DepthCodec::Quadtree, 0), (DepthCodec::Quadtree, 20)];
     for ((window, epsilon, keyframe_interval), (codec, bound)) in
         steps.into_iter().flat_map(|steps| codecs.map(|codec| (steps, codec)))
     {
