@@ -1,13 +1,12 @@
 // Which keyframes each listed cell is blended of, and with which weight (color.md 4). Mirrors src/color/cells.rs.
 
-@group(0) @binding(0) var<storage, read> units: array<Unit>;
-@group(0) @binding(1) var<storage, read> chunks: array<Chunk>;
-@group(0) @binding(2) var<storage, read> records: array<Record>;
-@group(0) @binding(3) var<storage, read> items: Items;
-@group(0) @binding(4) var<storage, read> stream: array<u32>;
-@group(0) @binding(5) var<storage, read_write> states: array<State>;
-@group(0) @binding(6) var<storage, read_write> jobs: Jobs;
-@group(0) @binding(7) var<storage, read_write> dispatch: Dispatch;
+@group(0) @binding(0) var<storage, read> chunks: array<Chunk>;
+@group(0) @binding(1) var<storage, read> records: array<Record>;
+@group(0) @binding(2) var<storage, read> items: Items;
+@group(0) @binding(3) var<storage, read> stream: array<u32>;
+@group(0) @binding(4) var<storage, read_write> states: array<State>;
+@group(0) @binding(5) var<storage, read_write> jobs: Jobs;
+@group(0) @binding(6) var<storage, read_write> dispatch: Dispatch;
 
 // The last keyframe of a chunk at or before a frame, counted from the chunk's first.
 fn keyframe_of(chunk: Chunk, frame: u32) -> u32 {
@@ -59,7 +58,7 @@ fn plan_cells(@builtin(local_invocation_index) local: u32) {
         if (at < items.count) {
             job = blend_of(items.list[at]);
             if (job.record != NONE) {
-                work = units[job.unit].width * units[job.unit].height;
+                work = records[job.record].work;
             }
         }
         job.end = before + running_sum(local, work);

@@ -1,12 +1,11 @@
-// Keyframes in blocks of BC7 or as samples (color.md 4). Needs `block_of`, `word_at`, `sample_pixel` and
-// `bc7_texel`.
+// Keyframes in blocks of BC7 or as samples (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs `word_at`,
+// `sample_block` and `bc7_texels`.
 
-fn keyframe_pixel(keyframe: Record, unit: Unit, pixel: u32) -> vec3u {
+fn keyframe_block(keyframe: Record, unit: Unit, block: u32, out: ptr<function, array<u32, 16>>) {
     if (keyframe.coding != KEYFRAME_BLOCKS) {
-        return sample_pixel(keyframe, pixel);
+        sample_block(keyframe, unit, block, out);
+        return;
     }
-    let place = block_of(unit, pixel);
-    let at = keyframe.at + 16u * place.x;
-    let texel = bc7_texel(vec4u(word_at(at), word_at(at + 4u), word_at(at + 8u), word_at(at + 12u)), place.y);
-    return vec3u(texel & 255u, (texel >> 8u) & 255u, (texel >> 16u) & 255u);
+    let at = keyframe.at + 16u * block;
+    bc7_texels(vec4u(word_at(at), word_at(at + 4u), word_at(at + 8u), word_at(at + 12u)), out);
 }

@@ -142,6 +142,11 @@ impl<S: Sample> CellChunk<S> {
         &self.keyframes
     }
 
+    /// What the payload was checked for.
+    pub fn format(&self) -> &CellFormat<S> {
+        &self.format
+    }
+
     /// The payload that was checked.
     pub fn payload(&self) -> &[u8] {
         &self.payload

@@ -90,7 +90,8 @@ const BLEND_8: ShaderFile = file!("color/blend_8.wgsl");
 const BLEND_HALF: ShaderFile = file!("color/blend_half.wgsl");
 const SAMPLES_8: ShaderFile = file!("color/samples_8.wgsl");
 const SAMPLES_HALF: ShaderFile = file!("color/samples_half.wgsl");
-const KEYFRAME_BLOCKS: ShaderFile = file!("color/keyframe_blocks.wgsl");
+const BLEND_BLOCKS_8: ShaderFile = file!("color/blend_blocks_8.wgsl");
+const BLEND_BLOCKS_HALF: ShaderFile = file!("color/blend_blocks_half.wgsl");
 const RECORDS: ShaderFile = file!("depth/records.wgsl");
 const CODES: ShaderFile = file!("depth/texel_codes.wgsl");
 const MATERIAL: ShaderFile = file!("depth/texel_material.wgsl");
@@ -163,18 +164,8 @@ pub static BOXES_BC1: Kernel = Kernel {
 /// Cells of 8-bit colour with keyframes in BC1: `CCB1`.
 pub static CELLS_BC1: Kernel = Kernel {
     name: "cells-bc1",
-    entry: "decode_cells_8",
-    files: &[
-        LAYOUT,
-        JOBS,
-        BYTES,
-        BLEND,
-        BC1_BLOCKS,
-        KEYFRAME_BLOCKS,
-        SAMPLES_8,
-        file!("color/keyframes_bc1.wgsl"),
-        BLEND_8,
-    ],
+    entry: "decode_blocks_8",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, BC1_BLOCKS, SAMPLES_8, file!("color/keyframes_bc1.wgsl"), BLEND_BLOCKS_8],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -182,7 +173,7 @@ pub static CELLS_BC1: Kernel = Kernel {
 /// Cells of 8-bit colour with keyframes in BC7: `CCB7`.
 pub static CELLS_BC7: Kernel = Kernel {
     name: "cells-bc7",
-    entry: "decode_cells_8",
+    entry: "decode_blocks_8",
     files: &[
         LAYOUT,
         JOBS,
@@ -190,10 +181,9 @@ pub static CELLS_BC7: Kernel = Kernel {
         BLEND,
         BPTC,
         BC7_BLOCKS,
-        KEYFRAME_BLOCKS,
         SAMPLES_8,
         file!("color/keyframes_bc7.wgsl"),
-        BLEND_8,
+        BLEND_BLOCKS_8,
     ],
     bindings: CELL_BINDINGS,
     workgroup: 64,
@@ -202,7 +192,7 @@ pub static CELLS_BC7: Kernel = Kernel {
 /// Cells of half floats with keyframes in BC6H: `CCB6`.
 pub static CELLS_BC6H: Kernel = Kernel {
     name: "cells-bc6h",
-    entry: "decode_cells_half",
+    entry: "decode_blocks_half",
     files: &[
         LAYOUT,
         JOBS,
@@ -210,10 +200,9 @@ pub static CELLS_BC6H: Kernel = Kernel {
         BLEND,
         BPTC,
         BC6H_BLOCKS,
-        KEYFRAME_BLOCKS,
         SAMPLES_HALF,
         file!("color/keyframes_bc6h.wgsl"),
-        BLEND_HALF,
+        BLEND_BLOCKS_HALF,
     ],
     bindings: CELL_BINDINGS,
     workgroup: 64,
@@ -242,7 +231,6 @@ pub static PLAN_CELLS: Kernel = Kernel {
     entry: "plan_cells",
     files: &[LAYOUT, PLAN, BYTES, file!("color/cells.wgsl")],
     bindings: &[
-        Read("units"),
         Read("chunks"),
         Read("records"),
         Read("items"),

@@ -88,7 +88,7 @@ structs! {
         first,
         /// Boxes: their number.
         count,
-        /// Invocations that it takes.
+        /// Invocations that it takes; of a keyframe, as many as the blend that it begins.
         work,
         /// Keyframes: how they are coded.
         coding,

@@ -3,6 +3,7 @@
 //! Enters: a payload. Leaves: rows whose offsets count from the chunk's own first byte, word or row; [`crate::gpu::resident`]
 //! adds where the chunk comes to lie.
 
+use crate::block;
 use crate::color::blend::Sample;
 use crate::color::cells::{Blend, CellChunk};
 use crate::container::Payload;
@@ -181,10 +182,14 @@ pub fn of_boxes<T: Texel, L: Parts<T>>(chunk: &TemporalChunk<T, L>, [width, heig
 
 /// Keyframes and weights of a cell.
 pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
+    let format = chunk.format();
+    let [columns, rows] = block::grid(format.size[0], format.size[1]);
+    // Kernels of blocks take a block at a time.
+    let work = if format.blocks.is_some() { columns * rows } else { format.pixels() } as u32;
     let records = chunk.keyframes().iter().enumerate().map(|(at, &frame)| {
         let start = chunk.keyframe_at(at) as u32;
         let coding = if chunk.in_blocks(at) { KEYFRAME_BLOCKS } else { KEYFRAME_SAMPLES };
-        Record { frame, at: start, coding, ..Record::default() }
+        Record { frame, at: start, coding, work, ..Record::default() }
     });
     let (weights_at, weights) = chunk.weights();
     Prepared {

@@ -102,6 +102,7 @@ struct Gathered {
     jobs: Vec<Job>,
     stream: Vec<u32>,
     expected: Vec<u32>,
+    pixels: u64,
 }
 
 impl Gathered {
@@ -127,7 +128,8 @@ impl Gathered {
         self.stream.extend(stream);
         for &weight in weights {
             let shown: Vec<S> = a.iter().zip(&b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
-            let end = self.jobs.last().map_or(0, |job| job.end) + pixels as u32;
+            let end = self.jobs.last().map_or(0, |job| job.end) + records[0].work;
+            self.pixels += pixels as u64;
             let (unit, next) = (self.units.len() as u32, first + u32::from(weight > 0));
             self.jobs.push(Job { unit, end, record: first, next, weight: weight.into() });
             self.units.push(Unit {
@@ -152,7 +154,7 @@ impl Gathered {
             buffers: vec![words_of(&self.units), words_of(&self.records), jobs, self.stream, pictures],
             invocations,
             expected: vec![(4, self.expected)],
-            pixels: u64::from(invocations),
+            pixels: self.pixels,
         }
     }
 }

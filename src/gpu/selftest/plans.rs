@@ -40,9 +40,11 @@ impl Gathered {
         let groups = total.div_ceil(WORKGROUP);
         let x = groups.clamp(1, MAX_GROUPS);
         let dispatch = words_of(&[Dispatch { x, y: groups.div_ceil(x), z: 1 }]);
-        let mut buffers = vec![words_of(&self.units), words_of(&self.chunks), words_of(&self.records), items];
+        let mut buffers = vec![words_of(&self.chunks), words_of(&self.records), items];
         if colour {
             buffers.push(self.stream);
+        } else {
+            buffers.insert(0, words_of(&self.units));
         }
         let first = buffers.len();
         let expected = [words_of(&self.after), jobs, dispatch];
@@ -113,13 +115,14 @@ impl Gathered {
         let Ok(chunk) = CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), frames) else { return };
         let Prepared { stream, records, weights, .. } = prepare::of_cells(&chunk);
         let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
-        self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
+        let works: Vec<u32> = records.iter().map(|_| random.below(2000)).collect();
+        let rows = records.iter().zip(&works).map(|(row, &work)| Record { at: row.at + bytes, work, ..*row });
+        self.records.extend(rows);
         let next_chunk = Chunk { first_record: self.records.len() as u32, record_count: 1, ..Chunk::default() };
         self.records.push(Record::default());
         self.stream.extend(stream);
         let number = self.units.len() as u32;
-        let [width, height] = [1 + random.below(40), 1 + random.below(40)];
-        self.units.push(Unit { width, height, stride: width, ..Unit::default() });
+        self.units.push(Unit::default());
         let (slot, key) = (self.chunks.len() as u32, 1 + number);
         let [weights_at, weight_count] = weights;
         let record_count = records.len() as u32;
@@ -142,7 +145,8 @@ impl Gathered {
             (_, false) => first + keyframe + 1,
             (_, true) => next_chunk.first_record,
         };
-        self.push(item, [before, after], Job { record: first + keyframe, next, weight, ..job }, width * height);
+        let job = Job { record: first + keyframe, next, weight, ..job };
+        self.push(item, [before, after], job, works[blend.keyframe]);
     }
 }
 
