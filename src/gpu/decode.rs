@@ -389,6 +389,10 @@ impl<'a> GpuDecoder<'a> {
                 gpu.queue.submit([encoder.finish()]);
             })?;
             left -= now;
+            // Or a long way through a chunk would queue all its rounds at once.
+            if left > 0 {
+                gpu.wait()?;
+            }
         }
         self.cost.applying += start.elapsed();
         Ok(())
