@@ -136,6 +136,8 @@ fn open_device(args: &Args) -> Result<(DeviceArg, Option<Gpu>)> {
         }
         // Software will do to compare.
         (_, true) => DeviceArg::Gpu,
+        // Who names a device wants it.
+        (None, false) if args.gpu.gpu_index.is_some() => DeviceArg::Gpu,
         (choice, false) => choice.unwrap_or(DeviceArg::Cpu),
     };
     Ok((choice, args.gpu.open(choice)?))

@@ -151,8 +151,12 @@ impl<S: Sample> CellEncoder<S> {
     fn coded<Q: Quality<S>>(&self, source: &[S], quality: &Q) -> Keyframe<S> {
         let Some(BlockStage { blocks, size, final_psnr_db }) = self.blocks else { return Keyframe::Samples };
         let limit = quality.max_squared_error(final_psnr_db, source.len());
-        let efforts = [self.settings.effort, Effort::Exhaustive];
-        let tries = if efforts[0] == efforts[1] { &efforts[1..] } else { &efforts[..] };
+        // One step harder is tried before blocks are given up: each step takes ten times as long.
+        let tries: &[Effort] = match self.settings.effort {
+            Effort::Fast => &[Effort::Fast, Effort::Normal],
+            Effort::Normal => &[Effort::Normal, Effort::Exhaustive],
+            Effort::Exhaustive => &[Effort::Exhaustive],
+        };
         for &effort in tries {
             let stored = (blocks.encode)(source, size, effort);
             let mut shown = vec![S::default(); source.len()];

@@ -209,7 +209,10 @@ fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, p
     // A probe may be known from another stretch of frames; where it stands must agree.
     let earlier = &mut merged[usize::from(at)];
     if (ProbeEntry { frames: probe.frames, ..earlier.clone() }) != *probe {
-        return Err(Error::invalid(format!("probe '{}' stands elsewhere than in an earlier input", probe.name)));
+        return Err(Error::invalid(format!(
+            "probe '{}' has another position, orientation or other intrinsics than in an earlier input",
+            probe.name
+        )));
     }
     earlier.frames = [earlier.frames[0].min(probe.frames[0]), earlier.frames[1].max(probe.frames[1])];
     Ok(at)

@@ -6,7 +6,7 @@ use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::cli::output::human_bytes;
+use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
 use crate::math::{Camera, Lens};
 use crate::reconstruct::{CameraFile, SeenCounts, SeenUnits, TimedCamera};
@@ -94,6 +94,9 @@ impl CameraArgs {
             Some(seen) => seen.counts(),
             None => SeenCounts { units, visible_units: units, ..SeenCounts::default() },
         };
+        if let (Some(_), 0) = (&seen, counts.visible_units) {
+            output::note("no camera sees anything in the frames and streams that were chosen");
+        }
         let bytes_total = if self.stats { export::stored_bytes(decoder, chosen) } else { 0 };
         Ok(View { seen, counts, bytes_total, stats: self.stats })
     }
@@ -137,21 +140,24 @@ impl View {
             return String::new();
         }
         let counts = &self.counts;
+        let read = format!(
+            "{} of {} read ({:.1}%)",
+            human_bytes(summary.cost.bytes_read),
+            human_bytes(self.bytes_total),
+            100.0 * summary.cost.bytes_read as f64 / self.bytes_total.max(1) as f64,
+        );
         let who = match counts.cameras {
-            0 => "without a camera".to_owned(),
+            0 => return format!("\nno camera: all {} tiles and cells; {read}", counts.units),
             1 => "1 camera sees".to_owned(),
             cameras => format!("{cameras} cameras see"),
         };
         format!(
-            "\n{who} {} of {} tiles and cells ({:.1}%), found with {} of {} frustum tests; {} of {} read ({:.1}%)",
+            "\n{who} {} of {} tiles and cells ({:.1}%), found with {} frustum tests, where testing each takes {}; {read}",
             counts.visible_units,
             counts.units,
             100.0 * self.visible_fraction(),
             counts.hierarchical_tests,
             counts.regular_tests,
-            human_bytes(summary.cost.bytes_read),
-            human_bytes(self.bytes_total),
-            100.0 * summary.cost.bytes_read as f64 / self.bytes_total.max(1) as f64,
         )
     }
 

@@ -17,12 +17,13 @@ pub struct ColorArgs {
     /// Width and height of a cell in pixels; with --color-block a multiple of 4
     #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub cell: u32,
-    /// Least PSNR of every frame of every cell, in dB
-    #[arg(long, value_name = "DB", default_value_t = SearchSettings::default().min_psnr_db)]
-    pub psnr: f64,
+    /// Least PSNR of every frame of every cell, in dB; with --color-block, of the coding in time alone [default: 50;
+    /// with --color-block what --psnr-final says]
+    #[arg(long, value_name = "DB")]
+    pub psnr: Option<f64>,
     /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr. Smaller, at a loss that
     /// --psnr-final bounds
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = ColorBlockArg::None)]
+    #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = ColorBlockArg::None)]
     pub color_block: ColorBlockArg,
     /// Least PSNR of every frame of every cell once keyframes are in blocks, in dB, at most --psnr [default: 30 for bc1,
     /// 40 for bc7 and bc6h]
@@ -104,19 +105,24 @@ impl From<InvalidColorArg> for InvalidColor {
 impl ColorArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) -> Result<()> {
-        if !self.psnr.is_finite() || !(0.0..=200.0).contains(&self.psnr) {
-            return Err(Error::Usage(format!("--psnr {}: 0 to 200 dB was expected", self.psnr)));
+        let blocks = self.color_block.get();
+        let of_blocks = blocks.map(|blocks| self.psnr_final.unwrap_or(ColorBlockSettings::usual_psnr_db(blocks)));
+        let psnr = self.psnr.or(of_blocks).unwrap_or(SearchSettings::default().min_psnr_db);
+        for (option, db) in [("--psnr-final", self.psnr_final), ("--psnr", Some(psnr))] {
+            if let Some(db) = db.filter(|db| !(0.0..=200.0).contains(db)) {
+                return Err(Error::Usage(format!("{option} {db}: 0 to 200 dB was expected")));
+            }
         }
         if !(-8.0..=8.0).contains(&self.exposure) {
             return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
         }
-        if let Some(db) = self.psnr_final.filter(|db| !(0.0..=self.psnr).contains(db)) {
-            return Err(Error::Usage(format!("--psnr-final {db}: 0 to {} dB was expected, as --psnr says", self.psnr)));
+        if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
+            return Err(Error::Usage(format!("--psnr-final {db}: at most {psnr} dB was expected, as --psnr says")));
         }
         settings.cell = self.cell;
         settings.search =
-            SearchSettings { min_psnr_db: self.psnr, effort: settings.search.effort, reach: self.keyframe_reach };
-        settings.color_blocks = self.color_block.get().map(|blocks| {
+            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, reach: self.keyframe_reach };
+        settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });

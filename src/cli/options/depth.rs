@@ -28,12 +28,12 @@ pub struct DepthArgs {
     #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
     pub depth_codec: DepthCodecArg,
     /// Store depth in blocks of a texture format where these stay within --epsilon, for aabb
-    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = DepthBlockArg::None)]
+    #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = DepthBlockArg::None)]
     pub depth_block: DepthBlockArg,
-    /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless
-    #[arg(long, value_name = "CODES", default_value_t = NodeSettings::default().bound, conflicts_with = "error_relative",
+    /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
+    #[arg(long, value_name = "CODES", conflicts_with = "error_relative",
         value_parser = clap::value_parser!(u16).range(..=65534))]
-    pub error: u16,
+    pub error: Option<u16>,
     /// Largest error of a decoded depth in proportion to it, such as 0.1%, for quadtree
     #[arg(long, value_name = "SHARE", value_parser = parse_share)]
     pub error_relative: Option<f64>,
@@ -256,7 +256,20 @@ impl DepthArgs {
                 ));
             }
         };
-        settings.depth.error = self.error_relative.map_or(ErrorBound::Codes(self.error), ErrorBound::Relative);
+        let bounded = self.error.is_some() || self.error_relative.is_some();
+        match self.depth_codec {
+            DepthCodecArg::Aabb if bounded => {
+                return Err(Error::Usage(
+                    "--error bounds the functions of a quadtree: with --depth-codec aabb give --epsilon".into(),
+                ));
+            }
+            DepthCodecArg::Bc4w if bounded => {
+                return Err(Error::Usage("--depth-codec bc4w has no bound: leave out --error, or use quadtree".into()));
+            }
+            _ => {}
+        }
+        let codes = ErrorBound::Codes(self.error.unwrap_or(NodeSettings::default().bound));
+        settings.depth.error = self.error_relative.map_or(codes, ErrorBound::Relative);
         settings.temporal.max_aabbs = self.max_aabbs;
         self.domain.apply(settings);
         self.model.apply(settings);

@@ -80,11 +80,15 @@ pub struct ColorBlockSettings {
 impl ColorBlockSettings {
     /// The format with the quality that it reaches on most footage, or the search's where that is less.
     pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
-        let usual: f64 = match blocks {
+        ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.min_psnr_db) }
+    }
+
+    /// The quality in dB that a format reaches on most footage.
+    pub fn usual_psnr_db(blocks: ColorBlocks) -> f64 {
+        match blocks {
             ColorBlocks::Bc1 => 30.0,
             ColorBlocks::Bc7 | ColorBlocks::Bc6h => 40.0,
-        };
-        ColorBlockSettings { blocks, final_psnr_db: usual.min(search.min_psnr_db) }
+        }
     }
 }
 
