@@ -463,11 +463,6 @@ fn bc6h_pixel(block: Bc6h, texel: u32) -> vec2u {
     return vec2u(halves.x | (halves.y << 16u), halves.z);
 }
 
-// The same of a block that is not open yet.
-fn bc6h_texel(words: vec4u, texel: u32) -> vec2u {
-    return bc6h_pixel(bc6h_open(words), texel);
-}
-
 // All pixels of a block.
 fn bc6h_texels(words: vec4u, out: ptr<function, array<vec2u, 16>>) {
     let block = bc6h_open(words);

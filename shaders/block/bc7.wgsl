@@ -147,11 +147,6 @@ fn bc7_pixel(block: Bc7, texel: u32) -> u32 {
     return pixel.x | (pixel.y << 8u) | (pixel.z << 16u) | (pixel.w << 24u);
 }
 
-// The same of a block that is not open yet.
-fn bc7_texel(words: vec4u, texel: u32) -> u32 {
-    return bc7_pixel(bc7_open(words), texel);
-}
-
 // All pixels of a block.
 fn bc7_texels(words: vec4u, out: ptr<function, array<u32, 16>>) {
     let block = bc7_open(words);

@@ -1,11 +1,6 @@
-// Keyframes in blocks of BC6H or as samples (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs `word_at`,
-// `sample_block` and `bc6h_texels`.
+// Keyframes in blocks of BC6H (color.md 4). Mirrors src/color/keyframe_blocks.rs. Needs `word_at` and `bc6h_texels`.
 
-fn keyframe_block(keyframe: Record, unit: Unit, block: u32, out: ptr<function, array<vec2u, 16>>) {
-    if (keyframe.coding != KEYFRAME_BLOCKS) {
-        sample_block(keyframe, unit, block, out);
-        return;
-    }
+fn keyframe_block(keyframe: Record, block: u32, out: ptr<function, array<vec2u, 16>>) {
     let at = keyframe.at + 16u * block;
     bc6h_texels(vec4u(word_at(at), word_at(at + 4u), word_at(at + 8u), word_at(at + 12u)), out);
 }

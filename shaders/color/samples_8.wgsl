@@ -1,6 +1,27 @@
-// Pixels of keyframes that are stored as they are, three bytes each (color.md 4). Needs `word_at`.
+// Cells of bytes (color.md 3, 4): `impl Sample for u8` of src/color/blend.rs. Needs `word_at`, `lerp` and `pictures`.
 
+// A pixel as it lies in pictures: r | g << 8 | b << 16.
+fn unpack(pixel: u32) -> vec3u {
+    return vec3u(pixel & 255u, (pixel >> 8u) & 255u, (pixel >> 16u) & 255u);
+}
+
+fn pack(color: vec3u) -> u32 {
+    return color.x | (color.y << 8u) | (color.z << 16u);
+}
+
+fn empty_block() -> array<u32, 16> {
+    return array<u32, 16>();
+}
+
+// A pixel of a keyframe that is stored as it is, three bytes each.
 fn sample_pixel(keyframe: Record, pixel: u32) -> vec3u {
-    let bytes = word_at(keyframe.at + 3u * pixel);
-    return vec3u(bytes & 255u, (bytes >> 8u) & 255u, (bytes >> 16u) & 255u);
+    return unpack(word_at(keyframe.at + 3u * pixel));
+}
+
+fn between(a: vec3u, b: vec3u, weight: u32) -> vec3u {
+    return lerp(a, b, weight);
+}
+
+fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
+    pictures[unit.picture + pixel] = pack(color);
 }

@@ -33,9 +33,9 @@ const LOAD_BYTES: u64 = 1 << 30;
     lightfold decode film.lfold --camera cam.json -o seen\n  \
     lightfold decode film.lfold --device gpu --null\n  \
     lightfold decode film.lfold --verify\n\n\
-    CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}. A camera may\n\
-    also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]) and, for \"look_at\" and \"up\",\n\
-    \"orientation\" (a quaternion x, y, z, w).")]
+    CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
+    A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
+    \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
 pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]

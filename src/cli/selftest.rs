@@ -8,6 +8,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::error::{Error, Result};
 use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
+use crate::gpu::selftest::hard_cases::{HardCaseReport, test_hard_cases};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::monitor::Monitor;
@@ -37,12 +38,15 @@ pub struct Args {
 struct Tested {
     info: DeviceInfo,
     kernels: Vec<KernelReport>,
+    hard_cases: Vec<HardCaseReport>,
     streams: StreamsReport,
 }
 
 impl Tested {
-    fn mismatches(&self) -> u64 {
-        self.kernels.iter().map(|kernel| kernel.mismatches).sum::<u64>() + self.streams.verification.mismatched_words
+    fn failed(&self) -> bool {
+        self.kernels.iter().any(|kernel| kernel.mismatches > 0)
+            || self.hard_cases.iter().any(|case| !case.passed())
+            || self.streams.verification.mismatched_words > 0
     }
 }
 
@@ -68,10 +72,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             test_kernel(&gpu, row, args.seed)
         };
         let kernels = ROWS.iter().map(kernel).collect::<Result<Vec<_>>>()?;
+        let hard_cases = test_hard_cases(&gpu, &progress)?;
         let streams = test_streams(&gpu, args.streams, args.seed, &progress)?;
-        all.push(Tested { info: gpu.info.clone(), kernels, streams });
+        all.push(Tested { info: gpu.info.clone(), kernels, hard_cases, streams });
     }
-    let failed = all.iter().any(|tested| tested.mismatches() > 0);
+    let failed = all.iter().any(Tested::failed);
     if args.json {
         print_json(&all, failed)?
     } else {
@@ -91,6 +96,16 @@ fn print_json(all: &[Tested], failed: bool) -> Result<()> {
             "megapixels_per_second": kernel.megapixels_per_second,
         })
     };
+    let hard_case = |tested: &Tested, case: &HardCaseReport| {
+        json!({
+            "name": case.name,
+            "device": tested.info.name,
+            "bound": case.bound,
+            "measured": case.measured,
+            "mismatched_words": case.mismatched_words,
+            "passed": case.passed(),
+        })
+    };
     let streams = |tested: &Tested| {
         json!({
             "device": tested.info.name,
@@ -103,6 +118,7 @@ fn print_json(all: &[Tested], failed: bool) -> Result<()> {
     output::print_json(&json!({
         "devices": all.iter().map(|tested| device::to_json(&tested.info)).collect::<Vec<_>>(),
         "kernels": all.iter().flat_map(|t| t.kernels.iter().map(move |k| kernel(t, k))).collect::<Vec<_>>(),
+        "hard_cases": all.iter().flat_map(|t| t.hard_cases.iter().map(move |c| hard_case(t, c))).collect::<Vec<_>>(),
         "streams": all.iter().map(streams).collect::<Vec<_>>(),
         "failed": failed,
     }))
@@ -110,7 +126,7 @@ fn print_json(all: &[Tested], failed: bool) -> Result<()> {
 
 fn text(all: &[Tested]) -> String {
     let mut out = String::new();
-    for Tested { info, kernels, streams } in all {
+    for Tested { info, kernels, hard_cases, streams } in all {
         out += &format!("{} ({}, {}, {})\n\n", info.name, info.kind, info.backend, info.driver);
         let mut table = Table::new(&[
             Column::Left("Kernel"),
@@ -123,7 +139,12 @@ fn text(all: &[Tested]) -> String {
             table.row([kernel.name.to_owned(), kernel.inputs.to_string(), kernel.mismatches.to_string(), speed]);
         }
         let words = streams.verification.mismatched_words;
-        out += &format!("{table}\n{} streams, {} images, {words} words differ\n", streams.streams, streams.images);
+        let worst = hard_cases.iter().map(|case| case.measured).max().unwrap_or(0);
+        let failed = hard_cases.iter().filter(|case| !case.passed());
+        let count = failed.clone().count();
+        out += &format!("{table}\n{} hard cases, {count} failed, {worst} codes off at most\n", hard_cases.len());
+        out += &format!("{} streams, {} images, {words} words differ\n", streams.streams, streams.images);
+        failed.for_each(|case| out += &format!("failed: {case:?}\n"));
         let first = kernels.iter().filter_map(|kernel| Some(format!("{}: {}", kernel.name, kernel.first.as_ref()?)));
         for line in first.chain(streams.verification.first.clone()) {
             out += &format!("first: {line}\n");

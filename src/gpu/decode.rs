@@ -21,7 +21,7 @@ use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
 use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::resident::{Growing, Resident};
+use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::image::plane::Plane;
 use crate::ordered::try_map_ordered;
 use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
@@ -31,6 +31,9 @@ use crate::video::unit_filter::{AllUnits, UnitFilter};
 const FETCH_TOGETHER: usize = 32;
 /// Rounds that are handed in together.
 const ROUNDS_TOGETHER: u32 = 64;
+/// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that reach far beyond narrow tiles can take more
+/// than there are pixels.
+const MOST_WORK: u64 = 1 << 31;
 
 /// A unit and the frame that it is to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,6 +61,7 @@ pub struct GpuDecoder<'a> {
     units: Vec<Unit>,
     shown: Vec<Shown>,
     resident: Resident,
+    most_work: u64,
     buffers: Buffers,
     plan: Arc<Pipeline>,
     kernel: Arc<Pipeline>,
@@ -83,6 +87,8 @@ struct Buffers {
 struct Batch {
     items: Vec<Item>,
     rounds: u32,
+    /// No dispatch takes more invocations than this.
+    work: u64,
 }
 
 /// Words of the pictures of a stream.
@@ -142,6 +148,7 @@ impl<'a> GpuDecoder<'a> {
             shown: vec![None; units.len()],
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
+            most_work: MOST_WORK,
             buffers,
             plan: gpu.pipeline(family.plan())?,
             kernel: gpu.pipeline(family.kernel())?,
@@ -154,6 +161,11 @@ impl<'a> GpuDecoder<'a> {
     pub fn limit_resident(&mut self, words: usize) -> Result<()> {
         self.resident = Resident::new(self.gpu, words.min(self.gpu.info.max_binding_bytes as usize / 4))?;
         Ok(())
+    }
+
+    /// Hands in a list as soon as its units may take more than so many invocations: for tests of what then happens.
+    pub fn limit_work(&mut self, invocations: u64) {
+        self.most_work = invocations.min(MOST_WORK);
     }
 
     /// Shows a frame of each stream; streams that do not have it stay as they are.
@@ -185,7 +197,12 @@ impl<'a> GpuDecoder<'a> {
         let listed = self.list(wanted, &mut batch);
         // Also after an error: what the host believes of the listed units must be so.
         let submitted = self.submit(&mut batch);
-        listed.and(submitted)
+        let decoded = listed.and(submitted);
+        if decoded.is_err() {
+            // What is asked for next starts over; the device knows by itself what it shows.
+            self.shown.fill(None);
+        }
+        decoded
     }
 
     /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
@@ -314,8 +331,12 @@ impl<'a> GpuDecoder<'a> {
             next = self.resident.slot(key + 1).map_or(NONE, |slot| slot.chunk);
         }
         let (rounds, pixels) = self.work(unit, key, frame);
-        let Some(slot) = self.resident.slot(key) else { return Ok(false) };
-        batch.items.push(Item { unit: unit as u32, chunk: slot.chunk, next, frame, key });
+        let Some(&Slot { chunk, most_work, .. }) = self.resident.slot(key) else { return Ok(false) };
+        if batch.work + u64::from(most_work) > self.most_work {
+            self.submit(batch)?;
+        }
+        batch.items.push(Item { unit: unit as u32, chunk, next, frame, key });
+        batch.work += u64::from(most_work);
         batch.rounds = batch.rounds.max(rounds);
         self.shown[unit] = Some((key, frame));
         self.cost.updated_pixels += pixels;
@@ -340,7 +361,7 @@ impl<'a> GpuDecoder<'a> {
 
     /// Hands in the list, and empties it.
     fn submit(&mut self, batch: &mut Batch) -> Result<()> {
-        let Batch { items, rounds } = std::mem::take(batch);
+        let Batch { items, rounds, .. } = std::mem::take(batch);
         if items.is_empty() {
             return Ok(());
         }
@@ -368,6 +389,10 @@ impl<'a> GpuDecoder<'a> {
                 gpu.queue.submit([encoder.finish()]);
             })?;
             left -= now;
+            // Or a long way through a chunk would queue all its rounds at once.
+            if left > 0 {
+                gpu.wait()?;
+            }
         }
         self.cost.applying += start.elapsed();
         Ok(())

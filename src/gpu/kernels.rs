@@ -86,12 +86,10 @@ const BYTES: ShaderFile = file!("shared/bytes.wgsl");
 const PLAN: ShaderFile = file!("shared/plan.wgsl");
 const BLEND: ShaderFile = file!("color/blend.wgsl");
 
-const BLEND_8: ShaderFile = file!("color/blend_8.wgsl");
-const BLEND_HALF: ShaderFile = file!("color/blend_half.wgsl");
 const SAMPLES_8: ShaderFile = file!("color/samples_8.wgsl");
 const SAMPLES_HALF: ShaderFile = file!("color/samples_half.wgsl");
-const BLEND_BLOCKS_8: ShaderFile = file!("color/blend_blocks_8.wgsl");
-const BLEND_BLOCKS_HALF: ShaderFile = file!("color/blend_blocks_half.wgsl");
+const CELLS_OF_SAMPLES: ShaderFile = file!("color/cells_of_samples.wgsl");
+const CELLS_OF_BLOCKS: ShaderFile = file!("color/cells_of_blocks.wgsl");
 const RECORDS: ShaderFile = file!("depth/records.wgsl");
 const CODES: ShaderFile = file!("depth/texel_codes.wgsl");
 const MATERIAL: ShaderFile = file!("depth/texel_material.wgsl");
@@ -128,8 +126,8 @@ pub static BOXES_MATERIAL: Kernel = Kernel {
 /// Cells of 8-bit colour: `CCL8`.
 pub static CELLS_8: Kernel = Kernel {
     name: "cells-8bit",
-    entry: "decode_cells_8",
-    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_8, file!("color/keyframes_samples.wgsl"), BLEND_8],
+    entry: "decode_cells",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_8, CELLS_OF_SAMPLES],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -137,8 +135,8 @@ pub static CELLS_8: Kernel = Kernel {
 /// Cells of half floats: `CCLH`.
 pub static CELLS_HALF: Kernel = Kernel {
     name: "cells-half",
-    entry: "decode_cells_half",
-    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_HALF, file!("color/keyframes_samples.wgsl"), BLEND_HALF],
+    entry: "decode_cells",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, SAMPLES_HALF, CELLS_OF_SAMPLES],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -164,8 +162,8 @@ pub static BOXES_BC1: Kernel = Kernel {
 /// Cells of 8-bit colour with keyframes in BC1: `CCB1`.
 pub static CELLS_BC1: Kernel = Kernel {
     name: "cells-bc1",
-    entry: "decode_blocks_8",
-    files: &[LAYOUT, JOBS, BYTES, BLEND, BC1_BLOCKS, SAMPLES_8, file!("color/keyframes_bc1.wgsl"), BLEND_BLOCKS_8],
+    entry: "decode_blocks",
+    files: &[LAYOUT, JOBS, BYTES, BLEND, BC1_BLOCKS, SAMPLES_8, file!("color/keyframes_bc1.wgsl"), CELLS_OF_BLOCKS],
     bindings: CELL_BINDINGS,
     workgroup: 64,
 };
@@ -173,7 +171,7 @@ pub static CELLS_BC1: Kernel = Kernel {
 /// Cells of 8-bit colour with keyframes in BC7: `CCB7`.
 pub static CELLS_BC7: Kernel = Kernel {
     name: "cells-bc7",
-    entry: "decode_blocks_8",
+    entry: "decode_blocks",
     files: &[
         LAYOUT,
         JOBS,
@@ -183,7 +181,7 @@ pub static CELLS_BC7: Kernel = Kernel {
         BC7_BLOCKS,
         SAMPLES_8,
         file!("color/keyframes_bc7.wgsl"),
-        BLEND_BLOCKS_8,
+        CELLS_OF_BLOCKS,
     ],
     bindings: CELL_BINDINGS,
     workgroup: 64,
@@ -192,7 +190,7 @@ pub static CELLS_BC7: Kernel = Kernel {
 /// Cells of half floats with keyframes in BC6H: `CCB6`.
 pub static CELLS_BC6H: Kernel = Kernel {
     name: "cells-bc6h",
-    entry: "decode_blocks_half",
+    entry: "decode_blocks",
     files: &[
         LAYOUT,
         JOBS,
@@ -202,7 +200,7 @@ pub static CELLS_BC6H: Kernel = Kernel {
         BC6H_BLOCKS,
         SAMPLES_HALF,
         file!("color/keyframes_bc6h.wgsl"),
-        BLEND_BLOCKS_HALF,
+        CELLS_OF_BLOCKS,
     ],
     bindings: CELL_BINDINGS,
     workgroup: 64,

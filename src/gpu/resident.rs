@@ -92,6 +92,8 @@ impl Growing {
 pub struct Slot {
     /// Its row of the table of chunks.
     pub chunk: u32,
+    /// Invocations that the largest of its records takes.
+    pub most_work: u32,
     /// What the host knows of it.
     pub timeline: Timeline,
 }
@@ -167,13 +169,14 @@ impl Resident {
         let boxes = chunk.boxes.iter().map(|row| BoxRow { at: row.at + 4 * word, ..*row });
         let [weights_at, weight_count] = chunk.weights;
         let record_count = chunk.records.len() as u32;
+        let most_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
         let row = Chunk { first_record, record_count, weights_at: weights_at + 4 * word, weight_count };
         let slot = (self.chunks.len() / Chunk::WORDS) as u32;
         self.records.pending.extend(words_of(&records.collect::<Vec<_>>()));
         self.boxes.pending.extend(words_of(&boxes.collect::<Vec<_>>()));
         self.chunks.pending.extend(words_of(&[row]));
         self.stream.pending.extend(chunk.stream);
-        self.slots.insert(key, Slot { chunk: slot, timeline: chunk.timeline });
+        self.slots.insert(key, Slot { chunk: slot, most_work, timeline: chunk.timeline });
     }
 
     /// Brings what was placed onto the device.

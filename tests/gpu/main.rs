@@ -9,6 +9,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
 use lightfold::cli::device::{DeviceArg, or_on_cpu};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
+use lightfold::gpu::selftest::hard_cases::{CASES, test_hard_cases};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
 use lightfold::monitor::Silent;
@@ -43,6 +44,17 @@ fn random_streams() -> Result<(), Failed> {
         match report.verification.mismatched_words {
             0 if report.streams >= STREAMS && report.images > report.streams => Ok(()),
             count => Err(format!("{count} words differ on {}: {report:?}", gpu.info.name).into()),
+        }
+    })
+}
+
+/// Pictures that are hard to model, within their bound.
+fn hard_cases() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let reports = test_hard_cases(gpu, &Silent).map_err(|error| error.to_string())?;
+        match reports.iter().find(|report| !report.passed()) {
+            None if reports.len() == CASES.len() => Ok(()),
+            failed => Err(format!("on {}: {failed:?}", gpu.info.name).into()),
         }
     })
 }
@@ -120,7 +132,10 @@ fn commands() -> Result<(), Failed> {
     }
     let report: serde_json::Value = serde_json::from_str(&lightfold(&["selftest", "--streams", "18", "--json"])?)?;
     let kernels = report["kernels"].as_array().map_or(0, Vec::len);
-    match report["failed"] == false && kernels >= ROWS.len() && report["streams"][0]["streams"] == 18 {
+    let passed =
+        |cases: &Vec<serde_json::Value>| cases.len() >= CASES.len() && cases.iter().all(|c| c["passed"] == true);
+    let hard_cases = report["hard_cases"].as_array().is_some_and(passed);
+    match report["failed"] == false && kernels >= ROWS.len() && hard_cases && report["streams"][0]["streams"] == 18 {
         true => Ok(()),
         false => Err(report.to_string().into()),
     }
@@ -211,6 +226,7 @@ fn main() {
     }
     let trials = ROWS.iter().map(|row| Trial::test(format!("kernel::{}", row.kernel.name), || kernel(row)));
     let others = [
+        Trial::test("hard_cases", hard_cases),
         Trial::test("random_streams", random_streams),
         Trial::test("vectors", vectors),
         Trial::test("commands", commands),

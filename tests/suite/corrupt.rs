@@ -17,9 +17,7 @@ fn small(level: Option<u32>) -> Vec<u8> {
     let settings = TemporalSettings { window: 2, epsilon: 1, max_aabbs: 4, keyframe_interval: 3 };
     let search = SearchSettings { min_psnr_db: 38.0, ..SearchSettings::default() };
     let size = [5, 4];
-    let half =
-        |t: u16| (0..12).map(|at| [at + t, at * 2, 7].map(|v| f16::from_f32(f32::from(v) / 4.0 - 1.0))).collect();
-    let halves: Vec<Vec<[f16; 3]>> = (0..5).map(half).collect();
+    let halves = halves(-1.0);
     let whole = |shape: Shape| Shape { unit: shape.size, ..shape };
     // Smooth enough for LZMA2 to help.
     let flat: Vec<Vec<u16>> = (0..3).map(|t| (0..96).map(|at| at / 48 + t).collect()).collect();
@@ -37,6 +35,12 @@ fn small(level: Option<u32>) -> Vec<u8> {
     bytes
 }
 
+/// Images of 4x3 pixels whose light starts at `least`.
+fn halves(least: f32) -> Vec<Vec<[f16; 3]>> {
+    let light = |v: u16| f16::from_f32(f32::from(v) / 4.0 + least);
+    (0..5).map(|t| (0..12).map(|at| [at + t, at * 2, 7].map(light)).collect()).collect()
+}
+
 /// The same with pieces and keyframes in blocks.
 fn in_blocks() -> Vec<u8> {
     let shape = |face, size: [u32; 2], frame_count| Shape { face, size, unit: [8, 4], first_frame: 3, frame_count };
@@ -47,6 +51,7 @@ fn in_blocks() -> Vec<u8> {
         samples::depth_in_blocks(shape(0, size, 4), &samples::moving_codes(size, 4, 5), settings),
         samples::color8_in_blocks(shape(0, size, 5), ColorBlocks::Bc1, &samples::drifting_bytes(size, 5), search, 20.0),
         samples::color8_in_blocks(shape(1, size, 5), ColorBlocks::Bc7, &samples::drifting_bytes(size, 5), search, 35.0),
+        samples::color_half_in_blocks(shape(2, [4, 3], 5), &halves(0.25), search, 20.0),
         samples::material_in_blocks(shape(0, size, 4), &samples::patched_materials(size, 4), settings),
     ];
     let bytes = samples::container(0, samples::probe("00", 9), &streams, None);

@@ -87,6 +87,9 @@ fn compare(
         // Enough for any of these chunks and its successor, too little for all of them.
         on_gpu.limit_resident(1 << 15)?;
     }
+    if random.one_in(8) {
+        on_gpu.limit_work(1000);
+    }
     let mut on_cpu: Vec<FaceDecoder<'_>> = streams.iter().map(|stream| decoder.face(stream)).collect();
     let mut frames: Vec<u32> = streams.iter().map(|stream| stream.frames.first).collect();
     for _ in 0..VISITS {

@@ -1,5 +1,5 @@
-// Cells of 8-bit samples (color.md 4): `impl Sample for u8` of src/color/blend.rs. An invocation writes a pixel. Needs
-// `keyframe_pixel`.
+// Cells whose keyframes are samples (color.md 4): `CellState` of src/video/decode.rs. An invocation writes a pixel. Needs
+// `sample_pixel`, `between` and `put_pixel`.
 
 @group(0) @binding(0) var<storage, read> units: array<Unit>;
 @group(0) @binding(1) var<storage, read> records: array<Record>;
@@ -8,18 +8,17 @@
 @group(0) @binding(4) var<storage, read_write> pictures: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)
-fn decode_cells_8(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn decode_cells(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let invocation = invocation_of(id, groups);
     if (invocation >= jobs.total) {
         return;
     }
     let number = job_of(invocation);
     let job = jobs.list[number];
-    let unit = units[job.unit];
     let pixel = invocation - job_begin(number);
-    var color = keyframe_pixel(records[job.record], unit, pixel);
+    var color = sample_pixel(records[job.record], pixel);
     if (job.weight > 0u) {
-        color = lerp(color, keyframe_pixel(records[job.next], unit, pixel), job.weight);
+        color = between(color, sample_pixel(records[job.next], pixel), job.weight);
     }
-    pictures[unit.picture + pixel] = color.x | (color.y << 8u) | (color.z << 16u);
+    put_pixel(units[job.unit], pixel, color);
 }
