@@ -87,7 +87,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         return device::list(args.json);
     }
     let Some(input) = &args.input else { return Err(Error::Usage("name a container to decode".into())) };
-    let (choice, gpu) = open_device(args)?;
+    let (choice, gpu) = open_device(args, global)?;
     let mut reader = Reader::open(input)?;
     let start = Instant::now();
     // The time of decoding alone is asked for: the file is read before it counts, where memory allows.
@@ -101,8 +101,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let start = Instant::now();
     let request = Request { chosen: &chosen, filter: view.filter() };
     let ((summary, found), name) = device::or_on_cpu(
-        gpu.as_ref(),
-        choice,
+        (gpu.as_ref(), choice),
+        global,
         |gpu| match &args.output {
             Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
             None if args.verify => {
@@ -127,7 +127,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 }
 
 /// The choice of a device, and the graphics device that it leads to; comparing takes one.
-fn open_device(args: &Args) -> Result<(DeviceArg, Option<Gpu>)> {
+fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gpu>)> {
     let choice = match (args.device, args.verify) {
         (Some(DeviceArg::Cpu), true) => {
             return Err(Error::Usage(
@@ -140,7 +140,7 @@ fn open_device(args: &Args) -> Result<(DeviceArg, Option<Gpu>)> {
         (None, false) if args.gpu.gpu_index.is_some() => DeviceArg::Gpu,
         (choice, false) => choice.unwrap_or(DeviceArg::Cpu),
     };
-    Ok((choice, args.gpu.open(choice)?))
+    Ok((choice, args.gpu.open(choice, global)?))
 }
 
 fn write(

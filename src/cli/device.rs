@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde_json::json;
 
-use crate::cli::{Outcome, output};
+use crate::cli::{GlobalArgs, Outcome, output};
 use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 use crate::report::table::{Column, Table};
@@ -41,22 +41,22 @@ impl GpuArgs {
     }
 
     /// The graphics device for a choice, `None` for the CPU; says so where `auto` has to do without one.
-    pub fn open(&self, choice: DeviceArg) -> Result<Option<Gpu>> {
+    pub fn open(&self, choice: DeviceArg, global: &GlobalArgs) -> Result<Option<Gpu>> {
         let choice = match choice {
             DeviceArg::Auto => DeviceChoice::Auto,
             DeviceArg::Gpu => DeviceChoice::Gpu,
             DeviceArg::Cpu => DeviceChoice::Cpu,
         };
         let (gpu, why) = device::choose(choice, &self.pick())?;
-        why.iter().for_each(output::note);
+        why.iter().filter(|_| !global.quiet).for_each(output::note);
         Ok(gpu)
     }
 }
 
 /// Does something on a graphics device, or on the CPU where there is none; with `auto` also where the device fails.
 pub fn or_on_cpu<T>(
-    gpu: Option<&Gpu>,
-    choice: DeviceArg,
+    (gpu, choice): (Option<&Gpu>, DeviceArg),
+    global: &GlobalArgs,
     on_gpu: impl FnOnce(&Gpu) -> Result<T>,
     on_cpu: impl FnOnce() -> Result<T>,
 ) -> Result<(T, String)> {
@@ -64,7 +64,9 @@ pub fn or_on_cpu<T>(
     match on_gpu(gpu) {
         Ok(done) => Ok((done, gpu.info.name.clone())),
         Err(error @ Error::Unsupported { .. }) if choice == DeviceArg::Auto => {
-            output::note(format_args!("{error}; decoding on the CPU"));
+            if !global.quiet {
+                output::note(format_args!("{error}; decoding on the CPU"));
+            }
             Ok((on_cpu()?, "cpu".to_owned()))
         }
         Err(error) => Err(error),

@@ -64,7 +64,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let flatten = args.bound.get().map(|error| FlattenSettings {
         error,
         window: args.steps.depth_window,
-        epsilon: args.steps.epsilon,
+        epsilon: args.steps.epsilon.unwrap_or(0),
         decide: args.model.decide.into(),
         effort: args.effort.get(),
         min_children: args.model.min_children,

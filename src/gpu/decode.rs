@@ -23,12 +23,18 @@ use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves}
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::image::plane::Plane;
+use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
 use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
-/// Units whose chunks are fetched and checked together.
+/// Units whose chunks are fetched and checked together, at most.
 const FETCH_TOGETHER: usize = 32;
+/// Bytes of the payloads that are fetched together, unless one alone has more.
+const FETCH_BYTES: u64 = 64 << 20;
+/// Rounds that a unit may take to its frame. A stream takes so many only where it is entered far behind its keyframe, with
+/// a narrow window; each costs two dispatches, and a file of a few bytes could ask for hours of them.
+const MAX_ROUNDS: u32 = 1 << 14;
 /// Rounds that are handed in together.
 const ROUNDS_TOGETHER: u32 = 64;
 /// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that reach far beyond narrow tiles can take more
@@ -67,6 +73,17 @@ pub struct GpuDecoder<'a> {
     kernel: Arc<Pipeline>,
     cost: DecodeCost,
     wanted_pixels: u64,
+    watch: Watch<'a>,
+}
+
+/// Who may ask to stop.
+#[derive(Clone, Copy)]
+struct Watch<'a>(&'a dyn Monitor);
+
+impl std::fmt::Debug for Watch<'_> {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str("Watch")
+    }
 }
 
 #[derive(Debug)]
@@ -154,7 +171,14 @@ impl<'a> GpuDecoder<'a> {
             kernel: gpu.pipeline(family.kernel())?,
             cost: DecodeCost::default(),
             wanted_pixels: 0,
+            watch: Watch(&Silent),
         })
+    }
+
+    /// The same, which ends in [`Error::Interrupted`] soon after the monitor was asked to stop.
+    #[must_use]
+    pub fn watched_by(self, monitor: &'a dyn Monitor) -> Self {
+        GpuDecoder { watch: Watch(monitor), ..self }
     }
 
     /// Drops chunks as soon as they take more than `words` words of a buffer: for tests of what then happens.
@@ -206,8 +230,11 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
-    fn list(&mut self, wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
-        for part in wanted.chunks(FETCH_TOGETHER) {
+    fn list(&mut self, mut wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
+        while !wanted.is_empty() {
+            self.watch.0.check()?;
+            let (part, rest) = wanted.split_at(self.fetched_together(wanted)?);
+            wanted = rest;
             let start = Instant::now();
             let mut fetched = self.fetch_missing(part)?;
             self.cost.fetching += start.elapsed();
@@ -226,6 +253,18 @@ impl<'a> GpuDecoder<'a> {
             }
         }
         Ok(())
+    }
+
+    /// How many of the units, one at least, are fetched together.
+    fn fetched_together(&self, wanted: &[Wanted]) -> Result<usize> {
+        let mut bytes = 0;
+        for (at, &one) in wanted.iter().enumerate().take(FETCH_TOGETHER) {
+            bytes += u64::from(self.chunk(one)?.1.raw_bytes);
+            if at > 0 && bytes > FETCH_BYTES {
+                return Ok(at);
+            }
+        }
+        Ok(wanted.len().min(FETCH_TOGETHER))
     }
 
     /// Pixels of the units that were wanted, over all calls so far.
@@ -331,6 +370,10 @@ impl<'a> GpuDecoder<'a> {
             next = self.resident.slot(key + 1).map_or(NONE, |slot| slot.chunk);
         }
         let (rounds, pixels) = self.work(unit, key, frame);
+        if rounds > MAX_ROUNDS {
+            let why = format!("frame {} is {rounds} steps behind, at most {MAX_ROUNDS} are taken", one.frame);
+            return Err(self.gpu.failed("a tile", &why));
+        }
         let Some(&Slot { chunk, most_work, .. }) = self.resident.slot(key) else { return Ok(false) };
         if batch.work + u64::from(most_work) > self.most_work {
             self.submit(batch)?;
@@ -392,6 +435,7 @@ impl<'a> GpuDecoder<'a> {
             // Or a long way through a chunk would queue all its rounds at once.
             if left > 0 {
                 gpu.wait()?;
+                self.watch.0.check()?;
             }
         }
         self.cost.applying += start.elapsed();

@@ -118,8 +118,13 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
         DeviceChoice::Auto => {
             let picked = *pick != Pick::Best;
             let refused = |why: String| Ok((None, Some(format!("{why}; decoding on the CPU"))));
-            if !picked && !list().iter().any(|info| !info.is_software()) {
-                return refused("no graphics device but software was found".to_owned());
+            let found = if picked { Vec::new() } else { list() };
+            if !picked && found.iter().all(DeviceInfo::is_software) {
+                let why = match found.is_empty() {
+                    true => "no graphics device was found",
+                    false => "the only graphics device is software, which --device gpu would take",
+                };
+                return refused(why.to_owned());
             }
             match Gpu::open(pick) {
                 Ok(gpu) => Ok((Some(gpu), None)),
@@ -227,7 +232,7 @@ impl Gpu {
 
     /// An error of this device.
     pub fn failed(&self, what: &str, why: &str) -> Error {
-        Error::unsupported(format!("{}: {what}: {why}; --device cpu does without it", self.info.name))
+        Error::unsupported(format!("{}: {what}: {why}; the CPU does without it", self.info.name))
     }
 
     fn check_lost(&self) -> Result<()> {

@@ -106,7 +106,7 @@ fn decode_group(
     mut seen: impl FnMut(&mut GpuDecoder<'_>, &[usize], u32) -> Result<()>,
 ) -> Result<DecodeSummary> {
     let streams: Vec<&StreamInfo> = group.iter().map(|(stream, _)| *stream).collect();
-    let mut on_gpu = GpuDecoder::new(gpu, decoder, &streams)?;
+    let mut on_gpu = GpuDecoder::new(gpu, decoder, &streams)?.watched_by(monitor);
     let spans = group.iter().map(|(_, frames)| *frames);
     let span = spans.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) });
     for frame in span.into_iter().flat_map(FrameRange::iter) {
@@ -118,6 +118,7 @@ fn decode_group(
         seen(&mut on_gpu, &now, frame)?;
         monitor.advance(now.len() as u64);
     }
+    monitor.check()?;
     let cost = on_gpu.cost();
     Ok(DecodeSummary {
         frames: group.iter().map(|(_, frames)| frames.count()).sum(),

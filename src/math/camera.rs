@@ -51,9 +51,12 @@ impl Camera {
         for (what, point) in [("eye", eye), ("look-at point", target), ("up direction", up)] {
             check_finite(what, point)?;
         }
-        let forward = (target - eye)
-            .try_normalize()
-            .ok_or_else(|| usage(format!("the camera looks at {target}, where its eye is: move one of them")))?;
+        let forward = (target - eye).try_normalize().ok_or_else(|| {
+            let (eye, target) = (eye.to_array(), target.to_array());
+            usage(format!(
+                "the camera at {eye:?} looks at {target:?}, where its eye is or too far off: move one of them"
+            ))
+        })?;
         let up_unit = up.try_normalize().unwrap_or(DVec3::ZERO);
         let right = forward.cross(up_unit);
         if right.length() < MIN_UP_SINE {

@@ -1,5 +1,7 @@
 //! `cam.json`: cameras, and the frames in which they look.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use glam::DVec3;
@@ -61,17 +63,21 @@ pub struct TimedCamera {
 }
 
 impl CameraFile {
-    /// The cameras of a file.
+    /// The cameras of a file, `-` for standard input.
     ///
     /// # Errors
     /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or has a camera that sees nothing.
     pub fn read(path: &Path) -> Result<Vec<TimedCamera>> {
-        let size = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
-        if size > MAX_CAMERA_FILE_BYTES {
-            let message = format!("{size} bytes: a file of cameras has at most {MAX_CAMERA_FILE_BYTES}");
+        let source: Box<dyn Read> = match path == Path::new("-") {
+            true => Box::new(std::io::stdin().lock()),
+            false => Box::new(File::open(path).map_err(|error| Error::io(path, error))?),
+        };
+        let mut text = Vec::new();
+        source.take(MAX_CAMERA_FILE_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+        if text.len() as u64 > MAX_CAMERA_FILE_BYTES {
+            let message = format!("a file of cameras has at most {MAX_CAMERA_FILE_BYTES} bytes, this one has more");
             return Err(Error::invalid(message).in_file(path));
         }
-        let text = std::fs::read(path).map_err(|error| Error::io(path, error))?;
         Self::parse(&text).map_err(|error| error.in_file(path))
     }
 

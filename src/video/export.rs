@@ -365,12 +365,14 @@ fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> Stri
 
 /// The manifest of what was decoded, so that the folder is a dataset again. `extra` tells how the streams were coded,
 /// so that a later comparison can use the same codes. None where PNG files hold codes that a manifest cannot explain,
-/// or where streams of one kind differ in size.
+/// where streams differ in size, or where faces of a cube are no squares.
 fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> Option<Manifest> {
     let index = decoder.reader().index();
     let (first, _) = chosen.first()?;
     let size = [first.entry.width, first.entry.height];
-    if chosen.iter().any(|(stream, _)| [stream.entry.width, stream.entry.height] != size) {
+    let cube = index.projection == 0;
+    if chosen.iter().any(|(stream, _)| [stream.entry.width, stream.entry.height] != size) || cube && size[0] != size[1]
+    {
         return None;
     }
     let mut files = manifest::Files::default();
@@ -419,7 +421,6 @@ fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> 
     }
     let frames = chosen.iter().map(|(_, frames)| *frames);
     let all = frames.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) })?;
-    let cube = index.projection == 0;
     let present: Vec<Face> =
         Face::CUBE.into_iter().filter(|face| chosen.iter().any(|(s, _)| s.face == *face)).collect();
     let mut probes = Vec::new();

@@ -7,12 +7,17 @@ use std::process::Command;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
+use lightfold::cli::GlobalArgs;
 use lightfold::cli::device::{DeviceArg, or_on_cpu};
+use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use lightfold::dataset::stream::{DepthKind, StreamKind};
+use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::hard_cases::{CASES, test_hard_cases};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
-use lightfold::monitor::Silent;
+use lightfold::monitor::{Monitor, Silent};
+use lightfold::video::codec::{CodecHeader, DepthCoding, DepthHeader};
 use lightfold::video::decode::{Decoder, StreamInfo};
 use lightfold::video::export::{Request, Selection};
 use lightfold::video::unit_filter::{AllUnits, UnitFilter};
@@ -167,6 +172,82 @@ fn footage() -> Result<(), Failed> {
     Ok(())
 }
 
+/// A chunk of one small tile that changes in every frame of a window of one.
+fn flickering(frames: u32) -> Result<Vec<u8>, Error> {
+    let temporal = TemporalSettings { window: 1, keyframe_interval: frames, ..TemporalSettings::default() };
+    let header = CodecHeader::Depth(DepthHeader {
+        range: DepthRange::new(1.0, 2.0)?,
+        background: f32::INFINITY,
+        kind: DepthKind::Distance,
+        coding: DepthCoding::Boxes(temporal),
+    });
+    let mut writer = Writer::new(Vec::new(), "flickering", 24.0, 0)?;
+    writer.add_probe(ProbeEntry {
+        name: "p".into(),
+        position: [0.0; 3],
+        orientation: [0.0, 0.0, 0.0, 1.0],
+        frames: [0, frames - 1],
+        intrinsics: [0.0; 4],
+    })?;
+    writer.add_stream(StreamEntry {
+        kind: StreamKind::Depth as u8,
+        face: 0,
+        probe: 0,
+        codec: header.codec(),
+        width: 3,
+        height: 2,
+        first_frame: 0,
+        frame_count: frames,
+        unit_width: 8,
+        unit_height: 8,
+        codec_header: header.write(),
+    });
+    let mut encoder = TemporalEncoder::<u16>::new(3, temporal);
+    for frame in 0..frames {
+        encoder.push(&std::array::from_fn::<u16, 6, _>(|at| (frame / (at as u32 + 1)) as u16))?;
+    }
+    if let Some(chunk) = encoder.finish()? {
+        let key = ChunkKey { stream: 0, unit: 0, first_frame: chunk.first_frame, frame_count: chunk.frame_count };
+        writer.push(&PackedChunk::new(key, chunk.payload, None)?)?;
+    }
+    Ok(writer.finish()?.0)
+}
+
+/// Frames thousands of steps behind are reached, those behind too many are refused, and a request to stop is heard.
+fn long_ways() -> Result<(), Failed> {
+    /// Asks to stop at once.
+    struct Stopped;
+    impl Monitor for Stopped {
+        fn advance(&self, _steps: u64) {}
+        fn interrupted(&self) -> bool {
+            true
+        }
+    }
+    with_gpu(|gpu| {
+        let said = |error: Error| error.to_string();
+        let decoder =
+            Decoder::new(Reader::from_memory(flickering(20_000).map_err(said)?).map_err(said)?).map_err(said)?;
+        let stream = &decoder.streams()[0];
+        let mut on_gpu = GpuDecoder::new(gpu, &decoder, &[stream]).map_err(said)?;
+        match on_gpu.decode(19_999) {
+            Err(error @ Error::Unsupported { .. }) if error.to_string().contains("19999 is 20000 steps behind") => {}
+            other => return Err(format!("{other:?}").into()),
+        }
+        let mut on_cpu = decoder.face(stream);
+        for frame in [5000, 9000, 3] {
+            on_gpu.decode(frame).map_err(said)?;
+            if on_gpu.read().map_err(said)?[0] != on_cpu.decode(frame).map_err(said)? {
+                return Err(format!("frame {frame} differs on {}", gpu.info.name).into());
+            }
+        }
+        let mut stopped = GpuDecoder::new(gpu, &decoder, &[stream]).map_err(said)?.watched_by(&Stopped);
+        match stopped.decode(5000) {
+            Err(Error::Interrupted) => Ok(()),
+            other => Err(format!("{other:?}").into()),
+        }
+    })
+}
+
 /// What a device refuses is an error that names the device and the way without it.
 fn refusals() -> Result<(), Failed> {
     static BROKEN: Kernel = Kernel {
@@ -188,12 +269,13 @@ fn refusals() -> Result<(), Failed> {
         let full = full.decode(streams[0].frames.first);
         for (what, result) in [("pictures", too_large), ("broken", broken), ("a chunk", full)] {
             let said = result.err().map(|error| error.to_string()).unwrap_or_default();
-            if ![what, &gpu.info.name, "--device cpu"].iter().all(|words| said.contains(words)) {
+            if ![what, &gpu.info.name, "the CPU"].iter().all(|words| said.contains(words)) {
                 return Err(format!("{what}: it said '{said}'").into());
             }
         }
+        let quiet = GlobalArgs { threads: None, quiet: true };
         // With `auto` the CPU takes over, from a device that fails but not from a file that is broken.
-        let fails = |error: Error| or_on_cpu(Some(gpu), DeviceArg::Auto, |_| Err(error), || Ok(7));
+        let fails = |error: Error| or_on_cpu((Some(gpu), DeviceArg::Auto), &quiet, |_| Err(error), || Ok(7));
         let taken_over = fails(gpu.failed("decoding", "it is out of memory"));
         if taken_over.ok() != Some((7, "cpu".to_owned())) || fails(Error::invalid("broken")).is_ok() {
             return Err("auto did not go back to the CPU, or did so for a broken file".into());
@@ -231,6 +313,7 @@ fn main() {
         Trial::test("vectors", vectors),
         Trial::test("commands", commands),
         Trial::test("refusals", refusals),
+        Trial::test("long_ways", long_ways),
     ];
     // Ignored, and not passed, where LIGHTFOLD_DATA of CONTRIBUTING.md leads nowhere.
     let footage = Trial::test("footage", footage).with_ignored_flag(none || cfg!(not(footage_at_hand)));

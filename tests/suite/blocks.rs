@@ -193,6 +193,23 @@ fn commands_encode_inspect_decode_pack_and_compare_blocks() {
 }
 
 #[test]
+fn with_blocks_other_bounds_are_usual() {
+    let folder = TempDir::new().unwrap();
+    dataset(folder.path());
+    let bytes_of = |options: &str| {
+        fine(format!("encode . --effort fast -o a.lfold {options}").trim_end(), folder.path());
+        std::fs::read(folder.path().join("a.lfold")).unwrap()
+    };
+    let of_color = |options: &str| bytes_of(&format!("--stream color --color-block BC7 {options}"));
+    assert_eq!(of_color(""), of_color("--psnr 40 --psnr-final 40"));
+    assert_eq!(of_color("--psnr-final 35"), of_color("--psnr 35 --psnr-final 35"));
+    assert_ne!(of_color(""), of_color("--psnr 50"));
+    let of_depth = |options: &str| bytes_of(&format!("--stream depth --depth-codec aabb --depth-block bc5 {options}"));
+    assert_eq!(of_depth(""), of_depth("--epsilon 100"));
+    assert_ne!(of_depth(""), of_depth("--epsilon 0"));
+}
+
+#[test]
 fn options_that_do_not_go_together_are_refused() {
     let folder = TempDir::new().unwrap();
     dataset(folder.path());
@@ -204,7 +221,11 @@ fn options_that_do_not_go_together_are_refused() {
     says("--color-block bc6h", "--hdr");
     says("--color-block bc7 --hdr", "--hdr");
     says("--color-block bc1 --cell 18", "a multiple of 4");
-    says("--color-block bc1 --psnr-final 60", "0 to 50 dB");
+    says("--color-block bc1 --psnr 50 --psnr-final 60", "at most 50 dB");
+    says("--color-block bc1 --psnr-final 201", "0 to 200 dB");
+    says("--depth-codec aabb --error 10", "--epsilon");
+    says("--depth-codec aabb --error-relative 1%", "--epsilon");
+    says("--depth-codec bc4w --error 10", "no bound");
     says("--psnr-final 30", "--color-block");
     says("--depth-block bc5", "--depth-codec aabb");
     says("--depth-block bc5 --depth-codec bc4w", "--depth-codec aabb");

@@ -34,7 +34,7 @@ fn container(folder: &Path, options: &str) {
         ..Footage::new(32, 32)
     };
     footage.write(folder);
-    fine(format!("encode . --cell 8 --error 0 -o a.lfold {options}").trim_end(), folder);
+    fine(format!("encode . --cell 8 -o a.lfold {options}").trim_end(), folder);
 }
 
 /// Wants what a hash of stream, unit and frame says.
@@ -83,7 +83,7 @@ fn check(decoder: &Decoder, filter: &dyn UnitFilter) -> u64 {
 
 #[test]
 fn units_that_are_not_wanted_are_blank_and_the_others_whole() {
-    for options in ["", "--hdr", "--depth-codec aabb --keyframe-interval 2"] {
+    for options in ["--error 0", "--error 0 --hdr", "--depth-codec aabb --keyframe-interval 2"] {
         let folder = TempDir::new().unwrap();
         container(folder.path(), options);
         let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
@@ -110,7 +110,7 @@ fn cameras(entries: &[String]) -> String {
 #[test]
 fn units_are_seen_in_the_frames_of_their_cameras() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "");
+    container(folder.path(), "--error 0");
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let chosen = Selection::default().choose(&decoder).unwrap();
     let entries = [camera([5.0, 1.0, 2.0], r#", "frames": [1, 2]"#), camera([-5.0, 1.0, 2.0], r#", "frames": [2, 9]"#)];
@@ -143,7 +143,7 @@ fn report(folder: &Path, options: &str) -> Value {
 #[test]
 fn stats_say_what_a_view_saves() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "");
+    container(folder.path(), "--error 0");
     let all = report(folder.path(), "");
     assert_eq!(all["bytes_read"], all["bytes_total"]);
     assert_eq!(all["units"], all["visible_units"]);
@@ -179,7 +179,7 @@ fn stats_say_what_a_view_saves() {
 #[test]
 fn files_hold_what_cameras_see() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "");
+    container(folder.path(), "--error 0");
     // Six cameras in two files, which see everything.
     let ahead = [[9, 1, 2], [-9, 1, 2], [0, 9, 2], [0, -9, 2], [0, 1, 9], [0, 1, -9]];
     let entries = ahead
@@ -200,7 +200,7 @@ fn files_hold_what_cameras_see() {
 #[test]
 fn cameras_that_make_no_sense_are_refused() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "");
+    container(folder.path(), "--error 0");
     let said = |options: &str| refused(&format!("decode a.lfold --null {options}"), folder.path());
     assert!(said("--eye 0,1,2 --look-at 0,1,2 --fov 60").contains("where its eye is"));
     assert!(said("--eye 0,1,2 --look-at 0,5,2 --fov 60").contains("name another up"));
@@ -216,4 +216,9 @@ fn cameras_that_make_no_sense_are_refused() {
     fs::write(folder.path().join("cam.json"), cameras(&[camera([0.0, 1.0, 5.0], r#", "fvo": 3"#)])).unwrap();
     let unknown = said("--camera cam.json");
     assert!(unknown.contains("cam.json") && unknown.contains("`fvo`"), "{unknown}");
+    fs::write(folder.path().join("long.json"), vec![b' '; (16 << 20) + 1]).unwrap();
+    assert!(said("--camera long.json").contains("at most 16777216 bytes"));
+    // What never ends is not read to its end.
+    #[cfg(unix)]
+    assert!(said("--camera /dev/zero").contains("at most 16777216 bytes"));
 }

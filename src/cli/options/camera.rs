@@ -40,7 +40,7 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// Decode what the cameras of this file see; may be given more than once
+    /// Decode what the cameras of this file see, - for standard input; may be given more than once
     #[arg(long, value_name = "CAM.json")]
     pub camera: Vec<PathBuf>,
     /// Decode what a camera here sees, in metres

@@ -27,7 +27,8 @@ pub struct DepthArgs {
     /// How depth is stored
     #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
     pub depth_codec: DepthCodecArg,
-    /// Store depth in blocks of a texture format where these stay within --epsilon, for aabb
+    /// Store depth in blocks of a texture format where these stay within --epsilon, for aabb; --epsilon is then 100
+    /// where it is not given
     #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = DepthBlockArg::None)]
     pub depth_block: DepthBlockArg,
     /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
@@ -87,9 +88,9 @@ pub struct DepthStepArgs {
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
     /// How far a depth may move, in 16-bit log codes, before it is sent again, on top of --error; with aabb this is
-    /// the largest error, and 0 is lossless
-    #[arg(long, value_name = "CODES", default_value_t = 0)]
-    pub epsilon: u16,
+    /// the largest error, and 0 is lossless [default: 0]
+    #[arg(long, value_name = "CODES")]
+    pub epsilon: Option<u16>,
 }
 
 /// How depth is cut up in space and time, what its codes mean, and how its files are read.
@@ -274,6 +275,10 @@ impl DepthArgs {
         self.domain.apply(settings);
         self.model.apply(settings);
         self.steps.apply(settings);
+        if self.depth_block == DepthBlockArg::Bc5 {
+            // Two bytes in blocks are seldom exact.
+            settings.temporal.epsilon = self.steps.epsilon.unwrap_or(NodeSettings::default().bound);
+        }
         self.units.apply(source, settings);
         Ok(())
     }
@@ -298,7 +303,7 @@ impl DepthStepArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
         settings.temporal.window = self.depth_window;
-        settings.temporal.epsilon = self.epsilon;
+        settings.temporal.epsilon = self.epsilon.unwrap_or(0);
     }
 }
 
