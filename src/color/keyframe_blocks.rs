@@ -13,9 +13,25 @@ pub struct KeyframeBlocks<S> {
     pub decode: fn(&[u8], [usize; 2], &mut [S]),
     /// Encodes the samples of an image of this width and height.
     pub encode: fn(&[S], [usize; 2], Effort) -> Vec<u8>,
+    /// Efforts that `Effort::Fast` tries in turn before blocks are given up.
+    pub fast: &'static [Effort],
 }
 
+/// Where each effort takes ten times as long as the one before.
+const ONE_HARDER: &[Effort] = &[Effort::Fast, Effort::Normal];
+/// Where the normal effort is the fast one.
+const HARDEST: &[Effort] = &[Effort::Fast, Effort::Exhaustive];
+
 impl<S> KeyframeBlocks<S> {
+    /// Efforts that are tried in turn before blocks are given up.
+    pub fn tries(&self, effort: Effort) -> &'static [Effort] {
+        match effort {
+            Effort::Fast => self.fast,
+            Effort::Normal => &[Effort::Normal, Effort::Exhaustive],
+            Effort::Exhaustive => &[Effort::Exhaustive],
+        }
+    }
+
     /// Bytes of an image of this width and height.
     pub fn image_bytes(&self, [width, height]: [usize; 2]) -> usize {
         let [columns, rows] = block::grid(width, height);
@@ -26,15 +42,20 @@ impl<S> KeyframeBlocks<S> {
 impl KeyframeBlocks<u8> {
     /// BC1.
     pub const BC1: Self =
-        KeyframeBlocks { bytes: Bc1::BYTES, decode: decode_bytes::<Bc1>, encode: encode_bytes::<Bc1> };
+        KeyframeBlocks { bytes: Bc1::BYTES, decode: decode_bytes::<Bc1>, encode: encode_bytes::<Bc1>, fast: HARDEST };
     /// BC7.
-    pub const BC7: Self =
-        KeyframeBlocks { bytes: Bc7::BYTES, decode: decode_bytes::<Bc7>, encode: encode_bytes::<Bc7> };
+    pub const BC7: Self = KeyframeBlocks {
+        bytes: Bc7::BYTES,
+        decode: decode_bytes::<Bc7>,
+        encode: encode_bytes::<Bc7>,
+        fast: ONE_HARDER,
+    };
 }
 
 impl KeyframeBlocks<HalfKey> {
     /// BC6H, of half floats from 0 on: negative ones become 0.
-    pub const BC6H: Self = KeyframeBlocks { bytes: Bc6h::BYTES, decode: decode_halves, encode: encode_halves };
+    pub const BC6H: Self =
+        KeyframeBlocks { bytes: Bc6h::BYTES, decode: decode_halves, encode: encode_halves, fast: ONE_HARDER };
 }
 
 fn decode_bytes<F: BlockFormat<Texel = [u8; 3]>>(blocks: &[u8], [width, height]: [usize; 2], out: &mut [u8]) {

@@ -9,7 +9,6 @@ use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::color::keyframes::{Candidates, SearchSettings};
 use crate::color::quality::Quality;
 use crate::container::EncodedChunk;
-use crate::effort::Effort;
 use crate::error::Result;
 
 /// A chunk is closed at the first keyframe after it has grown to this many bytes. Larger chunks compress better,
@@ -151,13 +150,7 @@ impl<S: Sample> CellEncoder<S> {
     fn coded<Q: Quality<S>>(&self, source: &[S], quality: &Q) -> Keyframe<S> {
         let Some(BlockStage { blocks, size, final_psnr_db }) = self.blocks else { return Keyframe::Samples };
         let limit = quality.max_squared_error(final_psnr_db, source.len());
-        // One step harder is tried before blocks are given up: each step takes ten times as long.
-        let tries: &[Effort] = match self.settings.effort {
-            Effort::Fast => &[Effort::Fast, Effort::Normal],
-            Effort::Normal => &[Effort::Normal, Effort::Exhaustive],
-            Effort::Exhaustive => &[Effort::Exhaustive],
-        };
-        for &effort in tries {
+        for &effort in blocks.tries(self.settings.effort) {
             let stored = (blocks.encode)(source, size, effort);
             let mut shown = vec![S::default(); source.len()];
             (blocks.decode)(&stored, size, &mut shown);

@@ -2,6 +2,7 @@ use super::*;
 use crate::color::blend::HalfKey;
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::quality::{EightBit, Pu21};
+use crate::effort::Effort;
 use half::f16;
 use proptest::prelude::*;
 
@@ -204,6 +205,7 @@ const fn biased<const BIAS: u8>() -> KeyframeBlocks<u8> {
         bytes: 48,
         decode: |blocks, _, out| out.copy_from_slice(blocks),
         encode: |samples, _, _| samples.iter().map(|sample| sample - BIAS).collect(),
+        fast: &[Effort::Fast],
     }
 }
 
