@@ -233,11 +233,11 @@ impl<'a> GpuDecoder<'a> {
     fn list(&mut self, mut wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
             self.watch.0.check()?;
-            let (part, rest) = wanted.split_at(self.fetched_together(wanted)?);
-            wanted = rest;
             let start = Instant::now();
-            let mut fetched = self.fetch_missing(part)?;
+            let (count, mut fetched) = self.fetch_missing(wanted)?;
             self.cost.fetching += start.elapsed();
+            let (part, rest) = wanted.split_at(count);
+            wanted = rest;
             for &one in part {
                 if self.add(one, &mut fetched, batch)? {
                     continue;
@@ -253,18 +253,6 @@ impl<'a> GpuDecoder<'a> {
             }
         }
         Ok(())
-    }
-
-    /// How many of the units, one at least, are fetched together.
-    fn fetched_together(&self, wanted: &[Wanted]) -> Result<usize> {
-        let mut bytes = 0;
-        for (at, &one) in wanted.iter().enumerate().take(FETCH_TOGETHER) {
-            bytes += u64::from(self.chunk(one)?.1.raw_bytes);
-            if at > 0 && bytes > FETCH_BYTES {
-                return Ok(at);
-            }
-        }
-        Ok(wanted.len().min(FETCH_TOGETHER))
     }
 
     /// Pixels of the units that were wanted, over all calls so far.
@@ -314,19 +302,25 @@ impl<'a> GpuDecoder<'a> {
             .map_err(|error| reader.blame(entry, error))
     }
 
-    /// Fetches and checks the chunks that are not on the device, those of different units in parallel.
-    fn fetch_missing(&mut self, wanted: &[Wanted]) -> Result<HashMap<u32, Prepared>> {
-        let mut missing = Vec::new();
-        for &one in wanted {
+    /// Fetches and checks the chunks of the first units that are not on the device, in parallel; answers how many units
+    /// these are, one at least, and the chunks.
+    fn fetch_missing(&mut self, wanted: &[Wanted]) -> Result<(usize, HashMap<u32, Prepared>)> {
+        let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
+        for &one in wanted.iter().take(FETCH_TOGETHER) {
             let (key, entry) = self.chunk(one)?;
             if self.resident.slot(key).is_none() {
+                bytes += u64::from(entry.raw_bytes);
+                if bytes > FETCH_BYTES && !missing.is_empty() {
+                    break;
+                }
                 missing.push((key, entry));
             }
+            count += 1;
         }
         self.cost.bytes_read += missing.iter().map(|(_, entry)| u64::from(entry.stored_bytes)).sum::<u64>();
         let this = &*self;
         let fetched = try_map_ordered(missing, |(key, entry)| Ok((key, this.fetch(&entry)?)))?;
-        Ok(fetched.into_iter().collect())
+        Ok((count, fetched.into_iter().collect()))
     }
 
     /// Brings a chunk onto the device; `false` where there is no room.
