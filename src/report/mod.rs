@@ -1,6 +1,8 @@
-//! How results look: tables for people, CSV for spreadsheets. No command has a layout of its own.
+//! How results look: tables for people, CSV for spreadsheets, charts; and sweeps of knobs. No command has a layout of its own.
 
 pub mod csv;
+pub mod plot;
 pub mod table;
+pub mod tradeoff;
 
 pub use table::{Column, Table};

@@ -1,0 +1,121 @@
+//! A setting of the knobs, and what was measured of it.
+
+use crate::dataset::stream::StreamKind;
+
+/// A setting of the knobs for one kind of stream. Knobs that are not named have their usual value.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Point {
+    /// The kind of stream that is coded, and alone is.
+    pub kind: StreamKind,
+    /// Names of knobs and their values as the command line has them, in the order of [`KNOBS`](super::KNOBS).
+    pub settings: Vec<(&'static str, String)>,
+}
+
+impl Point {
+    /// The value of a knob, where it is not the usual one.
+    pub fn value(&self, knob: &str) -> Option<&str> {
+        self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
+    }
+}
+
+/// Bytes of a point; CALF table 1's columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sizes {
+    /// The footage as CALF's table 1 counts it: 4 bytes a depth, 3 a colour.
+    pub raw: u64,
+    /// After the coding in time alone: samples as they are.
+    pub temporal: u64,
+    /// With blocks or modelling functions, where the point has them.
+    pub spatial: Option<u64>,
+    /// The container of the point itself, as decoding was timed on it.
+    pub container: u64,
+    /// With LZMA2 on top.
+    pub lzma2: u64,
+}
+
+/// How far a point's images are from the source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    /// PSNR of all samples of all frames, in dB; infinite where nothing differs. Depth: of 16-bit log codes.
+    pub psnr_db: f64,
+    /// Lowest PSNR of any frame of any cell, in dB. Colour.
+    pub min_psnr_db: Option<f64>,
+    /// Mean SSIM. Colour of 8 bits.
+    pub ssim: Option<f64>,
+    /// Largest error of any pixel in 16-bit log codes. Depth.
+    pub max_error_codes: Option<u32>,
+    /// Largest error of any pixel in metres. Depth.
+    pub max_error_m: Option<f64>,
+}
+
+/// The seconds of some runs of the same work.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Timing {
+    /// One entry for each run that counts, in the order they ran.
+    pub runs: Vec<f64>,
+}
+
+impl Timing {
+    /// The middle one, or the mean of the two in the middle; none without runs.
+    pub fn median(&self) -> Option<f64> {
+        let sorted = self.sorted();
+        let middle = sorted.len() / 2;
+        match sorted.len() {
+            0 => None,
+            count if count % 2 == 1 => Some(sorted[middle]),
+            _ => Some((sorted[middle - 1] + sorted[middle]) / 2.0),
+        }
+    }
+
+    /// The shortest and the longest; none without runs.
+    pub fn spread(&self) -> Option<(f64, f64)> {
+        let sorted = self.sorted();
+        Some((*sorted.first()?, *sorted.last()?))
+    }
+
+    fn sorted(&self) -> Vec<f64> {
+        let mut sorted = self.runs.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted
+    }
+}
+
+/// What was measured of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// The point.
+    pub point: Point,
+    /// Bytes.
+    pub sizes: Sizes,
+    /// Distance from the source.
+    pub quality: Quality,
+    /// Seconds of encoding, reading the source included.
+    pub encode: Timing,
+    /// Seconds of decoding all frames of all streams into nothing, the container in memory.
+    pub decode: Timing,
+    /// Images decoded.
+    pub images: u64,
+    /// Pixels shown.
+    pub pixels: u64,
+    /// Pixels written: those that changed.
+    pub updated_pixels: u64,
+    /// Largest resident memory of the encoding process, where the system tells.
+    pub encode_peak_bytes: Option<u64>,
+    /// Largest resident memory of the decoding process, where the system tells.
+    pub decode_peak_bytes: Option<u64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_and_spreads() {
+        let timing = |runs: &[f64]| Timing { runs: runs.to_vec() };
+        assert_eq!(timing(&[]).median(), None);
+        assert_eq!(timing(&[]).spread(), None);
+        assert_eq!(timing(&[3.0, 1.0, 2.0]).median(), Some(2.0));
+        assert_eq!(timing(&[4.0, 1.0, 2.0, 3.0]).median(), Some(2.5));
+        assert_eq!(timing(&[3.0, 1.0, 2.0]).spread(), Some((1.0, 3.0)));
+    }
+}

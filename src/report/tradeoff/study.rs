@@ -1,0 +1,73 @@
+//! Grids of knob values, and what came of measuring them.
+
+use super::point::{Measured, Point};
+use crate::dataset::stream::StreamKind;
+use crate::depth::tile_psnr::TilePsnr;
+
+/// A knob and the values that it is given in turn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Axis {
+    /// The knob's name.
+    pub knob: &'static str,
+    /// Values, in the order of reports.
+    pub values: Vec<String>,
+}
+
+/// A grid of settings for one kind of stream: every value of every axis with every value of the others.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Study {
+    /// A short name for files: lower case, words joined by hyphens, unique among the studies of a report.
+    pub name: String,
+    /// What is looked at, such as `Boxes of depth (CALF figure 7)`.
+    pub title: String,
+    /// The kind of stream.
+    pub kind: StreamKind,
+    /// What is varied; the first two with more than one value are those of heat maps.
+    pub axes: Vec<Axis>,
+    /// Settings of all points that are not usual ones.
+    pub fixed: Vec<(&'static str, String)>,
+}
+
+/// How much size and decoding time count in a score; together 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weights {
+    /// Of bytes.
+    pub compression: f64,
+    /// Of decoding time.
+    pub decoding: f64,
+}
+
+impl Default for Weights {
+    /// Those of CALF's figures 7 and 8.
+    fn default() -> Weights {
+        Weights { compression: 0.25, decoding: 0.75 }
+    }
+}
+
+/// All that a report shows.
+#[derive(Debug, Clone)]
+pub struct Results {
+    /// The footage, as the user named it.
+    pub input: String,
+    /// The command line that made the report.
+    pub command_line: String,
+    /// The machine: processor, threads, memory, system, and the graphics device where one decoded.
+    pub machine: String,
+    /// What was swept. A point may belong to several studies.
+    pub studies: Vec<Study>,
+    /// What was measured of each point, each once.
+    pub measured: Vec<Measured>,
+    /// PSNR of tiles of depth by modelling function, where it was measured.
+    pub tiles: Option<TilePsnr>,
+    /// What was left out for want of time, a sentence each.
+    pub left_out: Vec<String>,
+    /// Weights of the score.
+    pub weights: Weights,
+}
+
+impl Results {
+    /// What was measured of a point.
+    pub fn of(&self, point: &Point) -> Option<&Measured> {
+        self.measured.iter().find(|measured| measured.point == *point)
+    }
+}
