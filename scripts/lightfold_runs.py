@@ -1,5 +1,6 @@
 """What the scripts beside this file share: finding the program and the footage, running, timing, writing tables."""
 
+import datetime
 import json
 import os
 import pathlib
@@ -24,9 +25,27 @@ def build():
     return str(pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "lightfold")
 
 
+def data_folder():
+    """Where the data sets are: LIGHTFOLD_DATA, else ../shared/data."""
+    return pathlib.Path(os.environ.get("LIGHTFOLD_DATA", ROOT.parent / "shared" / "data"))
+
+
+class Failed(SystemExit):
+    """A command that ended with an exit code that was not expected."""
+
+    def __init__(self, command, code, words):
+        self.words = words
+        super().__init__(f"{' '.join(map(str, command))}: exit code {code}\n{words}")
+
+    def sentence(self):
+        """The last line of what it said."""
+        lines = [line for line in self.words.splitlines() if line.strip()]
+        return lines[-1].strip() if lines else str(self.code)
+
+
 def footage(binary, work):
     """(name, manifest) of every data set at hand: those under LIGHTFOLD_DATA or ../shared/data, else the demo."""
-    data = pathlib.Path(os.environ.get("LIGHTFOLD_DATA", ROOT.parent / "shared" / "data"))
+    data = data_folder()
     found = [(name, data / name / "lightfield.json") for name in SETS if (data / name / "lightfield.json").is_file()]
     if found:
         return found
@@ -40,7 +59,7 @@ def run_json(*command, may_differ=False):
     """Runs a command that reports JSON. `may_differ` accepts exit code 1, as `diff` gives it."""
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     if done.returncode not in ([0, 1] if may_differ else [0]):
-        sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stderr}")
+        raise Failed(command, done.returncode, done.stderr)
     return json.loads(done.stdout)
 
 
@@ -75,6 +94,11 @@ def table(head, rows):
     """A Markdown table; the first column is left-aligned, the others right."""
     lines = ["| " + " | ".join(head) + " |", "| --- |" + " ---: |" * (len(head) - 1)]
     return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
+
+
+def now():
+    """The date and time in UTC, as recorded rows have it."""
+    return datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def machine():

@@ -1,0 +1,335 @@
+"""The codecs that scripts/peers sets beside each other. Each is asked again and again to encode and to decode, in turn.
+
+`encode()` and `decode()` answer seconds that are comparable: the start of a process does not count, input lies in memory
+or in the cache of files, decoders write to nothing, and every codec may use the same number of threads.
+
+- In this process (xz, zstd, RVL): the wall time of all streams, a stream at a time for each thread.
+- ffmpeg: encoding, the time of all frames less that of the first alone; decoding, that of playing a film several times
+  over less that of playing it once.
+- libjxl: what cjxl and djxl report, which is without their start; an image at a time for each thread.
+- lightfold: the seconds that it reports. Encoding includes reading the source's files, where others find codes ready.
+"""
+
+import concurrent.futures
+import ctypes
+import ctypes.util
+import lzma
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import time
+
+import lightfold_runs as lf
+from peers_frames import NotMeasured, decoded_payloads
+
+QUIET = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]
+# Seconds that playing a film over and over should take, and how often at most.
+LOOP_SECONDS, LOOPS = 0.4, 40
+
+
+def need(program, package):
+    if not shutil.which(program):
+        raise NotMeasured(f"{program} is not installed (apt-get install {package})")
+
+
+def seconds_of(command):
+    """Wall time of a process; its last words where it fails."""
+    start = time.perf_counter()
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    taken = time.perf_counter() - start
+    if done.returncode:
+        lines = [line for line in done.stderr.strip().splitlines() if line.strip()] or [f"exit code {done.returncode}"]
+        raise NotMeasured(f"{command[0]}: {lines[-1].strip()}")
+    return taken
+
+
+class Codec:
+    """One row. `bound` is the largest error that it promises, in codes, or None."""
+
+    def __init__(self, label, film, bound=None):
+        self.label, self.film, self.bound = label, film, bound
+
+    def open(self):
+        """NotMeasured where something is missing."""
+
+    def encode(self):
+        raise NotImplementedError
+
+    def size(self):
+        raise NotImplementedError
+
+    def decode(self):
+        raise NotImplementedError
+
+    def payloads(self):
+        """What decoding gives back, as the film has it."""
+        raise NotImplementedError
+
+    def codes(self):
+        return [self.film.back(payload) for payload in self.payloads()]
+
+
+class InProcess(Codec):
+    """A codec of streams, called here. `pack` and `unpack` work on one stream; threads share the streams."""
+
+    def __init__(self, label, film, threads, bound=None):
+        super().__init__(label, film, bound)
+        self.pool = concurrent.futures.ThreadPoolExecutor(threads)
+        self.packed = []
+
+    def timed(self, work, items):
+        start = time.perf_counter()
+        found = list(self.pool.map(work, items))
+        return time.perf_counter() - start, found
+
+    def encode(self):
+        taken, self.packed = self.timed(self.pack, self.film.payloads)
+        return taken
+
+    def size(self):
+        return sum(map(len, self.packed))
+
+    def decode(self):
+        return self.timed(self.unpack, range(len(self.packed)))[0]
+
+    def payloads(self):
+        return [bytes(payload) for payload in self.timed(self.unpack, range(len(self.packed)))[1]]
+
+
+class Xz(InProcess):
+    """liblzma through Python's module, as `xz -6` does it."""
+
+    def pack(self, payload):
+        return lzma.compress(payload, preset=6)
+
+    def unpack(self, index):
+        return lzma.decompress(self.packed[index])
+
+
+class Zstd(InProcess):
+    """libzstd, called directly."""
+
+    def __init__(self, label, film, threads, level, bound=None):
+        super().__init__(label, film, threads, bound)
+        self.level = level
+
+    def open(self):
+        name = ctypes.util.find_library("zstd")
+        if not name:
+            raise NotMeasured("libzstd is not installed (apt-get install libzstd1)")
+        self.library = ctypes.CDLL(name)
+        for function, kinds in (("ZSTD_compress", "psps"), ("ZSTD_decompress", "psps")):
+            known = getattr(self.library, function)
+            known.restype = ctypes.c_size_t
+            known.argtypes = [{"p": ctypes.c_void_p, "s": ctypes.c_size_t}[kind] for kind in kinds]
+        self.library.ZSTD_compress.argtypes += [ctypes.c_int]
+        self.library.ZSTD_compressBound.restype = ctypes.c_size_t
+        self.library.ZSTD_compressBound.argtypes = [ctypes.c_size_t]
+        room = self.library.ZSTD_compressBound
+        self.room = {len(payload): room(len(payload)) for payload in self.film.payloads}
+        self.out = [(ctypes.c_char * len(payload))() for payload in self.film.payloads]
+
+    def pack(self, payload):
+        out = (ctypes.c_char * self.room[len(payload)])()
+        return ctypes.string_at(out, self.library.ZSTD_compress(out, len(out), payload, len(payload), self.level))
+
+    def unpack(self, index):
+        out, packed = self.out[index], self.packed[index]
+        if self.library.ZSTD_decompress(out, len(out), packed, len(packed)) != len(out):
+            raise NotMeasured("libzstd gave back fewer bytes")
+        return out
+
+
+class Rvl(InProcess):
+    """RVL of peers.c, an image at a time; 4 bytes for each image say how long it is."""
+
+    def __init__(self, label, film, threads, kernels, bound=None):
+        super().__init__(label, film, threads, bound)
+        self.kernels = kernels
+
+    def open(self):
+        film = self.film
+        self.pixels = film.width * film.height
+        widened = film.payloads if film.unit == 2 else [bytes(2 * len(payload)) for payload in film.payloads]
+        if film.unit == 1:
+            widened = [bytearray(payload) for payload in widened]
+            for wide, payload in zip(widened, film.payloads):
+                wide[0::2] = payload
+        size = 2 * self.pixels
+        self.images = [[self.kernels.rotate(bytes(payload[at:at + size]), film.values) for at in range(0, len(payload), size)]
+                       for payload in widened]
+        self.scratch = [(ctypes.c_char * (2 * size + 16))() for _ in widened]
+        self.out = [[(ctypes.c_char * size)() for _ in images] for images in self.images]
+
+    def encode(self):
+        taken, self.packed = self.timed(
+            lambda at: [self.kernels.rvl_encode(image, self.scratch[at]) for image in self.images[at]], range(len(self.images)))
+        return taken
+
+    def size(self):
+        return sum(len(image) + 4 for images in self.packed for image in images)
+
+    def unpack(self, index):
+        for packed, out in zip(self.packed[index], self.out[index]):
+            self.kernels.rvl_decode(packed, self.pixels, out)
+        return self.out[index]
+
+    def payloads(self):
+        found = []
+        for images in self.timed(self.unpack, range(len(self.packed)))[1]:
+            codes = b"".join(self.kernels.rotate(image.raw, self.film.values, back=True) for image in images)
+            found.append(codes if self.film.unit == 2 else codes[0::2])
+        return found
+
+
+class Ffmpeg(Codec):
+    """A coder of ffmpeg; all streams are one film, and each begins with a frame that needs no other."""
+
+    def __init__(self, label, film, threads, work, coder, bound=None):
+        super().__init__(label, film, bound)
+        self.threads, self.coder = threads, coder
+        self.work = pathlib.Path(work)
+        name = re.sub(r"\W+", "-", f"{film.name}-{label}")
+        self.file, self.first = self.work / f"{name}.mkv", self.work / f"{name}-first.mkv"
+        self.loops = 0
+
+    def open(self):
+        need("ffmpeg", "ffmpeg")
+
+    def source(self):
+        size = f"{self.film.width}x{self.film.height}"
+        return ["-f", "rawvideo", "-pix_fmt", self.film.pixel_format, "-s", size, "-r", "25", "-i", self.film.raw(self.work)]
+
+    def encoding(self, target, *more):
+        return [*QUIET, *self.source(), *self.coder, "-threads", self.threads, *more, target]
+
+    def encode(self):
+        first = seconds_of(self.encoding(self.first, "-frames:v", "1"))
+        whole = seconds_of(self.encoding(self.file))
+        # One frame's share is given back: the first was encoded too.
+        return max(whole - first, 1e-4) * self.film.frames / max(self.film.frames - 1, 1)
+
+    def size(self):
+        return os.path.getsize(self.file)
+
+    def played(self, times):
+        loop = ["-stream_loop", str(times - 1)] if times > 1 else []
+        return seconds_of([*QUIET, "-threads", self.threads, *loop, "-i", self.file, "-f", "null", "-"])
+
+    def decode(self):
+        if not self.loops:
+            once = max(self.played(3) - self.played(1), 1e-3) / 2
+            self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
+        return max(self.played(1 + self.loops) - self.played(1), 1e-4) / self.loops
+
+    def payloads(self):
+        back = self.file.with_suffix(".back")
+        # Full chroma and exact rounding, where colours are converted.
+        scale = ["-sws_flags", "accurate_rnd+full_chroma_int+full_chroma_inp"]
+        seconds_of([*QUIET, "-i", self.file, *scale, "-f", "rawvideo", "-pix_fmt", self.film.pixel_format, back])
+        data = back.read_bytes()
+        back.unlink()
+        return self.film.split(data)
+
+
+def key_frames(film):
+    """Options that begin every stream with a key frame; times lie a little before a frame, where rounding does no harm."""
+    starts, at = [], 0
+    for stream in film.streams:
+        starts.append(f"{max(at - 0.25, 0) / 25:.4f}")
+        at += stream.frames
+    return ["-force_key_frames", ",".join(starts)]
+
+
+def ffv1(film):
+    """Range coder and the larger contexts, which are smaller here; key frames as far apart as the shortest stream is long."""
+    return ["-c:v", "ffv1", "-level", "3", "-coder", "1", "-context", "1", "-g", str(min(s.frames for s in film.streams))]
+
+
+def x265(film, threads, setting):
+    return ["-c:v", "libx265", "-preset", "medium", *key_frames(film),
+            "-x265-params", f"{setting}:pools={threads}:log-level=error"]
+
+
+class Jxl(Codec):
+    """libjxl's own programs on 16-bit gray images; they report their speed without their start."""
+
+    def __init__(self, label, film, threads, work):
+        super().__init__(label, film, 0)
+        self.folder = pathlib.Path(work) / "jxl"
+        self.pool = concurrent.futures.ThreadPoolExecutor(threads)
+        self.threads = threads
+
+    def open(self):
+        for program in ("cjxl", "djxl"):
+            need(program, "libjxl-tools")
+        self.folder.mkdir(exist_ok=True)
+        head = f"P5\n{self.film.width} {self.film.height}\n65535\n".encode()
+        self.head = len(head)
+        self.files = []
+        for payload in self.film.payloads:
+            for image in self.film.images(payload):
+                path = self.folder / f"{len(self.files):06}.pgm"
+                swapped = bytearray(image)
+                swapped[0::2], swapped[1::2] = image[1::2], image[0::2]
+                path.write_bytes(head + swapped)
+                self.files.append(path)
+
+    def spent(self, program, *more):
+        """Seconds of all images, `threads` at once by one thread each."""
+        def one(path):
+            coded = path.with_suffix(".jxl")
+            inputs = [path, coded] if program == "cjxl" else [coded]
+            command = [program, *inputs, *more, "--num_threads", "0" if program == "cjxl" else "1"]
+            done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+            speed = re.search(r"([\d.]+) MP/s \[", done.stderr)
+            if done.returncode or not speed or float(speed[1]) == 0:
+                raise NotMeasured(f"{program} names no speed: {done.stderr.strip()[-200:]}")
+            return self.film.width * self.film.height / (1e6 * float(speed[1]))
+        return sum(self.pool.map(one, self.files)) / self.threads
+
+    def encode(self):
+        return self.spent("cjxl", "-d", "0", "--num_reps", "2")
+
+    def size(self):
+        return sum(os.path.getsize(path.with_suffix(".jxl")) for path in self.files)
+
+    def decode(self):
+        return self.spent("djxl", "--num_reps", "3")
+
+    def payloads(self):
+        back, images = self.folder / "back.pgm", []
+        for path in self.files:
+            seconds_of(["djxl", path.with_suffix(".jxl"), back, "--quiet"])
+            data = back.read_bytes()
+            body = data[-self.film.frame_bytes:]
+            swapped = bytearray(body)
+            swapped[0::2], swapped[1::2] = body[1::2], body[0::2]
+            images.append(bytes(swapped))
+        return self.film.split(b"".join(images))
+
+
+class Lightfold(Codec):
+    """The program of this repository, from the source's files."""
+
+    def __init__(self, label, film, given, kind, options, bound=None):
+        super().__init__(label, film, bound)
+        self.given, self.kind, self.options = given, kind, [str(option) for option in options]
+        self.file = pathlib.Path(given.work) / (re.sub(r"\W+", "-", f"{kind}-{label}") + ".lfold")
+
+    def encode(self):
+        command = [self.given.binary, "encode", self.given.manifest, "--stream", self.kind, *self.options,
+                   "--threads", self.given.threads, "-o", self.file, "--json"]
+        return lf.run_json(*command)["seconds"]
+
+    def size(self):
+        return os.path.getsize(self.file)
+
+    def decode(self):
+        return lf.run_json(self.given.binary, "decode", self.file, "--null", "--json", "--threads", self.given.threads)["seconds"]
+
+    def payloads(self):
+        given = self.given
+        return decoded_payloads(given.binary, given.kernels, self.file, self.kind, self.film.streams, given.work)

@@ -1,0 +1,111 @@
+"""Rows of scripts/peers as Markdown and CSV."""
+
+import statistics
+
+import lightfold_runs as lf
+
+FOOT = """\
+E: the largest error that a codec promises, in 16-bit log codes; –: none. Worst, RMS: what was measured after decoding,
+where both have a surface; metres are measured from the source's 32-bit depth where the files are EXR of distances, so that
+16-bit codes without any loss show what those 16 bits cost, and else from the codes. Background wrong: pixels that lost or gained a surface. Ratios
+are to lightfold of the same E; of 24-bit codes to `--error 0`. Steps: codes in steps of 2E + 1, the same bound, the background
+kept; the mapping is not part of a time. Random access: lightfold to tiles of single frames, libjxl, PNG and RVL to frames,
+the others to a face from its first frame on. Encoding of lightfold includes reading the EXR files, the others begin with codes in
+memory. Times are medians, of codecs in turn, without the start of processes; decoders write to nothing."""
+COLOR_FOOT = """\
+PSNR: of all samples of all frames, against the same 8 bits. Ratios are to the codec that a row is for, whose PSNR it
+reaches or passes. Decoders write to nothing."""
+
+CSV_HEAD = [
+    "date", "machine", "set", "stream", "bound", "codec", "bytes", "encode_s", "encode_low_s", "encode_high_s", "decode_s",
+    "decode_low_s", "decode_high_s", "max_error_codes", "rms_error_codes", "max_error_m", "rms_error_m", "background_wrong",
+    "psnr_db", "note",
+]
+
+
+def shown(value, form):
+    """A figure, or nothing where there is none."""
+    return "" if value is None else form.format(value)
+
+
+def milliseconds(seconds):
+    return "" if seconds is None else f"{1000 * seconds:.1f}"
+
+
+def ratio(value, first):
+    return "" if value is None or not first else f"{value / first:.2f}"
+
+
+def error(value):
+    """An error in codes or metres: 0 where there is none at all."""
+    return "" if value is None else "0" if value == 0 else f"{value:.2g}" if value < 1 else f"{value:.4g}"
+
+
+def firsts(rows):
+    """For each depth row, ours that it is compared with."""
+    ours = {row.bound: row for row in reversed(rows) if row.label.startswith("lightfold --error")}
+    return [ours.get(row.bound, ours.get(0)) for row in rows]
+
+
+def depth_table(rows):
+    head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "worst codes", "RMS codes", "worst m",
+            "RMS m", "background wrong"]
+    lines = []
+    for row, first in zip(rows, firsts(rows)):
+        bound = "–" if row.bound is None else row.bound
+        if row.note.startswith("not measured"):
+            lines.append([row.dataset, bound, row.label, row.note, *[""] * (len(head) - 4)])
+            continue
+        lines.append([
+            row.dataset, bound, row.label, lf.megabytes(row.bytes), ratio(row.bytes, first and first.bytes),
+            shown(row.encode_s, "{:.2f}"), milliseconds(row.decode_s), ratio(row.decode_s, first and first.decode_s),
+            error(row.max_error_codes), error(row.rms_error_codes), error(row.max_error_m), error(row.rms_error_m),
+            row.background_wrong,
+        ])
+    return lf.table(head, lines)
+
+
+def color_table(rows):
+    head = ["set", "codec", "PSNR dB", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio"]
+    lines, first = [], None
+    for row in rows:
+        if ", for " not in row.label and not row.label.endswith("--lzma2"):
+            first = row
+        if row.note.startswith("not measured"):
+            lines.append([row.dataset, row.label, row.note, *[""] * (len(head) - 3)])
+            continue
+        lines.append([
+            row.dataset, row.label, shown(row.psnr_db, "{:.2f}"), lf.megabytes(row.bytes), ratio(row.bytes, first.bytes),
+            shown(row.encode_s, "{:.2f}"), milliseconds(row.decode_s), ratio(row.decode_s, first.decode_s),
+        ])
+    return lf.table(head, lines)
+
+
+def markdown(rows, machine):
+    """Both tables with what their columns mean."""
+    parts = []
+    for stream, table, foot in (("depth", depth_table, FOOT), ("color", color_table, COLOR_FOOT)):
+        of_stream = [row for row in rows if row.stream == stream]
+        for name in dict.fromkeys(row.dataset for row in of_stream):
+            parts.append(table([row for row in of_stream if row.dataset == name]))
+        if of_stream:
+            parts.append(foot.replace("\n", " "))
+    parts.append(f"Made by `scripts/peers` ({machine}).")
+    return "\n\n".join(parts)
+
+
+def spread(times):
+    return [statistics.median(times), min(times), max(times)] if times else [None] * 3
+
+
+def csv_rows(rows, machine, date):
+    """The head and a line for each row; figures in full, nothing where there is none."""
+    lines = [CSV_HEAD]
+    for row in rows:
+        values = [
+            date, machine, row.dataset, row.stream, row.bound, row.label, row.bytes, *spread(row.encode_seconds),
+            *spread(row.decode_seconds), row.max_error_codes, row.rms_error_codes, row.max_error_m, row.rms_error_m,
+            row.background_wrong, row.psnr_db, row.note,
+        ]
+        lines.append(["" if value is None else f"{value:.6g}" if isinstance(value, float) else value for value in values])
+    return lines
