@@ -102,7 +102,8 @@ void swizzle(const void *codes, int wide, size_t pixels, uint8_t *planes) {
     for (size_t i = 0; i < pixels; i++) {
         uint32_t code = code_at(codes, wide, i), channels[3] = {0, 0, 0};
         for (int bit = 0; bit < 24; bit++) channels[bit % 3] |= (code >> bit & 1) << bit / 3;
-        for (int channel = 0; channel < 3; channel++) planes[PLANE_OF_CHANNEL[channel] * pixels + i] = (uint8_t)channels[channel];
+        for (int channel = 0; channel < 3; channel++)
+            planes[PLANE_OF_CHANNEL[channel] * pixels + i] = (uint8_t)channels[channel];
     }
 }
 
@@ -110,13 +111,15 @@ void swizzle(const void *codes, int wide, size_t pixels, uint8_t *planes) {
 void unswizzle(const uint8_t *planes, int wide, size_t pixels, void *codes) {
     for (size_t i = 0; i < pixels; i++) {
         uint32_t code = 0;
-        for (int bit = 0; bit < 24; bit++) code |= (uint32_t)(planes[PLANE_OF_CHANNEL[bit % 3] * pixels + i] >> bit / 3 & 1) << bit;
+        for (int bit = 0; bit < 24; bit++)
+            code |= (uint32_t)(planes[PLANE_OF_CHANNEL[bit % 3] * pixels + i] >> bit / 3 & 1) << bit;
         if (wide) ((uint32_t *)codes)[i] = code;
         else ((uint16_t *)codes)[i] = (uint16_t)(code > 65535 ? 65535 : code);
     }
 }
 
-/* Codes of metres after equation 13, as formats/depth.md 2 has it, of 24 bits; `background` are codes of 16 bits that say where. */
+/* Codes of metres after equation 13, as formats/depth.md 2 has it, of 24 bits; `background` are codes of 16 bits that say
+ * where there is none. */
 void codes24(const float *metres, const uint16_t *background, size_t pixels, double near_m, double far_m, uint32_t *out) {
     const uint32_t top = (1u << 24) - 2;
     double span = log1p((far_m - near_m) / near_m);

@@ -35,13 +35,15 @@ def need(program, package):
 
 
 def seconds_of(command):
-    """Wall time of a process; its last words where it fails."""
+    """Wall time of a process; its first complaint where it fails."""
     start = time.perf_counter()
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     taken = time.perf_counter() - start
     if done.returncode:
-        lines = [line for line in done.stderr.strip().splitlines() if line.strip()] or [f"exit code {done.returncode}"]
-        raise NotMeasured(f"{command[0]}: {lines[-1].strip()}")
+        lines = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
+        # ffmpeg's first line is the coder's own, behind its address.
+        words = re.sub(r"^\[[^]]*\] ", "", lines[0].strip())
+        raise NotMeasured(f"{command[0]}: {words}")
     return taken
 
 
@@ -158,14 +160,14 @@ class Rvl(InProcess):
             for wide, payload in zip(widened, film.payloads):
                 wide[0::2] = payload
         size = 2 * self.pixels
-        self.images = [[self.kernels.rotate(bytes(payload[at:at + size]), film.values) for at in range(0, len(payload), size)]
-                       for payload in widened]
+        turned = lambda image: self.kernels.rotate(bytes(image), film.values)
+        self.images = [[turned(payload[at:at + size]) for at in range(0, len(payload), size)] for payload in widened]
         self.scratch = [(ctypes.c_char * (2 * size + 16))() for _ in widened]
         self.out = [[(ctypes.c_char * size)() for _ in images] for images in self.images]
 
     def encode(self):
-        taken, self.packed = self.timed(
-            lambda at: [self.kernels.rvl_encode(image, self.scratch[at]) for image in self.images[at]], range(len(self.images)))
+        pack = lambda at: [self.kernels.rvl_encode(image, self.scratch[at]) for image in self.images[at]]
+        taken, self.packed = self.timed(pack, range(len(self.images)))
         return taken
 
     def size(self):
@@ -200,7 +202,8 @@ class Ffmpeg(Codec):
 
     def source(self):
         size = f"{self.film.width}x{self.film.height}"
-        return ["-f", "rawvideo", "-pix_fmt", self.film.pixel_format, "-s", size, "-r", "25", "-i", self.film.raw(self.work)]
+        kind = ["-f", "rawvideo", "-pix_fmt", self.film.pixel_format]
+        return [*kind, "-s", size, "-r", "25", "-i", self.film.raw(self.work)]
 
     def encoding(self, target, *more):
         return [*QUIET, *self.source(), *self.coder, "-threads", self.threads, *more, target]
@@ -328,7 +331,8 @@ class Lightfold(Codec):
         return os.path.getsize(self.file)
 
     def decode(self):
-        return lf.run_json(self.given.binary, "decode", self.file, "--null", "--json", "--threads", self.given.threads)["seconds"]
+        command = [self.given.binary, "decode", self.file, "--null", "--json", "--threads", self.given.threads]
+        return lf.run_json(*command)["seconds"]
 
     def payloads(self):
         given = self.given

@@ -67,8 +67,9 @@ def add_ours(contest, given, film, search, target):
     """Ours at the PSNR of one of the others."""
     label, wanted = target
     if math.isinf(wanted):
-        contest.add(pc.Lightfold(f"lightfold --psnr 200, for {label}", film, given, "color", ["--psnr", "200"]))
-        contest.add(pc.Lightfold(f"lightfold --psnr 200 --lzma2, for {label}", film, given, "color", ["--psnr", "200", "--lzma2"]))
+        for more in ([], ["--lzma2"]):
+            words = ["--psnr", "200", *more]
+            contest.add(pc.Lightfold(f"lightfold {' '.join(words)}, for {label}", film, given, "color", words))
         return
     for name, options in OURS:
         step = search.lowest(options, wanted)

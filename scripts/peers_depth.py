@@ -12,7 +12,8 @@ CRF = [10, 18]
 def reference(given):
     """(film of 16-bit codes, film of 24-bit codes or None, Depth, why there are no 24 bits)."""
     container = given.work / "reference.lfold"
-    lf.run_json(given.binary, "encode", given.manifest, "--stream", "depth", "--depth-codec", "aabb", "-o", container, "--json")
+    encode = [given.binary, "encode", given.manifest, "--stream", "depth", "--depth-codec", "aabb", "-o", container, "--json"]
+    lf.run_json(*encode)
     check = lf.run_json(given.binary, "diff", given.manifest, container, "--stream", "depth", "--json", may_differ=True)
     if check["depth"]["max_error_codes"]:
         raise pf.BadInput(f"{given.manifest}: boxes were expected to be lossless, and are {check['depth']} from the source")
@@ -23,7 +24,8 @@ def reference(given):
         metres = pf.source_metres(given.kernels, given.manifest, streams, (width, height))
     except pf.NotMeasured as error:
         return film, None, Depth(streams, codes, [], []), str(error)
-    finer = [given.kernels.codes24(source, coarse, *stream.near_far) for source, coarse, stream in zip(metres, codes, streams)]
+    triples = zip(metres, codes, streams)
+    finer = [given.kernels.codes24(source, coarse, *stream.near_far) for source, coarse, stream in triples]
     wide = pf.Film("codes24", width, height, "", 4, streams, finer, wide=True)
     return film, wide, Depth(streams, codes, finer, metres), ""
 
@@ -57,7 +59,10 @@ def in_24_bits(contest, given, wide, why):
 
     By YUV: the way in which players and coders of graphics processors store RGB, which is said to be lossless and rounds.
     """
-    settings = [("lossless, 24 bits as RGB", [], "lossless=1"), ("lossless, 24 bits as RGB by YUV", ["-pix_fmt", "yuv444p"], "lossless=1")]
+    settings = [
+        ("lossless, 24 bits as RGB", [], "lossless=1"),
+        ("lossless, 24 bits as RGB by YUV", ["-pix_fmt", "yuv444p"], "lossless=1"),
+    ]
     settings += [(f"crf {crf}, 24 bits as RGB", [], f"crf={crf}") for crf in CRF]
     colors = wide and pf.swizzled(given.kernels, wide)
     for name, more, setting in settings:

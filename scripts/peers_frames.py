@@ -163,8 +163,8 @@ def decoded_payloads(binary, kernels, container, kind, streams, work):
     folder = pathlib.Path(work) / "png"
     payloads = []
     for stream in streams:
-        command = [binary, "decode", container, "--stream", kind, *stream.pick, "--format", "png", "-q", "-o", folder / "f.%06d.png"]
-        done = subprocess.run(command, capture_output=True, text=True)
+        command = [binary, "decode", container, "--stream", kind, *stream.pick, "--format", "png", "-q"]
+        done = subprocess.run([*command, "-o", folder / "f.%06d.png"], capture_output=True, text=True)
         if done.returncode:
             raise NotMeasured(done.stderr.strip())
         files = sorted(folder.iterdir())
@@ -185,7 +185,8 @@ def streams_of(report):
         if stream.get("face"):
             pick += ["--face", stream["face"]]
         near_far = (stream.get("near_m", 1.0), stream.get("far_m", 1.0))
-        streams.append(Stream(stream["probe"], stream.get("face"), stream["first_frame"], stream["frames"], near_far, tuple(pick)))
+        counts = (stream["first_frame"], stream["frames"])
+        streams.append(Stream(stream["probe"], stream.get("face"), *counts, near_far, tuple(pick)))
     return streams, *sizes.pop()
 
 
@@ -236,7 +237,7 @@ def exr_floats(kernels, path):
     wanted = [name for name, _, _ in channels if name == "Z" or len(channels) == 1]
     packed_as = attributes["compression"][0]
     if not wanted or packed_as not in COMPRESSION:
-        raise NotMeasured("24-bit codes are made from the channel Z, or an only one, of EXR files without compression or in ZIP")
+        raise NotMeasured("24-bit codes are made from the channel Z, or an only one, of plain EXR files and of those in ZIP")
     before = sum(size for name, size, _ in channels if name < wanted[0]) * width
     if not dict((name, is_float) for name, _, is_float in channels)[wanted[0]]:
         raise NotMeasured("24-bit codes are made from depth of 32-bit floats")

@@ -5,16 +5,18 @@ import statistics
 import lightfold_runs as lf
 
 FOOT = """\
-E: the largest error that a codec promises, in 16-bit log codes; –: none. Worst, RMS: what was measured after decoding,
-where both have a surface; metres are measured from the source's 32-bit depth where the files are EXR of distances, so that
-16-bit codes without any loss show what those 16 bits cost, and else from the codes. Background wrong: pixels that lost or gained a surface. Ratios
-are to lightfold of the same E; of 24-bit codes to `--error 0`. Steps: codes in steps of 2E + 1, the same bound, the background
-kept; the mapping is not part of a time. Random access: lightfold to tiles of single frames, libjxl, PNG and RVL to frames,
-the others to a face from its first frame on. Encoding of lightfold includes reading the EXR files, the others begin with codes in
-memory. Times are medians, of codecs in turn, without the start of processes; decoders write to nothing."""
+E: the largest error that a codec promises, in 16-bit log codes; –: it promises none. Ratios are to lightfold of the same
+E, of rows without one to `--error 0`. Steps: codes in steps of 2E + 1, which keep the bound, and the background as it is;
+making and undoing steps or channels is not timed. Worst and RMS: what was measured after decoding, of pixels that are a
+surface before and after; metres are against the 32-bit depth of the source where its files are EXR of distances, so that
+16-bit codes without loss show what 16 bits cost, else against the codes. Background wrong: pixels that lost or gained a
+surface. Times are medians, codecs take turns, starts of processes are left out, decoders write to nothing; lightfold reads
+EXR files to encode, the others get codes, and decodes once in a new process, where xz, zstd and RVL decode again.
+To show one tile of a frame, lightfold reads that tile, libjxl, PNG and RVL an image, the others a face from its first frame
+on."""
 COLOR_FOOT = """\
-PSNR: of all samples of all frames, against the same 8 bits. Ratios are to the codec that a row is for, whose PSNR it
-reaches or passes. Decoders write to nothing."""
+PSNR: of all samples of all frames, against the same 8 bits. Lightfold for another codec: the lowest `--psnr` that reaches
+what was measured of it, and ratios are to it. Times as for depth."""
 
 CSV_HEAD = [
     "date", "machine", "set", "stream", "bound", "codec", "bytes", "encode_s", "encode_low_s", "encode_high_s", "decode_s",
@@ -48,8 +50,8 @@ def firsts(rows):
 
 
 def depth_table(rows):
-    head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "worst codes", "RMS codes", "worst m",
-            "RMS m", "background wrong"]
+    head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "worst codes", "RMS codes",
+            "worst m", "RMS m", "background wrong"]
     lines = []
     for row, first in zip(rows, firsts(rows)):
         bound = "–" if row.bound is None else row.bound

@@ -1,0 +1,360 @@
+"""Tests of what scripts/peers measures with, and of what scripts/bench records: python3 -m unittest discover -s scripts"""
+
+import contextlib
+import csv
+import importlib.machinery
+import importlib.util
+import io
+import itertools
+import json
+import math
+import pathlib
+import random
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+import peers_frames as pf
+import peers_table
+from peers_codecs import Rvl, Xz, Zstd, key_frames
+from peers_kernels import Kernels
+from peers_measure import Contest, Depth, Row, depth_errors, psnr
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+
+def setUpModule():
+    global WORK, KERNELS
+    WORK = tempfile.TemporaryDirectory()
+    KERNELS = Kernels(WORK.name)
+
+
+def tearDownModule():
+    WORK.cleanup()
+
+
+def packed(codes, wide=False):
+    return struct.pack(f"<{len(codes)}{'I' if wide else 'H'}", *codes)
+
+
+def hard_images():
+    """(name, codes) of images that break run lengths, differences and the ends of words."""
+    yield "one empty pixel", [0]
+    yield "one pixel", [65535]
+    yield "all empty", [0] * 5000
+    yield "all the largest", [65535] * 5000
+    yield "alternating ends", [1, 65535] * 300
+    yield "alternating with empty", [0, 65535] * 300
+    for run in (7, 8, 63, 64, 127, 128, 129, 511, 512, 4096, 70000):
+        yield f"runs of {run}", [0] * run + [9] * run + [0] * run
+    yield "every difference of a power of two", [code for bit in range(16) for code in (65535, 65535 - (1 << bit))]
+    chance = random.Random(5)
+    for count in range(1, 40):
+        yield f"{count} random pixels", [chance.choice([0, 1, 65535, chance.randrange(65536)]) for _ in range(count)]
+    yield "noise", [chance.randrange(65536) for _ in range(20000)]
+
+
+class RvlTest(unittest.TestCase):
+    def test_every_image_comes_back(self):
+        for name, codes in hard_images():
+            with self.subTest(name):
+                data = packed(codes)
+                out = KERNELS.rvl_decode(KERNELS.rvl_encode(data), len(codes))
+                self.assertEqual(out.raw[:len(data)], data)
+
+    def test_the_nibbles_are_those_of_the_paper(self):
+        # 2 empty, 3 others with differences 5, 0, 1 as zigzag 10, 0, 2; 1 empty, 0 others.
+        self.assertEqual(KERNELS.rvl_encode(packed([0, 0, 5, 5, 6, 0])), struct.pack("<I", 0x23A10210))
+
+    def test_bytes_of_something_else_are_refused(self):
+        coded = KERNELS.rvl_encode(packed([0, 5, 6] * 100))
+        for wrong, pixels in ((coded[:-4], 300), (coded, 299), (b"", 1), (b"\xff" * 64, 300)):
+            with self.assertRaises(ValueError):
+                KERNELS.rvl_decode(wrong, pixels)
+
+    def test_background_becomes_empty_and_comes_back(self):
+        codes = packed([0, 1, 65534, 65535])
+        turned = KERNELS.rotate(codes, 65536)
+        self.assertEqual(turned, packed([1, 2, 65535, 0]))
+        self.assertEqual(KERNELS.rotate(turned, 65536, back=True), codes)
+        self.assertEqual(KERNELS.rotate(packed([0, 325, 326]), 327), packed([1, 326, 0]))
+
+
+def dealt(code):
+    """CALF 7.1, read literally: (red, green, blue)."""
+    channels = [0, 0, 0]
+    for i in range(24):
+        channels[i % 3] |= (code >> i & 1) << (i // 3)
+    return channels
+
+
+class MappingTest(unittest.TestCase):
+    def test_bits_are_dealt_out_in_turn(self):
+        for wide, codes in ((True, [0, 1, 2, 4, 8, 0xABCDEF, 0xFFFFFF]), (False, [0, 1, 2, 4, 8, 0xABCD, 0xFFFF])):
+            planes = KERNELS.swizzle(packed(codes, wide), wide)
+            green, blue, red = (planes[at:at + len(codes)] for at in range(0, len(planes), len(codes)))
+            self.assertEqual([list(pixel) for pixel in zip(red, green, blue)], [dealt(code) for code in codes])
+            self.assertEqual(KERNELS.unswizzle(planes, wide), packed(codes, wide))
+
+    def test_every_16_bit_code_comes_back(self):
+        codes = packed(range(65536))
+        self.assertEqual(KERNELS.unswizzle(KERNELS.swizzle(codes)), codes)
+
+    def test_steps_keep_their_bound_and_the_background(self):
+        film = pf.Film("codes", 256, 256, "gray16le", 2, [pf.Stream("a", "px", 0, 1)], [packed(range(65536))])
+        narrowest = {0: "gray16le", 7: "gray16le", 8: "gray12le", 100: "gray10le", 300: "gray", 16000: "gray"}
+        for bound, kind in narrowest.items():
+            steps = pf.stepped(film, bound)
+            self.assertEqual(steps.pixel_format, kind)
+            [back] = [struct.unpack("<65536H", steps.back(payload)) for payload in steps.payloads]
+            self.assertEqual(back[65535], 65535)
+            self.assertEqual(max(abs(code - found) for code, found in enumerate(back[:65535])), min(bound, 65534))
+            self.assertNotIn(65535, back[:65535])
+
+    def test_codes_of_24_bits(self):
+        metres = struct.pack("<5f", 1.0, 2.0, 4.0, math.inf, 0.5)
+        found = KERNELS.codes24(metres, packed([0, 1, 65534, 65535, 0]), 1.0, 4.0)
+        top = 2**24 - 2
+        self.assertEqual(struct.unpack("<5I", found), (0, top // 2, top, top + 1, 0))
+
+
+class ErrorTest(unittest.TestCase):
+    def test_errors_are_counted_where_both_have_a_surface(self):
+        found = KERNELS.compare(packed([0, 65534, 65535, 7]), packed([3, 65530, 5, 65535]), (1.0, math.e))
+        metres = (math.exp(3 / 65534) - 1, math.e - math.exp(65530 / 65534))
+        expected = (4, 9 + 16, max(metres), sum(m * m for m in metres), 2, 2)
+        for got, wanted in zip(found, expected):
+            self.assertAlmostEqual(got, wanted, 12)
+
+    def test_metres_are_of_the_source_where_there_is_one(self):
+        source = struct.pack("<2f", 1.5, 2.5)
+        found = KERNELS.compare(packed([0, 65534]), packed([0, 65534]), (1.0, 2.0), source)
+        self.assertEqual(found, (0, 0, 0.5, 0.5, 2, 0))
+
+    def test_24_bits_count_in_codes_of_16(self):
+        found = KERNELS.compare(packed([0], True), packed([2**24 - 2], True), (1.0, 2.0), None, True)
+        self.assertAlmostEqual(found[0], 65534)
+
+    def test_psnr(self):
+        self.assertEqual(psnr(KERNELS, [b"abc"], [b"abc"]), math.inf)
+        self.assertAlmostEqual(psnr(KERNELS, [b"\0\0", b"\0\0"], [b"\xff\0", b"\0\0"]), 10 * math.log10(4))
+
+
+def filtered(rows, step):
+    """Rows of a PNG, with every filter in turn."""
+    above, out = bytes(len(rows[0])), b""
+    for row, kind in zip(rows, itertools.cycle(range(5))):
+        line = []
+        for x, value in enumerate(row):
+            left = row[x - step] if x >= step else 0
+            corner = above[x - step] if x >= step else 0
+            near = min((left, above[x], corner), key=lambda guess: abs(left + above[x] - corner - guess))
+            line.append((value - (0, left, above[x], (left + above[x]) // 2, near)[kind]) % 256)
+        out += bytes([kind, *line])
+        above = row
+    return out
+
+
+def chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+def exr(width, rows, compression):
+    """An EXR file with a channel A of half and Z of float; `rows` of floats."""
+    head = b"v/1\x01\x02\0\0\0"
+    kinds = b"".join(name + b"\0" + struct.pack("<IIII", kind, 0, 1, 1) for name, kind in ((b"A", 1), (b"Z", 2))) + b"\0"
+    for name, kind, value in (
+        (b"channels", b"chlist", kinds), (b"compression", b"compression", bytes([compression])),
+        (b"dataWindow", b"box2i", struct.pack("<4i", 0, 0, width - 1, len(rows) - 1)),
+    ):
+        head += name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
+    head += b"\0"
+    lines = 16 if compression == 3 else 1
+    blocks = []
+    for y in range(0, len(rows), lines):
+        body = b"".join(struct.pack(f"<{width}e{width}f", *[0.5] * width, *row) for row in rows[y:y + lines])
+        if compression == 3:
+            halves = body[0::2] + body[1::2]
+            body = zlib.compress(bytes([halves[0]] + [(b - a + 128) % 256 for a, b in zip(halves, halves[1:])]))
+        blocks.append(struct.pack("<iI", y, len(body)) + body)
+    offsets, at = b"", len(head) + 8 * len(blocks)
+    for block in blocks:
+        offsets += struct.pack("<Q", at)
+        at += len(block)
+    return head + offsets + b"".join(blocks)
+
+
+class FileTest(unittest.TestCase):
+    def test_png_with_every_filter(self):
+        chance = random.Random(7)
+        path = pathlib.Path(WORK.name) / "image.png"
+        for bits, color, step in ((16, 0, 2), (8, 2, 3)):
+            rows = [bytes(chance.randrange(256) for _ in range(9 * step)) for _ in range(11)]
+            head = chunk(b"IHDR", struct.pack(">IIBBBBB", 9, 11, bits, color, 0, 0, 0))
+            body = zlib.compress(filtered(rows, step))
+            chunks = [head, chunk(b"IDAT", body[:20]), chunk(b"IDAT", body[20:]), chunk(b"IEND", b"")]
+            path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(chunks))
+            plain = b"".join(rows)
+            if bits == 16:
+                plain = struct.pack("<99H", *struct.unpack(">99H", plain))
+            self.assertEqual(pf.png_image(KERNELS, path), plain)
+
+    def test_exr_plain_and_in_zip(self):
+        rows = [[0.25 * (x + 5 * y) for x in range(5)] for y in range(21)]
+        wanted = struct.pack("<105f", *itertools.chain(*rows))
+        path = pathlib.Path(WORK.name) / "image.exr"
+        for compression in (0, 3):
+            path.write_bytes(exr(5, rows, compression))
+            self.assertEqual(pf.exr_floats(KERNELS, path), (5, 21, wanted))
+        path.write_bytes(exr(5, rows, 4))
+        with self.assertRaises(pf.NotMeasured):
+            pf.exr_floats(KERNELS, path)
+
+    def test_paths_of_frames(self):
+        self.assertEqual(pf.frame_path("p_{probe}/{face}.%04d.exr", "00", "px", 7), "p_00/px.0007.exr")
+        self.assertEqual(pf.frame_path("{face}.####.exr", "00", "px", 12345), "px.12345.exr")
+
+
+def small_film():
+    """Two streams of three 5x3 images of codes."""
+    chance = random.Random(3)
+    streams = [pf.Stream("a", face, 4, 3, (1.0, 9.0)) for face in ("px", "nx")]
+    payloads = [packed([chance.choice([0, 300, 65534, 65535]) for _ in range(45)]) for _ in streams]
+    return pf.Film("codes", 5, 3, "gray16le", 2, streams, payloads)
+
+
+class CodecTest(unittest.TestCase):
+    def setUp(self):
+        # What a contest says of its progress is not for the output of tests.
+        quiet = contextlib.redirect_stderr(io.StringIO())
+        quiet.__enter__()
+        self.addCleanup(quiet.__exit__, None, None, None)
+
+    def test_codecs_give_back_what_they_got(self):
+        film = small_film()
+        depth = Depth(film.streams, film.payloads, [], [])
+        contest = Contest("set", "depth")
+        for bound in (0, 100, 300):
+            steps = pf.stepped(film, bound) if bound else film
+            for codec in (Xz("xz", steps, 2, bound), Zstd("zstd", steps, 2, 3, bound), Rvl("RVL", steps, 2, KERNELS, bound)):
+                contest.add(codec)
+        contest.encode(2)
+        contest.check(lambda codec: depth_errors(KERNELS, depth, codec))
+        contest.decode(2)
+        for row in contest.rows:
+            with self.subTest(f"{row.label} {row.bound}"):
+                self.assertFalse(row.note)
+                self.assertEqual((len(row.encode_seconds), len(row.decode_seconds)), (2, 2))
+                self.assertEqual((row.max_error_codes, row.background_wrong), (row.bound, 0))
+
+    def test_a_codec_that_fails_names_its_reason_and_the_others_go_on(self):
+        class Broken(Xz):
+            def decode(self):
+                raise pf.NotMeasured("it broke")
+
+        contest = Contest("set", "depth")
+        contest.add(Broken("broken", small_film(), 1))
+        contest.add(Xz("xz", small_film(), 1))
+        contest.encode(1)
+        contest.decode(1)
+        self.assertEqual([row.note for row in contest.rows], ["not measured: it broke", ""])
+        self.assertEqual([len(row.decode_seconds) for row in contest.rows], [0, 1])
+
+    def test_streams_begin_with_key_frames(self):
+        self.assertEqual(key_frames(small_film()), ["-force_key_frames", "0.0000,0.1100"])
+
+
+class TableTest(unittest.TestCase):
+    def rows(self):
+        found = Row("set", "depth", "lightfold --error 0", 0, 2_000_000, [2.0, 1.0, 3.0], [0.004], 0.0, 0.0, 0.0, 0.0, 0)
+        lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3)
+        why = "not measured: cjxl is not installed (apt-get install libjxl-tools)"
+        missing = Row("set", "depth", "libjxl -d 0", 0, note=why)
+        color = Row("set", "color", "hap", None, 5, [1.0], [1.0], psnr_db=math.inf)
+        return [found, lossy, missing, color]
+
+    def test_csv_has_a_field_for_each_column(self):
+        lines = peers_table.csv_rows(self.rows(), "a, b", "2000-01-01T00:00:00Z")
+        self.assertEqual(lines[0], peers_table.CSV_HEAD)
+        self.assertEqual({len(line) for line in lines}, {len(peers_table.CSV_HEAD)})
+        first = dict(zip(*lines[:2]))
+        self.assertEqual((first["encode_s"], first["encode_low_s"], first["encode_high_s"]), ("2", "1", "3"))
+        self.assertEqual((first["bytes"], first["background_wrong"], first["psnr_db"]), (2_000_000, 0, ""))
+        self.assertIn("cjxl", lines[3][-1])
+
+    def test_markdown_has_a_cell_for_each_column(self):
+        text = peers_table.markdown(self.rows(), "a machine")
+        for table in (part for part in text.split("\n\n") if part.startswith("|")):
+            self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
+        self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
+        self.assertIn("| libjxl -d 0 | not measured: cjxl is not installed (apt-get install libjxl-tools) |", text)
+
+
+class CommandTest(unittest.TestCase):
+    def refused(self, *words):
+        done = subprocess.run([sys.executable, HERE / "peers", *words], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
+        return done.stderr
+
+    def test_a_wrong_manifest_is_one_sentence(self):
+        path = pathlib.Path(WORK.name) / "lightfield.json"
+        self.assertIn("nowhere.json is neither", self.refused("nowhere.json"))
+        for text in ("{", "[]", "{}", json.dumps({"lightfield": 2, "files": {}})):
+            path.write_text(text)
+            self.assertIn("is not a manifest", self.refused(path))
+        self.assertIn("--bound 1,x", self.refused("--bound", "1,x"))
+
+
+def script(name):
+    """A script without an ending as a module."""
+    loader = importlib.machinery.SourceFileLoader(name, str(HERE / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+RATIOS = """\
+threads: 2
+container                streams     Mpixel   changed  plain MB/s  decode MB/s  of plain
+a.lfold                  depth          7.1    20.63%       12257          492      4.1%
+
+lerp, one thread           copy MB/s    lerp MB/s   of copy
+cells in the cache            100725         9030      8.9%
+
+packed nodes             frames     threads   Mpixel   changed   copy MB/s  decode MB/s   of copy
+a.lfold                  key              2      1.2   100.00%       25339         1991      7.9%
+"""
+
+
+class RecordTest(unittest.TestCase):
+    def test_figures_are_found_in_what_the_bench_prints(self):
+        figures = script("bench").figures_of(RATIOS)
+        self.assertEqual(len(figures), 9)
+        self.assertIn(["ratios: a.lfold streams depth, of plain", "4.1", "%"], figures)
+        self.assertIn(["ratios: cells in the cache, lerp", "9030", "MB/s"], figures)
+        self.assertIn(["ratios: a.lfold frames key threads 2, decode", "1991", "MB/s"], figures)
+
+    def test_rows_are_appended_under_one_head(self):
+        bench, path = script("bench"), pathlib.Path(WORK.name) / "timings.csv"
+        for value in ("1", "2"):
+            bench.record([["a figure, of one", value, "s"]], "scripts/bench --record", path)
+        lines = list(csv.reader(path.open()))
+        self.assertEqual(lines[0], bench.HEAD)
+        wanted = [["scripts/bench --record", "a figure, of one", value, "s"] for value in "12"]
+        self.assertEqual([line[3:] for line in lines[1:]], wanted)
+        self.assertRegex(lines[1][0], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+
+    def test_what_is_recorded_has_every_column(self):
+        bench = script("bench")
+        lines = list(csv.reader(bench.TIMINGS.open()))
+        self.assertEqual(lines[0], bench.HEAD)
+        for line in lines[1:]:
+            self.assertEqual(len(line), len(bench.HEAD), line)
+            float(line[5])
+
+
+if __name__ == "__main__":
+    unittest.main()
