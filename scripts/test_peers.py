@@ -74,6 +74,8 @@ class RvlTest(unittest.TestCase):
         for wrong, pixels in ((coded[:-4], 300), (coded, 299), (b"", 1), (b"\xff" * 64, 300)):
             with self.assertRaises(ValueError):
                 KERNELS.rvl_decode(wrong, pixels)
+        with self.assertRaises(ValueError):
+            KERNELS.rvl_decode(KERNELS.rvl_encode(packed([0] * 300)), 299)
 
     def test_background_becomes_empty_and_comes_back(self):
         codes = packed([0, 1, 65534, 65535])
@@ -113,6 +115,10 @@ class MappingTest(unittest.TestCase):
             self.assertEqual(back[65535], 65535)
             self.assertEqual(max(abs(code - found) for code, found in enumerate(back[:65535])), min(bound, 65534))
             self.assertNotIn(65535, back[:65535])
+
+    def test_the_narrowest_gray_holds_every_level(self):
+        found = [pf.gray_of(levels) for levels in (256, 257, 1024, 1025, 4096, 4097)]
+        self.assertEqual(found, ["gray", "gray10le", "gray10le", "gray12le", "gray12le", "gray16le"])
 
     def test_codes_of_24_bits(self):
         metres = struct.pack("<5f", 1.0, 2.0, 4.0, math.inf, 0.5)
@@ -192,7 +198,7 @@ class FileTest(unittest.TestCase):
         chance = random.Random(7)
         path = pathlib.Path(WORK.name) / "image.png"
         for bits, color, step in ((16, 0, 2), (8, 2, 3)):
-            rows = [bytes(chance.randrange(256) for _ in range(9 * step)) for _ in range(11)]
+            rows = [bytes(chance.choice([0, 1, 2, 9, 255]) for _ in range(9 * step)) for _ in range(11)]
             head = chunk(b"IHDR", struct.pack(">IIBBBBB", 9, 11, bits, color, 0, 0, 0))
             body = zlib.compress(filtered(rows, step))
             chunks = [head, chunk(b"IDAT", body[:20]), chunk(b"IDAT", body[20:]), chunk(b"IEND", b"")]
