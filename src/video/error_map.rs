@@ -100,5 +100,8 @@ fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -
         }
         CellPsnr { rect: [left, top, width, height], psnr_db: error.psnr_db() }
     };
-    starts(a.height()).flat_map(|top| starts(a.width()).map(move |left| (left, top))).map(|(x, y)| measure(x, y)).collect()
+    starts(a.height())
+        .flat_map(|top| starts(a.width()).map(move |left| (left, top)))
+        .map(|(x, y)| measure(x, y))
+        .collect()
 }

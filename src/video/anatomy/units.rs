@@ -90,9 +90,12 @@ fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
     let (grid, known) = (chunk.runtime().grid(), chunk.known(at));
     let coarsest = |leaf: Place| {
-        let above = |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
+        let above =
+            |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
         let mut places = (1..=grid.root().level).rev().map(above);
-        places.find_map(|place| known.tree.get(&place)).map_or((leaf, Function::Raw), |f| (f.node.place, f.node.function()))
+        places
+            .find_map(|place| known.tree.get(&place))
+            .map_or((leaf, Function::Raw), |f| (f.node.place, f.node.function()))
     };
     let mut leaves: Vec<(Place, Place, Function)> = nodes_at(chunk.runtime(), at)
         .into_iter()
@@ -162,12 +165,7 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {
 }
 
 /// Goes through the payload of a unit of `size` (width, height) pixels.
-pub(super) fn survey_chunk(
-    header: &CodecHeader,
-    payload: Payload,
-    size: [u32; 2],
-    frames: u32,
-) -> Result<ChunkSurvey> {
+pub(super) fn survey_chunk(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<ChunkSurvey> {
     let changed = match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
             DepthChunk::Boxes(chunk) => changes(&chunk),
