@@ -5,6 +5,7 @@ use super::palette::{self, Rgb};
 use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted, percent};
+use crate::color::quality::PU_STEPS;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::video::codec::{CodecHeader, ColorFormat};
@@ -17,14 +18,14 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
     let size = subject.size();
     let scale = Scale::of(size, if map.cells.is_empty() { ROOM } else { HALF_ROOM });
     let (largest, background, outside) = map.largest();
-    let bound = bound(subject);
-    let top = bound.map_or(largest, |bound| if largest <= bound { bound } else { largest }).max(1);
-    let unit = match map.domain.coding {
-        Coding::Depth(_) => "16-bit log codes",
-        Coding::Color(ColorFormat::Half { .. }, _) => "64ths of a PU21 step, the largest of R, G and B",
-        Coding::Color(..) => "8-bit codes, the largest of R, G and B",
-        Coding::Material => "8-bit codes, the largest of the three weights",
+    let scale_of = ErrorScale::of(largest, bound(subject));
+    let (unit, steps) = match map.domain.coding {
+        Coding::Depth(_) => ("16-bit log codes", 1.0),
+        Coding::Color(ColorFormat::Half { .. }, _) => ("PU21 codes, the largest of R, G and B", PU_STEPS),
+        Coding::Color(..) => ("8-bit codes, the largest of R, G and B", 1.0),
+        Coding::Material => ("8-bit codes, the largest of the three weights", 1.0),
     };
+    let told = |error: u32| trimmed(f64::from(error) / steps);
     let mut key = Vec::new();
     if background + outside > 0 {
         let words = format!(
@@ -33,16 +34,17 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         );
         key.push(Entry { swatch: Swatch::Hatched(palette::MISMATCH), words });
     }
-    let mark = bound.filter(|&bound| bound > 0 && bound <= top);
+    let mark = bound(subject).filter(|&bound| bound > 0 && bound <= scale_of.top);
+    let how = if scale_of.logarithmic { ", on a logarithmic scale" } else { "" };
     let errors = Panel {
         caption: "Error of each pixel".to_owned(),
-        image: draw_errors(size, scale, map, top),
+        image: draw_errors(size, scale, map, scale_of),
         key,
         bar: Some(Bar {
             color: palette::heat,
-            ticks: ticks(top),
-            label: format!("Error in {unit}:"),
-            mark: mark.map(|bound| (f64::from(bound) / f64::from(top), format!("the stream's bound, {bound} codes"))),
+            ticks: scale_of.ticks().into_iter().map(|error| (scale_of.part(error), told(error))).collect(),
+            label: format!("Error in {unit}{how}:"),
+            mark: mark.map(|bound| (scale_of.part(bound), format!("the stream's bound, {} codes", told(bound)))),
         }),
     };
     let mut panels = vec![errors];
@@ -55,7 +57,12 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         0 => "No pixel differs.".to_owned(),
         count => {
             let verb = if count == 1 { "differs" } else { "differ" };
-            format!("{} ({}) {verb}, the largest error is {largest}.", counted(count, "pixel"), percent(count, pixels))
+            format!(
+                "{} ({}) {verb}, the largest error is {} codes.",
+                counted(count, "pixel"),
+                percent(count, pixels),
+                told(largest)
+            )
         }
     };
     let facts = vec![subject.fact(scale), format!("Compared with {source}. {found}")];
@@ -72,22 +79,53 @@ fn bound(subject: &Subject<'_>) -> Option<u32> {
     }
 }
 
-fn draw_errors(size: [u32; 2], scale: Scale, map: &ErrorMap, top: u32) -> Plane<Rgb> {
+/// From an error to a place of the colour scale.
+#[derive(Debug, Clone, Copy)]
+struct ErrorScale {
+    /// The error at its end, at least 1.
+    top: u32,
+    /// Whether it is even in the logarithm of errors, counted from 1.
+    logarithmic: bool,
+}
+
+impl ErrorScale {
+    /// Up to the bound, where there is one that holds, else up to the largest error; where that is large, a few pixels
+    /// would leave nothing to be seen of all others on a scale that is even.
+    fn of(largest: u32, bound: Option<u32>) -> ErrorScale {
+        match bound.filter(|&bound| largest <= bound) {
+            Some(bound) => ErrorScale { top: bound.max(1), logarithmic: false },
+            None => ErrorScale { top: largest.max(1), logarithmic: largest > 255 },
+        }
+    }
+
+    /// Where an error lies, 0 to 1.
+    fn part(self, error: u32) -> f64 {
+        match self.logarithmic {
+            true => f64::from(error).ln_1p() / f64::from(self.top).ln_1p(),
+            false => f64::from(error) / f64::from(self.top),
+        }
+    }
+
+    /// Few whole numbers from 0 to the end.
+    fn ticks(self) -> Vec<u32> {
+        if self.logarithmic {
+            let tens = (0..).map(|power| 10u32.saturating_pow(power)).take_while(|&ten| ten < self.top);
+            return [0].into_iter().chain(tens).chain([self.top]).collect();
+        }
+        let count = self.top.min(4);
+        (0..=count).map(|at| (u64::from(self.top) * u64::from(at) / u64::from(count)) as u32).collect()
+    }
+}
+
+fn draw_errors(size: [u32; 2], scale: Scale, map: &ErrorMap, errors: ErrorScale) -> Plane<Rgb> {
     let color = |x: u32, y: u32| match map.pixels.get(x, y) {
-        PixelError::Steps(steps) => palette::heat(f64::from(steps) / f64::from(top)),
+        PixelError::Steps(steps) => palette::heat(errors.part(steps)),
         PixelError::Background | PixelError::Outside => palette::MISMATCH[0],
     };
     let mut drawn = render(size, scale, color);
     let odd = |x: u32, y: u32| !matches!(map.pixels.get(x, y), PixelError::Steps(_));
     hatch(&mut drawn, scale, palette::MISMATCH[1], odd);
     drawn
-}
-
-/// At most five whole numbers from 0 to `top`.
-fn ticks(top: u32) -> Vec<(f64, String)> {
-    let count = top.min(4);
-    let value = |at: u32| (u64::from(top) * u64::from(at) / u64::from(count)) as u32;
-    (0..=count).map(|at| (f64::from(value(at)) / f64::from(top), value(at).to_string())).collect()
 }
 
 fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
@@ -118,7 +156,7 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
         let words = format!("{} below what was asked for", counted(below, "cell"));
         key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
     }
-    let bar = least.is_finite().then(|| Bar {
+    let bar = (exact < map.cells.len()).then(|| Bar {
         color: |part| palette::heat(1.0 - part),
         ticks: (0..=4).map(|at| f64::from(at) / 4.0).map(|at| (at, trimmed(least + at * (most - least)))).collect(),
         label: "PSNR in dB:".to_owned(),
@@ -140,8 +178,17 @@ mod tests {
 
     #[test]
     fn ticks_are_whole_numbers_with_both_ends() {
-        let values = |top| ticks(top).into_iter().map(|(_, text)| text).collect::<Vec<_>>().join(" ");
-        assert_eq!([1, 3, 100, 65535].map(values), ["0 1", "0 1 2 3", "0 25 50 75 100", "0 16383 32767 49151 65535"]);
+        let ticks = |largest, bound| ErrorScale::of(largest, bound).ticks();
+        assert_eq!(ticks(0, Some(0)), [0, 1]);
+        assert_eq!(ticks(97, Some(100)), [0, 25, 50, 75, 100]);
+        assert_eq!(ticks(3, None), [0, 1, 2, 3]);
+        assert_eq!(ticks(2791, None), [0, 1, 10, 100, 1000, 2791]);
+        assert_eq!(ticks(2791, Some(100)), [0, 1, 10, 100, 1000, 2791]);
+        for (largest, bound) in [(0, None), (7, Some(100)), (65535, None), (u32::MAX, Some(1))] {
+            let scale = ErrorScale::of(largest, bound);
+            assert_eq!((scale.part(0), scale.part(scale.top)), (0.0, 1.0));
+            assert!(scale.ticks().is_sorted_by(|a, b| a < b));
+        }
         assert_eq!([40.0, 42.25, 0.5, 100.0].map(trimmed), ["40", "42.25", "0.5", "100"]);
     }
 }

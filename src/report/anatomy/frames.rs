@@ -1,7 +1,7 @@
 //! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
 
 use super::palette::{self, Rgb};
-use super::raster::{ROOM, Scale, hatch, outline, parts_of, render};
+use super::raster::{ROOM, Scale, hatch, outline, parts_of, render, unit_borders};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, What, counted, percent};
 use crate::dataset::stream::StreamKind;
@@ -18,6 +18,8 @@ pub(super) struct Shades {
     pub pixels: Plane<Option<f32>>,
     /// What the shades mean.
     pub bar: Option<Bar>,
+    /// What the only shade means, where there is but one.
+    pub entry: Option<Entry>,
 }
 
 impl Shades {
@@ -27,8 +29,13 @@ impl Shades {
         match (picture, &subject.stream.header) {
             (Picture::Depth(codes), CodecHeader::Depth(header)) => of_depth(codes, header.range),
             (Picture::Material(codes), _) => of_material(codes),
-            _ => Shades { pixels: Plane::filled(subject.size()[0], subject.size()[1], None), bar: None },
+            _ => Shades::plain(Plane::filled(subject.size()[0], subject.size()[1], None)),
         }
+    }
+
+    /// Shades that mean nothing to be told.
+    pub fn plain(pixels: Plane<Option<f32>>) -> Shades {
+        Shades { pixels, bar: None, entry: None }
     }
 
     /// The colour of a pixel.
@@ -49,15 +56,19 @@ fn of_depth(codes: &Plane<u16>, range: DepthRange) -> Shades {
     let surfaces = || codes.data().iter().copied().filter(|&code| code != BACKGROUND_CODE);
     let (near, far) = (surfaces().min(), surfaces().max());
     let (Some(near), Some(far)) = (near, far) else {
-        return Shades { pixels: codes.map(|_| None), bar: None };
+        return Shades::plain(codes.map(|_| None));
     };
     let span = f32::from(far - near).max(1.0);
     let pixels = codes.map(|&code| (code != BACKGROUND_CODE).then(|| f32::from(code - near) / span));
-    let metres = |part: f64| range.metres(near + (part * f64::from(far - near)).round() as u16);
-    let tick = |part: f64| (part, significant(f64::from(metres(part))));
-    let ticks = if near == far { vec![tick(0.0)] } else { QUARTERS.into_iter().map(tick).collect() };
-    let label = "Depth in metres, grey even in its logarithm:".to_owned();
-    Shades { pixels, bar: Some(Bar { color: palette::grey, ticks, label, mark: None }) }
+    let metres = |part: f64| significant(f64::from(range.metres(near + (part * f64::from(far - near)).round() as u16)));
+    if near == far {
+        let words = format!("all surfaces: {} m away", metres(0.0));
+        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
+        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
+    }
+    let ticks = QUARTERS.into_iter().map(|part| (part, metres(part))).collect();
+    let label = "Depth in metres, on a logarithmic scale:".to_owned();
+    Shades { bar: Some(Bar { color: palette::grey, ticks, label, mark: None }), ..Shades::plain(pixels) }
 }
 
 fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
@@ -67,10 +78,16 @@ fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
     let span = f32::from(most - least).max(1.0);
     // Light is much, as near is light.
     let pixels = sums.map(|&sum| Some(f32::from(most - sum) / span));
-    let tick = |part: f64| (part, format!("{:.1}", (f64::from(least) + part * f64::from(most - least)) / 3.0));
-    let ticks = if least == most { vec![tick(0.0)] } else { QUARTERS.into_iter().map(tick).collect() };
+    let mean = |part: f64| format!("{:.1}", (f64::from(least) + part * f64::from(most - least)) / 3.0);
+    if least == most {
+        let words = format!("all pixels: {} in 8-bit codes, the mean of the three weights", mean(0.0));
+        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
+        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
+    }
+    let ticks = QUARTERS.into_iter().map(|part| (part, mean(part))).collect();
     let label = "Mean of the three weights in 8-bit codes:".to_owned();
-    Shades { pixels, bar: Some(Bar { color: |part| palette::grey(1.0 - part), ticks, label, mark: None }) }
+    let bar = Bar { color: |part| palette::grey(1.0 - part), ticks, label, mark: None };
+    Shades { bar: Some(bar), ..Shades::plain(pixels) }
 }
 
 /// Three significant digits.
@@ -80,7 +97,8 @@ fn significant(value: f64) -> String {
 }
 
 /// The image with what is written in it tinted and outlined.
-pub(super) fn tinted(size: [u32; 2], scale: Scale, shades: &Shades, anatomy: &FrameAnatomy) -> Plane<Rgb> {
+pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anatomy: &FrameAnatomy) -> Plane<Rgb> {
+    let size = subject.size();
     let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
     for patch in &anatomy.patches {
         let [left, top, width, height] = patch.rect;
@@ -95,6 +113,8 @@ pub(super) fn tinted(size: [u32; 2], scale: Scale, shades: &Shades, anatomy: &Fr
     let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
     hatch(&mut drawn, scale, palette::BACKGROUND[1], |x, y| shades.pixels.get(x, y).is_none());
     outline(&mut drawn, scale, &parts_of(size, &anatomy.patches));
+    let entry = &subject.stream.entry;
+    unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
     drawn
 }
 
@@ -146,6 +166,10 @@ pub(super) fn key(subject: &Subject<'_>, anatomy: &FrameAnatomy) -> Vec<Entry> {
         let words = format!("not written, as before: {} of the image", percent(rest, pixels));
         key.push(Entry { swatch: Swatch::Flat(palette::grey(0.4)), words });
     }
+    if subject.stream.entry.unit_count() > 1 {
+        let words = format!("{} border", subject.unit_word());
+        key.push(Entry { swatch: Swatch::Dashed(palette::grey(0.4)), words });
+    }
     key
 }
 
@@ -173,7 +197,7 @@ pub(super) fn sentence(subject: &Subject<'_>, anatomy: &FrameAnatomy, parts: Opt
 
 /// The sheet of a frame.
 pub(super) fn sheet(subject: &Subject<'_>, anatomy: &FrameAnatomy, picture: &Picture) -> (What, Sheet) {
-    let (size, scale) = (subject.size(), Scale::of(subject.size(), ROOM));
+    let scale = Scale::of(subject.size(), ROOM);
     let shades = Shades::of(subject, picture);
     let (what, part, note) = match &subject.stream.header {
         CodecHeader::Depth(header) => match header.coding {
@@ -197,13 +221,15 @@ pub(super) fn sheet(subject: &Subject<'_>, anatomy: &FrameAnatomy, picture: &Pic
     if shades.has_background() {
         key.push(Entry { swatch: Swatch::Hatched(palette::BACKGROUND), words: "background: no surface".to_owned() });
     }
+    key.extend(shades.entry.clone());
     let image = if subject.stream.kind == StreamKind::Material { "Material" } else { "Depth" };
     let caption = match (what, part) {
         _ if anatomy.patches.is_empty() => format!("{image}; nothing is written"),
+        _ if whole => format!("{image}, and the whole tiles that the frame writes"),
         (What::Boxes, _) => format!("{image}, and the boxes that the frame writes"),
         (_, part) => format!("{image}, and the {part}s that the frame writes"),
     };
-    let panel = Panel { caption, image: tinted(size, scale, &shades, anatomy), key, bar: shades.bar };
+    let panel = Panel { caption, image: tinted(subject, scale, &shades, anatomy), key, bar: shades.bar };
     let title = format!("{}, frame {}", subject.name, anatomy.frame);
     (what, Sheet { title, facts, panels: vec![panel] })
 }
@@ -229,6 +255,7 @@ mod tests {
         let empty = of_depth(&Plane::filled(2, 2, BACKGROUND_CODE), range);
         assert!(empty.bar.is_none() && empty.pixels.data().iter().all(Option::is_none));
         let flat = of_depth(&Plane::filled(2, 2, 7), range);
-        assert_eq!((flat.bar.unwrap().ticks.len(), flat.pixels.get(1, 1)), (1, Some(0.0)));
+        assert!(flat.bar.is_none() && flat.entry.is_some_and(|entry| entry.words.contains(" m ")));
+        assert_eq!(flat.pixels.get(1, 1), Some(0.0));
     }
 }

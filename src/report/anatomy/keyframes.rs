@@ -66,11 +66,11 @@ pub(super) fn sheet(
     survey: &Survey,
 ) -> Result<Sheet> {
     let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_ROOM));
-    let shades = Shades { pixels: light(subject, picture), bar: None };
+    let shades = Shades::plain(light(subject, picture));
     let frames = subject.stream.frames;
     let frame = Panel {
         caption: format!("Frame {}, and the cells that it writes", anatomy.frame),
-        image: tinted(size, scale, &shades, anatomy),
+        image: tinted(subject, scale, &shades, anatomy),
         key: key(subject, anatomy),
         bar: None,
     };
@@ -89,17 +89,21 @@ pub(super) fn sheet(
         })
         .collect();
     let cornered = marks.iter().filter(|mark| mark.corner).count() as u64;
-    let mut corner_key = Vec::new();
+    let mut cell_key = Vec::new();
+    if least == most {
+        let words = format!("{} in each cell", counted(least, "keyframe"));
+        cell_key.push(Entry { swatch: Swatch::Flat(palette::heat(0.0)), words });
+    }
     if cornered > 0 {
         let words =
             format!("{}: some keyframes in samples, since blocks would show them too badly", counted(cornered, "cell"));
-        corner_key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
+        cell_key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
     }
     let keyframes = Panel {
         caption: format!("Keyframes of each cell in frames {}-{}", frames.first, frames.last),
         image: draw_cells(size, scale, &marks)?,
-        key: corner_key,
-        bar: Some(Bar {
+        key: cell_key,
+        bar: (least < most).then(|| Bar {
             color: palette::heat,
             ticks: ticks(least, most),
             label: "Keyframes for each cell:".to_owned(),
@@ -112,13 +116,13 @@ pub(super) fn sheet(
     let mean = total as f64 / survey.cells.len().max(1) as f64;
     let ways =
         if has_blocks { format!(", {blocks} of them in blocks and {samples} in samples") } else { String::new() };
+    let spread = match least == most {
+        true => format!("{least} in each"),
+        false => format!("{least} to {most} in each, {mean:.2} in the mean"),
+    };
     let facts = vec![
         subject.fact(scale),
-        format!(
-            "{} in {}: {least} to {most} for each cell, {mean:.2} in the mean{ways}.",
-            counted(total, "keyframe"),
-            counted(survey.cells.len() as u64, "cell"),
-        ),
+        format!("{} in {}: {spread}{ways}.", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"),),
         sentence(subject, anatomy, None),
     ];
     let title = format!("{}, keyframes, and frame {}", subject.name, anatomy.frame);
@@ -127,10 +131,7 @@ pub(super) fn sheet(
 
 /// At most six whole numbers from `least` to `most`.
 fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
-    if least == most {
-        return vec![(0.0, least.to_string())];
-    }
-    let span = most - least;
+    let span = (most - least).max(1);
     let step = span.div_ceil(5).max(1);
     let mut values: Vec<u64> = (0..=span / step).map(|at| least + at * step).collect();
     if values.last() != Some(&most) {
@@ -165,7 +166,6 @@ mod tests {
     #[test]
     fn ticks_are_whole_numbers_with_both_ends() {
         let values = |least, most| ticks(least, most).into_iter().map(|(_, text)| text).collect::<Vec<_>>().join(" ");
-        assert_eq!(values(3, 3), "3");
         assert_eq!(values(1, 6), "1 2 3 4 5 6");
         assert_eq!(values(1, 9), "1 3 5 7 9");
         assert_eq!(values(2, 100), "2 22 42 62 100");

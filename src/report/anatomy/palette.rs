@@ -58,7 +58,7 @@ pub fn contrast(ground: Rgb) -> Rgb {
 
 /// A colour as an outline over it shows it.
 pub fn outlined(color: Rgb) -> Rgb {
-    if lightness(color) > 90 { mix(color, [0, 0, 0], 0.75) } else { mix(color, [255, 255, 255], 0.5) }
+    if lightness(color) > 72 { mix(color, [0, 0, 0], 0.75) } else { mix(color, [255, 255, 255], 0.5) }
 }
 
 /// Grey from near (0) to far (1).

@@ -1,6 +1,6 @@
 //! Images as pictures show them: enlarged or reduced by whole factors, outlined, hatched.
 
-use super::palette::{Rgb, mix, outlined};
+use super::palette::{Rgb, contrast, mix, outlined};
 use crate::image::plane::Plane;
 use crate::video::anatomy::Patch;
 
@@ -121,6 +121,27 @@ pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
                 let pixel = &mut drawn.row_mut(y)[x as usize];
                 *pixel = outlined(*pixel);
             }
+        }
+    }
+}
+
+/// Draws dashed lines of one pixel where units meet.
+pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<Item = [u32; 4]>) {
+    let [width, height] = [drawn.width(), drawn.height()];
+    let mut dot = |x: u32, y: u32| {
+        if (x + y) % 8 < 4 && x < width && y < height {
+            let pixel = &mut drawn.row_mut(y)[x as usize];
+            *pixel = contrast(*pixel);
+        }
+    };
+    for [left, top, unit_width, unit_height] in rects {
+        let [from_x, from_y] = [left, top].map(|at| scale.place(at) as u32);
+        let [to_x, to_y] = [left + unit_width, top + unit_height].map(|at| scale.place(at).ceil() as u32);
+        if left > 0 {
+            (from_y..to_y).for_each(|y| dot(from_x, y));
+        }
+        if top > 0 {
+            (from_x..to_x).for_each(|x| dot(x, from_y));
         }
     }
 }

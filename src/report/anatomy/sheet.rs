@@ -1,7 +1,7 @@
 //! A sheet: a title, facts, and beside each other images, each with a key and a colour bar below. What it says decides how
 //! large it is; nothing is clipped.
 
-use super::palette::{INK, PAPER, Rgb, SOFT_INK};
+use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast};
 use super::raster::is_hatched;
 use crate::error::Result;
 use crate::image::plane::Plane;
@@ -19,6 +19,9 @@ const MIN_COLUMN: u32 = 420;
 const TITLE_EM: f64 = 21.0;
 const CAPTION_EM: f64 = 16.0;
 const TEXT_EM: f64 = 14.5;
+/// Letters grow with sheets that are wider than this, up to [`MAX_ZOOM`], so that they are read where a sheet is seen as a whole.
+const USUAL_WIDTH: f64 = 1100.0;
+const MAX_ZOOM: f64 = 1.7;
 /// Height of a line in ems.
 const LEADING: f64 = 1.45;
 const SWATCH: [f64; 2] = [26.0, 15.0];
@@ -34,6 +37,8 @@ pub enum Swatch {
     Hatched([Rgb; 2]),
     /// A corner that is cut off, on a ground.
     Corner(Rgb),
+    /// A dashed line, on a ground.
+    Dashed(Rgb),
 }
 
 /// A line of a key.
@@ -91,10 +96,11 @@ impl Sheet {
         let columns: Vec<u32> = self.panels.iter().map(|panel| panel.image.width().max(MIN_COLUMN)).collect();
         let gaps = GAP * (columns.len() as u32).saturating_sub(1);
         let width = (columns.iter().sum::<u32>() + gaps).max(MIN_WIDTH);
-        let head = self.head(width)?;
-        let feet = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.foot(column));
+        let zoom = (f64::from(width) / USUAL_WIDTH).clamp(1.0, MAX_ZOOM);
+        let head = self.head(width, zoom)?;
+        let feet = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.foot(column, zoom));
         let feet = feet.collect::<Result<Vec<_>>>()?;
-        let captions = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.head(column));
+        let captions = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.head(column, zoom));
         let captions = captions.collect::<Result<Vec<_>>>()?;
         let tallest = |planes: &mut dyn Iterator<Item = u32>| planes.max().unwrap_or(0);
         let caption = tallest(&mut captions.iter().map(Plane::height));
@@ -113,8 +119,8 @@ impl Sheet {
         Ok(sheet)
     }
 
-    fn head(&self, width: u32) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width);
+    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
         lines.words(&self.title, TITLE_EM, Weight::Bold, INK);
         lines.space(4.0);
         self.facts.iter().for_each(|fact| lines.words(fact, TEXT_EM, Weight::Regular, INK));
@@ -124,15 +130,15 @@ impl Sheet {
 }
 
 impl Panel {
-    fn head(&self, width: u32) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width);
+    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
         lines.words(&self.caption, CAPTION_EM, Weight::Bold, INK);
         lines.space(6.0);
         lines.draw()
     }
 
-    fn foot(&self, width: u32) -> Result<Plane<Rgb>> {
-        let mut lines = Lines::new(width);
+    fn foot(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
         lines.space(10.0);
         self.key.iter().for_each(|entry| lines.entry(entry));
         if let Some(bar) = &self.bar {
@@ -155,11 +161,13 @@ fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
 struct Lines {
     picture: Picture,
     y: f64,
+    /// Pixels for each that lengths and sizes are given in.
+    zoom: f64,
 }
 
 impl Lines {
-    fn new(width: u32) -> Lines {
-        Lines { picture: Picture::new(width, 1, ""), y: 0.0 }
+    fn new(width: u32, zoom: f64) -> Lines {
+        Lines { picture: Picture::new(width, 1, ""), y: 0.0, zoom }
     }
 
     fn room(&self) -> f64 {
@@ -167,11 +175,16 @@ impl Lines {
     }
 
     fn space(&mut self, pixels: f64) {
-        self.y += pixels;
+        self.y += (pixels * self.zoom).round();
+    }
+
+    fn text(&self, words: impl AsRef<str>) -> Text {
+        Text::new(words, TEXT_EM * self.zoom).ink(Ink::opaque(INK))
     }
 
     /// Adds lines of words.
     fn words(&mut self, words: &str, em: f64, weight: Weight, ink: Rgb) {
+        let em = em * self.zoom;
         for line in wrap(words, em, weight, self.room()) {
             let text = Text { weight, ..Text::new(line, em).ink(Ink::opaque(ink)) };
             self.picture.text([0.0, self.y + em * LEADING * 0.75], text);
@@ -180,55 +193,69 @@ impl Lines {
     }
 
     fn entry(&mut self, entry: &Entry) {
-        let ([width, height], indent) = (SWATCH, SWATCH[0] + 10.0);
-        let height_of_line = (TEXT_EM * LEADING).ceil();
+        let [width, height] = SWATCH.map(|side| (side * self.zoom).round());
+        let (indent, height_of_line) = (width + 10.0 * self.zoom, (TEXT_EM * self.zoom * LEADING).ceil());
         let top = (self.y + (height_of_line - height) / 2.0).round();
-        let (from, to) = ([0.5, top], [width, top + height]);
-        let (Swatch::Flat(ground) | Swatch::Hatched([ground, _]) | Swatch::Corner(ground)) = entry.swatch;
+        self.swatch(entry.swatch, [0.5, top], [width, top + height]);
+        for line in wrap(&entry.words, TEXT_EM * self.zoom, Weight::Regular, self.room() - indent) {
+            let baseline = self.y + TEXT_EM * self.zoom * LEADING * 0.75;
+            self.picture.text([indent, baseline], self.text(line));
+            self.y += height_of_line;
+        }
+    }
+
+    fn swatch(&mut self, swatch: Swatch, from: [f64; 2], to: [f64; 2]) {
+        let (Swatch::Flat(ground) | Swatch::Hatched([ground, _]) | Swatch::Corner(ground) | Swatch::Dashed(ground)) =
+            swatch;
+        let [left, top] = from;
         self.picture.rectangle(from, to, Ink::opaque(ground));
-        match entry.swatch {
+        let ink = Ink::opaque(contrast(ground));
+        match swatch {
             Swatch::Flat(_) => {}
-            Swatch::Hatched([_, line]) => {
-                for (x, y) in (0..height as u32).flat_map(|y| (0..width as u32).map(move |x| (x, y))) {
-                    if is_hatched(x, y) {
-                        let at = [f64::from(x), top + f64::from(y)];
-                        self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(line).with_alpha(0.6));
-                    }
+            Swatch::Dashed(_) => {
+                let middle = ((top + to[1]) / 2.0).floor();
+                for start in (2..to[0] as u32).step_by(8).map(f64::from) {
+                    self.picture.rectangle([start, middle], [(start + 4.0).min(to[0]), middle + 1.0], ink);
                 }
             }
-            Swatch::Corner(ground) => {
-                let ink = Ink::opaque(super::palette::contrast(ground));
-                self.picture.polygon(&[[0.5, top], [11.0, top], [0.5, top + 11.0]], ink);
+            Swatch::Hatched([_, line]) => {
+                let rows = top as u32..to[1] as u32;
+                for (x, y) in
+                    rows.flat_map(|y| (0..to[0] as u32).map(move |x| (x, y))).filter(|(x, y)| is_hatched(*x, *y))
+                {
+                    let at = [f64::from(x), f64::from(y)];
+                    self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(line).with_alpha(0.6));
+                }
+            }
+            Swatch::Corner(_) => {
+                let side = (to[1] - top) * 0.7;
+                self.picture.polygon(&[from, [left + side, top], [left, top + side]], ink);
             }
         }
         self.picture.frame(from, to, Stroke::solid(Ink::opaque(SOFT_INK), 1.0));
-        for line in wrap(&entry.words, TEXT_EM, Weight::Regular, self.room() - indent) {
-            let text = Text::new(line, TEXT_EM).ink(Ink::opaque(INK));
-            self.picture.text([indent, self.y + TEXT_EM * LEADING * 0.75], text);
-            self.y += height_of_line;
-        }
     }
 
     fn bar(&mut self, bar: &Bar) {
         self.words(&bar.label, TEXT_EM, Weight::Regular, INK);
         self.space(4.0);
-        let half = |text: &str| Text::new(text, TEXT_EM).width() / 2.0;
+        let (zoom, em) = (self.zoom, TEXT_EM * self.zoom);
+        let half = |text: &str| Text::new(text, em).width() / 2.0;
         // Values at the ends are as much in the middle of their ticks as all others.
         let first = bar.ticks.first().map_or(0.0, |(_, text)| half(text)).ceil();
         let last = bar.ticks.last().map_or(0.0, |(_, text)| half(text)).ceil();
-        let (left, right) = (first, (self.room() - last).min(first + MAX_BAR));
+        let (left, right) = (first, (self.room() - last).min(first + MAX_BAR * zoom).floor());
         let x = |part: f64| left + part * (right - left);
         if let Some((part, words)) = &bar.mark {
             let at = x(part.clamp(0.0, 1.0));
-            let text = Text::new(words, TEXT_EM).ink(Ink::opaque(INK)).fit(self.room());
+            let text = self.text(words).fit(self.room());
             let start = (at - text.width() / 2.0).clamp(0.0, (self.room() - text.width()).max(0.0));
-            self.picture.text([start, self.y + TEXT_EM], text);
-            self.y += TEXT_EM + 6.0;
-            let tip = [[at - 5.0, self.y], [at + 5.0, self.y], [at, self.y + 7.0]];
+            self.picture.text([start, self.y + em], text);
+            self.y += em + 6.0 * zoom;
+            let tip = [[at - 5.0 * zoom, self.y], [at + 5.0 * zoom, self.y], [at, self.y + 7.0 * zoom]];
             self.picture.polygon(&tip, Ink::opaque(INK));
-            self.y += 8.0;
+            self.y += 8.0 * zoom;
         }
-        let (top, bottom) = (self.y.ceil(), self.y.ceil() + BAR_HEIGHT);
+        let (top, bottom) = (self.y.ceil(), self.y.ceil() + (BAR_HEIGHT * zoom).round());
         let steps = (right - left) as u32;
         for step in 0..steps {
             let color = (bar.color)(f64::from(step) / f64::from(steps.saturating_sub(1).max(1)));
@@ -237,17 +264,19 @@ impl Lines {
         }
         let line = Stroke::solid(Ink::opaque(SOFT_INK), 1.0);
         self.picture.frame([left, top], [right, bottom], line);
+        let under = bottom + 6.0 * zoom + em;
+        // The last value is told, and of those before it what there is room for.
+        let end = bar.ticks.last().map_or(f64::INFINITY, |(part, words)| x(*part) - half(words));
         let mut free_from = f64::NEG_INFINITY;
-        for (part, words) in &bar.ticks {
-            let (at, half) = (x(*part), half(words));
-            self.picture.line(&[[at, bottom], [at, bottom + 5.0]], line);
-            if at - half >= free_from {
-                let text = Text::new(words, TEXT_EM).ink(Ink::opaque(INK)).anchor(Anchor::Middle);
-                self.picture.text([at, bottom + 6.0 + TEXT_EM], text);
+        for (at_tick, (part, words)) in bar.ticks.iter().enumerate() {
+            let (at, half, is_last) = (x(*part), half(words), at_tick + 1 == bar.ticks.len());
+            self.picture.line(&[[at, bottom], [at, bottom + 5.0 * zoom]], line);
+            if is_last || (at - half >= free_from && at + half + 8.0 <= end) {
+                self.picture.text([at, under], self.text(words).anchor(Anchor::Middle));
                 free_from = at + half + 8.0;
             }
         }
-        self.y = bottom + 10.0 + TEXT_EM * LEADING;
+        self.y = under + em * 0.5;
     }
 
     fn draw(mut self) -> Result<Plane<Rgb>> {
