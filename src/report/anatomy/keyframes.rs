@@ -31,7 +31,7 @@ pub(super) struct CellMark {
 pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Result<Plane<Rgb>> {
     /// Smaller text is not read.
     const MIN_EM: f64 = 9.0;
-    const MAX_EM: f64 = 18.0;
+    const MAX_EM: f64 = 30.0;
     let [width, height] = scale.drawn(size);
     let mut drawing = Drawing::new(width, height, "");
     for cell in cells {
@@ -45,11 +45,12 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
             drawing.frame(from, to, Stroke::solid(ink.with_alpha(0.35), 1.0));
         }
         if cell.corner {
-            let side = (wide.min(high) / 2.0).min(12.0);
-            drawing.polygon(&[from, [from[0] + side, from[1]], [from[0], from[1] + side]], ink);
+            let (side, inset) = ((wide.min(high) / 2.0).min(20.0), (wide.min(high) / 10.0).min(4.0));
+            let [x, y] = from.map(|at| at + inset);
+            drawing.polygon(&[[x, y], [x + side, y], [x, y + side]], ink);
         }
         let fine = Text::new(&cell.words, 100.0).width() / 100.0;
-        let em = (wide * 0.8 / fine.max(0.1)).min(high * 0.6).min(MAX_EM);
+        let em = (wide * 0.7 / fine.max(0.1)).min(high * 0.5).min(MAX_EM);
         if em >= MIN_EM {
             let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
             drawing.text_beside(middle, Text::new(&cell.words, em).ink(ink).anchor(Anchor::Middle));
