@@ -66,7 +66,7 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         }
     };
     let facts = vec![subject.fact(scale), format!("Compared with {source}. {found}")];
-    let title = format!("{}, frame {frame}, distance from the source", subject.name);
+    let title = format!("{}, frame {frame}, error against the source", subject.name);
     Ok(Sheet { title, facts, panels })
 }
 
@@ -120,11 +120,11 @@ impl ErrorScale {
 fn draw_errors(size: [u32; 2], scale: Scale, map: &ErrorMap, errors: ErrorScale) -> Plane<Rgb> {
     let color = |x: u32, y: u32| match map.pixels.get(x, y) {
         PixelError::Steps(steps) => palette::heat(errors.part(steps)),
-        PixelError::Background | PixelError::Outside => palette::MISMATCH[0],
+        PixelError::Background | PixelError::Outside => palette::MISMATCH,
     };
     let mut drawn = render(size, scale, color);
     let odd = |x: u32, y: u32| !matches!(map.pixels.get(x, y), PixelError::Steps(_));
-    hatch(&mut drawn, scale, palette::MISMATCH[1], odd);
+    hatch(&mut drawn, scale, odd);
     drawn
 }
 

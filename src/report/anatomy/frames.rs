@@ -40,7 +40,7 @@ impl Shades {
 
     /// The colour of a pixel.
     pub fn color(&self, x: u32, y: u32) -> Rgb {
-        self.pixels.get(x, y).map_or(palette::BACKGROUND[0], |part| palette::grey(f64::from(part)))
+        self.pixels.get(x, y).map_or(palette::BACKGROUND, |part| palette::grey(f64::from(part)))
     }
 
     /// Whether any pixel has no surface.
@@ -111,7 +111,7 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anato
         None => color,
     };
     let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
-    hatch(&mut drawn, scale, palette::BACKGROUND[1], |x, y| shades.pixels.get(x, y).is_none());
+    hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());
     outline(&mut drawn, scale, &parts_of(size, &anatomy.patches));
     let entry = &subject.stream.entry;
     unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));

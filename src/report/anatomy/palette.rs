@@ -13,10 +13,10 @@ pub const PAPER: Rgb = [255, 255, 255];
 pub const INK: Rgb = [24, 24, 24];
 /// Text that matters less, and thin lines.
 pub const SOFT_INK: Rgb = [96, 96, 96];
-/// Where there is no surface: ground and hatching.
-pub const BACKGROUND: [Rgb; 2] = [[30, 30, 30], [104, 104, 104]];
-/// Background on one side only, and depth outside of the range.
-pub const MISMATCH: [Rgb; 2] = [[213, 60, 0], [240, 150, 190]];
+/// Where there is no surface; hatched.
+pub const BACKGROUND: Rgb = [30, 30, 30];
+/// Background on one side only, and depth outside of the range; hatched.
+pub const MISMATCH: Rgb = [213, 60, 0];
 /// A cell without any error.
 pub const EXACT: Rgb = [236, 236, 236];
 /// Grey of the nearest and of the farthest surface.
@@ -61,6 +61,11 @@ pub fn outlined(color: Rgb) -> Rgb {
     if lightness(color) > 72 { mix(color, [0, 0, 0], 0.75) } else { mix(color, [255, 255, 255], 0.5) }
 }
 
+/// A colour as hatching over it shows it.
+pub fn hatched(color: Rgb) -> Rgb {
+    mix(color, contrast(color), 0.4)
+}
+
 /// Grey from near (0) to far (1).
 pub fn grey(part: f64) -> Rgb {
     [(GREYS[0] + (GREYS[1] - GREYS[0]) * part.clamp(0.0, 1.0)).round() as u8; 3]
@@ -91,10 +96,11 @@ mod tests {
     fn an_outline_is_seen_on_every_tint_and_grey() {
         let writings = Function::ALL.map(Writing::Function).into_iter();
         for writing in writings.chain([Writing::OneValue, Writing::Values, Writing::Blocks, Writing::Blend]) {
-            for ground in [grey(0.0), grey(0.5), grey(1.0), BACKGROUND[0], BACKGROUND[1]] {
+            for ground in [grey(0.0), grey(0.5), grey(1.0), BACKGROUND] {
                 let color = tinted(ground, writing);
                 let line = outlined(color);
                 assert!(lightness(color).abs_diff(lightness(line)) >= 50, "{writing:?} {color:?} {line:?}");
+                assert!(lightness(color).abs_diff(lightness(hatched(color))) >= 35, "{writing:?} {color:?}");
             }
         }
     }

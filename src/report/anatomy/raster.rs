@@ -1,6 +1,6 @@
 //! Images as pictures show them: enlarged or reduced by whole factors, outlined, hatched.
 
-use super::palette::{Rgb, contrast, mix, outlined};
+use super::palette::{Rgb, contrast, hatched, outlined};
 use crate::image::plane::Plane;
 use crate::video::anatomy::Patch;
 
@@ -147,13 +147,13 @@ pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<I
 }
 
 /// Hatches the pixels that a test of the image's pixels chooses; lines of two pixels, eight apart.
-pub fn hatch(drawn: &mut Plane<Rgb>, scale: Scale, line: Rgb, chosen: impl Fn(u32, u32) -> bool) {
+pub fn hatch(drawn: &mut Plane<Rgb>, scale: Scale, chosen: impl Fn(u32, u32) -> bool) {
     for y in 0..drawn.height() {
         for x in 0..drawn.width() {
             let (at_x, at_y) = scale.source(x, y);
             if is_hatched(x, y) && chosen(at_x, at_y) {
                 let pixel = &mut drawn.row_mut(y)[x as usize];
-                *pixel = mix(*pixel, line, 0.6);
+                *pixel = hatched(*pixel);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! A sheet: a title, facts, and beside each other images, each with a key and a colour bar below. What it says decides how
 //! large it is; nothing is clipped.
 
-use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast};
+use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
 use super::raster::is_hatched;
 use crate::error::Result;
 use crate::image::plane::Plane;
@@ -34,7 +34,7 @@ pub enum Swatch {
     /// A colour.
     Flat(Rgb),
     /// A ground with lines.
-    Hatched([Rgb; 2]),
+    Hatched(Rgb),
     /// A corner that is cut off, on a ground.
     Corner(Rgb),
     /// A dashed line, on a ground.
@@ -205,8 +205,7 @@ impl Lines {
     }
 
     fn swatch(&mut self, swatch: Swatch, from: [f64; 2], to: [f64; 2]) {
-        let (Swatch::Flat(ground) | Swatch::Hatched([ground, _]) | Swatch::Corner(ground) | Swatch::Dashed(ground)) =
-            swatch;
+        let (Swatch::Flat(ground) | Swatch::Hatched(ground) | Swatch::Corner(ground) | Swatch::Dashed(ground)) = swatch;
         let [left, top] = from;
         self.picture.rectangle(from, to, Ink::opaque(ground));
         let ink = Ink::opaque(contrast(ground));
@@ -218,13 +217,13 @@ impl Lines {
                     self.picture.rectangle([start, middle], [(start + 4.0).min(to[0]), middle + 1.0], ink);
                 }
             }
-            Swatch::Hatched([_, line]) => {
+            Swatch::Hatched(_) => {
                 let rows = top as u32..to[1] as u32;
                 for (x, y) in
                     rows.flat_map(|y| (0..to[0] as u32).map(move |x| (x, y))).filter(|(x, y)| is_hatched(*x, *y))
                 {
                     let at = [f64::from(x), f64::from(y)];
-                    self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(line).with_alpha(0.6));
+                    self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(hatched(ground)));
                 }
             }
             Swatch::Corner(_) => {
@@ -321,7 +320,7 @@ mod tests {
             image: Plane::filled(width, height, [1, 2, 3]),
             key: vec![
                 Entry { swatch: Swatch::Flat([9, 9, 9]), words: "flat".into() },
-                Entry { swatch: Swatch::Hatched([[0; 3], [255; 3]]), words: "lines ".repeat(40) },
+                Entry { swatch: Swatch::Hatched([0; 3]), words: "lines ".repeat(40) },
             ],
             bar: Some(Bar {
                 color: super::super::palette::heat,
