@@ -57,8 +57,7 @@ pub struct Args {
     /// Write pictures of what each stream is made of into this folder, as PNG
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
-    /// With --plot, the frame [default: of depth and material the first one and the one that changes most; of color the one
-    /// with most between keyframes]
+    /// With --plot, the frame [default: the first one, and the one that changes most]
     #[arg(long, value_name = "N", requires = "plot")]
     pub frame: Option<u32>,
     /// With --plot, what the container was made of, for pictures of the error: a lightfield.json or its folder, a sequence

@@ -77,7 +77,8 @@ pub struct Request<'a> {
     /// Its streams.
     pub streams: &'a [&'a StreamInfo],
     /// The frame. None: of depth and material the first one, which shows whole pictures, and the one that changes most
-    /// besides keyframes; of colour the one with most pixels between keyframes.
+    /// besides keyframes; of colour the one with most pixels between keyframes, or where none is, with most keyframes after
+    /// the first ones.
     pub frame: Option<u32>,
     /// The container and its source, and which of their streams belong together, for pictures of errors.
     pub source: Option<(&'a [Side; 2], &'a Pairing<'a>)>,

@@ -114,7 +114,8 @@ impl CellKeyframes {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Survey {
     /// The frame with most pixels written by records that are not the first one of their chunk; of colour, with most pixels
-    /// between keyframes. The earliest, where several have as many; none, where nothing ever changes.
+    /// between keyframes, or where there are none, with most pixels of keyframes. The earliest, where several have as many;
+    /// none, where nothing ever changes.
     pub busiest: Option<u32>,
     /// Cells of colour, in the order of units; empty for depth and material.
     pub cells: Vec<CellKeyframes>,
@@ -134,7 +135,7 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
     let surveyed = try_map_ordered((0..stream.entry.unit_count()).collect(), |unit| {
         let rect = stream.entry.unit_rect(unit);
         let mut cell = CellKeyframes { rect, blocks: 0, samples: 0 };
-        let mut changed = BTreeMap::new();
+        let (mut changed, mut keyframes) = (Frames::new(), Frames::new());
         for chunk in index.unit_chunks(stream.index, unit) {
             monitor.check()?;
             let counted = reader.fetch(chunk).and_then(|payload| {
@@ -143,22 +144,33 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
             let counted = counted.map_err(|error| reader.blame(chunk, error))?;
             cell.blocks += counted.keyframes_in_blocks;
             cell.samples += counted.keyframes_in_samples;
-            for (frame, pixels) in counted.changed {
-                *changed.entry(chunk.key.first_frame + frame).or_insert(0) += pixels;
-            }
+            add(&mut changed, chunk.key.first_frame, counted.changed);
+            add(&mut keyframes, chunk.key.first_frame, counted.later_keyframes);
             monitor.advance(1);
         }
-        Ok((cell, changed))
+        Ok((cell, changed, keyframes))
     })?;
-    let mut changed: BTreeMap<u32, u64> = BTreeMap::new();
-    let mut cells = Vec::new();
-    for (cell, of_unit) in surveyed {
+    let (mut changed, mut keyframes, mut cells) = (Frames::new(), Frames::new(), Vec::new());
+    for (cell, changed_in_unit, keyframes_of_unit) in surveyed {
         cells.extend((cell.count() > 0).then_some(cell));
-        of_unit.into_iter().for_each(|(frame, pixels)| *changed.entry(frame).or_insert(0) += pixels);
+        add(&mut changed, 0, changed_in_unit);
+        add(&mut keyframes, 0, keyframes_of_unit);
     }
-    let most = changed.values().copied().max().unwrap_or(0);
-    let busiest = changed.into_iter().find(|(_, pixels)| *pixels == most && most > 0).map(|(frame, _)| frame);
-    Ok(Survey { busiest, cells })
+    Ok(Survey { busiest: busiest(&changed).or_else(|| busiest(&keyframes)), cells })
+}
+
+/// Pixels by frame.
+type Frames = BTreeMap<u32, u64>;
+
+/// Adds pixels of frames that are counted from `first`.
+fn add(frames: &mut Frames, first: u32, others: impl IntoIterator<Item = (u32, u64)>) {
+    others.into_iter().for_each(|(frame, pixels)| *frames.entry(first + frame).or_insert(0) += pixels);
+}
+
+/// The earliest frame with most pixels, where any has some.
+fn busiest(frames: &Frames) -> Option<u32> {
+    let most = frames.values().copied().max().filter(|&most| most > 0)?;
+    frames.iter().find(|(_, pixels)| **pixels == most).map(|(&frame, _)| frame)
 }
 
 /// What a frame's records write.

@@ -340,7 +340,10 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
         })
     };
     let color = |_: Face, frame: u32| {
-        let value = |x: u32, y: u32| f16::from_f32(((x * 7 + y * 13 + frame * frame * 5) % 64) as f32 / 64.0);
+        let value = |x: u32, y: u32| {
+            let wobble = (x + y * frame * frame) % 5;
+            f16::from_f32(((x * 7 + y * 13) % 64) as f32 / 80.0 + 0.02 * frame as f32 + 0.005 * wobble as f32)
+        };
         Plane::from_fn(40, 40, |x, y| [value(x, y), value(y, x), value(x, x)])
     };
     Footage { depth: Some(&depth), color: Some(&color), ..Footage::new(40, 40) }.write(folder.path());

@@ -57,12 +57,12 @@ pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: 
         0 => "No pixel differs.".to_owned(),
         count => {
             let verb = if count == 1 { "differs" } else { "differ" };
-            format!(
-                "{} ({}) {verb}, the largest error is {} codes.",
-                counted(count, "pixel"),
-                percent(count, pixels),
-                told(largest)
-            )
+            let of_others = if background + outside > 0 { " of the others" } else { "" };
+            let worst = match largest {
+                0 => String::new(),
+                error => format!(", the largest error{of_others} is {} codes", told(error)),
+            };
+            format!("{} ({}) {verb}{worst}.", counted(count, "pixel"), percent(count, pixels))
         }
     };
     let facts = vec![subject.fact(scale), format!("Compared with {source}. {found}")];

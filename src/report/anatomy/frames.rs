@@ -111,10 +111,10 @@ pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anato
         None => color,
     };
     let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
-    hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());
     outline(&mut drawn, scale, &parts_of(size, &anatomy.patches));
     let entry = &subject.stream.entry;
     unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
+    hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());
     drawn
 }
 

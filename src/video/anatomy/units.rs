@@ -35,6 +35,8 @@ pub(super) struct ChunkSurvey {
     /// Frames of the chunk that change something, counted from its first, with pixels: of depth and material all records
     /// but the first, of colour frames between keyframes.
     pub changed: Vec<(u32, u64)>,
+    /// Of colour, frames of keyframes but the first, with pixels.
+    pub later_keyframes: Vec<(u32, u64)>,
 }
 
 /// What the payload of a unit of `size` (width, height) pixels writes in frame `at` of `frames`.
@@ -207,5 +209,6 @@ fn survey_cell<S: Sample>(chunk: &CellChunk<S>) -> ChunkSurvey {
         keyframes_in_blocks: in_blocks as u64,
         keyframes_in_samples: (keyframes - in_blocks) as u64,
         changed: between.map(|(frame, _)| (frame, pixels)).collect(),
+        later_keyframes: chunk.keyframes().iter().skip(1).map(|&frame| (frame, pixels)).collect(),
     }
 }
