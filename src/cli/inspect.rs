@@ -97,7 +97,7 @@ struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_rows: Option<Vec<FrameOut<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    plots: Option<Vec<plot::PlotOut<'a>>>,
+    plots: Option<&'a [plot::PlotOut<'a>]>,
 }
 
 /// Inspects.
@@ -125,7 +125,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     };
     if args.json {
         let frame_rows = args.frames.then(|| report.frame_rows());
-        output::print_json(&Document { head: json::head(&report), frame_rows, plots })?;
+        output::print_json(&Document { head: json::head(&report), frame_rows, plots: plots.as_deref() })?;
     } else if args.csv {
         output::print_text(&if args.frames {
             report::csv::of_rows(&report.frame_rows())?
@@ -134,8 +134,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         })?;
     } else if inspection.damaged.is_empty() {
         output::print_text(&if args.frames { text::frames(&report) } else { text::summary(&report) })?;
-        if let (Some(plots), Some(folder)) = (&plots, &args.plot) {
-            output::print_text(&format!("\n{}", plot::text(args, folder, plots)))?;
+    }
+    if let (Some(plots), Some(folder)) = (&plots, &args.plot) {
+        let written = plot::text(args, folder, plots);
+        match (args.json, args.csv) {
+            (true, _) => {}
+            (false, true) => output::note(written.trim_end()),
+            (false, false) => output::print_text(&format!("\n{written}"))?,
         }
     }
     if args.verify { tell_verdict(&report) } else { Ok(Outcome::Fine) }

@@ -334,9 +334,9 @@ fn a_source_that_lacks_streams_is_told_of() {
 fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
     let folder = TempDir::new().unwrap();
     let depth = |_: Face, frame: u32| {
-        Plane::from_fn(40, 40, |x, y| match (x * y + frame) % 37 {
-            0 => f32::INFINITY,
-            _ => 1.0 + ((x * x + 3 * y * frame) % 50) as f32 * 0.01,
+        Plane::from_fn(40, 40, |x, y| match (x, (x + y + frame) % 7) {
+            (..6, 0) => f32::INFINITY,
+            _ => 1.0 + 0.01 * x as f32 + 0.0005 * ((x * y + frame) % 5) as f32,
         })
     };
     let color = |_: Face, frame: u32| {
