@@ -181,10 +181,8 @@ mod tests {
         for longest in 1..5000 {
             for room in [HALF_ROOM, ROOM] {
                 let [width, height] = Scale::of([longest, 3], room).drawn([longest, 3]);
-                assert!(
-                    width <= room && width >= (room / 2).min(64 * longest.max(3)) && height > 0,
-                    "{longest} {width}"
-                );
+                let (side, source) = (width.max(height), longest.max(3));
+                assert!(side <= room && side >= (room / 2).min(64 * source) && height > 0, "{longest} {side}");
             }
         }
     }
