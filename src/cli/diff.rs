@@ -3,12 +3,11 @@
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::cli::options::{self, ColorSpaceArg, DepthReadingArgs, FrameArgs, ImageArgs, InvalidColorArg};
+use crate::cli::options::{self, FrameArgs, SideArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, diff_text};
 use crate::color::quality::PU_STEPS;
-use crate::dataset::source::{SequenceLayout, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::image::cube::Face;
@@ -79,18 +78,9 @@ pub struct Args {
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// What colour values of files mean [default: light for EXR, sRGB for PNG]
-    #[arg(long, value_enum, help_heading = "Colour")]
-    pub color_space: Option<ColorSpaceArg>,
-    /// What becomes of NaN colours
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse, help_heading = "Colour")]
-    pub invalid_color: InvalidColorArg,
-    /// Depth.
+    /// How files are read.
     #[command(flatten)]
-    pub depth: DepthReadingArgs,
-    /// Images.
-    #[command(flatten)]
-    pub images: ImageArgs,
+    pub reading: SideArgs,
 }
 
 /// `--ssim`.
@@ -132,25 +122,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 }
 
 fn side_options(args: &Args) -> Result<SideOptions> {
-    let mut source = SourceOptions::default();
-    args.depth.apply(&mut source);
-    source.color_space = args.color_space.map(Into::into);
-    source.invalid_color = args.invalid_color.into();
-    source.face_size = args.images.face_size;
-    source.channel = args.images.channel.clone();
-    Ok(SideOptions {
-        source,
-        layout: SequenceLayout {
-            arrangement: args.images.arrangement(Face::View),
-            intrinsics: args.images.intrinsics()?,
-            ..SequenceLayout::default()
-        },
-        selection: Selection {
-            probes: args.probe.clone(),
-            faces: args.face.clone(),
-            kinds: args.stream.clone(),
-            frames: args.frames.frames,
-        },
+    args.reading.options(Selection {
+        probes: args.probe.clone(),
+        faces: args.face.clone(),
+        kinds: args.stream.clone(),
+        frames: args.frames.frames,
     })
 }
 

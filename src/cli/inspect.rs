@@ -1,6 +1,7 @@
 //! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound.
 
 mod json;
+mod plot;
 mod text;
 
 use std::path::PathBuf;
@@ -8,7 +9,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::cli::options::{self, SelectionArgs};
+use crate::cli::options::{self, SelectionArgs, SideArgs};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, output};
 use crate::error::{Error, Result};
@@ -25,7 +26,8 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
     frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
-    lightfold inspect film.lfold --verify --json"
+    lightfold inspect film.lfold --verify --json\n  \
+    lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00"
 )]
 pub struct Args {
     /// The container, - for standard input
@@ -52,6 +54,18 @@ pub struct Args {
     /// Report as CSV: a row for each stream, or with --frames for each frame
     #[arg(long)]
     pub csv: bool,
+    /// Write pictures of what each stream is made of into this folder, as PNG
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// With --plot, the frame [default: the first one, and the one that changes most]
+    #[arg(long, value_name = "N", requires = "plot")]
+    pub frame: Option<u32>,
+    /// With --plot, what the container was made of, for pictures of the error: a lightfield.json or its folder, a sequence
+    #[arg(long, value_name = "SOURCE", requires = "plot")]
+    pub source: Option<String>,
+    /// How the source is read.
+    #[command(flatten)]
+    pub reading: SideArgs,
 }
 
 /// Everything that the reports speak of.
@@ -82,10 +96,13 @@ struct Document<'a> {
     head: Map<String, Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_rows: Option<Vec<FrameOut<'a>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plots: Option<&'a [plot::PlotOut<'a>]>,
 }
 
 /// Inspects.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    plot::check(args)?;
     let decoder = Decoder::open(&args.input)?;
     let selection = args.selection.with(None);
     let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|(stream, _)| stream).collect();
@@ -101,9 +118,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
     drop(progress);
     let report = Report { args, decoder: &decoder, inspection: &inspection };
+    // Of a damaged container there is no picture: the verdict is what counts.
+    let plots = match &args.plot {
+        Some(folder) if inspection.damaged.is_empty() => Some(plot::write(folder, &report, global)?),
+        _ => None,
+    };
     if args.json {
         let frame_rows = args.frames.then(|| report.frame_rows());
-        output::print_json(&Document { head: json::head(&report), frame_rows })?;
+        output::print_json(&Document { head: json::head(&report), frame_rows, plots: plots.as_deref() })?;
     } else if args.csv {
         output::print_text(&if args.frames {
             report::csv::of_rows(&report.frame_rows())?
@@ -112,6 +134,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         })?;
     } else if inspection.damaged.is_empty() {
         output::print_text(&if args.frames { text::frames(&report) } else { text::summary(&report) })?;
+    }
+    if let (Some(plots), Some(folder)) = (&plots, &args.plot) {
+        let written = plot::text(args, folder, plots);
+        match (args.json, args.csv) {
+            (true, _) => {}
+            (false, true) => output::note(written.trim_end()),
+            (false, false) => output::print_text(&format!("\n{written}"))?,
+        }
     }
     if args.verify { tell_verdict(&report) } else { Ok(Outcome::Fine) }
 }

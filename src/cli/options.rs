@@ -5,6 +5,7 @@ mod color;
 mod depth;
 mod material;
 mod sequence;
+mod side;
 
 use std::path::{Path, PathBuf};
 
@@ -25,6 +26,7 @@ pub use depth::{
 };
 pub use material::MaterialArgs;
 pub use sequence::{ColorSpaceArg, ImageArgs, SequenceArgs};
+pub use side::SideArgs;
 
 /// Parses a stream kind.
 pub fn parse_kind(text: &str) -> Result<StreamKind, String> {

@@ -26,9 +26,14 @@ pub struct BlockChunk {
 }
 
 /// Top left pixels of the blocks of a picture, row by row.
-fn places(grid: Grid) -> impl Iterator<Item = [usize; 2]> {
+fn corners(grid: Grid) -> impl Iterator<Item = [usize; 2]> {
     let columns = grid.width.div_ceil(8) as usize;
     (0..grid.height.div_ceil(8) as usize).flat_map(move |y| (0..columns).map(move |x| [8 * x, 8 * y]))
+}
+
+/// The blocks of a unit, at most 1024 by 1024 pixels, row by row.
+pub fn places(grid: Grid) -> impl Iterator<Item = Place> {
+    corners(grid).map(|[x, y]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 })
 }
 
 /// Bytes of the blocks of one picture.
@@ -59,8 +64,7 @@ impl BlockChunk {
     pub fn census(&self) -> NodeCensus {
         let mut census = NodeCensus::default();
         let pictures = self.payload.len() / picture_bytes(self.grid);
-        let place = |[x, y]: [usize; 2]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 };
-        for place in (0..pictures).flat_map(|_| places(self.grid).map(place)) {
+        for place in (0..pictures).flat_map(|_| places(self.grid)) {
             let share = Share { nodes: 1, pixels: self.grid.pixels_of(place), bytes: COEFFICIENT_BYTES as u64 };
             census.add_share(LEVEL, Function::Bc4w, share);
         }
@@ -71,9 +75,8 @@ impl BlockChunk {
     pub fn runtime(&self) -> Runtime {
         let mut runtime = Runtime::new(self.grid);
         let blocks = |picture: &[u8]| -> Vec<Node> {
-            let place = |[x, y]: [usize; 2]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 };
             let blocks = picture.as_chunks().0.iter().zip(places(self.grid));
-            blocks.map(|(&coefficients, at)| Node { place: place(at), coefficients }).collect()
+            blocks.map(|(&coefficients, place)| Node { place, coefficients }).collect()
         };
         let pictures = self.payload.chunks_exact(picture_bytes(self.grid)).zip(0..);
         pictures.for_each(|(picture, frame)| runtime.push(frame, &blocks(picture)));
@@ -84,7 +87,7 @@ impl BlockChunk {
     pub fn show(&self, picture: &mut [u16], target: u32) -> u64 {
         let bytes = picture_bytes(self.grid);
         let blocks = self.payload[target as usize * bytes..][..bytes].as_chunks().0;
-        for (block, place) in blocks.iter().zip(places(self.grid)) {
+        for (block, place) in blocks.iter().zip(corners(self.grid)) {
             let mut target = BlockMut::of(picture, self.grid.width as usize, LEVEL, place);
             // Markers were refused when the payload was checked.
             Bc4w::from_bytes(*block).iter().for_each(|block| block.decode(&mut target));
@@ -105,7 +108,7 @@ pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec
         out.extend_from_slice(block.as_bytes());
         accuracy
     };
-    places(grid).map(encode).collect()
+    corners(grid).map(encode).collect()
 }
 
 /// Encodes one unit as plain blocks.

@@ -104,6 +104,12 @@ impl Grid {
         inside(x, self.width) * inside(y, self.height)
     }
 
+    /// Left, top, width and height of the pixels of a place that lie in the picture; the place has some.
+    pub fn rect_of(self, place: Place) -> [u32; 4] {
+        let ([x, y], side) = (place.pixel().map(|at| at as u32), side_of(place.level) as u32);
+        [x, y, side.min(self.width.saturating_sub(x)), side.min(self.height.saturating_sub(y))]
+    }
+
     /// Pixels of the picture.
     pub fn pixel_count(self) -> u64 {
         u64::from(self.width) * u64::from(self.height)

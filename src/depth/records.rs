@@ -177,6 +177,11 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
         }
     }
 
+    /// Width and height of the unit in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
     /// The payload that was checked.
     pub fn payload(&self) -> &[u8] {
         &self.payload

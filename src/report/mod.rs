@@ -1,5 +1,6 @@
 //! How results look: tables for people, CSV for spreadsheets, charts; and sweeps of knobs. No command has a layout of its own.
 
+pub mod anatomy;
 pub mod csv;
 pub mod plot;
 pub mod table;

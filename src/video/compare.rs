@@ -172,6 +172,11 @@ impl<'a> Pairing<'a> {
         Error::Usage(format!("the two have no stream and frame in common: {}; {}{hint}", list(a), list(b)))
     }
 
+    /// The streams that belong together.
+    pub fn pairs(&self) -> &[Pair<'a>] {
+        &self.pairs
+    }
+
     /// The images that will be compared, pairs of two counted once.
     pub fn images(&self) -> u64 {
         self.pairs.iter().map(|pair| pair.frames.count()).sum()
@@ -199,14 +204,24 @@ pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn 
     Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
 }
 
-impl Pair<'_> {
+impl<'a> Pair<'a> {
     /// Whether files of either side are best read for both pairs at once.
     fn shares_files(&self, next: &Pair<'_>) -> bool {
         self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
     }
 
+    /// The two streams.
+    pub fn streams(&self) -> [&'a SideStream; 2] {
+        self.streams
+    }
+
+    /// Frames that both have, in the numbers of the first side.
+    pub fn frames(&self) -> FrameRange {
+        self.frames
+    }
+
     /// The frame's number on the second side.
-    fn other_frame(&self, frame: u32) -> u32 {
+    pub fn other_frame(&self, frame: u32) -> u32 {
         u32::try_from(i64::from(frame) + self.shift).unwrap_or(frame)
     }
 }

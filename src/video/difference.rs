@@ -73,12 +73,13 @@ impl DepthErrors {
                 continue;
             }
             self.max_error_m = self.max_error_m.max(error_m(m_a, m_b));
-            let (error, background) = error_codes(code_a, code_b);
+            let found = error_codes(code_a, code_b);
+            let error = found.codes();
             if error == 0 {
                 continue;
             }
             self.differing_pixels += 1;
-            self.background_mismatches += u64::from(background);
+            self.background_mismatches += u64::from(found == PixelError::Background);
             self.error.sum += u128::from(error).pow(2);
             if error > self.max_error_codes {
                 self.max_error_codes = error;
@@ -105,17 +106,49 @@ impl DepthErrors {
     }
 }
 
-/// The error between two codes, and whether it is between background and a surface. Codes that are both missing
-/// stand for two different depths: where the depths are equal nobody asks.
-fn error_codes(a: i32, b: i32) -> (u16, bool) {
+/// The error of one pixel of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PixelError {
+    /// So many codes or steps of the metric; 0 where nothing differs.
+    Steps(u32),
+    /// One side has background where the other has a surface.
+    Background,
+    /// A side sees a depth that the range of the codes leaves out.
+    Outside,
+}
+
+impl PixelError {
+    /// The error of depth in codes; what is no matter of codes is the largest.
+    pub fn codes(self) -> u16 {
+        match self {
+            PixelError::Steps(steps) => u16::try_from(steps).unwrap_or(u16::MAX),
+            PixelError::Background | PixelError::Outside => u16::MAX,
+        }
+    }
+}
+
+/// The error between two codes. Codes that are both missing stand for two different depths: where the depths are equal
+/// nobody asks.
+fn error_codes(a: i32, b: i32) -> PixelError {
     let background = i32::from(BACKGROUND_CODE);
     if (a == background) != (b == background) {
-        (u16::MAX, true)
+        PixelError::Background
     } else if a == OUTSIDE || b == OUTSIDE {
-        (u16::MAX, false)
+        PixelError::Outside
     } else {
-        (a.abs_diff(b).min(u32::from(u16::MAX)) as u16, false)
+        PixelError::Steps(a.abs_diff(b))
     }
+}
+
+/// The error of each pixel, row by row, as [`DepthErrors`] counts it.
+pub fn depth_errors(a: &DepthPicture, b: &DepthPicture) -> Vec<PixelError> {
+    let codes = a.codes.iter().zip(&b.codes);
+    let metres = a.metres.iter().zip(&b.metres);
+    let error = |((&code_a, &code_b), (m_a, m_b))| match code_a == code_b && m_a == m_b {
+        true => PixelError::Steps(0),
+        false => error_codes(code_a, code_b),
+    };
+    codes.zip(metres).map(error).collect()
 }
 
 fn error_m(a: f32, b: f32) -> f64 {
@@ -252,12 +285,8 @@ impl SampleErrors {
                 continue;
             }
             self.differing_pixels += 1;
-            let mut largest = 0;
-            for (a, b) in a.iter().zip(b) {
-                let error = a.steps().abs_diff(b.steps());
-                sum += u64::from(error) * u64::from(error);
-                largest = largest.max(error);
-            }
+            let (squares, largest) = sample_error(a, b);
+            sum += squares;
             let spot = Spot { x: start.x + offset as u32, ..start };
             // Cells are not in row order: of equal errors in a frame, the first in row order is kept.
             let earlier = |worst: Spot| worst.frame == spot.frame && (spot.y, spot.x) < (worst.y, worst.x);
@@ -274,6 +303,12 @@ impl SampleErrors {
     pub fn psnr_db(&self) -> f64 {
         self.error.psnr_db()
     }
+}
+
+/// The squared error of a pixel's samples, and the largest error of one of them, in steps.
+pub fn sample_error<T: Level>(a: &[T; 3], b: &[T; 3]) -> (u64, u32) {
+    let errors = a.iter().zip(b).map(|(a, b)| a.steps().abs_diff(b.steps()));
+    errors.fold((0, 0), |(sum, largest), error| (sum + u64::from(error) * u64::from(error), largest.max(error)))
 }
 
 fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {

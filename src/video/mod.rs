@@ -1,5 +1,6 @@
 //! Joins codecs and container: encodes the streams of a dataset, decodes (probe, face, unit, frame), and measures.
 
+pub mod anatomy;
 pub mod codec;
 pub mod compare;
 pub mod comparison;
@@ -9,6 +10,7 @@ pub mod depth_chunk;
 pub mod difference;
 pub mod domain;
 pub mod encode;
+pub mod error_map;
 pub mod export;
 pub mod flatten;
 pub mod inspect;

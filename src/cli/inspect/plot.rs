@@ -1,0 +1,103 @@
+//! `inspect --plot`: which pictures, where they go, and what is said of them.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::{Args, Report};
+use crate::cli::GlobalArgs;
+use crate::cli::output::OutputFolder;
+use crate::cli::progress::Progress;
+use crate::error::{Error, Result};
+use crate::image::sequence::FrameRange;
+use crate::report::anatomy::{self, Request, What};
+use crate::video::compare::{Coverage, Pairing};
+use crate::video::decode::StreamInfo;
+use crate::video::side;
+
+/// More pictures than this are only counted.
+const MAX_LINES: usize = 24;
+
+/// A picture in JSON.
+#[derive(Debug, Serialize)]
+pub struct PlotOut<'a> {
+    path: String,
+    stream: String,
+    kind: &'static str,
+    probe: &'a str,
+    face: &'static str,
+    frame: u32,
+    what: &'static str,
+}
+
+/// Refuses what makes no sense together.
+pub fn check(args: &Args) -> Result<()> {
+    if args.source.is_none() && !args.reading.is_usual() {
+        return Err(Error::Usage("options of how files are read mean nothing without --source".into()));
+    }
+    if args.source.is_some() && args.input == Path::new("-") {
+        return Err(Error::Usage("--source reads the container a second time: name a file instead of -".into()));
+    }
+    Ok(())
+}
+
+/// Draws and writes all pictures of the streams of a report.
+pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Result<Vec<PlotOut<'a>>> {
+    let (args, decoder) = (report.args, report.decoder);
+    let selection = args.selection.with(args.frame.map(|frame| FrameRange { first: frame, last: frame }));
+    let streams: Vec<&StreamInfo> = selection.choose(decoder)?.into_iter().map(|(stream, _)| stream).collect();
+    let sides = match &args.source {
+        Some(source) => {
+            let input = args.input.to_string_lossy();
+            let sides = side::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?;
+            Some(sides)
+        }
+        None => None,
+    };
+    let pairing = sides.as_ref().map(|sides| Pairing::new(sides, Coverage::Common)).transpose()?;
+    let source = sides.as_ref().zip(pairing.as_ref());
+    let request = Request { decoder, streams: &streams, frame: args.frame, source };
+    let out = OutputFolder::create(folder)?;
+    let progress = Progress::start(global, "drawing", anatomy::steps(&request))?;
+    let plots = anatomy::plot(&request, out.work_path(), &progress).map_err(|error| out.present(error))?;
+    drop(progress);
+    let plots = plots.into_iter().map(|plot| PlotOut {
+        path: folder.join(&plot.file).display().to_string(),
+        stream: format!("{} {}/{}", plot.stream.kind.name(), report.probe_name(plot.stream), plot.stream.face.name()),
+        kind: plot.stream.kind.name(),
+        probe: &decoder.probe(plot.stream).name,
+        face: plot.stream.face.name(),
+        frame: plot.frame,
+        what: plot.what.name(),
+    });
+    let plots = plots.collect();
+    out.commit()?;
+    Ok(plots)
+}
+
+/// What was written, for people.
+pub fn text(args: &Args, folder: &Path, plots: &[PlotOut<'_>]) -> String {
+    let mut out = String::new();
+    if plots.len() <= MAX_LINES {
+        let _ = writeln!(out, "Pictures");
+        plots.iter().for_each(|plot| {
+            let _ = writeln!(out, "{}", plot.path);
+        });
+    } else {
+        let _ = writeln!(out, "{} pictures in {}", plots.len(), folder.display());
+    }
+    let errors = plots.iter().filter(|plot| plot.what == What::Error.name()).count();
+    match &args.source {
+        None => out.push_str("Pictures of the error need --source, the footage that was encoded.\n"),
+        Some(source) if 2 * errors < plots.len() => {
+            let _ = writeln!(
+                out,
+                "{} have no picture of the error: {source} lacks their stream or frame.",
+                plots.len() - 2 * errors
+            );
+        }
+        Some(_) => {}
+    }
+    out
+}

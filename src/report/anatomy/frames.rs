@@ -1,0 +1,261 @@
+//! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
+
+use super::palette::{self, Rgb};
+use super::raster::{ROOM, Scale, hatch, outline, parts_of, render, unit_borders};
+use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
+use super::{Subject, What, counted, percent};
+use crate::dataset::stream::StreamKind;
+use crate::depth::nodes::Function;
+use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use crate::image::plane::Plane;
+use crate::video::anatomy::{FrameAnatomy, Writing};
+use crate::video::codec::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
+use crate::video::decode::Picture;
+
+/// An image in shades of grey.
+pub(super) struct Shades {
+    /// 0 to 1, or nothing where there is no surface.
+    pub pixels: Plane<Option<f32>>,
+    /// What the shades mean.
+    pub bar: Option<Bar>,
+    /// What the only shade means, where there is but one.
+    pub entry: Option<Entry>,
+}
+
+impl Shades {
+    /// Depth from its nearest to its farthest surface, material from its darkest to its brightest, colour as light as it is
+    /// (`codes` are those of sRGB).
+    pub fn of(subject: &Subject<'_>, picture: &Picture) -> Shades {
+        match (picture, &subject.stream.header) {
+            (Picture::Depth(codes), CodecHeader::Depth(header)) => of_depth(codes, header.range),
+            (Picture::Material(codes), _) => of_material(codes),
+            _ => Shades::plain(Plane::filled(subject.size()[0], subject.size()[1], None)),
+        }
+    }
+
+    /// Shades that mean nothing to be told.
+    pub fn plain(pixels: Plane<Option<f32>>) -> Shades {
+        Shades { pixels, bar: None, entry: None }
+    }
+
+    /// The colour of a pixel.
+    pub fn color(&self, x: u32, y: u32) -> Rgb {
+        self.pixels.get(x, y).map_or(palette::BACKGROUND, |part| palette::grey(f64::from(part)))
+    }
+
+    /// Whether any pixel has no surface.
+    fn has_background(&self) -> bool {
+        self.pixels.data().iter().any(Option::is_none)
+    }
+}
+
+/// Ticks at the quarters of a bar.
+const QUARTERS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+
+fn of_depth(codes: &Plane<u16>, range: DepthRange) -> Shades {
+    let surfaces = || codes.data().iter().copied().filter(|&code| code != BACKGROUND_CODE);
+    let (near, far) = (surfaces().min(), surfaces().max());
+    let (Some(near), Some(far)) = (near, far) else {
+        return Shades::plain(codes.map(|_| None));
+    };
+    let span = f32::from(far - near).max(1.0);
+    let pixels = codes.map(|&code| (code != BACKGROUND_CODE).then(|| f32::from(code - near) / span));
+    let metres = |part: f64| significant(f64::from(range.metres(near + (part * f64::from(far - near)).round() as u16)));
+    if near == far {
+        let words = format!("all surfaces: {} m away", metres(0.0));
+        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
+        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
+    }
+    let ticks = QUARTERS.into_iter().map(|part| (part, metres(part))).collect();
+    let label = "Depth in metres, on a logarithmic scale:".to_owned();
+    Shades { bar: Some(Bar { color: palette::grey, ticks, label, mark: None }), ..Shades::plain(pixels) }
+}
+
+fn of_material(codes: &Plane<[u8; 3]>) -> Shades {
+    let sums = codes.map(|pixel| pixel.iter().map(|&code| u16::from(code)).sum::<u16>());
+    let least = sums.data().iter().copied().min().unwrap_or(0);
+    let most = sums.data().iter().copied().max().unwrap_or(0);
+    let span = f32::from(most - least).max(1.0);
+    // Light is much, as near is light.
+    let pixels = sums.map(|&sum| Some(f32::from(most - sum) / span));
+    let mean = |part: f64| format!("{:.1}", (f64::from(least) + part * f64::from(most - least)) / 3.0);
+    if least == most {
+        let words = format!("all pixels: {} in 8-bit codes, the mean of the three weights", mean(0.0));
+        let entry = Entry { swatch: Swatch::Flat(palette::grey(0.0)), words };
+        return Shades { entry: Some(entry), ..Shades::plain(pixels) };
+    }
+    let ticks = QUARTERS.into_iter().map(|part| (part, mean(part))).collect();
+    let label = "Mean of the three weights in 8-bit codes:".to_owned();
+    let bar = Bar { color: |part| palette::grey(1.0 - part), ticks, label, mark: None };
+    Shades { bar: Some(bar), ..Shades::plain(pixels) }
+}
+
+/// Three significant digits.
+fn significant(value: f64) -> String {
+    let digits = value.abs().max(1e-9).log10().floor() as i32;
+    format!("{value:.*}", (2 - digits).clamp(0, 9) as usize)
+}
+
+/// The image with what is written in it tinted and outlined.
+pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anatomy: &FrameAnatomy) -> Plane<Rgb> {
+    let size = subject.size();
+    let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
+    for patch in &anatomy.patches {
+        let [left, top, width, height] = patch.rect;
+        for y in top..top + height {
+            writings.row_mut(y)[left as usize..(left + width) as usize].fill(Some(patch.writing));
+        }
+    }
+    let over = |x: u32, y: u32, color: Rgb| match writings.get(x, y) {
+        Some(writing) => palette::tinted(color, writing),
+        None => color,
+    };
+    let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
+    outline(&mut drawn, scale, &parts_of(size, &anatomy.patches));
+    let entry = &subject.stream.entry;
+    unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
+    hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());
+    drawn
+}
+
+/// What each way of writing is called, by the codec.
+fn name(header: &CodecHeader, writing: Writing) -> String {
+    let blocks = match header {
+        CodecHeader::Depth(_) => "BC5",
+        CodecHeader::Material(_) | CodecHeader::Color(ColorHeader { blocks: Some(ColorBlocks::Bc1), .. }) => "BC1",
+        CodecHeader::Color(ColorHeader { blocks: Some(ColorBlocks::Bc6h), .. }) => "BC6H",
+        CodecHeader::Color(_) => "BC7",
+    };
+    let color = matches!(header, CodecHeader::Color(_));
+    match writing {
+        Writing::Function(Function::Raw) => "raw codes".to_owned(),
+        Writing::Function(Function::Platelet) => "platelet".to_owned(),
+        Writing::Function(Function::Biquadratic) => "biquadratic, plane or constant".to_owned(),
+        Writing::Function(Function::Bc4w) => "BC4w block".to_owned(),
+        Writing::OneValue => "one value for a whole tile".to_owned(),
+        Writing::Values if color => "keyframe in samples".to_owned(),
+        Writing::Blocks if color => format!("keyframe in {blocks} blocks"),
+        Writing::Values => "values as they are".to_owned(),
+        Writing::Blocks => format!("pieces in {blocks} blocks"),
+        Writing::Blend => "between two keyframes".to_owned(),
+    }
+}
+
+/// A line for each way of writing, and one for what is not written.
+pub(super) fn key(subject: &Subject<'_>, anatomy: &FrameAnatomy) -> Vec<Entry> {
+    let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
+    let word = match &subject.stream.header {
+        CodecHeader::Depth(header) => match header.coding {
+            DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => None,
+            DepthCoding::Blocks => Some("block"),
+            DepthCoding::Nodes(_) | DepthCoding::Tree(_) => Some("node"),
+        },
+        CodecHeader::Material(_) => None,
+        CodecHeader::Color(_) => Some("cell"),
+    };
+    let line = |writing: Writing, parts: u64, written: u64| {
+        let count = word.map_or_else(String::new, |word| format!("{}, ", counted(parts, word)));
+        let swatch = Swatch::Flat(palette::tinted(palette::grey(0.4), writing));
+        let name = name(&subject.stream.header, writing);
+        Entry { swatch, words: format!("{name}: {count}{} of the image", percent(written, pixels)) }
+    };
+    let extents = anatomy.extents().into_iter();
+    let mut key: Vec<Entry> = extents.map(|(writing, extent)| line(writing, extent.parts, extent.pixels)).collect();
+    let rest = pixels - anatomy.updated_pixels();
+    if rest > 0 {
+        let words = format!("not written, as before: {} of the image", percent(rest, pixels));
+        key.push(Entry { swatch: Swatch::Flat(palette::grey(0.4)), words });
+    }
+    if subject.stream.entry.unit_count() > 1 {
+        let words = format!("{} border", subject.unit_word());
+        key.push(Entry { swatch: Swatch::Dashed(palette::grey(0.4)), words });
+    }
+    key
+}
+
+/// What the frame's record comes to, in a sentence.
+pub(super) fn sentence(subject: &Subject<'_>, anatomy: &FrameAnatomy, parts: Option<&str>) -> String {
+    if anatomy.patches.is_empty() {
+        return "No pixel is written in this frame: the image is that of an earlier one.".to_owned();
+    }
+    let (units, word) = (subject.stream.entry.unit_count(), subject.unit_word());
+    let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
+    let in_units = if units == 1 {
+        format!(" in one {word}")
+    } else {
+        format!(" in {} of {}", anatomy.written_units, counted(u64::from(units), word))
+    };
+    let keyframes = match (units, anatomy.keyframe_units) {
+        (_, 0) => String::new(),
+        (1, _) => ", as a keyframe".to_owned(),
+        (_, count) => format!(", {count} of them keyframes"),
+    };
+    let parts = parts.map_or_else(String::new, |parts| format!(" by {parts}"));
+    let updated = anatomy.updated_pixels();
+    format!("{updated} of {pixels} pixels ({}) are written{parts}{in_units}{keyframes}.", percent(updated, pixels))
+}
+
+/// The sheet of a frame.
+pub(super) fn sheet(subject: &Subject<'_>, anatomy: &FrameAnatomy, picture: &Picture) -> (What, Sheet) {
+    let scale = Scale::of(subject.size(), ROOM);
+    let shades = Shades::of(subject, picture);
+    let (what, part, note) = match &subject.stream.header {
+        CodecHeader::Depth(header) => match header.coding {
+            DepthCoding::Nodes(_) => (What::Nodes, "node", None),
+            DepthCoding::Tree(_) => {
+                let note = "The intermediate form writes raw leaves; outlined and tinted is the coarsest function that it \
+                    holds for them.";
+                (What::Nodes, "node", Some(note))
+            }
+            DepthCoding::Blocks => (What::Nodes, "block", None),
+            DepthCoding::Boxes(_) | DepthCoding::BoxesInBlocks(_) => (What::Boxes, "box", None),
+        },
+        _ => (What::Boxes, "box", None),
+    };
+    // A keyframe of boxes is a whole tile and no box.
+    let whole = what == What::Boxes && anatomy.keyframe_units == anatomy.written_units;
+    let parts = (!whole).then(|| counted(u64::from(anatomy.parts), part));
+    let mut facts = vec![subject.fact(scale), sentence(subject, anatomy, parts.as_deref())];
+    facts.extend(note.map(str::to_owned));
+    let mut key = key(subject, anatomy);
+    if shades.has_background() {
+        key.push(Entry { swatch: Swatch::Hatched(palette::BACKGROUND), words: "background: no surface".to_owned() });
+    }
+    key.extend(shades.entry.clone());
+    let image = if subject.stream.kind == StreamKind::Material { "Material" } else { "Depth" };
+    let caption = match (what, part) {
+        _ if anatomy.patches.is_empty() => format!("{image}; nothing is written"),
+        _ if whole => format!("{image}, and the whole tiles that the frame writes"),
+        (What::Boxes, _) => format!("{image}, and the boxes that the frame writes"),
+        (_, part) => format!("{image}, and the {part}s that the frame writes"),
+    };
+    let panel = Panel { caption, image: tinted(subject, scale, &shades, anatomy), key, bar: shades.bar };
+    let title = format!("{}, frame {}", subject.name, anatomy.frame);
+    (what, Sheet { title, facts, panels: vec![panel] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn metres_have_three_digits() {
+        assert_eq!(
+            [0.0123, 0.5, 1.0, 12.34, 123.4, 98765.0].map(significant),
+            ["0.0123", "0.500", "1.00", "12.3", "123", "98765"]
+        );
+    }
+
+    #[test]
+    fn depth_is_light_where_it_is_near_and_has_no_shade_where_nothing_is() {
+        let range = DepthRange::new(1.0, 100.0).unwrap();
+        let shades = of_depth(&Plane::new(4, 1, vec![100, 300, 200, BACKGROUND_CODE]).unwrap(), range);
+        assert_eq!(shades.pixels.data(), [Some(0.0), Some(1.0), Some(0.5), None]);
+        assert!(shades.has_background() && shades.bar.unwrap().ticks.len() == 5);
+        let empty = of_depth(&Plane::filled(2, 2, BACKGROUND_CODE), range);
+        assert!(empty.bar.is_none() && empty.pixels.data().iter().all(Option::is_none));
+        let flat = of_depth(&Plane::filled(2, 2, 7), range);
+        assert!(flat.bar.is_none() && flat.entry.is_some_and(|entry| entry.words.contains(" m ")));
+        assert_eq!(flat.pixels.get(1, 1), Some(0.0));
+    }
+}

@@ -1,0 +1,175 @@
+//! Cells of colour: what a frame shows of them, and how many keyframes each has over all frames.
+
+use super::frames::{Shades, key, sentence, tinted};
+use super::palette::{self, Rgb};
+use super::raster::{HALF_ROOM, Scale};
+use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
+use super::{Subject, counted};
+use crate::error::Result;
+use crate::image::plane::Plane;
+use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+use crate::report::plot::picture::{Anchor, Stroke, Text};
+use crate::report::plot::save::to_pixels;
+use crate::report::plot::{Ink, Picture as Drawing};
+use crate::video::anatomy::{FrameAnatomy, Survey};
+use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
+use crate::video::convert;
+use crate::video::decode::Picture;
+
+/// A cell as it is drawn.
+pub(super) struct CellMark {
+    /// Left, top, width and height in the image.
+    pub rect: [u32; 4],
+    pub color: Rgb,
+    /// Written in it where there is room.
+    pub words: String,
+    /// Whether its corner is marked.
+    pub corner: bool,
+}
+
+/// Cells side by side.
+pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Result<Plane<Rgb>> {
+    /// Smaller text is not read.
+    const MIN_EM: f64 = 9.0;
+    const MAX_EM: f64 = 30.0;
+    let [width, height] = scale.drawn(size);
+    let mut drawing = Drawing::new(width, height, "");
+    for cell in cells {
+        let [left, top, width, height] = cell.rect;
+        let (from, to) =
+            ([scale.place(left), scale.place(top)], [scale.place(left + width), scale.place(top + height)]);
+        let ink = Ink::opaque(palette::contrast(cell.color));
+        let (wide, high) = (to[0] - from[0], to[1] - from[1]);
+        drawing.rectangle(from, to, Ink::opaque(cell.color));
+        if wide >= 6.0 && high >= 6.0 {
+            drawing.frame(from, to, Stroke::solid(ink.with_alpha(0.35), 1.0));
+        }
+        if cell.corner {
+            let (side, inset) = ((wide.min(high) / 2.0).min(20.0), (wide.min(high) / 10.0).min(4.0));
+            let [x, y] = from.map(|at| at + inset);
+            drawing.polygon(&[[x, y], [x + side, y], [x, y + side]], ink);
+        }
+        let fine = Text::new(&cell.words, 100.0).width() / 100.0;
+        let em = (wide * 0.7 / fine.max(0.1)).min(high * 0.5).min(MAX_EM);
+        if em >= MIN_EM {
+            let middle = [(from[0] + to[0]) / 2.0, (from[1] + to[1]) / 2.0];
+            drawing.text_beside(middle, Text::new(&cell.words, em).ink(ink).anchor(Anchor::Middle));
+        }
+    }
+    to_pixels(&drawing, 1)
+}
+
+/// The sheet of a stream of colour.
+pub(super) fn sheet(
+    subject: &Subject<'_>,
+    anatomy: &FrameAnatomy,
+    picture: &Picture,
+    survey: &Survey,
+) -> Result<Sheet> {
+    let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_ROOM));
+    let shades = Shades::plain(light(subject, picture));
+    let frames = subject.stream.frames;
+    let frame = Panel {
+        caption: format!("Frame {}, and the cells that it writes", anatomy.frame),
+        image: tinted(subject, scale, &shades, anatomy),
+        key: key(subject, anatomy),
+        bar: None,
+    };
+    let counts = || survey.cells.iter().map(|cell| cell.count());
+    let (least, most) = (counts().min().unwrap_or(0), counts().max().unwrap_or(0));
+    let has_blocks = matches!(subject.stream.header, CodecHeader::Color(ColorHeader { blocks: Some(_), .. }));
+    let part = |count: u64| (count - least) as f64 / (most - least).max(1) as f64;
+    let marks: Vec<CellMark> = survey
+        .cells
+        .iter()
+        .map(|cell| CellMark {
+            rect: cell.rect,
+            color: palette::heat(part(cell.count())),
+            words: cell.count().to_string(),
+            corner: has_blocks && cell.samples > 0,
+        })
+        .collect();
+    let cornered = marks.iter().filter(|mark| mark.corner).count() as u64;
+    let mut cell_key = Vec::new();
+    if least == most {
+        let words = format!("{} in each cell", counted(least, "keyframe"));
+        cell_key.push(Entry { swatch: Swatch::Flat(palette::heat(0.0)), words });
+    }
+    if cornered > 0 {
+        let words =
+            format!("{}: some keyframes in samples, since blocks would show them too badly", counted(cornered, "cell"));
+        cell_key.push(Entry { swatch: Swatch::Corner(palette::heat(1.0)), words });
+    }
+    let keyframes = Panel {
+        caption: format!("Keyframes of each cell in frames {}-{}", frames.first, frames.last),
+        image: draw_cells(size, scale, &marks)?,
+        key: cell_key,
+        bar: (least < most).then(|| Bar {
+            color: palette::heat,
+            ticks: ticks(least, most),
+            label: "Keyframes for each cell:".to_owned(),
+            mark: None,
+        }),
+    };
+    let total: u64 = counts().sum();
+    let blocks: u64 = survey.cells.iter().map(|cell| cell.blocks).sum();
+    let samples = total - blocks;
+    let mean = total as f64 / survey.cells.len().max(1) as f64;
+    let ways =
+        if has_blocks { format!(", {blocks} of them in blocks and {samples} in samples") } else { String::new() };
+    let spread = match least == most {
+        true => format!("{least} in each"),
+        false => format!("{least} to {most} in each, {mean:.2} in the mean"),
+    };
+    let facts = vec![
+        subject.fact(scale),
+        format!("{} in {}: {spread}{ways}.", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"),),
+        sentence(subject, anatomy, None),
+    ];
+    let title = format!("{}, keyframes, and frame {}", subject.name, anatomy.frame);
+    Ok(Sheet { title, facts, panels: vec![frame, keyframes] })
+}
+
+/// At most six whole numbers from `least` to `most`.
+fn ticks(least: u64, most: u64) -> Vec<(f64, String)> {
+    let span = (most - least).max(1);
+    let step = span.div_ceil(5).max(1);
+    let mut values: Vec<u64> = (0..=span / step).map(|at| least + at * step).collect();
+    if values.last() != Some(&most) {
+        // The end is told, whatever comes before it.
+        values.pop();
+        values.push(most);
+    }
+    values.into_iter().map(|value| ((value - least) as f64 / span as f64, value.to_string())).collect()
+}
+
+/// How dark each pixel is on a display, 0 to 1.
+fn light(subject: &Subject<'_>, picture: &Picture) -> Plane<Option<f32>> {
+    let dark = |pixel: &[u8; 3]| Some(1.0 - palette::lightness(*pixel) as f32 / 255.0);
+    let usual = || EncodeTable::new(&ToneMap::default());
+    match (picture, &subject.stream.header) {
+        (Picture::Color8(codes), CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }))
+            if tone.transfer == Transfer::Linear =>
+        {
+            let light = convert::color_light(codes, &DecodeTable::new(tone));
+            convert::color_codes(&light, &usual()).0.map(dark)
+        }
+        (Picture::Color8(codes) | Picture::Material(codes), _) => codes.map(dark),
+        (Picture::ColorHalf(light), _) => convert::color_codes(light, &usual()).0.map(dark),
+        (Picture::Depth(codes), _) => codes.map(|_| None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_whole_numbers_with_both_ends() {
+        let values = |least, most| ticks(least, most).into_iter().map(|(_, text)| text).collect::<Vec<_>>().join(" ");
+        assert_eq!(values(1, 6), "1 2 3 4 5 6");
+        assert_eq!(values(1, 9), "1 3 5 7 9");
+        assert_eq!(values(2, 100), "2 22 42 62 100");
+        assert!(ticks(0, u64::from(u32::MAX)).iter().all(|(part, _)| (0.0..=1.0).contains(part)));
+    }
+}

@@ -1,0 +1,213 @@
+//! Images as pictures show them: enlarged or reduced by whole factors, outlined, hatched.
+
+use super::palette::{Rgb, contrast, hatched, outlined};
+use crate::image::plane::Plane;
+use crate::video::anatomy::Patch;
+
+/// The longest side of a drawn image in pixels, where there is one in a picture.
+pub const ROOM: u32 = 2048;
+/// And where there are two.
+pub const HALF_ROOM: u32 = 1024;
+/// Images are enlarged until their longest side is as long as this, or nearly.
+const COMFORTABLE: u32 = 1024;
+/// Largest enlargement.
+const MAX_UP: u32 = 64;
+
+/// By which whole factor an image is enlarged or reduced; one of the two is 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scale {
+    /// Pixels drawn for each pixel, in each direction.
+    pub up: u32,
+    /// Pixels that become one, in each direction.
+    pub down: u32,
+}
+
+impl Scale {
+    /// The factor of an image of this width and height whose longest side may be drawn `room` pixels long.
+    pub fn of(size: [u32; 2], room: u32) -> Scale {
+        let longest = size[0].max(size[1]).max(1);
+        if longest > room {
+            return Scale { up: 1, down: longest.div_ceil(room) };
+        }
+        let wanted = COMFORTABLE.div_ceil(longest).clamp(1, MAX_UP);
+        // Outlines of leaves take too much of an image that is not enlarged.
+        Scale { up: wanted.max(2).min(room / longest).max(1), down: 1 }
+    }
+
+    /// Width and height of the drawn image.
+    pub fn drawn(self, size: [u32; 2]) -> [u32; 2] {
+        size.map(|side| (side * self.up).div_ceil(self.down))
+    }
+
+    /// A place of the image in the drawn one.
+    pub fn place(self, at: u32) -> f64 {
+        f64::from(at) * f64::from(self.up) / f64::from(self.down)
+    }
+
+    /// The factor in words.
+    pub fn words(self) -> String {
+        match self {
+            Scale { up: 1, down: 1 } => "drawn pixel for pixel".to_owned(),
+            Scale { up, down: 1 } => format!("each pixel drawn as {up}x{up}"),
+            Scale { down, .. } => format!("{down}x{down} pixels drawn as one"),
+        }
+    }
+
+    /// The pixel that is seen at a place of the drawn image: where several are, their first.
+    fn source(self, x: u32, y: u32) -> (u32, u32) {
+        (x * self.down / self.up, y * self.down / self.up)
+    }
+}
+
+/// Draws an image of `size`; of pixels that become one the mean is shown.
+pub fn render(size: [u32; 2], scale: Scale, color: impl Fn(u32, u32) -> Rgb) -> Plane<Rgb> {
+    let [width, height] = scale.drawn(size);
+    let small = scale.down == 1;
+    let mut row: Vec<Rgb> = Vec::new();
+    let mut drawn = Plane::filled(width, height, [0; 3]);
+    for y in 0..height {
+        let (_, from) = scale.source(0, y);
+        if small && y % scale.up == 0 {
+            row = (0..size[0]).map(|x| color(x, from)).collect();
+        }
+        for (x, pixel) in drawn.row_mut(y).iter_mut().enumerate() {
+            let x = x as u32;
+            *pixel = if small {
+                row[(x / scale.up) as usize]
+            } else {
+                let (left, right) = (x * scale.down, (x * scale.down + scale.down).min(size[0]));
+                let rows = from..(from + scale.down).min(size[1]);
+                mean(rows.flat_map(|y| (left..right).map(move |x| (x, y))).map(|(x, y)| color(x, y)))
+            };
+        }
+    }
+    drawn
+}
+
+fn mean(colors: impl Iterator<Item = Rgb>) -> Rgb {
+    let (mut sums, mut count) = ([0u32; 3], 0);
+    for color in colors {
+        count += 1;
+        sums.iter_mut().zip(color).for_each(|(sum, code)| *sum += u32::from(code));
+    }
+    sums.map(|sum| ((sum + count / 2) / count.max(1)) as u8)
+}
+
+/// The part that each pixel of an image belongs to, counted from 1; 0 where none is.
+pub fn parts_of([width, height]: [u32; 2], patches: &[Patch]) -> Plane<u32> {
+    let mut parts = Plane::filled(width, height, 0);
+    for patch in patches {
+        let [left, top, width, height] = patch.rect.map(|pixels| pixels as usize);
+        for y in top..top + height {
+            parts.row_mut(y as u32)[left..left + width].fill(patch.part + 1);
+        }
+    }
+    parts
+}
+
+/// Draws lines of one pixel where parts meet, and a frame around the image.
+pub fn outline(drawn: &mut Plane<Rgb>, scale: Scale, parts: &Plane<u32>) {
+    let part = |x: u32, y: u32| {
+        let (x, y) = scale.source(x, y);
+        parts.get(x, y)
+    };
+    for y in 0..drawn.height() {
+        for x in 0..drawn.width() {
+            let own = part(x, y);
+            let differs = |other: u32| other != own;
+            let last = own != 0 && (x + 1 == drawn.width() || y + 1 == drawn.height());
+            let edge = if own != 0 && (x == 0 || y == 0) { true } else { last };
+            if edge || (x > 0 && differs(part(x - 1, y))) || (y > 0 && differs(part(x, y - 1))) {
+                let pixel = &mut drawn.row_mut(y)[x as usize];
+                *pixel = outlined(*pixel);
+            }
+        }
+    }
+}
+
+/// Draws dashed lines of one pixel where units meet.
+pub fn unit_borders(drawn: &mut Plane<Rgb>, scale: Scale, rects: impl Iterator<Item = [u32; 4]>) {
+    let [width, height] = [drawn.width(), drawn.height()];
+    let mut dot = |x: u32, y: u32| {
+        if (x + y) % 8 < 4 && x < width && y < height {
+            let pixel = &mut drawn.row_mut(y)[x as usize];
+            *pixel = contrast(*pixel);
+        }
+    };
+    for [left, top, unit_width, unit_height] in rects {
+        let [from_x, from_y] = [left, top].map(|at| scale.place(at) as u32);
+        let [to_x, to_y] = [left + unit_width, top + unit_height].map(|at| scale.place(at).ceil() as u32);
+        if left > 0 {
+            (from_y..to_y).for_each(|y| dot(from_x, y));
+        }
+        if top > 0 {
+            (from_x..to_x).for_each(|x| dot(x, from_y));
+        }
+    }
+}
+
+/// Hatches the pixels that a test of the image's pixels chooses; lines of two pixels, eight apart.
+pub fn hatch(drawn: &mut Plane<Rgb>, scale: Scale, chosen: impl Fn(u32, u32) -> bool) {
+    for y in 0..drawn.height() {
+        for x in 0..drawn.width() {
+            let (at_x, at_y) = scale.source(x, y);
+            if is_hatched(x, y) && chosen(at_x, at_y) {
+                let pixel = &mut drawn.row_mut(y)[x as usize];
+                *pixel = hatched(*pixel);
+            }
+        }
+    }
+}
+
+/// Whether a line of the hatching goes through a pixel.
+pub fn is_hatched(x: u32, y: u32) -> bool {
+    (x + y) % 8 < 2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::video::anatomy::Writing;
+
+    #[test]
+    fn factors_are_whole_and_images_stay_within_their_room() {
+        let of = |longest, room| (Scale::of([longest, 1], room).up, Scale::of([longest, 1], room).down);
+        assert_eq!([1, 7, 16, 100, 256].map(|longest| of(longest, ROOM)), [(64, 1), (64, 1), (64, 1), (11, 1), (4, 1)]);
+        assert_eq!(
+            [1024, 1025, 2048, 2049, 65535].map(|longest| of(longest, ROOM)),
+            [(2, 1), (1, 1), (1, 1), (1, 2), (1, 32)]
+        );
+        assert_eq!([1, 300, 1024, 1025].map(|longest| of(longest, HALF_ROOM)), [(64, 1), (3, 1), (1, 1), (1, 2)]);
+        for longest in 1..5000 {
+            for room in [HALF_ROOM, ROOM] {
+                let [width, height] = Scale::of([longest, 3], room).drawn([longest, 3]);
+                let (side, source) = (width.max(height), longest.max(3));
+                assert!(side <= room && side >= (room / 2).min(64 * source) && height > 0, "{longest} {side}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_are_repeated_or_averaged() {
+        let color = |x: u32, y: u32| [(10 * x) as u8, (10 * y) as u8, 0];
+        let large = render([3, 2], Scale { up: 3, down: 1 }, color);
+        assert_eq!((large.width(), large.height()), (9, 6));
+        assert!((0..6).all(|y| (0..9).all(|x| large.get(x, y) == color(x / 3, y / 3))));
+        let small = render([3, 2], Scale { up: 1, down: 2 }, color);
+        assert_eq!((small.width(), small.height()), (2, 1));
+        assert_eq!((small.get(0, 0), small.get(1, 0)), ([5, 5, 0], [20, 5, 0]));
+    }
+
+    #[test]
+    fn outlines_are_where_parts_meet() {
+        let patch = |rect, part| Patch { rect, writing: Writing::Values, part };
+        let parts = parts_of([4, 2], &[patch([0, 0, 2, 2], 0), patch([2, 0, 1, 1], 1), patch([2, 1, 1, 1], 1)]);
+        assert_eq!(parts.data(), [1, 1, 2, 0, 1, 1, 2, 0]);
+        let mut drawn = Plane::filled(16, 8, [200; 3]);
+        outline(&mut drawn, Scale { up: 4, down: 1 }, &parts);
+        let line = outlined([200; 3]);
+        let lines = |y: u32| (0..16).filter(|&x| drawn.get(x, y) == line).collect::<Vec<_>>();
+        assert_eq!(lines(4), [0, 8, 12]);
+        assert_eq!((lines(0).len(), lines(7).len()), (13, 13));
+    }
+}

@@ -1,0 +1,349 @@
+//! A sheet: a title, facts, and beside each other images, each with a key and a colour bar below. What it says decides how
+//! large it is; nothing is clipped.
+
+use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
+use super::raster::is_hatched;
+use crate::error::Result;
+use crate::image::plane::Plane;
+use crate::report::plot::picture::{Anchor, Stroke, Text, Weight};
+use crate::report::plot::save::to_pixels;
+use crate::report::plot::{Ink, Picture, font};
+
+const MARGIN: u32 = 24;
+/// Between images.
+const GAP: u32 = 40;
+/// Least width of what is written.
+const MIN_WIDTH: u32 = 620;
+/// Least width of a column.
+const MIN_COLUMN: u32 = 420;
+const TITLE_EM: f64 = 21.0;
+const CAPTION_EM: f64 = 16.0;
+const TEXT_EM: f64 = 14.5;
+/// Letters grow with sheets that are wider than this, up to [`MAX_ZOOM`], so that they are read where a sheet is seen as a whole.
+const USUAL_WIDTH: f64 = 1100.0;
+const MAX_ZOOM: f64 = 1.7;
+/// Height of a line in ems.
+const LEADING: f64 = 1.45;
+const SWATCH: [f64; 2] = [26.0, 15.0];
+const BAR_HEIGHT: f64 = 16.0;
+const MAX_BAR: f64 = 640.0;
+
+/// What a key shows before its words.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Swatch {
+    /// A colour.
+    Flat(Rgb),
+    /// A ground with lines.
+    Hatched(Rgb),
+    /// A corner that is cut off, on a ground.
+    Corner(Rgb),
+    /// A dashed line, on a ground.
+    Dashed(Rgb),
+}
+
+/// A line of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// What is meant.
+    pub swatch: Swatch,
+    /// What it means.
+    pub words: String,
+}
+
+/// A colour bar.
+#[derive(Debug, Clone)]
+pub struct Bar {
+    /// The colour at each place, 0 to 1.
+    pub color: fn(f64) -> Rgb,
+    /// Places, 0 to 1, ascending, and their values.
+    pub ticks: Vec<(f64, String)>,
+    /// What is measured, with its unit.
+    pub label: String,
+    /// A value that is meant to be seen.
+    pub mark: Option<(f64, String)>,
+}
+
+/// An image with what explains it.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    /// Above the image.
+    pub caption: String,
+    /// The image.
+    pub image: Plane<Rgb>,
+    /// Below the image.
+    pub key: Vec<Entry>,
+    /// Below the key.
+    pub bar: Option<Bar>,
+}
+
+/// All of it.
+#[derive(Debug, Clone)]
+pub struct Sheet {
+    /// One line.
+    pub title: String,
+    /// Sentences below it.
+    pub facts: Vec<String>,
+    /// At least one, from left to right.
+    pub panels: Vec<Panel>,
+}
+
+impl Sheet {
+    /// The sheet as pixels.
+    ///
+    /// # Errors
+    /// When the font cannot be read.
+    pub fn draw(&self) -> Result<Plane<Rgb>> {
+        let columns: Vec<u32> = self.panels.iter().map(|panel| panel.image.width().max(MIN_COLUMN)).collect();
+        let gaps = GAP * (columns.len() as u32).saturating_sub(1);
+        let width = (columns.iter().sum::<u32>() + gaps).max(MIN_WIDTH);
+        let zoom = (f64::from(width) / USUAL_WIDTH).clamp(1.0, MAX_ZOOM);
+        let head = self.head(width, zoom)?;
+        let feet = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.foot(column, zoom));
+        let feet = feet.collect::<Result<Vec<_>>>()?;
+        let captions = self.panels.iter().zip(&columns).map(|(panel, &column)| panel.head(column, zoom));
+        let captions = captions.collect::<Result<Vec<_>>>()?;
+        let tallest = |planes: &mut dyn Iterator<Item = u32>| planes.max().unwrap_or(0);
+        let caption = tallest(&mut captions.iter().map(Plane::height));
+        let image = tallest(&mut self.panels.iter().map(|panel| panel.image.height()));
+        let foot = tallest(&mut feet.iter().map(Plane::height));
+        let height = MARGIN + head.height() + caption + image + foot + MARGIN;
+        let mut sheet = Plane::filled(width + 2 * MARGIN, height, PAPER);
+        paste(&mut sheet, &head, [MARGIN, MARGIN]);
+        let (mut left, top) = (MARGIN, MARGIN + head.height());
+        for (((panel, column), above), below) in self.panels.iter().zip(&columns).zip(&captions).zip(&feet) {
+            paste(&mut sheet, above, [left, top]);
+            paste(&mut sheet, &panel.image, [left, top + caption]);
+            paste(&mut sheet, below, [left, top + caption + panel.image.height()]);
+            left += column + GAP;
+        }
+        Ok(sheet)
+    }
+
+    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
+        lines.words(&self.title, TITLE_EM, Weight::Bold, INK);
+        lines.space(4.0);
+        self.facts.iter().for_each(|fact| lines.words(fact, TEXT_EM, Weight::Regular, INK));
+        lines.space(12.0);
+        lines.draw()
+    }
+}
+
+impl Panel {
+    fn head(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
+        lines.words(&self.caption, CAPTION_EM, Weight::Bold, INK);
+        lines.space(6.0);
+        lines.draw()
+    }
+
+    fn foot(&self, width: u32, zoom: f64) -> Result<Plane<Rgb>> {
+        let mut lines = Lines::new(width, zoom);
+        lines.space(10.0);
+        self.key.iter().for_each(|entry| lines.entry(entry));
+        if let Some(bar) = &self.bar {
+            lines.space(8.0);
+            lines.bar(bar);
+        }
+        lines.draw()
+    }
+}
+
+/// Copies a plane into a larger one.
+fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
+    let columns = left as usize..(left + plane.width()) as usize;
+    for y in 0..plane.height() {
+        sheet.row_mut(top + y)[columns.clone()].copy_from_slice(plane.row(y));
+    }
+}
+
+/// What is written, from the top down.
+struct Lines {
+    picture: Picture,
+    y: f64,
+    /// Pixels for each that lengths and sizes are given in.
+    zoom: f64,
+}
+
+impl Lines {
+    fn new(width: u32, zoom: f64) -> Lines {
+        Lines { picture: Picture::new(width, 1, ""), y: 0.0, zoom }
+    }
+
+    fn room(&self) -> f64 {
+        f64::from(self.picture.width)
+    }
+
+    fn space(&mut self, pixels: f64) {
+        self.y += (pixels * self.zoom).round();
+    }
+
+    fn text(&self, words: impl AsRef<str>) -> Text {
+        Text::new(words, TEXT_EM * self.zoom).ink(Ink::opaque(INK))
+    }
+
+    /// Adds lines of words.
+    fn words(&mut self, words: &str, em: f64, weight: Weight, ink: Rgb) {
+        let em = em * self.zoom;
+        for line in wrap(words, em, weight, self.room()) {
+            let text = Text { weight, ..Text::new(line, em).ink(Ink::opaque(ink)) };
+            self.picture.text([0.0, self.y + em * LEADING * 0.75], text);
+            self.y += (em * LEADING).ceil();
+        }
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        let [width, height] = SWATCH.map(|side| (side * self.zoom).round());
+        let (indent, height_of_line) = (width + 10.0 * self.zoom, (TEXT_EM * self.zoom * LEADING).ceil());
+        let top = (self.y + (height_of_line - height) / 2.0).round();
+        self.swatch(entry.swatch, [0.5, top], [width, top + height]);
+        for line in wrap(&entry.words, TEXT_EM * self.zoom, Weight::Regular, self.room() - indent) {
+            let baseline = self.y + TEXT_EM * self.zoom * LEADING * 0.75;
+            self.picture.text([indent, baseline], self.text(line));
+            self.y += height_of_line;
+        }
+    }
+
+    fn swatch(&mut self, swatch: Swatch, from: [f64; 2], to: [f64; 2]) {
+        let (Swatch::Flat(ground) | Swatch::Hatched(ground) | Swatch::Corner(ground) | Swatch::Dashed(ground)) = swatch;
+        let [left, top] = from;
+        self.picture.rectangle(from, to, Ink::opaque(ground));
+        let ink = Ink::opaque(contrast(ground));
+        match swatch {
+            Swatch::Flat(_) => {}
+            Swatch::Dashed(_) => {
+                let middle = ((top + to[1]) / 2.0).floor();
+                for start in (2..to[0] as u32).step_by(8).map(f64::from) {
+                    self.picture.rectangle([start, middle], [(start + 4.0).min(to[0]), middle + 1.0], ink);
+                }
+            }
+            Swatch::Hatched(_) => {
+                let rows = top as u32..to[1] as u32;
+                for (x, y) in
+                    rows.flat_map(|y| (0..to[0] as u32).map(move |x| (x, y))).filter(|(x, y)| is_hatched(*x, *y))
+                {
+                    let at = [f64::from(x), f64::from(y)];
+                    self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(hatched(ground)));
+                }
+            }
+            Swatch::Corner(_) => {
+                let side = (to[1] - top) * 0.7;
+                self.picture.polygon(&[from, [left + side, top], [left, top + side]], ink);
+            }
+        }
+        self.picture.frame(from, to, Stroke::solid(Ink::opaque(SOFT_INK), 1.0));
+    }
+
+    fn bar(&mut self, bar: &Bar) {
+        self.words(&bar.label, TEXT_EM, Weight::Regular, INK);
+        self.space(4.0);
+        let (zoom, em) = (self.zoom, TEXT_EM * self.zoom);
+        let half = |text: &str| Text::new(text, em).width() / 2.0;
+        // Values at the ends are as much in the middle of their ticks as all others.
+        let first = bar.ticks.first().map_or(0.0, |(_, text)| half(text)).ceil();
+        let last = bar.ticks.last().map_or(0.0, |(_, text)| half(text)).ceil();
+        let (left, right) = (first, (self.room() - last).min(first + MAX_BAR * zoom).floor());
+        let x = |part: f64| left + part * (right - left);
+        if let Some((part, words)) = &bar.mark {
+            let at = x(part.clamp(0.0, 1.0));
+            let text = self.text(words).fit(self.room());
+            let start = (at - text.width() / 2.0).clamp(0.0, (self.room() - text.width()).max(0.0));
+            self.picture.text([start, self.y + em], text);
+            self.y += em + 6.0 * zoom;
+            let tip = [[at - 5.0 * zoom, self.y], [at + 5.0 * zoom, self.y], [at, self.y + 7.0 * zoom]];
+            self.picture.polygon(&tip, Ink::opaque(INK));
+            self.y += 8.0 * zoom;
+        }
+        let (top, bottom) = (self.y.ceil(), self.y.ceil() + (BAR_HEIGHT * zoom).round());
+        let steps = (right - left) as u32;
+        for step in 0..steps {
+            let color = (bar.color)(f64::from(step) / f64::from(steps.saturating_sub(1).max(1)));
+            let from = left + f64::from(step);
+            self.picture.rectangle([from, top], [from + 1.0, bottom], Ink::opaque(color));
+        }
+        let line = Stroke::solid(Ink::opaque(SOFT_INK), 1.0);
+        self.picture.frame([left, top], [right, bottom], line);
+        let under = bottom + 6.0 * zoom + em;
+        // The last value is told, and of those before it what there is room for.
+        let end = bar.ticks.last().map_or(f64::INFINITY, |(part, words)| x(*part) - half(words));
+        let mut free_from = f64::NEG_INFINITY;
+        for (at_tick, (part, words)) in bar.ticks.iter().enumerate() {
+            let (at, half, is_last) = (x(*part), half(words), at_tick + 1 == bar.ticks.len());
+            self.picture.line(&[[at, bottom], [at, bottom + 5.0 * zoom]], line);
+            if is_last || (at - half >= free_from && at + half + 8.0 <= end) {
+                self.picture.text([at, under], self.text(words).anchor(Anchor::Middle));
+                free_from = at + half + 8.0;
+            }
+        }
+        self.y = under + em * 0.5;
+    }
+
+    fn draw(mut self) -> Result<Plane<Rgb>> {
+        self.picture.height = (self.y.ceil() as u32).max(1);
+        to_pixels(&self.picture, 1)
+    }
+}
+
+/// Lines of words no wider than `room` pixels; a word that is wider loses its middle.
+fn wrap(words: &str, em: f64, weight: Weight, room: f64) -> Vec<String> {
+    let style = weight.plotters();
+    let mut lines: Vec<String> = Vec::new();
+    for word in words.split_whitespace() {
+        if let Some(line) = lines.last_mut() {
+            let longer = format!("{line} {word}");
+            if font::width(&longer, em, style) <= room {
+                *line = longer;
+                continue;
+            }
+        }
+        lines.push(font::fit(word, em, style, room));
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_wrap_and_none_is_wider_than_its_room() {
+        let words = format!("a b c and then a {} with an end", "very".repeat(60));
+        let lines = wrap(&words, 14.0, Weight::Regular, 150.0);
+        assert!(lines.len() >= 3 && lines.iter().any(|line| line.contains('…')), "{lines:?}");
+        assert!(lines.iter().all(|line| font::width(line, 14.0, Weight::Regular.plotters()) <= 150.0), "{lines:?}");
+        assert_eq!(wrap("one line", 14.0, Weight::Regular, 150.0), ["one line"]);
+    }
+
+    fn sheet(images: &[[u32; 2]]) -> Sheet {
+        let panel = |&[width, height]: &[u32; 2]| Panel {
+            caption: "an image".into(),
+            image: Plane::filled(width, height, [1, 2, 3]),
+            key: vec![
+                Entry { swatch: Swatch::Flat([9, 9, 9]), words: "flat".into() },
+                Entry { swatch: Swatch::Hatched([0; 3]), words: "lines ".repeat(40) },
+            ],
+            bar: Some(Bar {
+                color: super::super::palette::heat,
+                ticks: vec![(0.0, "0".into()), (1.0, "100".into())],
+                label: "error in codes".into(),
+                mark: Some((1.0, "the bound, 100 codes".into())),
+            }),
+        };
+        let facts = vec!["one fact".into(), "another fact ".repeat(30)];
+        Sheet { title: "title ".repeat(40), facts, panels: images.iter().map(panel).collect() }
+    }
+
+    #[test]
+    fn images_are_whole_and_nothing_touches_the_margin() {
+        for images in [&[[1, 1]][..], &[[7, 5], [7, 5]], &[[1500, 10]], &[[30, 900], [30, 900]]] {
+            let drawn = sheet(images).draw().unwrap();
+            let pixels = drawn.data().iter().filter(|pixel| **pixel == [1, 2, 3]).count() as u32;
+            assert_eq!(pixels, images.iter().map(|[width, height]| width * height).sum::<u32>());
+            for y in 0..drawn.height() {
+                let row = drawn.row(y);
+                let margins = row[..MARGIN as usize - 4].iter().chain(&row[row.len() - MARGIN as usize + 4..]);
+                assert!(margins.into_iter().all(|pixel| *pixel == PAPER), "{images:?}, row {y}");
+            }
+        }
+    }
+}
