@@ -104,7 +104,9 @@ pub fn encode_to(
     output.check()?;
     let done = encode_file(source, settings, &output.path, global)?;
     if output.json {
-        output::print_json(&done.json())?;
+        let mut report = done.json();
+        output::add_peak_memory(&mut report);
+        output::print_json(&report)?;
     } else if !global.quiet {
         output::note(done.text(&output.path));
     }
