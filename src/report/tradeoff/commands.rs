@@ -60,8 +60,16 @@ impl Input {
         let mut settings = without(&point.settings, &["lzma2", "threads", "device"]);
         match point.kind {
             StreamKind::Depth => {
-                let of_functions =
-                    ["depth-codec", "depth-block", "error", "error-relative", "depth-domain", "decide", "min-children", "effort"];
+                let of_functions = [
+                    "depth-codec",
+                    "depth-block",
+                    "error",
+                    "error-relative",
+                    "depth-domain",
+                    "decide",
+                    "min-children",
+                    "effort",
+                ];
                 settings = without(&settings, &of_functions);
                 settings.push(("depth-codec", "aabb".to_owned()));
             }
@@ -83,7 +91,9 @@ impl Input {
     pub fn spatial(&self, point: &Point) -> Option<Vec<OsString>> {
         let value = |knob: &str| point.value(knob);
         let has = match point.kind {
-            StreamKind::Depth => value("depth-codec") != Some("aabb") || value("depth-block").is_some_and(|of| of != "none"),
+            StreamKind::Depth => {
+                value("depth-codec") != Some("aabb") || value("depth-block").is_some_and(|of| of != "none")
+            }
             StreamKind::Color => value("color-block").is_some_and(|of| of != "none"),
             StreamKind::Material => {
                 self.encode.iter().any(|option| option.starts_with("--material-block=") && !option.ends_with("=none"))

@@ -87,8 +87,7 @@ pub fn tile_psnr(found: &TilePsnr) -> Value {
             "histogram": psnr.histogram(),
         })
     };
-    let models: Map<_, _> =
-        TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
+    let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
     json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })
 }
 

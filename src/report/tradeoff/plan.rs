@@ -94,7 +94,12 @@ const PAPER: &[Row] = &[
         StreamKind::Depth,
         &[("error", "0,10,25,50,100,200,400,800")],
     ),
-    ("codecs", "Depth without modelling functions (base line of GDC figure 8)", StreamKind::Depth, &[("depth-codec", "aabb")]),
+    (
+        "codecs",
+        "Depth without modelling functions (base line of GDC figure 8)",
+        StreamKind::Depth,
+        &[("depth-codec", "aabb")],
+    ),
 ];
 
 const QUICK: &[Row] = &[
@@ -116,7 +121,12 @@ const QUICK: &[Row] = &[
         StreamKind::Depth,
         &[("error", "0,50,200,800")],
     ),
-    ("codecs", "Depth without modelling functions (base line of GDC figure 8)", StreamKind::Depth, &[("depth-codec", "aabb")]),
+    (
+        "codecs",
+        "Depth without modelling functions (base line of GDC figure 8)",
+        StreamKind::Depth,
+        &[("depth-codec", "aabb")],
+    ),
 ];
 
 /// Makes the studies: those of the preset first, then one of the swept knobs for each kind.
@@ -155,7 +165,9 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
 /// Adds a study of the swept knobs for each kind that they speak of.
 fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let sweeps = request.sweeps;
-    if let Some(twice) = (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name)) {
+    if let Some(twice) =
+        (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name))
+    {
         return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", sweeps[twice].knob.name)));
     }
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
@@ -171,12 +183,19 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     }
     for &kind in request.kinds {
         let joins = |sweep: &&Sweep| sweep.knob.concerns(kind);
-        let wanted = if of_a_kind.is_empty() { !sweeps.is_empty() } else { of_a_kind.iter().copied().any(|sweep| joins(&sweep)) };
+        let wanted = if of_a_kind.is_empty() {
+            !sweeps.is_empty()
+        } else {
+            of_a_kind.iter().copied().any(|sweep| joins(&sweep))
+        };
         if !wanted {
             continue;
         }
-        let mut axes: Vec<Axis> =
-            sweeps.iter().filter(joins).map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() }).collect();
+        let mut axes: Vec<Axis> = sweeps
+            .iter()
+            .filter(joins)
+            .map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() })
+            .collect();
         // A heat map wants the knobs of the kind on its axes.
         axes.sort_by_key(|axis| knob::find(axis.knob).is_some_and(Knob::is_general));
         let labels: Vec<_> = axes.iter().filter_map(|axis| Some(knob::find(axis.knob)?.label)).collect();
@@ -202,7 +221,10 @@ fn study(
     let mut fixed: Vec<(&'static str, String)> = given.iter().filter(|(name, _)| concerns(name)).cloned().collect();
     for axis in &axes {
         if fixed.iter().any(|(name, _)| *name == axis.knob) {
-            return Err(Error::Usage(format!("--{0}: study {name} sweeps it, so that it cannot be fixed as well", axis.knob)));
+            return Err(Error::Usage(format!(
+                "--{0}: study {name} sweeps it, so that it cannot be fixed as well",
+                axis.knob
+            )));
         }
     }
     for &(name, value) in axes.iter().filter_map(|axis| knob::find(axis.knob)).flat_map(|knob| knob.implies) {

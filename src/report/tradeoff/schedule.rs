@@ -123,7 +123,8 @@ impl Work<'_, '_> {
         for round in 1..=self.extent.repeats {
             let lacks = |store: &Store, point: &Point| store.runs(point) < round as usize;
             if let Some(budget) = self.extent.budget_seconds.filter(|_| round > 1) {
-                let ahead: f64 = points.iter().filter(|point| lacks(self.store, point)).map(|point| self.cost(point).run).sum();
+                let ahead: f64 =
+                    points.iter().filter(|point| lacks(self.store, point)).map(|point| self.cost(point).run).sum();
                 if self.elapsed() + ahead > budget {
                     return Ok(Some(round - 1));
                 }
@@ -173,7 +174,8 @@ impl Work<'_, '_> {
     /// Surveys points if these and all before fit into the budget, with fewer runs of each where it must be.
     fn add(&mut self, points: &[Point], accepted: &mut Vec<Point>, budget: f64, studies: &[Study]) -> Result<bool> {
         let new: Vec<Point> = points.iter().filter(|point| !accepted.contains(point)).cloned().collect();
-        let fits = |repeats: &u32| self.elapsed() + self.ahead(accepted, *repeats) + self.ahead(&new, *repeats) <= budget;
+        let fits =
+            |repeats: &u32| self.elapsed() + self.ahead(accepted, *repeats) + self.ahead(&new, *repeats) <= budget;
         let Some(repeats) = (1..=self.extent.repeats).rev().find(fits) else { return Ok(false) };
         self.extent.repeats = repeats;
         for point in &new {
@@ -192,7 +194,9 @@ impl Work<'_, '_> {
             let grid = Grid::new(study);
             let points = grid.reduced().points();
             // One point tells what the others take. Nothing at all would be no answer, so the first study has its ends.
-            if let Some(first) = points.first().filter(|first| self.store.row(first).is_none() && self.elapsed() < budget) {
+            if let Some(first) =
+                points.first().filter(|first| self.store.row(first).is_none() && self.elapsed() < budget)
+            {
                 self.survey(first, studies)?;
             }
             if self.add(&points, &mut accepted, budget, studies)? {
@@ -230,7 +234,9 @@ impl Work<'_, '_> {
         let repeats = self.rounds(&studies)?.unwrap_or(planned);
         if repeats < asked {
             let runs = if repeats == 1 { "a single run".to_owned() } else { format!("{repeats} runs") };
-            left_out.push(format!("Times are of {runs} of each point instead of {asked}: more did not fit into {budget} s."));
+            left_out.push(format!(
+                "Times are of {runs} of each point instead of {asked}: more did not fit into {budget} s."
+            ));
         }
         Ok(Outcome { studies, left_out })
     }
@@ -261,14 +267,21 @@ impl<'a> Grid<'a> {
     /// Finds what to try after a value of an axis: of the next axis that has any left, the value farthest from those tried.
     fn advance(&mut self, axis: usize) {
         let count = self.study.axes.len();
-        self.next = (1..=count).map(|step| (axis + step) % count).find_map(|axis| Some((axis, farthest(&self.tried[axis])?)));
+        self.next =
+            (1..=count).map(|step| (axis + step) % count).find_map(|axis| Some((axis, farthest(&self.tried[axis])?)));
     }
 
     /// The study with the values that are taken.
     fn reduced(&self) -> Study {
         let axes = self.study.axes.iter().zip(&self.taken).map(|(axis, taken)| Axis {
             knob: axis.knob,
-            values: axis.values.iter().zip(taken).filter(|(_, taken)| **taken).map(|(value, _)| value.clone()).collect(),
+            values: axis
+                .values
+                .iter()
+                .zip(taken)
+                .filter(|(_, taken)| **taken)
+                .map(|(value, _)| value.clone())
+                .collect(),
         });
         Study { axes: axes.collect(), ..self.study.clone() }
     }

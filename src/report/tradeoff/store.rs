@@ -51,9 +51,8 @@ impl Store {
             Err(error) => return Err(Error::io(&path, error)),
         };
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        let foreign = |what: String| {
-            Error::invalid(format!("{what}; name another folder, or remove the file")).in_file(&path)
-        };
+        let foreign =
+            |what: String| Error::invalid(format!("{what}; name another folder, or remove the file")).in_file(&path);
         let heads = reader.headers().map_err(|error| foreign(format!("no CSV of tradeoff: {error}")))?.clone();
         if heads.iter().all(|head| head != "made_of") {
             return Err(foreign("no CSV of tradeoff: it has no column made_of".to_owned()));
@@ -111,7 +110,8 @@ impl Store {
     pub fn text(&self) -> Result<String> {
         let broken = |error: csv::Error| Error::invalid(format!("CSV: {error}"));
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let heads = ["studies", "kind"].into_iter().chain(KNOBS.iter().map(|knob| knob.name)).chain(FIGURES.iter().copied());
+        let heads =
+            ["studies", "kind"].into_iter().chain(KNOBS.iter().map(|knob| knob.name)).chain(FIGURES.iter().copied());
         writer.write_record(heads.chain(["command", "made_of"])).map_err(broken)?;
         for row in &self.rows {
             let point = &row.measured.point;
@@ -244,7 +244,8 @@ impl Cells<'_> {
     }
 
     fn timing(&self, name: &str) -> Result<Timing, String> {
-        let wrong = |_| format!("{name} is '{}', where seconds with {BETWEEN} between them were expected", self.text(name));
+        let wrong =
+            |_| format!("{name} is '{}', where seconds with {BETWEEN} between them were expected", self.text(name));
         let runs = self.text(name).split(BETWEEN).filter(|run| !run.is_empty());
         Ok(Timing { runs: runs.map(str::parse).collect::<Result<_, _>>().map_err(wrong)? })
     }
