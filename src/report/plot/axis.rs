@@ -21,7 +21,7 @@ impl Scale {
         match self {
             Scale::Linear => value,
             Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
-            Scale::LogFromZero { unit } => (1.0 + value.max(0.0) / unit).log10(),
+            Scale::LogFromZero { unit } => (1.0 + value / unit).max(1e-3).log10(),
         }
     }
 }
@@ -50,10 +50,18 @@ const FAR_FROM_ZERO: f64 = 0.6;
 impl Axis {
     /// An axis on which values lie evenly; from 0 on, unless all are far from it.
     pub fn linear(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
-        let (mut low, mut high) = range(values);
-        if low >= 0.0 && low < FAR_FROM_ZERO * high {
-            low = 0.0;
-        }
+        let (low, high) = range(values);
+        let from_zero = low >= 0.0 && low < FAR_FROM_ZERO * high;
+        Axis::over(label, if from_zero { 0.0 } else { low }, high)
+    }
+
+    /// An axis on which values lie evenly, for values such as decibels, whose 0 means nothing.
+    pub fn without_zero(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
+        let (low, high) = range(values);
+        Axis::over(label, low, high)
+    }
+
+    fn over(label: impl Into<String>, mut low: f64, mut high: f64) -> Axis {
         if high - low <= 1e-9 * high.abs().max(low.abs()) {
             let room = if high == 0.0 { 1.0 } else { high.abs() * 0.1 };
             (low, high) = (low - room, high + room);
@@ -158,8 +166,9 @@ impl Axis {
         (self.low, self.high) = match self.scale {
             Scale::Linear => (self.low - room, self.high + room),
             Scale::Log => (10f64.powf(low - room), 10f64.powf(high + room)),
-            // There is nothing below 0 on this scale.
-            Scale::LogFromZero { unit } => (0.0, (10f64.powf(high + room) - 1.0) * unit),
+            Scale::LogFromZero { unit } => {
+                ((10f64.powf(low - room) - 1.0) * unit, (10f64.powf(high + room) - 1.0) * unit)
+            }
         };
     }
 }

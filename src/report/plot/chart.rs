@@ -122,7 +122,8 @@ impl Chart {
         let upright = self.upright_room(right - left);
         let under = if upright > 0.0 { upright + 8.0 } else { TICK_EM + 8.0 };
         let bottom = f64::from(height) - MARGIN - NAME_EM - 8.0 - under;
-        let plot = Plot { left, right, top: MARGIN + TITLE_EM + 14.0, bottom };
+        let top = MARGIN + if self.title.is_empty() { 4.0 } else { TITLE_EM + 14.0 };
+        let plot = Plot { left, right, top, bottom };
 
         drawing.text(
             [MARGIN, MARGIN + TITLE_EM],

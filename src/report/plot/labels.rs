@@ -61,9 +61,10 @@ impl Labels {
     }
 }
 
-/// Directions in which a place is looked for, the preferred ones first: x to the right, y down.
+/// Directions in which a place is looked for, the preferred ones first: x to the right, y down. A front rises to the
+/// right, so it is on neither of the first two.
 const DIRECTIONS: [Spot; 8] =
-    [[0.7, -0.7], [0.7, 0.7], [-0.7, -0.7], [-0.7, 0.7], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, 0.0]];
+    [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, 0.0]];
 
 fn overlap(a: &Bounds, b: &Bounds) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]

@@ -76,6 +76,17 @@ pub fn short(value: f64) -> String {
     }
 }
 
+/// The same with zeros at its end kept, so that numbers of a size have as many digits.
+pub fn even(value: f64) -> String {
+    let size = value.abs();
+    match size {
+        small if (5e-4..0.9995).contains(&small) => format!("{value:.3}"),
+        ones if (0.9995..9.995).contains(&ones) => format!("{value:.2}"),
+        tens if (9.995..99.95).contains(&tens) => format!("{value:.1}"),
+        _ => short(value),
+    }
+}
+
 /// A tick's number, with the digits that tell it from the next one, a step of 1, 2 or 5 times a power of ten away.
 pub fn tick(value: f64, step: f64) -> String {
     let value = if value.abs() < step * 1e-6 { 0.0 } else { value };
@@ -126,6 +137,14 @@ mod tests {
         ];
         for (value, expected) in cases {
             assert_eq!(short(value), expected, "{value}");
+        }
+    }
+
+    #[test]
+    fn even_numbers_keep_their_zeros() {
+        let cases = [(3.0, "3.00"), (0.08, "0.080"), (12.0, "12.0"), (123.0, "123"), (0.0, "0"), (20_000.0, "20k")];
+        for (value, expected) in cases {
+            assert_eq!(even(value), expected, "{value}");
         }
     }
 

@@ -93,8 +93,22 @@ pub fn to_svg(drawing: &Drawing) -> Result<String> {
          role=\"img\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n<title>{}</title>\n{body}",
         steps[0],
         steps[1],
-        escape(&drawing.title)
+        escape(&drawing.title),
+        body = whole_font_sizes(body)
     ))
+}
+
+/// `plotters` divides sizes of fonts, which leaves some with 17 digits: they are whole steps again.
+fn whole_font_sizes(svg: &str) -> String {
+    const ATTRIBUTE: &str = " font-size=\"";
+    let mut parts = svg.split(ATTRIBUTE);
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (size, rest) = part.split_once('"').unwrap_or((part, ""));
+        let size = size.parse::<f64>().map_or_else(|_| size.to_owned(), |size| size.round().to_string());
+        whole.push_str(&format!("{ATTRIBUTE}{size}\"{rest}"));
+    }
+    whole
 }
 
 /// The pixels of a PNG file with `density` pixels for each of the drawing's in each direction, as sRGB codes.

@@ -262,7 +262,7 @@ mod tests {
         assert_eq!(page.matches("<svg ").count(), page.matches("<figcaption>").count());
         assert_eq!(page.matches("<tr").count(), 2 + results.measured.len());
         let ends = |ending: &str| files.iter().filter(|file| file.extension().is_some_and(|of| of == ending)).count();
-        assert_eq!((ends("svg"), ends("png"), ends("html")), (8, 8, 1), "{files:?}");
+        assert_eq!((ends("svg"), ends("png"), ends("html")), (9, 9, 1), "{files:?}");
         assert!(files.iter().all(|file| file.is_file()));
         let left = std::fs::read_dir(folder.path()).unwrap().count();
         assert_eq!(left, files.len(), "nothing half written stays");

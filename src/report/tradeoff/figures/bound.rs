@@ -1,7 +1,7 @@
 //! Decoding by the error bound, beside depth without modelling functions (GDC figure 8).
 
 use super::line::{chart, points};
-use super::{Figure, Mark, seconds_per_frame_ms, sheet, subtitle, timed};
+use super::{Figure, Mark, extents, seconds_per_frame_ms, sheet, subtitle, timed};
 use crate::dataset::stream::StreamKind;
 use crate::report::plot::axis;
 use crate::report::plot::chart::Rule;
@@ -38,7 +38,7 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
     let caption = format!(
         "Time of decoding a frame (all probes and faces), pixels shown in a second and the part of them that was \
          written, by the bound E on the error of every pixel. Points are medians, bars span the shortest and the longest \
-         run.{beside}"
+         run; what leaves a chart is cut.{beside}"
     );
     let drawing = sheet(title, &subtitle(results, study, &[]), vec![row]);
     Some(Figure { name: format!("{}-decoding", study.name), caption, drawing })
@@ -60,8 +60,7 @@ fn panel(
 ) -> Option<crate::report::plot::Drawing> {
     let marks: Vec<Mark> = points.iter().filter_map(|(x, point)| mark(*x, point)).collect();
     let base = base.and_then(|base| mark(0.0, base)).map(|mark| mark.y).filter(|y| y.is_finite());
-    let highest = |mark: &Mark| mark.spread.map_or(mark.y, |spread| spread.1);
-    let values: Vec<f64> = marks.iter().map(highest).chain(marks.iter().map(|mark| mark.y)).chain(base).collect();
+    let values: Vec<f64> = extents(marks.iter()).into_iter().chain(base).collect();
     let mut chart = chart(title, along, vec![("modelling functions", marks)])?;
     chart.y = axis::Axis::linear(title, values);
     chart.rules = base.into_iter().map(|y| Rule { y, name: "boxes of codes".to_owned() }).collect();

@@ -68,7 +68,7 @@ fn figure(results: &Results, kind: StreamKind, cost: &Cost) -> Option<Figure> {
         .filter(|series| !series.marks.is_empty())
         .collect();
 
-    let mut y = axis::Axis::linear("PSNR (dB)", points.iter().map(|(.., db)| *db));
+    let mut y = axis::Axis::without_zero("PSNR (dB)", points.iter().map(|(.., db)| *db));
     if points.iter().any(|(.., db)| db.is_infinite()) {
         y = y.with_infinite("lossless");
     }

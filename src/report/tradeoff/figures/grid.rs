@@ -1,7 +1,9 @@
 //! Two knobs against each other: heat maps of bytes, decoding time and score, and lines of the first two (CALF figures
 //! 7 and 8).
 
-use super::{Figure, Mark, axis_of, fixed_words, label_of, point_at, seconds_per_frame_ms, sheet, subtitle, timed};
+use super::{
+    Figure, Mark, axis_of, extents, fixed_words, label_of, point_at, seconds_per_frame_ms, sheet, subtitle, timed,
+};
 use crate::report::plot::Drawing;
 use crate::report::plot::axis;
 use crate::report::plot::chart::{Chart, Kind, Series};
@@ -107,7 +109,7 @@ fn figure(
     let caption = format!(
         "{} and {} against each other, {}: bytes of the container, median time of decoding a frame (all probes and \
          faces), and a score of both, in which 1 would be best in both of {timed_points} points; less is better in all \
-         three, and the least is framed.{chosen_best} Bars in the lower charts span the shortest and the longest run.",
+         three, and the least is framed.{chosen_best} Bars in the lower charts span the shortest and the longest run; what leaves the chart is cut.",
         capital(&label_of(rows)),
         label_of(columns),
         fixed_words(chosen)
@@ -118,7 +120,7 @@ fn figure(
 
 impl Grid<'_> {
     fn map(&self, title: &str, values: &[Option<f64>], best: Option<usize>, unit: &str) -> Drawing {
-        let cell = |value: &Option<f64>| value.map(|value| Cell { value, text: number::short(value) });
+        let cell = |value: &Option<f64>| value.map(|value| Cell { value, text: number::even(value) });
         let map = HeatMap {
             title: title.to_owned(),
             columns: (label_of(self.columns), self.columns.values.clone()),
@@ -147,8 +149,7 @@ impl Grid<'_> {
                 Series { name: name.clone(), kind: Kind::Line, look: Look::of(row), marks: marks.collect() }
             })
             .collect();
-        let ends = |mark: &Mark| [mark.y, mark.spread.map_or(mark.y, |spread| spread.1)];
-        let y = axis::Axis::linear(title, series.iter().flat_map(|series| series.marks.iter().flat_map(ends)));
+        let y = axis::Axis::linear(title, extents(series.iter().flat_map(|series| &series.marks)));
         let title = format!("{title} by {}", label_of(self.columns));
         Chart { series, legend: label_of(self.rows), ..Chart::new(title, x, y) }.draw(CHART[0], CHART[1])
     }

@@ -1,6 +1,6 @@
 //! One knob: what each of its values costs and gives.
 
-use super::{Figure, Mark, axis_of, label_of, point_at, seconds_per_frame_ms, sheet, subtitle, timed};
+use super::{Figure, Mark, axis_of, extents, label_of, point_at, seconds_per_frame_ms, sheet, subtitle, timed};
 use crate::dataset::stream::StreamKind;
 use crate::report::plot::Drawing;
 use crate::report::plot::axis;
@@ -27,16 +27,14 @@ pub(super) fn points<'a>(results: &'a Results, study: &Study, axis: &Axis) -> Ve
 pub(super) fn chart(title: &str, axis: &Axis, series: Vec<(&str, Vec<Mark>)>) -> Option<Chart> {
     let (x, _) = axis_of(axis);
     let kind = if axis.numbers().is_some() { Kind::Line } else { Kind::Points };
-    let values: Vec<f64> = series
-        .iter()
-        .flat_map(|(_, marks)| marks)
-        .flat_map(|mark| [mark.y, mark.spread.map_or(mark.y, |spread| spread.1)])
-        .filter(|value| !value.is_nan())
-        .collect();
+    let mut values = extents(series.iter().flat_map(|(_, marks)| marks));
+    values.retain(|value| !value.is_nan());
     if values.is_empty() {
         return None;
     }
-    let mut y = axis::Axis::linear(title, values.iter().copied());
+    let decibels = title.ends_with("(dB)");
+    let each = values.iter().copied();
+    let mut y = if decibels { axis::Axis::without_zero(title, each) } else { axis::Axis::linear(title, each) };
     if values.iter().any(|value| value.is_infinite()) {
         y = y.with_infinite("lossless");
     }
@@ -59,7 +57,8 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
         ("container", of(&|point| size(point.sizes.container))),
         ("with LZMA2", of(&|point| size(point.sizes.lzma2))),
     ];
-    let mut psnr = vec![("all samples", of(&|point| Some(point.quality.psnr_db)))];
+    let all_samples = if study.kind == StreamKind::Color { "all samples" } else { "" };
+    let mut psnr = vec![(all_samples, of(&|point| Some(point.quality.psnr_db)))];
     if study.kind == StreamKind::Color {
         psnr.push(("worst cell", of(&|point| point.quality.min_psnr_db)));
     }
@@ -82,7 +81,7 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
     let drawn: Vec<Drawing> = charts.into_iter().flatten().map(|chart| chart.draw(CHART[0], CHART[1])).collect();
     let rows: Vec<Vec<Drawing>> = drawn.chunks(3).map(<[Drawing]>::to_vec).collect();
     let caption = format!(
-        "{}: bytes, quality and time by {}. Times are medians; bars span the shortest and the longest run.",
+        "{}: bytes, quality and time by {}. Times are medians; bars span the shortest and the longest run; what leaves a chart is cut.",
         study.title,
         label_of(axis)
     );

@@ -80,6 +80,14 @@ fn timed(x: f64, timing: &super::point::Timing, unit: f64) -> Option<Mark> {
     Some(Mark { x, y: timing.median()? / unit, spread: Some((low / unit, high / unit)), name: None })
 }
 
+/// The values that an axis is to show: those of marks, and of their spreads as far as they are less than twice the
+/// largest mark. A run that another program disturbed should not make all others flat.
+fn extents<'a>(marks: impl Iterator<Item = &'a Mark> + Clone) -> Vec<f64> {
+    let finite = marks.clone().map(|mark| mark.y).filter(|y| y.is_finite());
+    let most = 2.0 * finite.fold(0.0, f64::max);
+    marks.flat_map(|mark| [mark.y, mark.spread.map_or(mark.y, |spread| spread.1.min(most))]).collect()
+}
+
 /// Milliseconds of decoding for one point in time, from seconds of a whole run.
 fn seconds_per_frame_ms(point: &Measured) -> f64 {
     1e-3 * point.frames.max(1) as f64
