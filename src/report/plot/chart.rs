@@ -211,9 +211,10 @@ impl Chart {
     fn lines(&self, drawing: &mut Drawing, plot: &Plot, series: &Series) {
         let at = |x: f64, y: f64| Some(plot.at(self.x.place(x)?, self.y.place(y)?));
         if matches!(series.kind, Kind::Line | Kind::Curve) {
-            // A line ends where a point is missing, and what is infinite is not joined with what is not.
+            // A line ends where a point is missing, and markers at what is infinite are not joined with others.
             let joined = |a: &&Mark, b: &&Mark| {
-                at(a.x, a.y).is_some() && at(b.x, b.y).is_some() && a.y.is_finite() == b.y.is_finite()
+                let alike = series.kind == Kind::Curve || a.y.is_finite() == b.y.is_finite();
+                alike && at(a.x, a.y).is_some() && at(b.x, b.y).is_some()
             };
             let marks: Vec<&Mark> = series.marks.iter().collect();
             for run in marks.chunk_by(joined) {

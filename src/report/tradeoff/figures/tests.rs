@@ -102,7 +102,7 @@ fn the_papers_figures_are_drawn() {
     ];
     assert_eq!(names, expected);
     let boxes = &figures[0];
-    assert!(boxes.caption.contains("best score has depth-window=1 max-aabbs=4"), "{}", boxes.caption);
+    assert!(boxes.caption.contains("best score has depth-window=1 max-aabbs=2"), "{}", boxes.caption);
     let svg = save::to_svg(&boxes.drawing).unwrap();
     for said in ["AABB limit", "depth window (frames)", "Container (MB)", "Decoding (ms a frame)", "Score: size^0.25"] {
         assert!(svg.contains(said), "{said}");
