@@ -284,6 +284,6 @@ fn points_of_the_demo_cost_no_more_and_are_no_worse() {
 
 #[test]
 #[ignore = "writes tests/baselines"]
-fn write_baselines_of_tradeoff() {
+fn write_baselines() {
     std::fs::write(BASELINE, baseline_text(&baseline_rows())).unwrap();
 }
