@@ -6,12 +6,18 @@
 
 pub mod bench;
 pub mod commands;
+pub mod findings;
 pub mod json;
 pub mod knob;
+pub mod pareto;
 pub mod plan;
 pub mod point;
 pub mod recommend;
+pub mod runs;
+#[cfg(test)]
+pub(crate) mod sample;
 pub mod schedule;
+pub mod score;
 pub mod store;
 pub mod study;
 

@@ -1,0 +1,335 @@
+//! A drawing before it is drawn: shapes with places in pixels, x to the right, y down, (0, 0) the upper left corner.
+
+use super::font::{self, Weight};
+
+/// A place in pixels: x, y.
+pub type Spot = [f64; 2];
+
+/// A colour, and how much of what lies below it hides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ink {
+    /// sRGB codes.
+    pub rgb: [u8; 3],
+    /// From 0, unseen, to 1, opaque.
+    pub alpha: f64,
+}
+
+impl Ink {
+    /// Black.
+    pub const BLACK: Ink = Ink::opaque([0, 0, 0]);
+    /// White.
+    pub const WHITE: Ink = Ink::opaque([255, 255, 255]);
+
+    /// An opaque colour from sRGB codes.
+    pub const fn opaque(rgb: [u8; 3]) -> Ink {
+        Ink { rgb, alpha: 1.0 }
+    }
+
+    /// The colour with another opacity, 0 to 1.
+    #[must_use]
+    pub const fn with_alpha(self, alpha: f64) -> Ink {
+        Ink { alpha, ..self }
+    }
+}
+
+/// What a line looks like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub ink: Ink,
+    /// Width in pixels.
+    pub width: f64,
+    /// Pixels drawn and left out in turn; none for a line without gaps.
+    pub dash: Option<[f64; 2]>,
+}
+
+impl Stroke {
+    /// A line without gaps.
+    pub const fn solid(ink: Ink, width: f64) -> Stroke {
+        Stroke { ink, width, dash: None }
+    }
+
+    /// A line of short dashes.
+    pub const fn dashed(ink: Ink, width: f64) -> Stroke {
+        Stroke { ink, width, dash: Some([5.0, 4.0]) }
+    }
+}
+
+/// Which part of a text is at its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its beginning.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// Which way a text runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// To the right.
+    Across,
+    /// Upwards, as beside a vertical axis.
+    Up,
+}
+
+/// A text of one line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    /// What it says. Control characters become spaces.
+    pub text: String,
+    /// Pixels of an em.
+    pub em: f64,
+    /// Bold or not.
+    pub weight: Weight,
+    /// Colour.
+    pub ink: Ink,
+    /// Which part of the baseline is at the place that it is given.
+    pub anchor: Anchor,
+    /// Which way it runs.
+    pub direction: Direction,
+}
+
+impl Text {
+    /// Black text that runs to the right from its place.
+    pub fn new(text: impl AsRef<str>, em: f64) -> Text {
+        let text = text.as_ref().chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+        Text { text, em, weight: Weight::Regular, ink: Ink::BLACK, anchor: Anchor::Start, direction: Direction::Across }
+    }
+
+    /// The text in bold.
+    #[must_use]
+    pub fn bold(self) -> Text {
+        Text { weight: Weight::Bold, ..self }
+    }
+
+    /// The text in another colour.
+    #[must_use]
+    pub fn ink(self, ink: Ink) -> Text {
+        Text { ink, ..self }
+    }
+
+    /// The text with another part at its place.
+    #[must_use]
+    pub fn anchor(self, anchor: Anchor) -> Text {
+        Text { anchor, ..self }
+    }
+
+    /// The text running upwards.
+    #[must_use]
+    pub fn up(self) -> Text {
+        Text { direction: Direction::Up, ..self }
+    }
+
+    /// The text shortened to a width in pixels.
+    #[must_use]
+    pub fn fit(self, room: f64) -> Text {
+        Text { text: font::fit(&self.text, self.em, self.weight, room), ..self }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> f64 {
+        font::width(&self.text, self.em, self.weight)
+    }
+}
+
+/// Something to draw.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A line through all places.
+    Line {
+        /// At least two.
+        through: Vec<Spot>,
+        /// What it looks like.
+        stroke: Stroke,
+    },
+    /// A rectangle, filled.
+    Rectangle {
+        /// Upper left corner.
+        from: Spot,
+        /// Lower right corner.
+        to: Spot,
+        /// Filled with it.
+        ink: Ink,
+    },
+    /// A polygon, filled.
+    Polygon {
+        /// Its corners.
+        corners: Vec<Spot>,
+        /// Filled with it.
+        ink: Ink,
+    },
+    /// A disc.
+    Disc {
+        /// Its centre.
+        at: Spot,
+        /// In pixels.
+        radius: f64,
+        /// Filled with it.
+        ink: Ink,
+    },
+    /// A text.
+    Text {
+        /// Where the part of the baseline is that its anchor names.
+        at: Spot,
+        /// The text.
+        text: Text,
+    },
+}
+
+/// Shapes on white ground; later ones hide earlier ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// What it shows in one line; the title of an SVG file.
+    pub title: String,
+    /// In the order in which they are drawn.
+    pub shapes: Vec<Shape>,
+}
+
+impl Drawing {
+    /// A white drawing of a size in pixels.
+    pub fn new(width: u32, height: u32, title: impl Into<String>) -> Drawing {
+        Drawing { width, height, title: title.into(), shapes: Vec::new() }
+    }
+
+    /// Draws a line through places, unless there are fewer than two.
+    pub fn line(&mut self, through: &[Spot], stroke: Stroke) {
+        let through: Vec<Spot> = through.iter().copied().filter(is_place).collect();
+        if through.len() < 2 {
+            return;
+        }
+        match stroke.dash {
+            None => self.shapes.push(Shape::Line { through, stroke }),
+            Some(dash) => {
+                let stroke = Stroke { dash: None, ..stroke };
+                let dashes = dashes(&through, dash).into_iter();
+                self.shapes.extend(dashes.map(|through| Shape::Line { through, stroke }));
+            }
+        }
+    }
+
+    /// Fills the rectangle between two opposite corners.
+    pub fn rectangle(&mut self, a: Spot, b: Spot, ink: Ink) {
+        if is_place(&a) && is_place(&b) {
+            let (from, to) = ([a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]);
+            self.shapes.push(Shape::Rectangle { from, to, ink });
+        }
+    }
+
+    /// Draws the border of the rectangle between two opposite corners; the line is half inside.
+    pub fn frame(&mut self, [left, top]: Spot, [right, bottom]: Spot, stroke: Stroke) {
+        self.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], stroke);
+    }
+
+    /// Fills a polygon.
+    pub fn polygon(&mut self, corners: &[Spot], ink: Ink) {
+        if corners.len() > 2 && corners.iter().all(is_place) {
+            self.shapes.push(Shape::Polygon { corners: corners.to_vec(), ink });
+        }
+    }
+
+    /// Fills a disc of a radius in pixels.
+    pub fn disc(&mut self, at: Spot, radius: f64, ink: Ink) {
+        if is_place(&at) && radius.is_finite() {
+            self.shapes.push(Shape::Disc { at, radius, ink });
+        }
+    }
+
+    /// Writes a text; `at` is the part of its baseline that its anchor names.
+    pub fn text(&mut self, at: Spot, text: Text) {
+        if is_place(&at) && !text.text.trim().is_empty() {
+            self.shapes.push(Shape::Text { at, text });
+        }
+    }
+
+    /// Writes a text that runs across, the middle of its capitals at the height of `at`.
+    pub fn text_beside(&mut self, [x, y]: Spot, text: Text) {
+        self.text([x, y + text.em * font::CAP_PER_EM / 2.0], text);
+    }
+
+    /// Places another drawing into this one, its upper left corner at `at`.
+    pub fn place(&mut self, [dx, dy]: Spot, other: Drawing) {
+        let moved = |[x, y]: Spot| [x + dx, y + dy];
+        self.shapes.extend(other.shapes.into_iter().map(|shape| match shape {
+            Shape::Line { through, stroke } => {
+                Shape::Line { through: through.into_iter().map(moved).collect(), stroke }
+            }
+            Shape::Rectangle { from, to, ink } => Shape::Rectangle { from: moved(from), to: moved(to), ink },
+            Shape::Polygon { corners, ink } => {
+                Shape::Polygon { corners: corners.into_iter().map(moved).collect(), ink }
+            }
+            Shape::Disc { at, radius, ink } => Shape::Disc { at: moved(at), radius, ink },
+            Shape::Text { at, text } => Shape::Text { at: moved(at), text },
+        }));
+    }
+}
+
+/// What is not a number or is infinite has no place, and is not drawn.
+fn is_place(spot: &Spot) -> bool {
+    spot.iter().all(|value| value.is_finite())
+}
+
+/// The pieces of a line that dashes cover.
+fn dashes(through: &[Spot], [drawn, left_out]: [f64; 2]) -> Vec<Vec<Spot>> {
+    let period = drawn + left_out;
+    let mut pieces: Vec<Vec<Spot>> = Vec::new();
+    // How far into the period the walk is.
+    let mut phase = 0.0;
+    for pair in through.windows(2) {
+        let ([x0, y0], [x1, y1]) = (pair[0], pair[1]);
+        let length = (x1 - x0).hypot(y1 - y0);
+        let at = |walked: f64| [x0 + (x1 - x0) * walked / length, y0 + (y1 - y0) * walked / length];
+        let mut walked = 0.0;
+        while length - walked > 1e-6 {
+            let drawing = phase < drawn;
+            let step = (if drawing { drawn - phase } else { period - phase }).min(length - walked);
+            if drawing {
+                match pieces.last_mut() {
+                    Some(piece) if phase > 0.0 => piece.push(at(walked + step)),
+                    _ => pieces.push(vec![at(walked), at(walked + step)]),
+                }
+            }
+            walked += step;
+            phase += step;
+            if phase > period - 1e-6 {
+                phase = 0.0;
+            }
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_go_round_corners() {
+        let corner = [[0.0, 0.0], [6.0, 0.0], [6.0, 10.0]];
+        let found = dashes(&corner, [4.0, 1.0]);
+        let expected = vec![
+            vec![[0.0, 0.0], [4.0, 0.0]],
+            vec![[5.0, 0.0], [6.0, 0.0], [6.0, 3.0]],
+            vec![[6.0, 4.0], [6.0, 8.0]],
+            vec![[6.0, 9.0], [6.0, 10.0]],
+        ];
+        assert_eq!(found, expected);
+        assert!(dashes(&[[1.0, 1.0], [1.0, 1.0]], [4.0, 1.0]).is_empty());
+    }
+
+    #[test]
+    fn what_has_no_place_is_not_drawn() {
+        let mut drawing = Drawing::new(10, 10, "");
+        drawing.line(&[[0.0, f64::NAN], [1.0, 1.0]], Stroke::solid(Ink::BLACK, 1.0));
+        drawing.rectangle([0.0, f64::INFINITY], [1.0, 1.0], Ink::BLACK);
+        drawing.disc([f64::NAN, 0.0], 1.0, Ink::BLACK);
+        drawing.text([0.0, f64::NAN], Text::new("a", 10.0));
+        assert_eq!(drawing.shapes, []);
+    }
+}

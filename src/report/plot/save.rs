@@ -1,0 +1,301 @@
+//! Draws a drawing as SVG and as PNG, with the backends of `plotters`.
+//!
+//! Coordinates of `plotters` are whole numbers. A drawing is therefore drawn on a finer grid: tenths of pixels in an SVG
+//! file, whose view box is that much larger, and half pixels of a PNG file, which are averaged.
+
+use std::path::{Path, PathBuf};
+
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, ShapeStyle, TextStyle};
+
+use super::drawing::{Anchor, Direction, Drawing, Ink, Shape, Spot, Stroke, Text};
+use super::font::{self, Weight};
+use crate::error::{Error, Result};
+use crate::image::plane::Plane;
+use crate::image::png;
+
+/// Pixels of a chart's PNG file for a pixel of the drawing, in each direction.
+pub const CHART_DENSITY: u32 = 2;
+/// Steps for a pixel of the drawing in an SVG file.
+const SVG_STEPS: u32 = 10;
+/// Steps for a pixel of a PNG file.
+const PNG_STEPS: u32 = 2;
+/// More than any drawing has, so that sums of coordinates stay far from overflow.
+const FARTHEST: f64 = 1e6;
+
+/// Who draws letters.
+#[derive(Debug, Clone, Copy)]
+enum Letters {
+    /// The viewer of the file.
+    Viewer,
+    /// The font that the program carries.
+    Own,
+}
+
+/// `plotters`' size of a font for an em of 1 in an SVG file.
+const SVG_SIZE_PER_EM: f64 = 1.24;
+/// How far below the place of a text an SVG file of `plotters` has the baseline, in ems.
+const SVG_BASELINE_EM: f64 = 0.76;
+
+/// Writes a drawing as `name.svg` and `name.png` into a folder. The bytes depend on the drawing alone.
+///
+/// # Errors
+/// When the files cannot be written.
+pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
+    let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
+    std::fs::write(&paths[0], to_svg(drawing)?).map_err(|error| Error::io(&paths[0], error))?;
+    save_png(drawing, &paths[1], CHART_DENSITY)?;
+    Ok(paths)
+}
+
+/// Writes a drawing as PNG, with `density` pixels for each of its own in each direction.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save_png(drawing: &Drawing, path: &Path, density: u32) -> Result<()> {
+    png::write_color8(path, &to_pixels(drawing, density)?)
+}
+
+/// The text of an SVG file.
+///
+/// # Errors
+/// When the font cannot be read.
+pub fn to_svg(drawing: &Drawing) -> Result<String> {
+    let (width, height) = (drawing.width, drawing.height);
+    let steps = [width * SVG_STEPS, height * SVG_STEPS];
+    let mut drawn = String::new();
+    let backend = SVGBackend::with_string(&mut drawn, (steps[0], steps[1]));
+    draw(drawing, backend, SVG_STEPS, Letters::Viewer)?;
+    // The file's own size is the drawing's; the view box keeps the steps.
+    let body = drawn.split_once('\n').map_or("", |(_, body)| body);
+    Ok(format!(
+        "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" \
+         role=\"img\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n<title>{}</title>\n{body}",
+        steps[0],
+        steps[1],
+        escape(&drawing.title)
+    ))
+}
+
+/// The pixels of a PNG file with `density` pixels for each of the drawing's in each direction, as sRGB codes.
+///
+/// # Errors
+/// When the font cannot be read.
+pub fn to_pixels(drawing: &Drawing, density: u32) -> Result<Plane<[u8; 3]>> {
+    let steps = density * PNG_STEPS;
+    let (width, height) = (drawing.width * steps, drawing.height * steps);
+    let mut fine = vec![255; width as usize * height as usize * 3];
+    draw(drawing, BitMapBackend::with_buffer(&mut fine, (width, height)), steps, Letters::Own)?;
+    let code = |x: u32, y: u32, component: usize| u32::from(fine[(y * width + x) as usize * 3 + component]);
+    Ok(Plane::from_fn(drawing.width * density, drawing.height * density, |x, y| {
+        std::array::from_fn(|component| {
+            let square = (0..PNG_STEPS * PNG_STEPS)
+                .map(|at| code(x * PNG_STEPS + at % PNG_STEPS, y * PNG_STEPS + at / PNG_STEPS, component));
+            ((square.sum::<u32>() + PNG_STEPS * PNG_STEPS / 2) / (PNG_STEPS * PNG_STEPS)) as u8
+        })
+    }))
+}
+
+/// The text with what means something in XML and HTML written as entities; control characters become spaces.
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            control if control.is_control() => escaped.push(' '),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+fn draw<B: DrawingBackend>(drawing: &Drawing, backend: B, steps: u32, letters: Letters) -> Result<()> {
+    let mut pen = Pen { backend, steps: f64::from(steps), letters };
+    pen.rectangle([0.0, 0.0], [f64::from(drawing.width), f64::from(drawing.height)], Ink::WHITE)?;
+    drawing.shapes.iter().try_for_each(|shape| pen.shape(shape))?;
+    pen.backend.present().map_err(failed)
+}
+
+fn failed(error: impl std::fmt::Display) -> Error {
+    Error::unsupported(format!("a chart cannot be drawn: {error}"))
+}
+
+/// Draws shapes on a backend.
+struct Pen<B> {
+    backend: B,
+    steps: f64,
+    letters: Letters,
+}
+
+impl<B: DrawingBackend> Pen<B> {
+    fn spot(&self, [x, y]: Spot) -> (i32, i32) {
+        let step = |value: f64| (value.clamp(-FARTHEST, FARTHEST) * self.steps).round() as i32;
+        (step(x), step(y))
+    }
+
+    fn shape(&mut self, shape: &Shape) -> Result<()> {
+        match shape {
+            Shape::Line { through, stroke } => self.line(through, stroke),
+            Shape::Rectangle { from, to, ink } => self.rectangle(*from, *to, *ink),
+            Shape::Polygon { corners, ink } => {
+                let corners: Vec<_> = corners.iter().map(|corner| self.spot(*corner)).collect();
+                self.backend.fill_polygon(corners, &color(*ink)).map_err(failed)
+            }
+            Shape::Disc { at, radius, ink } => {
+                let radius = (radius * self.steps).round().max(1.0) as u32;
+                self.backend.draw_circle(self.spot(*at), radius, &color(*ink), true).map_err(failed)
+            }
+            Shape::Text { at, text } => self.text(*at, text),
+        }
+    }
+
+    fn rectangle(&mut self, from: Spot, to: Spot, ink: Ink) -> Result<()> {
+        let (from, to) = (self.spot(from), self.spot(to));
+        self.backend.draw_rect(from, to, &color(ink), true).map_err(failed)
+    }
+
+    fn line(&mut self, through: &[Spot], stroke: &Stroke) -> Result<()> {
+        let mut places: Vec<_> = through.iter().map(|place| self.spot(*place)).collect();
+        places.dedup();
+        let stroke_width = (stroke.width * self.steps).round().max(1.0) as u32;
+        let style = ShapeStyle { color: color(stroke.ink), filled: false, stroke_width };
+        if places.len() < 2 { Ok(()) } else { self.backend.draw_path(places, &style).map_err(failed) }
+    }
+
+    fn text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
+        match self.letters {
+            Letters::Viewer => self.named_text([x, y], text),
+            Letters::Own => self.outlined_text([x, y], text),
+        }
+    }
+
+    fn named_text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
+        let rise = text.em * SVG_BASELINE_EM;
+        let (upper, transform) = match text.direction {
+            Direction::Across => ([x, y - rise], FontTransform::None),
+            Direction::Up => ([x - rise, y], FontTransform::Rotate270),
+        };
+        let h_pos = match text.anchor {
+            Anchor::Start => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::End => HPos::Right,
+        };
+        let weight = match text.weight {
+            Weight::Regular => FontStyle::Normal,
+            Weight::Bold => FontStyle::Bold,
+        };
+        let size = text.em * self.steps * SVG_SIZE_PER_EM;
+        let font = FontDesc::new(FontFamily::Name(font::FAMILY), size, weight).transform(transform);
+        let ink = color(text.ink);
+        let style = TextStyle::from(font).color(&ink).pos(Pos::new(h_pos, VPos::Top));
+        self.backend.draw_text(&text.text, &style, self.spot(upper)).map_err(failed)
+    }
+
+    fn outlined_text(&mut self, at: Spot, text: &Text) -> Result<()> {
+        let before = match text.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => text.width() / 2.0,
+            Anchor::End => text.width(),
+        };
+        let (x0, y0) = match text.direction {
+            Direction::Across => self.spot([at[0] - before, at[1]]),
+            Direction::Up => self.spot([at[0], at[1] + before]),
+        };
+        let (width, height) = self.backend.get_size();
+        let backend = &mut self.backend;
+        font::rasterise(&text.text, text.em * self.steps, text.weight, |[x, y], share| {
+            let (x, y) = match text.direction {
+                Direction::Across => (x0 + x, y0 + y),
+                Direction::Up => (x0 + y, y0 - x),
+            };
+            let inside = x >= 0 && y >= 0 && x < width as i32 && y < height as i32;
+            let ink = color(text.ink.with_alpha(text.ink.alpha * share)).to_backend_color();
+            if inside { backend.draw_pixel((x, y), ink).map_err(failed) } else { Ok(()) }
+        })
+    }
+}
+
+fn color(ink: Ink) -> RGBAColor {
+    let [red, green, blue] = ink.rgb;
+    RGBAColor(red, green, blue, ink.alpha)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::limits::ReadLimits;
+
+    fn specimen() -> Drawing {
+        let mut drawing = Drawing::new(320, 160, "a <specimen> & more");
+        let red = Stroke::solid(Ink::opaque([200, 30, 30]), 1.0);
+        for (row, anchor) in [Anchor::Start, Anchor::Middle, Anchor::End].into_iter().enumerate() {
+            let y = 30.0 + 40.0 * row as f64;
+            drawing.line(&[[100.0, y], [300.0, y]], red);
+            drawing.line(&[[200.0, y - 20.0], [200.0, y + 10.0]], red);
+            drawing.text([200.0, y], Text::new("Egx 0.5 MB", 20.0).anchor(anchor));
+        }
+        drawing.line(&[[40.0, 10.0], [40.0, 150.0]], red);
+        drawing.text([40.0, 80.0], Text::new("Egx <&> up", 16.0).bold().up().anchor(Anchor::Middle));
+        drawing.line(&[[60.0, 10.0], [80.0, 60.0], [60.0, 110.0]], Stroke::dashed(Ink::BLACK, 1.5));
+        drawing.disc([70.0, 130.0], 8.0, Ink::opaque([0, 114, 178]));
+        drawing.polygon([[80.0, 130.0], [96.0, 138.0], [96.0, 122.0]].as_ref(), Ink::BLACK.with_alpha(0.5));
+        drawing
+    }
+
+    #[test]
+    fn both_files_are_written_and_are_the_same_on_every_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = save(&specimen(), folder.path(), "specimen").unwrap();
+        let bytes = first.clone().map(|path| std::fs::read(path).unwrap());
+        save(&specimen(), folder.path(), "specimen").unwrap();
+        assert_eq!(bytes, first.clone().map(|path| std::fs::read(path).unwrap()));
+        assert_eq!(png::read_size(&first[1], &ReadLimits::default()).unwrap(), (640, 320));
+
+        let svg = String::from_utf8(bytes[0].clone()).unwrap();
+        assert!(svg.starts_with("<svg width=\"320\" height=\"160\" viewBox=\"0 0 3200 1600\""), "{svg}");
+        assert!(svg.contains("<title>a &lt;specimen&gt; &amp; more</title>"), "{svg}");
+        assert!(svg.contains("Egx &lt;&amp;&gt; up") && svg.trim_end().ends_with("</svg>"), "{svg}");
+    }
+
+    /// Rows or columns of a part of the drawing that hold something almost black.
+    fn dark(pixels: &Plane<[u8; 3]>, [x0, y0]: [u32; 2], [x1, y1]: [u32; 2]) -> Option<[u32; 4]> {
+        let found = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
+        found.filter(|&(x, y)| pixels.get(x, y).iter().all(|&code| code < 100)).fold(None, |bounds, (x, y)| {
+            let [left, top, right, bottom] = bounds.unwrap_or([x, y, x, y]);
+            Some([left.min(x), top.min(y), right.max(x), bottom.max(y)])
+        })
+    }
+
+    #[test]
+    fn text_stands_on_its_baseline_and_has_the_width_that_was_asked_for() {
+        let mut drawing = Drawing::new(300, 60, "");
+        drawing.text([150.0, 40.0], Text::new("HEHEHEHEH", 20.0).anchor(Anchor::Middle));
+        let pixels = to_pixels(&drawing, 2).unwrap();
+        let [left, top, right, bottom] = dark(&pixels, [0, 0], [600, 120]).unwrap();
+        let width = Text::new("HEHEHEHEH", 20.0).width() * 2.0;
+        assert!((f64::from(right - left) - width).abs() < 10.0, "{left} {right} {width}");
+        assert!((f64::from(left + right) / 2.0 - 300.0).abs() < 2.0, "{left} {right}");
+        assert!(bottom.abs_diff(80) <= 2, "{bottom}");
+        assert!((f64::from(bottom - top) - 40.0 * font::CAP_PER_EM).abs() < 3.0, "{top} {bottom}");
+    }
+
+    #[test]
+    fn text_that_runs_up_stands_on_a_vertical_line() {
+        let mut drawing = Drawing::new(60, 300, "");
+        drawing.text([40.0, 150.0], Text::new("HEHEHEHEH", 20.0).up().anchor(Anchor::Middle));
+        let [_, top, right, bottom] = dark(&to_pixels(&drawing, 2).unwrap(), [0, 0], [120, 600]).unwrap();
+        assert!(right.abs_diff(80) <= 2, "{right}");
+        assert!((f64::from(top + bottom) / 2.0 - 300.0).abs() < 4.0, "{top} {bottom}");
+    }
+
+    #[test]
+    #[ignore = "writes a specimen to look at"]
+    fn write_specimen() {
+        save(&specimen(), &std::env::temp_dir(), "specimen").unwrap();
+    }
+}
