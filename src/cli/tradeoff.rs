@@ -37,9 +37,9 @@ use input::Footage;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
-    lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs=1,4,16 -o out\n  \
+    lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs -o out\n  \
     lightfold tradeoff scene --preset paper -o out\n  \
-    lightfold tradeoff scene --sweep psnr --sweep lzma2 --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
+    lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
     lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
     lightfold tradeoff --list-knobs\n\n\
@@ -53,6 +53,9 @@ pub struct Args {
     /// look at what DIR holds
     #[arg(value_name = "MANIFEST|SEQ", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
+    /// Options of encode that all points have, such as --hdr or --frames 0-9
+    #[arg(last = true, value_name = "OPTIONS")]
+    pub fixed: Vec<String>,
     /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
     /// kind of stream make one grid
     #[arg(long, value_name = "KNOB=V1,V2", value_parser = Sweep::parse)]
@@ -84,9 +87,6 @@ pub struct Args {
     /// Recommendation.
     #[command(flatten)]
     pub recommend: RecommendArgs,
-    /// Options of encode that all points have
-    #[arg(last = true, value_name = "OPTIONS")]
-    pub fixed: Vec<String>,
 }
 
 /// What is asked of a point.
