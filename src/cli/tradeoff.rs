@@ -28,7 +28,6 @@ use crate::report::tradeoff::recommend::{self, Advice, Demands};
 use crate::report::tradeoff::schedule::{self, Extent};
 use crate::report::tradeoff::store::{Row, Store};
 use crate::report::tradeoff::{Measured, Results, Weights, json as report};
-use crate::video::encode::EncodeSettings;
 use crate::video::tile_quality;
 
 use child::Children;
@@ -215,12 +214,12 @@ type Advised<'a> = (Advice<'a>, &'a Row);
 
 fn advise<'a>(rows: &[&'a Row], demands: &Demands) -> Vec<Advised<'a>> {
     let measured: Vec<&Measured> = rows.iter().map(|row| &row.measured).collect();
-    let row = |advice: &Advice<'_>| rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point)).copied();
-    recommend::recommend(&measured, demands)
-        .into_iter()
-        .filter_map(|advice| Some((row(&advice)?, advice)))
-        .map(|(row, advice)| (advice, row))
-        .collect()
+    let advice = recommend::recommend(&measured, demands).into_iter();
+    let with_row = |advice: Advice<'a>| {
+        let row = rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point))?;
+        Some((advice, *row))
+    };
+    advice.filter_map(with_row).collect()
 }
 
 fn advice_json(advice: &[Advised<'_>]) -> Vec<Value> {
@@ -344,7 +343,7 @@ impl Monitor for Until<'_> {
 fn tiles(footage: &Footage, deadline: Option<Instant>, global: &GlobalArgs) -> Result<Option<TilePsnr>> {
     let progress = Progress::start(global, "modelling tiles", tile_quality::images(&footage.source))?;
     let until = Until { progress: &progress, deadline };
-    let mut settings = EncodeSettings { ..footage.settings.clone() };
+    let mut settings = footage.settings.clone();
     settings.depth.effort = Effort::Fast;
     match tile_quality::measure(&footage.source, &settings, &until) {
         Err(Error::Interrupted) if !progress.interrupted() => Ok(None),
