@@ -44,9 +44,27 @@ const SVG_BASELINE_EM: f64 = 0.76;
 /// When the files cannot be written.
 pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
-    std::fs::write(&paths[0], to_svg(drawing)?).map_err(|error| Error::io(&paths[0], error))?;
+    let svg = to_svg(drawing)?;
+    whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
     save_png(drawing, &paths[1], CHART_DENSITY)?;
     Ok(paths)
+}
+
+/// Lets a file be written under a name that ends in `.partial`, and gives it its own when that is done, so that the file
+/// appears whole or not at all.
+///
+/// # Errors
+/// Those of `write`, and when the file cannot be renamed; nothing is left then.
+pub fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    let partial = PathBuf::from(name);
+    let done = write(&partial).and_then(|()| std::fs::rename(&partial, path).map_err(|error| Error::io(path, error)));
+    if done.is_err() {
+        // What went wrong first is what is told.
+        let _ = std::fs::remove_file(&partial);
+    }
+    done
 }
 
 /// Writes a drawing as PNG, with `density` pixels for each of its own in each direction.
@@ -54,7 +72,8 @@ pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]
 /// # Errors
 /// When the file cannot be written.
 pub fn save_png(drawing: &Drawing, path: &Path, density: u32) -> Result<()> {
-    png::write_color8(path, &to_pixels(drawing, density)?)
+    let pixels = to_pixels(drawing, density)?;
+    whole(path, |partial| png::write_color8(partial, &pixels))
 }
 
 /// The text of an SVG file.

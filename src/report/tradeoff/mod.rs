@@ -6,9 +6,11 @@
 
 pub mod bench;
 pub mod commands;
+pub mod figures;
 pub mod findings;
 pub mod json;
 pub mod knob;
+pub mod page;
 pub mod pareto;
 pub mod plan;
 pub mod point;
