@@ -23,6 +23,7 @@ use crate::monitor::Monitor;
 use crate::report::machine;
 use crate::report::tradeoff::bench::Bench;
 use crate::report::tradeoff::commands::shell_line;
+use crate::report::tradeoff::page;
 use crate::report::tradeoff::plan::{self, Plan, Preset, Sweep};
 use crate::report::tradeoff::recommend::{self, Advice, Demands};
 use crate::report::tradeoff::schedule::{self, Extent};
@@ -258,7 +259,7 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
         all["recommended"] = advice_json(advice).into();
     }
     let mut files = vec![store.path().to_path_buf(), write_json(&all, &args.output.join("tradeoff.json"))?];
-    files.extend(draw(&results, &args.output)?);
+    files.extend(page::write(&results, &args.output)?);
     if args.json {
         output::print_json(&all)?;
     } else {
@@ -357,9 +358,4 @@ fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
     writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
     file.commit()?;
     Ok(path.to_path_buf())
-}
-
-/// Draws the pictures and the page.
-fn draw(_results: &Results, _folder: &Path) -> Result<Vec<PathBuf>> {
-    Ok(Vec::new())
 }
