@@ -80,6 +80,10 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
     let again = json(&format!("{sweep} same-1"));
     assert_eq!(points(&again), points(&first), "seconds would have changed");
     assert_eq!(std::fs::read(place().join("same-1").join(FILE_NAME)).unwrap(), csv);
+    for name in ["index.html", "tradeoff.json", "color-rate-distortion.svg", "color-rate-distortion.png"] {
+        assert!(place().join("same-1").join(name).is_file(), "{name}");
+    }
+    assert_eq!(first["findings"].as_array().unwrap().len(), 5);
     // Another option of all points makes other points of them.
     let other = tradeoff("scene --sweep error=0 --repeats 1 -o same-1 -- --near 0.01");
     assert!(String::from_utf8(other.stderr).unwrap().contains("4 points of another input"));
