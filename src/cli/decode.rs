@@ -48,7 +48,7 @@ pub struct Args {
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
     /// Decode once without counting it, then N times, and report the median and each of the N
-    #[arg(long, value_name = "N", requires = "null", conflicts_with = "verify",
+    #[arg(long, value_name = "N", requires = "null", conflicts_with_all = ["output", "verify"],
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
     /// Where to decode; the images are the same [default: cpu]

@@ -23,12 +23,12 @@ use crate::monitor::Monitor;
 use crate::report::machine;
 use crate::report::tradeoff::bench::Bench;
 use crate::report::tradeoff::commands::shell_line;
+use crate::report::tradeoff::page;
 use crate::report::tradeoff::plan::{self, Plan, Preset, Sweep};
 use crate::report::tradeoff::recommend::{self, Advice, Demands};
 use crate::report::tradeoff::schedule::{self, Extent};
 use crate::report::tradeoff::store::{Row, Store};
 use crate::report::tradeoff::{Measured, Results, Weights, json as report};
-use crate::video::encode::EncodeSettings;
 use crate::video::tile_quality;
 
 use child::Children;
@@ -37,9 +37,9 @@ use input::Footage;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
-    lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs=1,4,16 -o out\n  \
+    lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs -o out\n  \
     lightfold tradeoff scene --preset paper -o out\n  \
-    lightfold tradeoff scene --sweep psnr --sweep lzma2 --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
+    lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
     lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
     lightfold tradeoff --list-knobs\n\n\
@@ -53,6 +53,9 @@ pub struct Args {
     /// look at what DIR holds
     #[arg(value_name = "MANIFEST|SEQ", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
+    /// Options of encode that all points have, such as --hdr or --frames 0-9
+    #[arg(last = true, value_name = "OPTIONS")]
+    pub fixed: Vec<String>,
     /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
     /// kind of stream make one grid
     #[arg(long, value_name = "KNOB=V1,V2", value_parser = Sweep::parse)]
@@ -84,9 +87,6 @@ pub struct Args {
     /// Recommendation.
     #[command(flatten)]
     pub recommend: RecommendArgs,
-    /// Options of encode that all points have
-    #[arg(last = true, value_name = "OPTIONS")]
-    pub fixed: Vec<String>,
 }
 
 /// What is asked of a point.
@@ -215,12 +215,12 @@ type Advised<'a> = (Advice<'a>, &'a Row);
 
 fn advise<'a>(rows: &[&'a Row], demands: &Demands) -> Vec<Advised<'a>> {
     let measured: Vec<&Measured> = rows.iter().map(|row| &row.measured).collect();
-    let row = |advice: &Advice<'_>| rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point)).copied();
-    recommend::recommend(&measured, demands)
-        .into_iter()
-        .filter_map(|advice| Some((row(&advice)?, advice)))
-        .map(|(row, advice)| (advice, row))
-        .collect()
+    let advice = recommend::recommend(&measured, demands).into_iter();
+    let with_row = |advice: Advice<'a>| {
+        let row = rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point))?;
+        Some((advice, *row))
+    };
+    advice.filter_map(with_row).collect()
 }
 
 fn advice_json(advice: &[Advised<'_>]) -> Vec<Value> {
@@ -259,7 +259,7 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
         all["recommended"] = advice_json(advice).into();
     }
     let mut files = vec![store.path().to_path_buf(), write_json(&all, &args.output.join("tradeoff.json"))?];
-    files.extend(draw(&results, &args.output)?);
+    files.extend(page::write(&results, &args.output)?);
     if args.json {
         output::print_json(&all)?;
     } else {
@@ -344,7 +344,7 @@ impl Monitor for Until<'_> {
 fn tiles(footage: &Footage, deadline: Option<Instant>, global: &GlobalArgs) -> Result<Option<TilePsnr>> {
     let progress = Progress::start(global, "modelling tiles", tile_quality::images(&footage.source))?;
     let until = Until { progress: &progress, deadline };
-    let mut settings = EncodeSettings { ..footage.settings.clone() };
+    let mut settings = footage.settings.clone();
     settings.depth.effort = Effort::Fast;
     match tile_quality::measure(&footage.source, &settings, &until) {
         Err(Error::Interrupted) if !progress.interrupted() => Ok(None),
@@ -358,9 +358,4 @@ fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
     writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
     file.commit()?;
     Ok(path.to_path_buf())
-}
-
-/// Draws the pictures and the page.
-fn draw(_results: &Results, _folder: &Path) -> Result<Vec<PathBuf>> {
-    Ok(Vec::new())
 }

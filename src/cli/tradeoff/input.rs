@@ -44,21 +44,22 @@ pub struct Footage {
 }
 
 /// The subcommand that encodes footage of a form.
-fn encoder(form: Form, kinds: &[StreamKind]) -> Result<&'static str> {
+fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str> {
     match (form, kinds) {
         (Form::Dataset, _) => Ok("encode"),
         (Form::Sequence, [StreamKind::Color]) => Ok("encode-color"),
         (Form::Sequence, [StreamKind::Depth]) => Ok("encode-depth"),
-        (Form::Sequence, _) => {
-            Err(Error::Usage("a lone sequence: tell what its images show by --stream depth or --stream color".into()))
-        }
+        (Form::Sequence, _) => Err(Error::Usage(format!(
+            "{path}: neither a lightfield.json nor a folder that holds one; of a lone sequence tell what its images show, \
+                 by --stream depth or --stream color"
+        ))),
     }
 }
 
 /// Opens footage; `kinds` are those that were asked for, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<(Footage, Fixed)> {
     let form = if options::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
-    let subcommand = encoder(form, kinds)?;
+    let subcommand = encoder(form, kinds, path)?;
     let mut fixed = fixed(subcommand, path, words)?;
     if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
         fixed.knobs.push(("threads", threads.to_string()));

@@ -9,6 +9,7 @@ use super::Advised;
 use crate::cli::output::{self, human_bytes};
 use crate::dataset::stream::StreamKind;
 use crate::error::Result;
+use crate::report::tradeoff::findings::{self, Verdict};
 use crate::report::tradeoff::knob::{KNOBS, Stage};
 use crate::report::tradeoff::{Measured, Results};
 use crate::report::{Column, Table};
@@ -31,7 +32,8 @@ const FIGURES: &[FigureColumn] = &[
     ("Max error m", |of| of.quality.max_error_m.map(|metres| format!("{metres:.4}"))),
 ];
 
-/// Tables of all points, one for each kind of stream, and the files that were written.
+/// Tables of all points, one for each kind of stream, what the papers found and is to be judged, and the files that were
+/// written.
 pub fn report(results: &Results, files: &[PathBuf]) -> String {
     let mut text = String::new();
     for kind in StreamKind::ALL {
@@ -40,6 +42,13 @@ pub fn report(results: &Results, files: &[PathBuf]) -> String {
             // Writing into a string does not fail.
             let _ = writeln!(text, "{}", table(results, kind, &points));
         }
+    }
+    let findings = findings::judge(results);
+    for finding in findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured) {
+        let _ = writeln!(text, "{}: {}\n  {}", finding.verdict.name(), finding.sentence, finding.rests_on);
+    }
+    if findings.iter().any(|finding| finding.verdict != Verdict::NotMeasured) {
+        text.push('\n');
     }
     for path in files {
         let _ = writeln!(text, "{}", path.display());

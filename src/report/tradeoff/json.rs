@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::findings::{self, Finding};
 use super::point::{Measured, Point};
 use super::recommend::Advice;
 use super::store::{self, FIGURES, Figure, Row};
@@ -18,6 +19,7 @@ pub fn report(results: &Results, rows: &[&Row]) -> Value {
         "weights": { "compression": results.weights.compression, "decoding": results.weights.decoding },
         "studies": results.studies.iter().map(study).collect::<Vec<_>>(),
         "points": rows.iter().map(|row| point(row)).collect::<Vec<_>>(),
+        "findings": findings::judge(results).iter().map(Finding::json).collect::<Vec<_>>(),
         "left_out": results.left_out,
     });
     if let Some(tiles) = &results.tiles {

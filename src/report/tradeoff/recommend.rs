@@ -93,3 +93,80 @@ pub fn recommend<'a>(measured: &[&'a Measured], demands: &Demands) -> Vec<Advice
     };
     StreamKind::ALL.into_iter().filter_map(of_kind).map(advice).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::point::{Point, Quality, Sizes, Timing};
+
+    /// A point of depth of so many bytes, codes of error and seconds of decoding.
+    fn depth(error: &str, bytes: u64, codes: u32, seconds: f64) -> Measured {
+        Measured {
+            point: Point::new(StreamKind::Depth, vec![("error", error.to_owned())]),
+            sizes: Sizes { raw: 1000, temporal: bytes, spatial: None, container: bytes, lzma2: bytes },
+            quality: Quality {
+                psnr_db: 80.0,
+                min_psnr_db: None,
+                ssim: None,
+                max_error_codes: Some(codes),
+                max_error_m: Some(0.1),
+            },
+            encode: Timing { runs: vec![1.0] },
+            decode: Timing { runs: vec![seconds] },
+            frames: 10,
+            images: 60,
+            pixels: 1000,
+            updated_pixels: 500,
+            encode_peak_bytes: None,
+            decode_peak_bytes: None,
+        }
+    }
+
+    fn color(psnr: &str, bytes: u64, min_psnr_db: f64) -> Measured {
+        let mut of = depth("0", bytes, 0, 0.01);
+        of.point = Point::new(StreamKind::Color, vec![("psnr", psnr.to_owned())]);
+        of.quality = Quality { min_psnr_db: Some(min_psnr_db), max_error_codes: None, max_error_m: None, ..of.quality };
+        of
+    }
+
+    #[test]
+    fn the_smallest_that_meets_all_demands_of_its_kind() {
+        let points = [
+            depth("0", 300, 0, 0.02),
+            depth("50", 200, 50, 0.03),
+            depth("60", 100, 60, 0.01),
+            color("40", 500, 40.2),
+            color("30", 400, 30.1),
+        ];
+        let all: Vec<_> = points.iter().collect();
+        let ask = |demands: &Demands| -> Vec<(String, usize)> {
+            let advice = recommend(&all, demands);
+            advice.iter().map(|advice| (advice.point.point.settings[0].1.clone(), advice.misses.len())).collect()
+        };
+        let said = |values: &[(&str, usize)]| -> Vec<(String, usize)> {
+            values.iter().map(|(value, misses)| ((*value).to_owned(), *misses)).collect()
+        };
+        let none = Demands::default();
+        assert!(none.is_empty());
+        assert_eq!(ask(&Demands { max_error_codes: Some(55), ..none }), said(&[("30", 0), ("50", 0)]));
+        // A demand in dB says nothing about depth, and one in codes nothing about colour.
+        assert_eq!(ask(&Demands { min_psnr_db: Some(35.0), ..none }), said(&[("40", 0), ("60", 0)]));
+        // 0.02 s for ten points in time are 2 ms.
+        let fast = Demands { max_error_codes: Some(55), decode_ms: Some(2.5), ..none };
+        assert_eq!(ask(&fast), said(&[("30", 0), ("0", 0)]));
+        assert_eq!(ask(&Demands { max_ratio_percent: Some(15.0), ..none }), said(&[("30", 1), ("60", 0)]));
+    }
+
+    #[test]
+    fn where_none_does_the_nearest_and_what_it_misses() {
+        let points = [depth("0", 300, 0, 0.02), depth("50", 200, 50, 0.03), depth("60", 100, 60, 0.01)];
+        let all: Vec<_> = points.iter().collect();
+        let strict = Demands { max_error_codes: Some(40), max_bytes: Some(150), ..Demands::default() };
+        let advice = recommend(&all, &strict);
+        assert_eq!(advice[0].point.point.settings[0].1, "60");
+        assert_eq!(advice[0].misses, ["--max-error 40: its largest error is 60 codes"]);
+        let untimed = Measured { decode: Timing::default(), ..points[2].clone() };
+        let advice = recommend(&[&untimed], &Demands { decode_ms: Some(1e9), ..Demands::default() });
+        assert!(advice[0].misses[0].contains("not been timed"));
+    }
+}

@@ -35,7 +35,7 @@ pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> 
 /// A study of all values of some knobs.
 pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
     let axis = |(name, values): &(&str, &[&str])| Axis {
-        knob: knob::find(name).unwrap().name,
+        knob: knob::find(name).map_or("", |knob| knob.name),
         values: values.iter().map(|value| (*value).to_owned()).collect(),
     };
     Study {

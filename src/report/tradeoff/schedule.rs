@@ -310,3 +310,6 @@ fn farthest(tried: &[bool]) -> Option<usize> {
     }
     best.map(|(start, length)| start + (length - 1) / 2)
 }
+
+#[cfg(test)]
+mod tests;
