@@ -95,7 +95,8 @@ pub fn tick(value: f64, step: f64) -> String {
         let digits = (-step.log10() - 1e-9).ceil().clamp(0.0, 9.0) as usize;
         trimmed(&format!("{value:.digits$}"))
     };
-    if !value.is_finite() || !(step.is_finite() && step > 0.0) || size >= 1e12 || (size > 0.0 && size < 1e-6) {
+    let usable = value.is_finite() && step.is_finite() && step > 0.0;
+    if !usable || size >= 1e12 || (size > 0.0 && size < 1e-6) {
         short(value)
     } else if size >= 1e7 {
         format!("{}M", of(value / 1e6, step / 1e6))
