@@ -45,7 +45,7 @@ pub enum Error {
     },
     /// The command line asks for something that makes no sense.
     Usage(String),
-    /// SIGINT or SIGTERM arrived; nothing is left under the final name.
+    /// SIGINT or SIGTERM arrived; nothing unfinished is left under a final name.
     Interrupted,
 }
 
@@ -128,7 +128,7 @@ impl fmt::Display for Error {
                 write!(f, "{source}")
             }
             Error::Usage(message) => f.write_str(message),
-            Error::Interrupted => f.write_str("interrupted; no output file was left behind"),
+            Error::Interrupted => f.write_str("interrupted; no unfinished file was left behind"),
         }
     }
 }

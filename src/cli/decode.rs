@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
+use crate::report::tradeoff::Timing;
 use crate::video::decode::Decoder;
 use crate::video::export::{self, DecodeSummary, Destination, FileFormat, ImageSource, OnCpu, Request};
 
@@ -28,7 +29,7 @@ const LOAD_BYTES: u64 = 1 << 30;
 #[command(after_help = "Examples:\n  lightfold decode film.lfold -o frames\n  \
     lightfold decode film.lfold --probe 00 --face px --stream depth -o depth.%04d.exr\n  \
     lightfold decode film.lfold --frames 10-19 --format png -o look\n  \
-    lightfold decode film.lfold --null --json\n  \
+    lightfold decode film.lfold --null --repeat 9 --json\n  \
     lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \
     lightfold decode film.lfold --camera cam.json -o seen\n  \
     lightfold decode film.lfold --device gpu --null\n  \
@@ -46,6 +47,10 @@ pub struct Args {
     /// Decode everything and write nothing; reports the time of the decoding alone
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
+    /// Decode once without counting it, then N times, and report the median and each of the N
+    #[arg(long, value_name = "N", requires = "null", conflicts_with_all = ["output", "verify"],
+        value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub repeat: Option<u32>,
     /// Where to decode; the images are the same [default: cpu]
     #[arg(long, value_enum)]
     pub device: Option<DeviceArg>,
@@ -96,29 +101,43 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let decoder = Decoder::new(reader)?;
     let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
     let view = args.cameras.view(&decoder, &chosen)?;
-    let images = chosen.iter().map(|(_, frames)| frames.count()).sum();
-    let progress = Progress::start(global, "decoding", images)?;
-    let start = Instant::now();
+    let images: u64 = chosen.iter().map(|(_, frames)| frames.count()).sum();
+    let passes = args.repeat.map_or(1, |count| u64::from(count) + 1);
+    let progress = Progress::start(global, "decoding", images * passes)?;
+    let mut runs = Timing::default();
     let request = Request { chosen: &chosen, filter: view.filter() };
-    let ((summary, found), name) = device::or_on_cpu(
-        (gpu.as_ref(), choice),
-        global,
-        |gpu| match &args.output {
-            Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
-            None if args.verify => {
-                let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
-                Ok((summary, Some(found)))
-            }
-            None => Ok((verify::decode_to_nothing(gpu, &decoder, request, &progress)?, None)),
-        },
-        || match &args.output {
-            Some(output) => Ok((write(&OnCpu, &decoder, request, output, args.format, &progress)?, None)),
-            None => Ok((export::decode_to_nothing(&decoder, request, &progress)?, None)),
-        },
-    )?;
-    let seconds = start.elapsed().as_secs_f64();
+    let mut once = || {
+        let start = Instant::now();
+        let done = device::or_on_cpu(
+            (gpu.as_ref(), choice),
+            global,
+            |gpu| match &args.output {
+                Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
+                None if args.verify => {
+                    let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
+                    Ok((summary, Some(found)))
+                }
+                None => Ok((verify::decode_to_nothing(gpu, &decoder, request, &progress)?, None)),
+            },
+            || match &args.output {
+                Some(output) => Ok((write(&OnCpu, &decoder, request, output, args.format, &progress)?, None)),
+                None => Ok((export::decode_to_nothing(&decoder, request, &progress)?, None)),
+            },
+        )?;
+        runs.runs.push(start.elapsed().as_secs_f64());
+        Ok(done)
+    };
+    let ((mut summary, found), name) = once()?;
+    if let Some(repeat) = args.repeat {
+        for _ in 0..repeat {
+            summary = once()?.0.0;
+        }
+        // The first was the warm-up.
+        runs.runs.remove(0);
+    }
     drop(progress);
-    let pace = Pace { seconds, reading_seconds: reading.as_secs_f64(), in_memory, device: name };
+    let pace =
+        Pace { runs, repeated: args.repeat.is_some(), reading_seconds: reading.as_secs_f64(), in_memory, device: name };
     report(args, (&summary, &view), &pace, found.as_ref(), global)?;
     Ok(match found {
         Some(found) if found.mismatched_words > 0 => Outcome::Differs,
@@ -215,8 +234,10 @@ fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
 
 /// How long it took.
 struct Pace {
-    seconds: f64,
-    /// Time for reading the file beforehand, which `seconds` does not include.
+    /// Of each run that counts.
+    runs: Timing,
+    repeated: bool,
+    /// Time for reading the file beforehand, which `runs` do not include.
     reading_seconds: f64,
     in_memory: bool,
     /// What decoded.
@@ -230,7 +251,7 @@ fn report(
     found: Option<&Verification>,
     global: &GlobalArgs,
 ) -> Result<()> {
-    let seconds = pace.seconds;
+    let seconds = pace.runs.median().unwrap_or_default();
     let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
     let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
     if args.json {
@@ -249,6 +270,10 @@ fn report(
             "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
             "device": pace.device,
         });
+        if pace.repeated {
+            report["runs_seconds"] = json!(pace.runs.runs);
+        }
+        output::add_peak_memory(&mut report);
         view.add_to(&mut report);
         if let Some(found) = found {
             report["mismatched_words"] = found.mismatched_words.into();
@@ -272,7 +297,10 @@ fn report(
         }
         Some(_) => "\nall words are those of the CPU".to_owned(),
     };
-    let line = format!("{line}{on}{}{compared}", view.line(summary));
+    let spread = pace.runs.spread().filter(|_| pace.repeated).map_or_else(String::new, |(least, most)| {
+        format!("; median of {} runs of {least:.4} to {most:.4} s", pace.runs.runs.len())
+    });
+    let line = format!("{line}{on}{}{spread}{compared}", view.line(summary));
     match &args.output {
         None => output::print_text(&format!("{line}\n")),
         Some(output) => {

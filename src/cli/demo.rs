@@ -11,6 +11,7 @@ use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::error::Result;
+use crate::report::tradeoff::commands::shell_word;
 use crate::report::{Column, Table};
 use crate::scene::{DemoKind, FootagePlan};
 use crate::video::compare::{self, CompareSettings, Pairing, SsimFrames};
@@ -273,14 +274,4 @@ fn depth_bound(settings: &EncodeSettings) -> u16 {
 
 fn percent(part: u64, whole: u64) -> f64 {
     100.0 * part as f64 / whole.max(1) as f64
-}
-
-/// A word as a POSIX shell takes it: in quotes where it holds more than plain characters.
-fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
 }

@@ -57,21 +57,29 @@ pub struct Args {
     pub effort: EffortArgs,
 }
 
+impl Args {
+    /// What the options come to.
+    pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+        self.depth.apply(&mut options, &mut settings)?;
+        self.color.apply(&mut options, &mut settings)?;
+        self.material.apply(&mut settings);
+        options.frames = self.frames.frames;
+        options.face_size = self.face_size;
+        options.channel = self.depth_channel.clone();
+        options.color_channel = self.color_channel.clone();
+        self.effort.apply(&mut settings);
+        settings.lzma2 = self.output.lzma2;
+        if !self.stream.is_empty() {
+            settings.kinds = self.stream.clone();
+        }
+        Ok((options, settings))
+    }
+}
+
 /// Encodes a dataset.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
-    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.depth.apply(&mut options, &mut settings)?;
-    args.color.apply(&mut options, &mut settings)?;
-    args.material.apply(&mut settings);
-    options.frames = args.frames.frames;
-    options.face_size = args.face_size;
-    options.channel = args.depth_channel.clone();
-    options.color_channel = args.color_channel.clone();
-    args.effort.apply(&mut settings);
-    settings.lzma2 = args.output.lzma2;
-    if !args.stream.is_empty() {
-        settings.kinds = args.stream.clone();
-    }
+    let (options, settings) = args.settings()?;
     if !options::is_dataset(&args.input) {
         return Err(Error::Usage(format!(
             "{}: neither a lightfield.json nor a folder that holds one; a lone sequence is encoded with encode-depth or \
@@ -104,7 +112,9 @@ pub fn encode_to(
     output.check()?;
     let done = encode_file(source, settings, &output.path, global)?;
     if output.json {
-        output::print_json(&done.json())?;
+        let mut report = done.json();
+        output::add_peak_memory(&mut report);
+        output::print_json(&report)?;
     } else if !global.quiet {
         output::note(done.text(&output.path));
     }

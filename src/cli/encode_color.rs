@@ -38,14 +38,22 @@ pub struct Args {
     pub effort: EffortArgs,
 }
 
+impl Args {
+    /// What the options come to.
+    pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
+        let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
+        self.color.apply(&mut options, &mut settings)?;
+        options.color_space = self.color_space.map(Into::into);
+        options.frames = self.frames.frames;
+        self.effort.apply(&mut settings);
+        settings.lzma2 = self.output.lzma2;
+        Ok((options, settings))
+    }
+}
+
 /// Encodes a sequence.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
-    let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
-    args.color.apply(&mut options, &mut settings)?;
-    options.color_space = args.color_space.map(Into::into);
-    options.frames = args.frames.frames;
-    args.effort.apply(&mut settings);
-    settings.lzma2 = args.output.lzma2;
+    let (options, settings) = args.settings()?;
     let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
     encode_to(&source, &settings, &args.output, global)
 }

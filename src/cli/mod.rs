@@ -18,6 +18,7 @@ pub mod pack;
 pub mod progress;
 pub mod quadtree;
 pub mod selftest;
+pub mod tradeoff;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -44,8 +45,8 @@ pub struct GlobalArgs {
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken or devices disagree, 2 bad input or usage,\n\
-        130 interrupted.\n\n\
+    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, devices disagree, or no\n\
+        point of tradeoff meets what is asked, 2 bad input or usage, 130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
@@ -82,6 +83,8 @@ pub enum Command {
     Decode(decode::Args),
     /// Compare two of anything: containers, datasets, sequences
     Diff(diff::Args),
+    /// Show what settings cost in bytes, time and quality on footage of your own
+    Tradeoff(tradeoff::Args),
     /// Test whether this machine's graphics devices decode what its CPU decodes
     Selftest(selftest::Args),
     /// Print a completion script for a shell
@@ -96,7 +99,7 @@ pub enum Command {
 pub enum Outcome {
     /// All is well.
     Fine,
-    /// What was compared differs by more than allowed: files, or what two devices decoded.
+    /// What was compared differs by more than allowed: files, what two devices decoded, or what was asked and what there is.
     Differs,
 }
 
@@ -140,6 +143,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
+        Command::Tradeoff(args) => tradeoff::run(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

@@ -8,6 +8,7 @@ use serde::Serialize;
 use tempfile::{NamedTempFile, TempDir};
 
 use crate::error::{Error, Result};
+use crate::report::machine;
 
 /// Whether an error is that the reader of our output went away, which is no failure of ours.
 pub fn is_broken_pipe(error: &Error) -> bool {
@@ -23,6 +24,13 @@ pub fn name_output(error: Error, path: &Path) -> Error {
 pub fn print_json(value: &impl Serialize) -> Result<()> {
     let text = serde_json::to_string_pretty(value).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
     print_text(&format!("{text}\n"))
+}
+
+/// Adds the largest memory that this process took to a JSON report, where the system tells it.
+pub fn add_peak_memory(report: &mut serde_json::Value) {
+    if let Some(bytes) = machine::peak_memory_bytes() {
+        report["peak_memory_bytes"] = bytes.into();
+    }
 }
 
 /// Prints a line on standard error; where that is closed or full, nothing is lost but the line.

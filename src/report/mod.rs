@@ -2,6 +2,7 @@
 
 pub mod anatomy;
 pub mod csv;
+pub mod machine;
 pub mod plot;
 pub mod table;
 pub mod tradeoff;

@@ -18,6 +18,7 @@ mod quadtree;
 mod quality;
 mod roundtrip;
 mod samples;
+mod tradeoff;
 mod vectors;
 mod vectors_of_blocks;
 mod vectors_of_nodes;

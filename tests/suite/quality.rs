@@ -1,6 +1,6 @@
 //! Bytes and quality that may not get worse: tests/baselines/footage.csv, one row for each set and kind of stream.
 //!
-//! `cargo test --test suite write_baselines -- --ignored` writes the file anew, for a change that means to.
+//! `cargo test --test suite quality::write_baselines -- --ignored` writes the file anew, for a change that means to.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

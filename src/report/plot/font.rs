@@ -4,50 +4,91 @@
 
 use std::sync::OnceLock;
 
-use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
+use ab_glyph::{Font, FontRef, Glyph, PxScale, point};
 
 use crate::error::{Error, Result};
 
-/// Font family of all text. `plotters` finds the registered font by this name, and in an SVG file it is the list of
-/// families that a viewer looks for; Verdana has almost the same widths.
+/// Families that the viewer of an SVG file looks for, in this order; Verdana has almost the same widths.
 pub const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
-/// Height of a line, ascender to descender, in ems: what `plotters` calls the size of a font drawn by ab_glyph.
-pub(super) const LINE_PER_EM: f64 = 1.164_062_5;
 /// Height of a capital letter or a digit in ems.
 pub const CAP_PER_EM: f64 = 0.729;
+/// Height of a line in ems, from its highest letter to its lowest: DejaVu's ascender and descender.
+pub const LINE_PER_EM: f64 = 1.164;
 
-/// Makes the font known to `plotters`, once for the process.
+/// Weight of letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weight {
+    /// Regular.
+    Regular,
+    /// Bold.
+    Bold,
+}
+
+/// The font, read once for the process.
+fn font(weight: Weight) -> Option<&'static FontRef<'static>> {
+    static REGULAR: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
+    static BOLD: OnceLock<Option<FontRef<'static>>> = OnceLock::new();
+    let read = |bytes: &'static [u8]| FontRef::try_from_slice(bytes).ok();
+    match weight {
+        Weight::Regular => REGULAR.get_or_init(|| read(dejavu::sans::regular())).as_ref(),
+        Weight::Bold => BOLD.get_or_init(|| read(dejavu::sans::bold())).as_ref(),
+    }
+}
+
+/// Letters of a text with the place on the baseline where each begins, and its end, in units of the font; the scale
+/// that makes units pixels goes with them.
+fn set(font: &FontRef<'_>, text: &str, em: f64) -> (Vec<(ab_glyph::GlyphId, f32)>, f32, f64) {
+    let mut at = 0.0;
+    let mut last = None;
+    let mut letters = Vec::new();
+    for letter in text.chars().map(|letter| font.glyph_id(letter)) {
+        at += last.map_or(0.0, |last| font.kern_unscaled(last, letter));
+        letters.push((letter, at));
+        at += font.h_advance_unscaled(letter);
+        last = Some(letter);
+    }
+    (letters, at, em / f64::from(font.units_per_em().unwrap_or(2048.0)))
+}
+
+/// Width in pixels of a text of one line whose ems have `em` pixels; 0 where the font cannot be read.
+pub fn width(text: &str, em: f64, weight: Weight) -> f64 {
+    font(weight).map_or(0.0, |font| {
+        let (_, end, pixels) = set(font, text, em);
+        f64::from(end) * pixels
+    })
+}
+
+/// Calls `cover` with each pixel, x to the right and y down from the beginning of the baseline, that a text of one line
+/// touches, and how much of it: 0 to 1.
 ///
 /// # Errors
-/// When the font that the program carries cannot be read.
-pub fn register() -> Result<()> {
-    static REGISTERED: OnceLock<bool> = OnceLock::new();
-    let registered = *REGISTERED.get_or_init(|| {
-        register_font(FAMILY, FontStyle::Normal, dejavu::sans::regular()).is_ok()
-            && register_font(FAMILY, FontStyle::Bold, dejavu::sans::bold()).is_ok()
-    });
-    if registered { Ok(()) } else { Err(Error::unsupported("the font of the charts cannot be read")) }
-}
-
-/// The font in a size in `plotters`' measure.
-pub(super) fn sized(size: f64, style: FontStyle) -> FontDesc<'static> {
-    FontDesc::new(FontFamily::Name(FAMILY), size, style)
-}
-
-/// Width in pixels of a text of one line, whose ems have `em` pixels; 0 where the font is missing.
-pub fn width(text: &str, em: f64, style: FontStyle) -> f64 {
-    /// Widths come in whole pixels, so they are taken at a size in which a pixel is little.
-    const FINE: f64 = 1000.0;
-    if register().is_err() {
-        return 0.0;
+/// When the font that the program carries cannot be read, and as `cover` does.
+pub fn rasterise(
+    text: &str,
+    em: f64,
+    weight: Weight,
+    mut cover: impl FnMut([i32; 2], f64) -> Result<()>,
+) -> Result<()> {
+    let font = font(weight).ok_or_else(|| Error::unsupported("the font of the charts cannot be read"))?;
+    let (letters, _, pixels) = set(font, text, em);
+    let scale = PxScale::from((f64::from(font.height_unscaled()) * pixels) as f32);
+    let mut outcome = Ok(());
+    for (id, at) in letters {
+        let glyph = Glyph { id, scale, position: point((f64::from(at) * pixels) as f32, 0.0) };
+        let Some(outline) = font.outline_glyph(glyph) else { continue };
+        let corner = outline.px_bounds().min;
+        outline.draw(|x, y, share| {
+            if outcome.is_ok() && share > 0.0 {
+                outcome = cover([corner.x as i32 + x as i32, corner.y as i32 + y as i32], f64::from(share.min(1.0)));
+            }
+        });
     }
-    let wide = sized(FINE * LINE_PER_EM, style).layout_box(text).map_or(0, |((left, _), (right, _))| right - left);
-    f64::from(wide) * em / FINE
+    outcome
 }
 
 /// The text, or where it is wider than `room` pixels, its beginning and end around an ellipsis.
-pub fn fit(text: &str, em: f64, style: FontStyle, room: f64) -> String {
-    if width(text, em, style) <= room {
+pub fn fit(text: &str, em: f64, weight: Weight, room: f64) -> String {
+    if width(text, em, weight) <= room {
         return text.to_owned();
     }
     let letters: Vec<char> = text.chars().collect();
@@ -55,7 +96,7 @@ pub fn fit(text: &str, em: f64, style: FontStyle, room: f64) -> String {
         let head = count.div_ceil(2);
         letters[..head].iter().chain(['…'].iter()).chain(&letters[letters.len() - (count - head)..]).collect()
     };
-    let fitting = (0..letters.len()).rev().map(kept).find(|shorter| width(shorter, em, style) <= room);
+    let fitting = (0..letters.len()).rev().map(kept).find(|shorter| width(shorter, em, weight) <= room);
     fitting.unwrap_or_else(|| "…".to_owned())
 }
 
@@ -66,20 +107,20 @@ mod tests {
     #[test]
     fn widths_are_those_of_the_font() {
         // Advances of DejaVu Sans: 1303 of 2048 units for a digit, 651 for a space.
-        assert!((width("0", 100.0, FontStyle::Normal) - 63.6).abs() < 0.2);
-        assert!((width("0123456789", 10.0, FontStyle::Normal) - 63.6).abs() < 0.2);
-        assert!((width(" ", 100.0, FontStyle::Normal) - 31.8).abs() < 0.2);
-        assert!(width("bold", 12.0, FontStyle::Bold) > width("bold", 12.0, FontStyle::Normal));
-        assert_eq!(width("", 12.0, FontStyle::Normal), 0.0);
+        assert!((width("0", 100.0, Weight::Regular) - 63.6).abs() < 0.2);
+        assert!((width("0123456789", 10.0, Weight::Regular) - 63.6).abs() < 0.2);
+        assert!((width(" ", 100.0, Weight::Regular) - 31.8).abs() < 0.2);
+        assert!(width("bold", 12.0, Weight::Bold) > width("bold", 12.0, Weight::Regular));
+        assert_eq!(width("", 12.0, Weight::Regular), 0.0);
     }
 
     #[test]
     fn long_texts_lose_their_middle() {
         let text = "a label that goes on and on until nobody reads its middle";
-        let fitted = fit(text, 12.0, FontStyle::Normal, 120.0);
-        assert!(width(&fitted, 12.0, FontStyle::Normal) <= 120.0 && fitted.contains('…'), "{fitted}");
+        let fitted = fit(text, 12.0, Weight::Regular, 120.0);
+        assert!(width(&fitted, 12.0, Weight::Regular) <= 120.0 && fitted.contains('…'), "{fitted}");
         assert!(fitted.starts_with("a label") && fitted.ends_with("middle"), "{fitted}");
-        assert_eq!(fit("short", 12.0, FontStyle::Normal, 120.0), "short");
-        assert_eq!(fit("short", 12.0, FontStyle::Normal, 0.0), "…");
+        assert_eq!(fit("short", 12.0, Weight::Regular, 120.0), "short");
+        assert_eq!(fit("short", 12.0, Weight::Regular, 0.0), "…");
     }
 }

@@ -1,11 +1,19 @@
 //! Charts as SVG and PNG.
 //!
-//! A chart is a [`Picture`]: a list of shapes whose places are known before anything is drawn. [`save()`] draws the same
-//! picture on both backends of `plotters`, so that both files show the same, and the same bytes on every run.
+//! A chart is a [`Drawing`]: a list of shapes, whose places are known before there is a file. [`save()`] draws it on
+//! both backends of `plotters`, so that both files show the same, and have the same bytes on every run.
 
+pub mod axis;
+pub mod chart;
+pub mod drawing;
 pub mod font;
-pub mod picture;
+pub mod heat;
+pub mod labels;
+pub mod legend;
+pub mod marker;
+pub mod number;
+pub mod palette;
 pub mod save;
 
-pub use picture::{Ink, Picture};
+pub use drawing::{Drawing, Ink};
 pub use save::{save, save_png};

@@ -1,94 +1,127 @@
-//! Draws a picture as SVG and as PNG, with the backends of `plotters`.
+//! Draws a drawing as SVG and as PNG, with the backends of `plotters`.
 //!
-//! Coordinates of `plotters` are whole numbers. A picture is therefore drawn on a finer grid: tenths of pixels in an SVG
+//! Coordinates of `plotters` are whole numbers. A drawing is therefore drawn on a finer grid: tenths of pixels in an SVG
 //! file, whose view box is that much larger, and half pixels of a PNG file, which are averaged.
 
 use std::path::{Path, PathBuf};
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{FontTransform, IntoFont, RGBAColor, ShapeStyle, TextStyle};
+use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, ShapeStyle, TextStyle};
 
-use super::font;
-use super::picture::{Anchor, Direction, Ink, Picture, Shape, Spot, Stroke, Text};
+use super::drawing::{Anchor, Direction, Drawing, Ink, Shape, Spot, Stroke, Text};
+use super::font::{self, Weight};
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::image::png;
 
-/// Pixels of a chart's PNG file for a pixel of the picture, in each direction.
+/// Pixels of a chart's PNG file for a pixel of the drawing, in each direction.
 pub const CHART_DENSITY: u32 = 2;
-/// Steps for a pixel of the picture in an SVG file.
+/// Steps for a pixel of the drawing in an SVG file.
 const SVG_STEPS: u32 = 10;
 /// Steps for a pixel of a PNG file.
 const PNG_STEPS: u32 = 2;
-/// More than any picture has, so that sums of coordinates stay far from overflow.
+/// More than any drawing has, so that sums of coordinates stay far from overflow.
 const FARTHEST: f64 = 1e6;
 
-/// How a backend of `plotters` understands the size and the place of text.
+/// Who draws letters.
 #[derive(Debug, Clone, Copy)]
-struct TextRule {
-    /// What is called the font's size, in ems.
-    size_per_em: f64,
-    /// From the upper edge, as the backend sees it, down to the baseline, in ems.
-    baseline_em: f64,
+enum Letters {
+    /// The viewer of the file.
+    Viewer,
+    /// The font that the program carries.
+    Own,
 }
 
-/// An SVG file's font size is `plotters`' size over 1.24, and its upper edge is 0.76 em above the baseline.
-const SVG_TEXT: TextRule = TextRule { size_per_em: 1.24, baseline_em: 0.76 };
-/// ab_glyph's size is a line's height; `plotters` takes half of it for the way from the upper edge to the baseline.
-const PNG_TEXT: TextRule = TextRule { size_per_em: font::LINE_PER_EM, baseline_em: font::LINE_PER_EM / 2.0 };
+/// `plotters`' size of a font for an em of 1 in an SVG file.
+const SVG_SIZE_PER_EM: f64 = 1.24;
+/// How far below the place of a text an SVG file of `plotters` has the baseline, in ems.
+const SVG_BASELINE_EM: f64 = 0.76;
 
-/// Writes a picture as `name.svg` and `name.png` into a folder. The bytes depend on the picture alone.
+/// Writes a drawing as `name.svg` and `name.png` into a folder. The bytes depend on the drawing alone.
 ///
 /// # Errors
 /// When the files cannot be written.
-pub fn save(picture: &Picture, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
+pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
-    std::fs::write(&paths[0], to_svg(picture)?).map_err(|error| Error::io(&paths[0], error))?;
-    save_png(picture, &paths[1], CHART_DENSITY)?;
+    let svg = to_svg(drawing)?;
+    whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
+    save_png(drawing, &paths[1], CHART_DENSITY)?;
     Ok(paths)
 }
 
-/// Writes a picture as PNG, with `density` pixels for each of its own in each direction.
+/// Lets a file be written under a name that ends in `.partial`, and gives it its own when that is done, so that the file
+/// appears whole or not at all.
+///
+/// # Errors
+/// Those of `write`, and when the file cannot be renamed; nothing is left then.
+pub fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    let partial = PathBuf::from(name);
+    let done = write(&partial).and_then(|()| std::fs::rename(&partial, path).map_err(|error| Error::io(path, error)));
+    if done.is_err() {
+        // What went wrong first is what is told.
+        let _ = std::fs::remove_file(&partial);
+    }
+    done
+}
+
+/// Writes a drawing as PNG, with `density` pixels for each of its own in each direction.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn save_png(picture: &Picture, path: &Path, density: u32) -> Result<()> {
-    png::write_color8(path, &to_pixels(picture, density)?)
+pub fn save_png(drawing: &Drawing, path: &Path, density: u32) -> Result<()> {
+    let pixels = to_pixels(drawing, density)?;
+    whole(path, |partial| png::write_color8(partial, &pixels))
 }
 
 /// The text of an SVG file.
 ///
 /// # Errors
 /// When the font cannot be read.
-pub fn to_svg(picture: &Picture) -> Result<String> {
-    let (width, height) = (picture.width, picture.height);
+pub fn to_svg(drawing: &Drawing) -> Result<String> {
+    let (width, height) = (drawing.width, drawing.height);
     let steps = [width * SVG_STEPS, height * SVG_STEPS];
     let mut drawn = String::new();
     let backend = SVGBackend::with_string(&mut drawn, (steps[0], steps[1]));
-    draw(picture, backend, SVG_STEPS, SVG_TEXT)?;
-    // The file's own size is the picture's; the view box keeps the steps.
+    draw(drawing, backend, SVG_STEPS, Letters::Viewer)?;
+    // The file's own size is the drawing's; the view box keeps the steps.
     let body = drawn.split_once('\n').map_or("", |(_, body)| body);
     Ok(format!(
         "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {} {}\" xmlns=\"http://www.w3.org/2000/svg\" \
          role=\"img\" stroke-linejoin=\"round\" stroke-linecap=\"butt\">\n<title>{}</title>\n{body}",
         steps[0],
         steps[1],
-        escape(&picture.title)
+        escape(&drawing.title),
+        body = whole_font_sizes(body)
     ))
 }
 
-/// The pixels of a PNG file with `density` pixels for each of the picture's in each direction, as sRGB codes.
+/// `plotters` divides sizes of fonts, which leaves some with 17 digits: they are whole steps again.
+fn whole_font_sizes(svg: &str) -> String {
+    const ATTRIBUTE: &str = " font-size=\"";
+    let mut parts = svg.split(ATTRIBUTE);
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (size, rest) = part.split_once('"').unwrap_or((part, ""));
+        let size = size.parse::<f64>().map_or_else(|_| size.to_owned(), |size| size.round().to_string());
+        whole.push_str(&format!("{ATTRIBUTE}{size}\"{rest}"));
+    }
+    whole
+}
+
+/// The pixels of a PNG file with `density` pixels for each of the drawing's in each direction, as sRGB codes.
 ///
 /// # Errors
 /// When the font cannot be read.
-pub fn to_pixels(picture: &Picture, density: u32) -> Result<Plane<[u8; 3]>> {
+pub fn to_pixels(drawing: &Drawing, density: u32) -> Result<Plane<[u8; 3]>> {
     let steps = density * PNG_STEPS;
-    let (width, height) = (picture.width * steps, picture.height * steps);
+    let (width, height) = (drawing.width * steps, drawing.height * steps);
     let mut fine = vec![255; width as usize * height as usize * 3];
-    draw(picture, BitMapBackend::with_buffer(&mut fine, (width, height)), steps, PNG_TEXT)?;
+    draw(drawing, BitMapBackend::with_buffer(&mut fine, (width, height)), steps, Letters::Own)?;
     let code = |x: u32, y: u32, component: usize| u32::from(fine[(y * width + x) as usize * 3 + component]);
-    Ok(Plane::from_fn(picture.width * density, picture.height * density, |x, y| {
+    Ok(Plane::from_fn(drawing.width * density, drawing.height * density, |x, y| {
         std::array::from_fn(|component| {
             let square = (0..PNG_STEPS * PNG_STEPS)
                 .map(|at| code(x * PNG_STEPS + at % PNG_STEPS, y * PNG_STEPS + at / PNG_STEPS, component));
@@ -114,11 +147,10 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-fn draw<B: DrawingBackend>(picture: &Picture, backend: B, steps: u32, rule: TextRule) -> Result<()> {
-    font::register()?;
-    let mut pen = Pen { backend, steps: f64::from(steps), rule };
-    pen.rectangle([0.0, 0.0], [f64::from(picture.width), f64::from(picture.height)], Ink::WHITE)?;
-    picture.shapes.iter().try_for_each(|shape| pen.shape(shape))?;
+fn draw<B: DrawingBackend>(drawing: &Drawing, backend: B, steps: u32, letters: Letters) -> Result<()> {
+    let mut pen = Pen { backend, steps: f64::from(steps), letters };
+    pen.rectangle([0.0, 0.0], [f64::from(drawing.width), f64::from(drawing.height)], Ink::WHITE)?;
+    drawing.shapes.iter().try_for_each(|shape| pen.shape(shape))?;
     pen.backend.present().map_err(failed)
 }
 
@@ -130,7 +162,7 @@ fn failed(error: impl std::fmt::Display) -> Error {
 struct Pen<B> {
     backend: B,
     steps: f64,
-    rule: TextRule,
+    letters: Letters,
 }
 
 impl<B: DrawingBackend> Pen<B> {
@@ -169,7 +201,14 @@ impl<B: DrawingBackend> Pen<B> {
     }
 
     fn text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
-        let rise = text.em * self.rule.baseline_em;
+        match self.letters {
+            Letters::Viewer => self.named_text([x, y], text),
+            Letters::Own => self.outlined_text([x, y], text),
+        }
+    }
+
+    fn named_text(&mut self, [x, y]: Spot, text: &Text) -> Result<()> {
+        let rise = text.em * SVG_BASELINE_EM;
         let (upper, transform) = match text.direction {
             Direction::Across => ([x, y - rise], FontTransform::None),
             Direction::Up => ([x - rise, y], FontTransform::Rotate270),
@@ -179,10 +218,38 @@ impl<B: DrawingBackend> Pen<B> {
             Anchor::Middle => HPos::Center,
             Anchor::End => HPos::Right,
         };
-        let font = font::sized(text.em * self.steps * self.rule.size_per_em, text.weight.plotters());
+        let weight = match text.weight {
+            Weight::Regular => FontStyle::Normal,
+            Weight::Bold => FontStyle::Bold,
+        };
+        let size = text.em * self.steps * SVG_SIZE_PER_EM;
+        let font = FontDesc::new(FontFamily::Name(font::FAMILY), size, weight).transform(transform);
         let ink = color(text.ink);
-        let style = TextStyle::from(font.into_font().transform(transform)).color(&ink).pos(Pos::new(h_pos, VPos::Top));
+        let style = TextStyle::from(font).color(&ink).pos(Pos::new(h_pos, VPos::Top));
         self.backend.draw_text(&text.text, &style, self.spot(upper)).map_err(failed)
+    }
+
+    fn outlined_text(&mut self, at: Spot, text: &Text) -> Result<()> {
+        let before = match text.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => text.width() / 2.0,
+            Anchor::End => text.width(),
+        };
+        let (x0, y0) = match text.direction {
+            Direction::Across => self.spot([at[0] - before, at[1]]),
+            Direction::Up => self.spot([at[0], at[1] + before]),
+        };
+        let (width, height) = self.backend.get_size();
+        let backend = &mut self.backend;
+        font::rasterise(&text.text, text.em * self.steps, text.weight, |[x, y], share| {
+            let (x, y) = match text.direction {
+                Direction::Across => (x0 + x, y0 + y),
+                Direction::Up => (x0 + y, y0 - x),
+            };
+            let inside = x >= 0 && y >= 0 && x < width as i32 && y < height as i32;
+            let ink = color(text.ink.with_alpha(text.ink.alpha * share)).to_backend_color();
+            if inside { backend.draw_pixel((x, y), ink).map_err(failed) } else { Ok(()) }
+        })
     }
 }
 
@@ -196,21 +263,21 @@ mod tests {
     use super::*;
     use crate::image::limits::ReadLimits;
 
-    fn specimen() -> Picture {
-        let mut picture = Picture::new(320, 160, "a <specimen> & more");
+    fn specimen() -> Drawing {
+        let mut drawing = Drawing::new(320, 160, "a <specimen> & more");
         let red = Stroke::solid(Ink::opaque([200, 30, 30]), 1.0);
         for (row, anchor) in [Anchor::Start, Anchor::Middle, Anchor::End].into_iter().enumerate() {
             let y = 30.0 + 40.0 * row as f64;
-            picture.line(&[[100.0, y], [300.0, y]], red);
-            picture.line(&[[200.0, y - 20.0], [200.0, y + 10.0]], red);
-            picture.text([200.0, y], Text::new("Egx 0.5 MB", 20.0).anchor(anchor));
+            drawing.line(&[[100.0, y], [300.0, y]], red);
+            drawing.line(&[[200.0, y - 20.0], [200.0, y + 10.0]], red);
+            drawing.text([200.0, y], Text::new("Egx 0.5 MB", 20.0).anchor(anchor));
         }
-        picture.line(&[[40.0, 10.0], [40.0, 150.0]], red);
-        picture.text([40.0, 80.0], Text::new("Egx <&> up", 16.0).bold().up().anchor(Anchor::Middle));
-        picture.line(&[[60.0, 10.0], [80.0, 60.0], [60.0, 110.0]], Stroke::dashed(Ink::BLACK, 1.5));
-        picture.disc([70.0, 130.0], 8.0, Ink::opaque([0, 114, 178]));
-        picture.polygon([[80.0, 130.0], [96.0, 138.0], [96.0, 122.0]].as_ref(), Ink::BLACK.with_alpha(0.5));
-        picture
+        drawing.line(&[[40.0, 10.0], [40.0, 150.0]], red);
+        drawing.text([40.0, 80.0], Text::new("Egx <&> up", 16.0).bold().up().anchor(Anchor::Middle));
+        drawing.line(&[[60.0, 10.0], [80.0, 60.0], [60.0, 110.0]], Stroke::dashed(Ink::BLACK, 1.5));
+        drawing.disc([70.0, 130.0], 8.0, Ink::opaque([0, 114, 178]));
+        drawing.polygon([[80.0, 130.0], [96.0, 138.0], [96.0, 122.0]].as_ref(), Ink::BLACK.with_alpha(0.5));
+        drawing
     }
 
     #[test]
@@ -228,7 +295,7 @@ mod tests {
         assert!(svg.contains("Egx &lt;&amp;&gt; up") && svg.trim_end().ends_with("</svg>"), "{svg}");
     }
 
-    /// Rows or columns of a part of the picture that hold something almost black.
+    /// Rows or columns of a part of the drawing that hold something almost black.
     fn dark(pixels: &Plane<[u8; 3]>, [x0, y0]: [u32; 2], [x1, y1]: [u32; 2]) -> Option<[u32; 4]> {
         let found = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y)));
         found.filter(|&(x, y)| pixels.get(x, y).iter().all(|&code| code < 100)).fold(None, |bounds, (x, y)| {
@@ -239,22 +306,22 @@ mod tests {
 
     #[test]
     fn text_stands_on_its_baseline_and_has_the_width_that_was_asked_for() {
-        let mut picture = Picture::new(300, 60, "");
-        picture.text([150.0, 40.0], Text::new("HEHEHEHEH", 20.0).anchor(Anchor::Middle));
-        let pixels = to_pixels(&picture, 2).unwrap();
+        let mut drawing = Drawing::new(300, 60, "");
+        drawing.text([150.0, 40.0], Text::new("HEHEHEHEH", 20.0).anchor(Anchor::Middle));
+        let pixels = to_pixels(&drawing, 2).unwrap();
         let [left, top, right, bottom] = dark(&pixels, [0, 0], [600, 120]).unwrap();
         let width = Text::new("HEHEHEHEH", 20.0).width() * 2.0;
         assert!((f64::from(right - left) - width).abs() < 10.0, "{left} {right} {width}");
-        assert!((f64::from(left + right) / 2.0 - 300.0).abs() < 6.0, "{left} {right}");
+        assert!((f64::from(left + right) / 2.0 - 300.0).abs() < 2.0, "{left} {right}");
         assert!(bottom.abs_diff(80) <= 2, "{bottom}");
         assert!((f64::from(bottom - top) - 40.0 * font::CAP_PER_EM).abs() < 3.0, "{top} {bottom}");
     }
 
     #[test]
     fn text_that_runs_up_stands_on_a_vertical_line() {
-        let mut picture = Picture::new(60, 300, "");
-        picture.text([40.0, 150.0], Text::new("HEHEHEHEH", 20.0).up().anchor(Anchor::Middle));
-        let [_, top, right, bottom] = dark(&to_pixels(&picture, 2).unwrap(), [0, 0], [120, 600]).unwrap();
+        let mut drawing = Drawing::new(60, 300, "");
+        drawing.text([40.0, 150.0], Text::new("HEHEHEHEH", 20.0).up().anchor(Anchor::Middle));
+        let [_, top, right, bottom] = dark(&to_pixels(&drawing, 2).unwrap(), [0, 0], [120, 600]).unwrap();
         assert!(right.abs_diff(80) <= 2, "{right}");
         assert!((f64::from(top + bottom) / 2.0 - 300.0).abs() < 4.0, "{top} {bottom}");
     }

@@ -26,6 +26,8 @@ pub struct Knob {
     pub stage: Stage,
     /// Settings without which it means nothing, given along unless they are swept or fixed themselves.
     pub implies: &'static [(&'static str, &'static str)],
+    /// The value that stands for leaving the option out, where none that the option takes does.
+    pub without: Option<&'static str>,
     /// What is swept where no values are given.
     pub usual: &'static [&'static str],
 }
@@ -42,6 +44,7 @@ pub const KNOBS: &[Knob] = &[
         kinds: &[Depth],
         stage: Stage::Encode,
         implies: &[],
+        without: None,
         usual: &["quadtree", "aabb", "bc4w"],
     },
     Knob {
@@ -50,6 +53,7 @@ pub const KNOBS: &[Knob] = &[
         kinds: &[Depth],
         stage: Stage::Encode,
         implies: &[],
+        without: None,
         usual: &["1", "2", "4", "8", "16"],
     },
     Knob {
@@ -58,13 +62,196 @@ pub const KNOBS: &[Knob] = &[
         kinds: &[Depth, Material],
         stage: Stage::Encode,
         implies: &[("depth-codec", "aabb")],
+        without: None,
         usual: &["1", "2", "4", "8", "16"],
     },
-    Knob { name: "threads", label: "threads", kinds: ALL, stage: Stage::Both, implies: &[], usual: &["1", "2"] },
-    Knob { name: "device", label: "device", kinds: ALL, stage: Stage::Decode, implies: &[], usual: &["cpu", "gpu"] },
+    Knob {
+        name: "epsilon",
+        label: "epsilon (codes)",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["0", "10", "30", "100"],
+    },
+    Knob {
+        name: "error",
+        label: "error bound E (codes)",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["0", "10", "25", "50", "100", "200", "400", "800"],
+    },
+    Knob {
+        name: "error-relative",
+        label: "error bound (share of the depth)",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["0%", "0.05%", "0.1%", "0.2%", "0.5%"],
+    },
+    Knob {
+        name: "depth-domain",
+        label: "domain of functions",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["log", "linear", "inverse"],
+    },
+    Knob {
+        name: "decide",
+        label: "decision rule",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["mse", "size"],
+    },
+    Knob {
+        name: "min-children",
+        label: "children changed before one function is tried",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["1", "2", "3", "4"],
+    },
+    Knob {
+        name: "depth-block",
+        label: "depth blocks",
+        kinds: &[Depth],
+        stage: Stage::Encode,
+        implies: &[("depth-codec", "aabb")],
+        without: None,
+        usual: &["none", "bc5"],
+    },
+    Knob {
+        name: "tiles",
+        label: "tiles along a face",
+        kinds: &[Depth, Material],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["1", "2", "4", "8"],
+    },
+    Knob {
+        name: "keyframe-interval",
+        label: "keyframe interval (frames)",
+        kinds: &[Depth, Material],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["4", "8", "16", "32", "64"],
+    },
+    Knob {
+        name: "cell",
+        label: "cell size (pixels)",
+        kinds: &[Color],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["8", "16", "32", "64", "128"],
+    },
+    Knob {
+        name: "psnr",
+        label: "PSNR threshold (dB)",
+        kinds: &[Color],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["30", "35", "40", "45", "50"],
+    },
+    Knob {
+        name: "color-block",
+        label: "colour blocks",
+        kinds: &[Color],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["none", "bc1", "bc7"],
+    },
+    Knob {
+        name: "psnr-final",
+        label: "PSNR threshold in blocks (dB)",
+        kinds: &[Color],
+        stage: Stage::Encode,
+        implies: &[("color-block", "bc7")],
+        without: None,
+        usual: &["30", "35", "40", "45"],
+    },
+    Knob {
+        name: "keyframe-reach",
+        label: "keyframe reach (pictures)",
+        kinds: &[Color],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["4", "16", "64", "256"],
+    },
+    Knob {
+        name: "effort",
+        label: "effort",
+        kinds: ALL,
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        usual: &["fast", "normal"],
+    },
+    Knob {
+        name: "lzma2",
+        label: "LZMA2 level",
+        kinds: ALL,
+        stage: Stage::Encode,
+        implies: &[],
+        without: Some("none"),
+        usual: &["none", "1", "6", "9"],
+    },
+    Knob {
+        name: "threads",
+        label: "threads",
+        kinds: ALL,
+        stage: Stage::Both,
+        implies: &[],
+        without: None,
+        usual: &["1", "2", "4"],
+    },
+    Knob {
+        name: "device",
+        label: "device",
+        kinds: ALL,
+        stage: Stage::Decode,
+        implies: &[],
+        without: None,
+        usual: &["cpu", "gpu"],
+    },
 ];
 
 /// The knob of a name.
 pub fn find(name: &str) -> Option<&'static Knob> {
     KNOBS.iter().find(|knob| knob.name == name)
+}
+
+impl Knob {
+    /// The option with a value, as a command line has it; none for the value that leaves it out.
+    pub fn option(&self, value: &str) -> Option<String> {
+        (self.without != Some(value)).then(|| format!("--{}={value}", self.name))
+    }
+
+    /// Whether streams of a kind depend on it.
+    pub fn concerns(&self, kind: StreamKind) -> bool {
+        self.kinds.contains(&kind)
+    }
+
+    /// Whether it says nothing about a single kind: such knobs join every study.
+    pub fn is_general(&self) -> bool {
+        self.kinds == ALL
+    }
+}
+
+/// A value as a number, where it is one: `16`, `0.5`, `0.1%` (which is 0.1).
+pub fn number(value: &str) -> Option<f64> {
+    value.strip_suffix('%').unwrap_or(value).parse().ok().filter(|number: &f64| number.is_finite())
 }

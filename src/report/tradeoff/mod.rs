@@ -4,8 +4,23 @@
 //! A [`Knob`] is an option of the command line that trades something. A [`Study`] is a grid of knob values for one
 //! kind of stream; each of its [`Point`]s is encoded, decoded and compared, which leaves a [`Measured`].
 
+pub mod bench;
+pub mod commands;
+pub mod figures;
+pub mod findings;
+pub mod json;
 pub mod knob;
+pub mod page;
+pub mod pareto;
+pub mod plan;
 pub mod point;
+pub mod recommend;
+pub mod runs;
+#[cfg(test)]
+pub(crate) mod sample;
+pub mod schedule;
+pub mod score;
+pub mod store;
 pub mod study;
 
 pub use knob::{KNOBS, Knob};

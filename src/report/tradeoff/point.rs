@@ -1,5 +1,6 @@
 //! A setting of the knobs, and what was measured of it.
 
+use super::knob::KNOBS;
 use crate::dataset::stream::StreamKind;
 
 /// A setting of the knobs for one kind of stream. Knobs that are not named have their usual value.
@@ -12,6 +13,13 @@ pub struct Point {
 }
 
 impl Point {
+    /// A setting of these knobs, brought into the order of [`KNOBS`](super::KNOBS).
+    pub fn new(kind: StreamKind, mut settings: Vec<(&'static str, String)>) -> Point {
+        let order = |name: &str| KNOBS.iter().position(|knob| knob.name == name);
+        settings.sort_by_key(|(name, _)| order(name));
+        Point { kind, settings }
+    }
+
     /// The value of a knob, where it is not the usual one.
     pub fn value(&self, knob: &str) -> Option<&str> {
         self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
@@ -42,7 +50,7 @@ pub struct Quality {
     pub min_psnr_db: Option<f64>,
     /// Mean SSIM. Colour of 8 bits.
     pub ssim: Option<f64>,
-    /// Largest error of any pixel in 16-bit log codes. Depth.
+    /// Largest error of any pixel in 16-bit log codes (depth) or steps of 8 bits (material).
     pub max_error_codes: Option<u32>,
     /// Largest error of any pixel in metres. Depth.
     pub max_error_m: Option<f64>,
@@ -93,6 +101,9 @@ pub struct Measured {
     pub encode: Timing,
     /// Seconds of decoding all frames of all streams into nothing, the container in memory.
     pub decode: Timing,
+    /// Points in time that were decoded, each with the images of all probes and faces: `frames` in `decode seconds / frames`
+    /// is what one moment of the light field takes.
+    pub frames: u64,
     /// Images decoded.
     pub images: u64,
     /// Pixels shown.
@@ -103,6 +114,28 @@ pub struct Measured {
     pub encode_peak_bytes: Option<u64>,
     /// Largest resident memory of the decoding process, where the system tells.
     pub decode_peak_bytes: Option<u64>,
+}
+
+impl Measured {
+    /// Milliseconds that decoding one point in time takes, all probes and faces of it: the median.
+    pub fn decode_ms_per_frame(&self) -> Option<f64> {
+        Some(self.decode.median()? * 1000.0 / self.frames.max(1) as f64)
+    }
+
+    /// Millions of pixels shown in a second, where decoding was timed.
+    pub fn megapixels_per_second(&self) -> Option<f64> {
+        Some(self.pixels as f64 / 1e6 / self.decode.median()?.max(1e-9))
+    }
+
+    /// How many of the pixels shown were written, in percent.
+    pub fn changed_percent(&self) -> f64 {
+        100.0 * self.updated_pixels as f64 / self.pixels.max(1) as f64
+    }
+
+    /// Bytes of the container in percent of those of the footage.
+    pub fn ratio_percent(&self) -> f64 {
+        100.0 * self.sizes.container as f64 / self.sizes.raw.max(1) as f64
+    }
 }
 
 #[cfg(test)]

@@ -13,6 +13,13 @@ pub struct Axis {
     pub values: Vec<String>,
 }
 
+impl Axis {
+    /// The values as numbers, where all of them are (`16`, `0.1%`).
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        self.values.iter().map(|value| super::knob::number(value)).collect()
+    }
+}
+
 /// A grid of settings for one kind of stream: every value of every axis with every value of the others.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Study {
@@ -26,6 +33,21 @@ pub struct Study {
     pub axes: Vec<Axis>,
     /// Settings of all points that are not usual ones.
     pub fixed: Vec<(&'static str, String)>,
+}
+
+impl Study {
+    /// All points, the last axis fastest.
+    pub fn points(&self) -> Vec<Point> {
+        let mut grid = vec![self.fixed.clone()];
+        for axis in &self.axes {
+            let with = |settings: &Vec<(&'static str, String)>, value: &String| {
+                settings.iter().cloned().chain([(axis.knob, value.clone())]).collect::<Vec<_>>()
+            };
+            grid =
+                grid.iter().flat_map(|settings| axis.values.iter().map(move |value| with(settings, value))).collect();
+        }
+        grid.into_iter().map(|settings| Point::new(self.kind, settings)).collect()
+    }
 }
 
 /// How much size and decoding time count in a score; together 1.

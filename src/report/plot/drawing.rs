@@ -1,8 +1,6 @@
-//! A picture before it is drawn: shapes with places in pixels, x to the right, y down, (0, 0) the upper left corner.
+//! A drawing before it is drawn: shapes with places in pixels, x to the right, y down, (0, 0) the upper left corner.
 
-use plotters::style::FontStyle;
-
-use super::font;
+use super::font::{self, Weight};
 
 /// A place in pixels: x, y.
 pub type Spot = [f64; 2];
@@ -94,25 +92,6 @@ pub struct Text {
     pub direction: Direction,
 }
 
-/// Weight of letters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weight {
-    /// Regular.
-    Regular,
-    /// Bold.
-    Bold,
-}
-
-impl Weight {
-    /// The name that `plotters` has for it.
-    pub fn plotters(self) -> FontStyle {
-        match self {
-            Weight::Regular => FontStyle::Normal,
-            Weight::Bold => FontStyle::Bold,
-        }
-    }
-}
-
 impl Text {
     /// Black text that runs to the right from its place.
     pub fn new(text: impl AsRef<str>, em: f64) -> Text {
@@ -147,12 +126,12 @@ impl Text {
     /// The text shortened to a width in pixels.
     #[must_use]
     pub fn fit(self, room: f64) -> Text {
-        Text { text: font::fit(&self.text, self.em, self.weight.plotters(), room), ..self }
+        Text { text: font::fit(&self.text, self.em, self.weight, room), ..self }
     }
 
     /// Width in pixels.
     pub fn width(&self) -> f64 {
-        font::width(&self.text, self.em, self.weight.plotters())
+        font::width(&self.text, self.em, self.weight)
     }
 }
 
@@ -202,7 +181,7 @@ pub enum Shape {
 
 /// Shapes on white ground; later ones hide earlier ones.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
+pub struct Drawing {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
@@ -213,10 +192,10 @@ pub struct Picture {
     pub shapes: Vec<Shape>,
 }
 
-impl Picture {
-    /// A white picture of a size in pixels.
-    pub fn new(width: u32, height: u32, title: impl Into<String>) -> Picture {
-        Picture { width, height, title: title.into(), shapes: Vec::new() }
+impl Drawing {
+    /// A white drawing of a size in pixels.
+    pub fn new(width: u32, height: u32, title: impl Into<String>) -> Drawing {
+        Drawing { width, height, title: title.into(), shapes: Vec::new() }
     }
 
     /// Draws a line through places, unless there are fewer than two.
@@ -274,8 +253,8 @@ impl Picture {
         self.text([x, y + text.em * font::CAP_PER_EM / 2.0], text);
     }
 
-    /// Places another picture into this one, its upper left corner at `at`.
-    pub fn place(&mut self, [dx, dy]: Spot, other: Picture) {
+    /// Places another drawing into this one, its upper left corner at `at`.
+    pub fn place(&mut self, [dx, dy]: Spot, other: Drawing) {
         let moved = |[x, y]: Spot| [x + dx, y + dy];
         self.shapes.extend(other.shapes.into_iter().map(|shape| match shape {
             Shape::Line { through, stroke } => {
@@ -346,11 +325,11 @@ mod tests {
 
     #[test]
     fn what_has_no_place_is_not_drawn() {
-        let mut picture = Picture::new(10, 10, "");
-        picture.line(&[[0.0, f64::NAN], [1.0, 1.0]], Stroke::solid(Ink::BLACK, 1.0));
-        picture.rectangle([0.0, f64::INFINITY], [1.0, 1.0], Ink::BLACK);
-        picture.disc([f64::NAN, 0.0], 1.0, Ink::BLACK);
-        picture.text([0.0, f64::NAN], Text::new("a", 10.0));
-        assert_eq!(picture.shapes, []);
+        let mut drawing = Drawing::new(10, 10, "");
+        drawing.line(&[[0.0, f64::NAN], [1.0, 1.0]], Stroke::solid(Ink::BLACK, 1.0));
+        drawing.rectangle([0.0, f64::INFINITY], [1.0, 1.0], Ink::BLACK);
+        drawing.disc([f64::NAN, 0.0], 1.0, Ink::BLACK);
+        drawing.text([0.0, f64::NAN], Text::new("a", 10.0));
+        assert_eq!(drawing.shapes, []);
     }
 }

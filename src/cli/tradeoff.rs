@@ -1,0 +1,361 @@
+//! `lightfold tradeoff MANIFEST -o DIR`: what settings cost in bytes, time and quality on footage of one's own.
+
+mod child;
+mod input;
+mod text;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::ValueEnum;
+use serde_json::{Value, json};
+
+use crate::cli::options;
+use crate::cli::output::{self, OutputFile};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::stream::StreamKind;
+use crate::depth::tile_psnr::TilePsnr;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::monitor::Monitor;
+use crate::report::machine;
+use crate::report::tradeoff::bench::Bench;
+use crate::report::tradeoff::commands::shell_line;
+use crate::report::tradeoff::page;
+use crate::report::tradeoff::plan::{self, Plan, Preset, Sweep};
+use crate::report::tradeoff::recommend::{self, Advice, Demands};
+use crate::report::tradeoff::schedule::{self, Extent};
+use crate::report::tradeoff::store::{Row, Store};
+use crate::report::tradeoff::{Measured, Results, Weights, json as report};
+use crate::video::tile_quality;
+
+use child::Children;
+use input::Footage;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs -o out\n  \
+    lightfold tradeoff scene --preset paper -o out\n  \
+    lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
+    lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
+    lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
+    lightfold tradeoff --list-knobs\n\n\
+    Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
+    bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
+    interruption. Rounds of timed runs go over all points, to and fro, so that a machine that becomes slower does so for \
+    all alike. A decoding time is the median of runs in one process, the container in memory.\n\n\
+    Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage.")]
+pub struct Args {
+    /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; not needed where --recommend is to
+    /// look at what DIR holds
+    #[arg(value_name = "MANIFEST|SEQ", required_unless_present_any = ["recommend", "list_knobs"])]
+    pub input: Option<String>,
+    /// Options of encode that all points have, such as --hdr or --frames 0-9
+    #[arg(last = true, value_name = "OPTIONS")]
+    pub fixed: Vec<String>,
+    /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
+    /// kind of stream make one grid
+    #[arg(long, value_name = "KNOB=V1,V2", value_parser = Sweep::parse)]
+    pub sweep: Vec<Sweep>,
+    /// Sweeps that are prepared: those of the papers' figures, or the same in few values
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub preset: Option<PresetArg>,
+    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html
+    #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
+    pub output: PathBuf,
+    /// Timed runs of each point
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeats: u32,
+    /// Seconds that all of it may take: values and runs that do not fit are left out, which is said
+    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    pub budget_seconds: Option<f64>,
+    /// Only streams of these kinds: color, depth, material; also tells what a lone sequence holds
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
+    pub stream: Vec<StreamKind>,
+    /// How much bytes and decoding time count in the score, such as 1,3 [default: 0.25,0.75]
+    #[arg(long, value_name = "BYTES,TIME", value_parser = parse_weights)]
+    pub weights: Option<Weights>,
+    /// List the knobs with their usual values, and do nothing else
+    #[arg(long)]
+    pub list_knobs: bool,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Recommendation.
+    #[command(flatten)]
+    pub recommend: RecommendArgs,
+}
+
+/// What is asked of a point.
+#[derive(Debug, Clone, clap::Args)]
+#[command(next_help_heading = "Recommendation")]
+pub struct RecommendArgs {
+    /// Of the points in DIR, or of those just measured, name the smallest of each kind that meets what is asked
+    #[arg(long)]
+    pub recommend: bool,
+    /// Largest error: 16-bit log codes of depth, steps of 8 bits of material
+    #[arg(long, value_name = "CODES", requires = "recommend")]
+    pub max_error: Option<u16>,
+    /// Lowest PSNR of any frame of any cell of colour, in dB
+    #[arg(long, value_name = "DB", requires = "recommend", value_parser = parse_positive)]
+    pub min_psnr: Option<f64>,
+    /// Milliseconds of decoding for one point in time, all probes and faces of a kind
+    #[arg(long, value_name = "MS", requires = "recommend", value_parser = parse_positive)]
+    pub decode_ms: Option<f64>,
+    /// Bytes of the container
+    #[arg(long, value_name = "BYTES", requires = "recommend")]
+    pub max_bytes: Option<u64>,
+    /// Bytes of the container in percent of those of the footage
+    #[arg(long, value_name = "PERCENT", requires = "recommend", value_parser = parse_positive)]
+    pub max_ratio: Option<f64>,
+}
+
+/// `--preset`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PresetArg {
+    /// CALF figures 7 and 8, GDC figures 5, 6 and 8
+    Paper,
+    /// The same in few values, without the statistics of tiles
+    Quick,
+}
+
+impl From<PresetArg> for Preset {
+    fn from(preset: PresetArg) -> Preset {
+        match preset {
+            PresetArg::Paper => Preset::Paper,
+            PresetArg::Quick => Preset::Quick,
+        }
+    }
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
+    if number > 0.0 && number.is_finite() { Ok(number) } else { Err(format!("'{text}': more than 0 was expected")) }
+}
+
+fn parse_weights(text: &str) -> Result<Weights, String> {
+    let wrong = || format!("'{text}': two numbers such as 0.25,0.75 were expected, none negative and not both 0");
+    let (compression, decoding) = text.split_once(',').ok_or_else(wrong)?;
+    let part =
+        |text: &str| text.trim().parse().ok().filter(|part: &f64| *part >= 0.0 && part.is_finite()).ok_or_else(wrong);
+    let (compression, decoding) = (part(compression)?, part(decoding)?);
+    let sum: f64 = compression + decoding;
+    if sum > 0.0 { Ok(Weights { compression: compression / sum, decoding: decoding / sum }) } else { Err(wrong()) }
+}
+
+impl RecommendArgs {
+    fn demands(&self) -> Result<Option<Demands>> {
+        if !self.recommend {
+            return Ok(None);
+        }
+        let demands = Demands {
+            max_error_codes: self.max_error.map(u32::from),
+            min_psnr_db: self.min_psnr,
+            decode_ms: self.decode_ms,
+            max_bytes: self.max_bytes,
+            max_ratio_percent: self.max_ratio,
+        };
+        if demands.is_empty() {
+            return Err(Error::Usage(
+                "--recommend: say what is asked, by --max-error, --min-psnr, --decode-ms, --max-bytes or --max-ratio"
+                    .into(),
+            ));
+        }
+        Ok(Some(demands))
+    }
+}
+
+/// Measures, recommends, or both.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    if args.list_knobs {
+        text::list_knobs(args.json)?;
+        return Ok(Outcome::Fine);
+    }
+    let demands = args.recommend.demands()?;
+    match (&args.input, demands) {
+        (Some(input), demands) => measure(args, input, demands, global),
+        (None, Some(demands)) => {
+            if !args.sweep.is_empty() || args.preset.is_some() {
+                return Err(Error::Usage("--sweep and --preset: name the footage to measure".into()));
+            }
+            from_folder(args, &demands)
+        }
+        (None, None) => Err(Error::Usage("name the footage to measure".into())),
+    }
+}
+
+/// Recommends from what a folder holds.
+fn from_folder(args: &Args, demands: &Demands) -> Result<Outcome> {
+    let store = Store::open(&args.output, None)?;
+    let rows: Vec<&Row> = store
+        .rows
+        .iter()
+        .filter(|row| args.stream.is_empty() || args.stream.contains(&row.measured.point.kind))
+        .collect();
+    if rows.is_empty() {
+        return Err(Error::Usage(format!(
+            "{}: no point has been measured; name the footage and what to sweep",
+            store.path().display()
+        )));
+    }
+    let advice = advise(&rows, demands);
+    if args.json {
+        output::print_json(&json!({ "recommended": advice_json(&advice) }))?;
+    } else {
+        output::print_text(&text::advice(&advice))?;
+    }
+    Ok(outcome(&advice))
+}
+
+/// Advice with the row that it is about.
+type Advised<'a> = (Advice<'a>, &'a Row);
+
+fn advise<'a>(rows: &[&'a Row], demands: &Demands) -> Vec<Advised<'a>> {
+    let measured: Vec<&Measured> = rows.iter().map(|row| &row.measured).collect();
+    let advice = recommend::recommend(&measured, demands).into_iter();
+    let with_row = |advice: Advice<'a>| {
+        let row = rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point))?;
+        Some((advice, *row))
+    };
+    advice.filter_map(with_row).collect()
+}
+
+fn advice_json(advice: &[Advised<'_>]) -> Vec<Value> {
+    advice.iter().map(|(advice, row)| report::advice(advice, row)).collect()
+}
+
+fn outcome(advice: &[Advised<'_>]) -> Outcome {
+    if advice.iter().all(|(advice, _)| advice.misses.is_empty()) { Outcome::Fine } else { Outcome::Differs }
+}
+
+fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<Outcome> {
+    let start = Instant::now();
+    let (footage, fixed) = input::open(input, &args.stream, &args.fixed, global)?;
+    let kinds: Vec<StreamKind> = footage.input.kinds.iter().map(|(kind, _)| *kind).collect();
+    let nothing = args.sweep.is_empty() && args.preset.is_none();
+    // Who asks for advice alone shall have some.
+    let preset = args.preset.map(Into::into).or((nothing && demands.is_some()).then_some(Preset::Quick));
+    let request = plan::Request { kinds: &kinds, sweeps: &args.sweep, preset, fixed: &fixed.knobs };
+    let plan = plan::plan(&request)?;
+    input::check(&footage.input, &schedule::all_points(&plan.studies))?;
+    std::fs::create_dir_all(&args.output).map_err(|error| Error::io(&args.output, error))?;
+    let mut store = Store::open(&args.output, Some(footage.input.made_of))?;
+    if store.dropped > 0 && !global.quiet {
+        output::note(format_args!(
+            "{}: {} points of another input, other options, another machine or another program are dropped",
+            store.path().display(),
+            store.dropped
+        ));
+    }
+    let results = sweep(args, &footage, plan, (&mut store, start), global)?;
+    let rows: Vec<&Row> = results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
+    let at_hand: Vec<&Row> = store.rows.iter().filter(|row| kinds.contains(&row.measured.point.kind)).collect();
+    let advice = demands.map(|demands| advise(&at_hand, &demands));
+    let mut all = report::report(&results, &rows);
+    if let Some(advice) = &advice {
+        all["recommended"] = advice_json(advice).into();
+    }
+    let mut files = vec![store.path().to_path_buf(), write_json(&all, &args.output.join("tradeoff.json"))?];
+    files.extend(page::write(&results, &args.output)?);
+    if args.json {
+        output::print_json(&all)?;
+    } else {
+        output::print_text(&text::report(&results, &files))?;
+        if let Some(advice) = &advice {
+            output::print_text(&format!("\n{}", text::advice(advice)))?;
+        }
+    }
+    if !global.quiet {
+        results.left_out.iter().for_each(output::note);
+    }
+    Ok(advice.map_or(Outcome::Fine, |advice| outcome(&advice)))
+}
+
+fn sweep(
+    args: &Args,
+    footage: &Footage,
+    plan: Plan,
+    (store, start): (&mut Store, Instant),
+    global: &GlobalArgs,
+) -> Result<Results> {
+    let extent = Extent { repeats: args.repeats, budget_seconds: args.budget_seconds };
+    let folder = &args.output;
+    let work = tempfile::Builder::new().prefix(".tradeoff.").suffix(".partial").tempdir_in(folder);
+    let work = work.map_err(|error| Error::io(folder, error.kind().into()))?;
+    let progress = Progress::start(global, "measuring", schedule::runs(&plan.studies, extent, store))?;
+    let children = Children::new(&progress)?;
+    let mut bench = Bench::new(&children, &footage.input, work.path());
+    let done = schedule::measure(&plan.studies, extent, &mut bench, store, &progress);
+    if matches!(done, Err(Error::Interrupted)) && !store.rows.is_empty() {
+        output::note(format_args!(
+            "{}: {} points are kept; the same command goes on from there",
+            store.path().display(),
+            store.rows.len()
+        ));
+    }
+    let done = done?;
+    let gpus = bench.devices().to_vec();
+    drop(progress);
+    let mut left_out: Vec<String> = plan.left_out.into_iter().chain(done.left_out).collect();
+    let deadline = args.budget_seconds.map(|seconds| start + Duration::from_secs_f64(seconds.min(1e9)));
+    let tiles = if plan.tiles { tiles(footage, deadline, global)? } else { None };
+    if plan.tiles && tiles.is_none() {
+        left_out.push("The statistics of tiles were left out: they did not fit into the budget.".to_owned());
+    }
+    let points = schedule::all_points(&done.studies);
+    Ok(Results {
+        input: args.input.clone().unwrap_or_default(),
+        command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
+        machine: std::iter::once(machine::describe()).chain(gpus).collect::<Vec<_>>().join("; "),
+        measured: points.iter().filter_map(|point| Some(store.row(point)?.measured.clone())).collect(),
+        studies: done.studies,
+        tiles,
+        left_out,
+        weights: args.weights.unwrap_or_default(),
+    })
+}
+
+/// Stops work at a moment.
+struct Until<'a> {
+    progress: &'a Progress,
+    deadline: Option<Instant>,
+}
+
+impl Until<'_> {
+    fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|deadline| Instant::now() > deadline)
+    }
+}
+
+impl Monitor for Until<'_> {
+    fn advance(&self, steps: u64) {
+        self.progress.advance(steps);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted() || self.is_late()
+    }
+}
+
+/// PSNR of all tiles of depth by modelling function; none where time was up.
+fn tiles(footage: &Footage, deadline: Option<Instant>, global: &GlobalArgs) -> Result<Option<TilePsnr>> {
+    let progress = Progress::start(global, "modelling tiles", tile_quality::images(&footage.source))?;
+    let until = Until { progress: &progress, deadline };
+    let mut settings = footage.settings.clone();
+    settings.depth.effort = Effort::Fast;
+    match tile_quality::measure(&footage.source, &settings, &until) {
+        Err(Error::Interrupted) if !progress.interrupted() => Ok(None),
+        other => other.map(Some),
+    }
+}
+
+fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
+    let text = serde_json::to_string_pretty(all).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+    let mut file = OutputFile::create(path)?;
+    writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
+    file.commit()?;
+    Ok(path.to_path_buf())
+}

@@ -1,0 +1,95 @@
+//! Runs commands of this program as processes of their own.
+
+use std::ffi::OsString;
+use std::io::Read;
+use std::path::PathBuf;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::error::{EXIT_INTERRUPTED, Error, Result};
+use crate::monitor::Monitor;
+use crate::report::tradeoff::bench::Runner;
+use crate::report::tradeoff::commands::shell_line;
+
+/// How often a child is looked after. Its own clock tells how long it took.
+const POLL: Duration = Duration::from_millis(2);
+
+/// Runs children one after the other, and ends them when the user asks to stop.
+pub struct Children<'a> {
+    program: PathBuf,
+    monitor: &'a dyn Monitor,
+    start: Instant,
+}
+
+impl<'a> Children<'a> {
+    /// Children of this program.
+    pub fn new(monitor: &'a dyn Monitor) -> Result<Children<'a>> {
+        let program = std::env::current_exe()
+            .map_err(|error| Error::Usage(format!("where this program is could not be found out: {error}")))?;
+        Ok(Children { program, monitor, start: Instant::now() })
+    }
+
+    fn wait(&self, child: &mut Child) -> Result<ExitStatus> {
+        let lost = |error| Error::io(&self.program, error);
+        loop {
+            if let Some(status) = child.try_wait().map_err(lost)? {
+                return Ok(status);
+            }
+            if self.monitor.interrupted() {
+                // It may have ended meanwhile.
+                let _ = child.kill();
+                child.wait().map_err(lost)?;
+                return Err(Error::Interrupted);
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+}
+
+impl Runner for Children<'_> {
+    fn run(&self, words: &[OsString]) -> Result<Value> {
+        self.monitor.check()?;
+        let failed = |what: String| Error::invalid(format!("{}: {what}", shell_line(words)));
+        let mut child = Command::new(&self.program)
+            .args(words)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| Error::io(&self.program, error).context("a process could not be started"))?;
+        let (out, said) = (child.stdout.take(), child.stderr.take());
+        // Both are read while it runs: a full pipe would stop it.
+        let (status, out, said) = std::thread::scope(|scope| {
+            let out = scope.spawn(move || read(out));
+            let said = scope.spawn(move || read(said));
+            let status = self.wait(&mut child);
+            (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
+        });
+        let status = status?;
+        if status.code() == Some(EXIT_INTERRUPTED.into()) {
+            return Err(Error::Interrupted);
+        }
+        if !status.success() {
+            let said = String::from_utf8_lossy(&said);
+            let said = said.trim().lines().last().unwrap_or_default();
+            let said = said.strip_prefix("lightfold: ").unwrap_or(said);
+            return Err(failed(if said.is_empty() { format!("it failed ({status})") } else { said.to_owned() }));
+        }
+        serde_json::from_slice(&out).map_err(|error| failed(format!("its report is no JSON: {error}")))
+    }
+
+    fn now_seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+}
+
+fn read(from: Option<impl Read>) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Some(mut from) = from {
+        // What could be read before an error is what there is to tell.
+        let _ = from.read_to_end(&mut bytes);
+    }
+    bytes
+}

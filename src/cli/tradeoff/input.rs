@@ -1,0 +1,303 @@
+//! What is measured: the footage, and the options of all points. Both are judged before anything runs.
+
+use std::ffi::OsString;
+use std::path::Path;
+use std::time::UNIX_EPOCH;
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, CommandFactory, Parser};
+
+use crate::cli::{Cli, Command, GlobalArgs, options};
+use crate::dataset::manifest;
+use crate::dataset::source::Source;
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::report::machine;
+use crate::report::tradeoff::Point;
+use crate::report::tradeoff::commands::{Form, Input, into_file};
+use crate::report::tradeoff::knob::{self, KNOBS};
+use crate::video::encode::EncodeSettings;
+
+/// Options of encoding that tradeoff gives itself.
+const OWN: &[&str] = &["output", "stream", "json", "quiet"];
+/// Options of decoding that may be given to all points.
+const OF_DECODING: &[&str] = &["device", "gpu-index"];
+
+/// Options that all points have.
+#[derive(Debug, Default)]
+pub struct Fixed {
+    /// Those that are knobs.
+    pub knobs: Vec<(&'static str, String)>,
+    encode: Vec<String>,
+    diff: Vec<String>,
+    decode: Vec<String>,
+}
+
+/// The footage, opened, with the settings that all points share.
+pub struct Footage {
+    /// What commands are made from.
+    pub input: Input,
+    /// Its files.
+    pub source: Source,
+    /// What the fixed options come to.
+    pub settings: EncodeSettings,
+}
+
+/// The subcommand that encodes footage of a form.
+fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str> {
+    match (form, kinds) {
+        (Form::Dataset, _) => Ok("encode"),
+        (Form::Sequence, [StreamKind::Color]) => Ok("encode-color"),
+        (Form::Sequence, [StreamKind::Depth]) => Ok("encode-depth"),
+        (Form::Sequence, _) => Err(Error::Usage(format!(
+            "{path}: neither a lightfield.json nor a folder that holds one; of a lone sequence tell what its images show, \
+                 by --stream depth or --stream color"
+        ))),
+    }
+}
+
+/// Opens footage; `kinds` are those that were asked for, and `words` the options of all points.
+pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<(Footage, Fixed)> {
+    let form = if options::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
+    let subcommand = encoder(form, kinds, path)?;
+    let mut fixed = fixed(subcommand, path, words)?;
+    if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
+        fixed.knobs.push(("threads", threads.to_string()));
+    }
+    let mut line: Vec<OsString> = [subcommand, path, "-o", "point.lfold"].map(OsString::from).to_vec();
+    line.extend(fixed.encode.iter().map(OsString::from));
+    let (source, settings) = match parse(&line)?.command {
+        Command::Encode(args) => {
+            let (options, settings) = args.settings()?;
+            (Source::open(&args.input, &options)?, settings)
+        }
+        Command::EncodeDepth(args) => {
+            let (options, settings) = args.settings()?;
+            (args.sequence.open(StreamKind::Depth, &args.input, options)?, settings)
+        }
+        Command::EncodeColor(args) => {
+            let (options, settings) = args.settings()?;
+            (args.sequence.open(StreamKind::Color, &args.input, options)?, settings)
+        }
+        _ => return Err(Error::Usage(format!("{subcommand} encodes nothing"))),
+    };
+    let frames = |kind| {
+        let groups = source.groups().iter().filter(|group| group.kind == kind);
+        groups.map(|group| group.frames.count()).max().map(|count| (kind, count))
+    };
+    let there: Vec<(StreamKind, u64)> = StreamKind::ALL.into_iter().filter_map(frames).collect();
+    if let Some(missing) = kinds.iter().find(|kind| there.iter().all(|(other, _)| other != *kind)) {
+        return Err(Error::Usage(format!("--stream {}: {path} has no such streams", missing.name())));
+    }
+    let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
+    let input = Input {
+        path: path.into(),
+        form,
+        kinds: wanted,
+        made_of: made_of(path, &source, &fixed),
+        encode: fixed.encode.clone(),
+        diff: fixed.diff.clone(),
+        decode: fixed.decode.clone(),
+    };
+    Ok((Footage { input, source, settings }, fixed))
+}
+
+/// Sorts options of all points by the command that they are for.
+fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed> {
+    let mut fixed = Fixed::default();
+    if words.is_empty() {
+        return Ok(fixed);
+    }
+    let mut root = Cli::command();
+    root.build();
+    let arguments = |name: &str| {
+        let of = root.find_subcommand(name).into_iter().flat_map(clap::Command::get_arguments);
+        of.filter(|argument| argument.get_long().is_some()).cloned().collect::<Vec<_>>()
+    };
+    let long = |argument: &clap::Arg| argument.get_long().unwrap_or_default().to_owned();
+    let of_diff: Vec<String> = arguments("diff").iter().map(long).collect();
+    let mut known = arguments(subcommand);
+    let of_decode: Vec<_> =
+        arguments("decode").into_iter().filter(|argument| OF_DECODING.contains(&long(argument).as_str())).collect();
+    let more = of_decode.clone();
+    let parser = Cli::command().mut_subcommand(subcommand, |command| command.args(more));
+    known.extend(of_decode);
+    let line = ["lightfold", subcommand, path, "-o", "point.lfold"].map(str::to_owned);
+    let matches = parser.try_get_matches_from(line.iter().chain(words)).map_err(|error| refused(&error))?;
+    let Some((_, matches)) = matches.subcommand() else { return Ok(fixed) };
+    for argument in &known {
+        let id = argument.get_id().as_str();
+        let name = long(argument);
+        let given = matches!(matches.try_contains_id(id), Ok(true))
+            && matches.value_source(id) == Some(ValueSource::CommandLine);
+        if !given || (name == "output") {
+            continue;
+        }
+        if OWN.contains(&name.as_str()) {
+            return Err(Error::Usage(format!("--{name} after --: tradeoff gives it to its points itself")));
+        }
+        let value = value(matches, argument);
+        if let (Some(knob), Some(value)) = (knob::find(&name), &value) {
+            fixed.knobs.push((knob.name, value.clone()));
+            continue;
+        }
+        let word = value.map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
+        if OF_DECODING.contains(&name.as_str()) {
+            fixed.decode.push(word);
+            continue;
+        }
+        if of_diff.contains(&name) {
+            fixed.diff.push(word.clone());
+        } else if let Some(channel) = word.strip_prefix("--depth-channel=") {
+            fixed.diff.push(format!("--channel={channel}"));
+        } else if name == "color-channel" {
+            return Err(Error::Usage(
+                "--color-channel after --: diff has no such option, so that quality could not be measured".into(),
+            ));
+        }
+        fixed.encode.push(word);
+    }
+    fixed.knobs.sort_by_key(|(name, _)| KNOBS.iter().position(|knob| knob.name == *name));
+    Ok(fixed)
+}
+
+/// The value of an option as it was given; none for a switch.
+fn value(matches: &ArgMatches, argument: &clap::Arg) -> Option<String> {
+    if !argument.get_action().takes_values() {
+        return None;
+    }
+    let values = matches.get_raw(argument.get_id().as_str())?;
+    Some(values.map(|value| value.to_string_lossy().into_owned()).collect::<Vec<_>>().join(","))
+}
+
+/// Refuses points whose values the commands would refuse.
+pub fn check(input: &Input, points: &[Point]) -> Result<()> {
+    for point in points {
+        let output = Path::new("point.lfold");
+        let encode = into_file(input.encode(point), output);
+        match parse(&encode)?.command {
+            Command::Encode(args) => drop(args.settings().map_err(|error| named(error, point))?),
+            Command::EncodeDepth(args) => drop(args.settings().map_err(|error| named(error, point))?),
+            Command::EncodeColor(args) => drop(args.settings().map_err(|error| named(error, point))?),
+            _ => {}
+        }
+        parse(&input.decode(point, output, 1))?;
+        parse(&input.diff(point, output))?;
+    }
+    Ok(())
+}
+
+/// Names the point in an error.
+fn named(error: Error, point: &Point) -> Error {
+    let settings: Vec<_> = point.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    error.context(format_args!("{} with {}", point.kind.name(), settings.join(" ")))
+}
+
+fn parse(words: &[OsString]) -> Result<Cli> {
+    let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
+    Cli::try_parse_from(words).map_err(|error| refused(&error))
+}
+
+/// The first sentence of what the parser of command lines says.
+fn refused(error: &clap::Error) -> Error {
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let sentence: Vec<&str> = text.split("\n\n").next().unwrap_or(text).lines().map(str::trim).collect();
+    Error::Usage(sentence.join(" "))
+}
+
+/// A mark that changes with the input, the options of all points, the program and the machine.
+fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    let mut add = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    add(env!("CARGO_PKG_VERSION").as_bytes());
+    add(machine::describe().as_bytes());
+    let full = Path::new(path).canonicalize().unwrap_or_else(|_| path.into());
+    add(full.as_os_str().as_encoded_bytes());
+    if source.manifest().is_some() {
+        add(&std::fs::read(manifest::manifest_path(&full)).unwrap_or_default());
+    }
+    for word in fixed.encode.iter().chain(&fixed.diff).chain(&fixed.decode) {
+        add(word.as_bytes());
+    }
+    let mut file = |file: &Path| {
+        add(file.as_os_str().as_encoded_bytes());
+        if let Ok(meta) = file.metadata() {
+            let changed = meta.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
+            add(&meta.len().to_le_bytes());
+            add(&changed.unwrap_or_default().as_nanos().to_le_bytes());
+        }
+    };
+    // A program that was built anew may write other bytes.
+    if let Ok(program) = std::env::current_exe() {
+        file(&program);
+    }
+    for group in source.groups() {
+        group.frames.iter().filter_map(|frame| source.file(group, frame).ok()).for_each(|path| file(&path));
+    }
+    hasher.finalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::knob::Stage;
+
+    #[test]
+    fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
+        let root = crate::cli::command();
+        for knob in KNOBS {
+            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.kinds[0]) {
+                (Stage::Decode, ..) => &["decode"],
+                (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
+                (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
+                (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],
+                (Stage::Encode, false, _) => &["encode", "encode-depth"],
+            };
+            let mut built = root.clone();
+            built.build();
+            for name in commands {
+                let found = built.find_subcommand(name).unwrap();
+                let has = found.get_arguments().any(|argument| argument.get_long() == Some(knob.name));
+                assert!(has, "{name} has no option --{}", knob.name);
+                for value in knob.usual {
+                    let implied = knob.implies.iter().filter(|_| *name != "decode");
+                    let implied = implied.map(|(name, value)| format!("--{name}={value}"));
+                    let line = ["lightfold", name, "in"].map(str::to_owned).into_iter();
+                    let output = if *name == "decode" { vec!["--null"] } else { vec!["-o", "out"] };
+                    let output = output.into_iter().map(str::to_owned);
+                    let line: Vec<String> = line.chain(knob.option(value)).chain(implied).chain(output).collect();
+                    let parsed = Cli::try_parse_from(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
+                    if let Command::Encode(args) = parsed.command {
+                        args.settings().unwrap_or_else(|error| panic!("{line:?}: {error}"));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn options_of_all_points_go_to_the_commands_that_have_them() {
+        let words = |line: &str| line.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let of = |line: &str| fixed("encode", "scene", &words(line));
+        let sorted = of("--hdr --frames 0-3 --psnr 40 --device gpu --gpu-index 1 --depth-channel Z --lzma2").unwrap();
+        let knobs: Vec<_> = sorted.knobs.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        assert_eq!(knobs, ["psnr=40", "lzma2=6", "device=gpu"]);
+        let sort = |mut words: Vec<String>| {
+            words.sort();
+            words.join(" ")
+        };
+        assert_eq!(sort(sorted.encode), "--depth-channel=Z --frames=0-3 --hdr");
+        assert_eq!(sort(sorted.diff), "--channel=Z --frames=0-3");
+        assert_eq!(sorted.decode, ["--gpu-index=1"]);
+        let said = |line: &str| of(line).unwrap_err().to_string();
+        assert!(said("--stream depth").contains("tradeoff gives it"));
+        assert!(said("--cell 0").contains("'0'"), "{}", said("--cell 0"));
+        assert!(said("--colour").contains("unexpected argument '--colour'"));
+        assert!(said("--color-channel A").contains("diff has no such option"));
+        assert!(!said("--cell 0").contains('\n'));
+    }
+}

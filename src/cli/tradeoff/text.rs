@@ -1,0 +1,145 @@
+//! Reports of sweeps for people.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use serde_json::json;
+
+use super::Advised;
+use crate::cli::output::{self, human_bytes};
+use crate::dataset::stream::StreamKind;
+use crate::error::Result;
+use crate::report::tradeoff::findings::{self, Verdict};
+use crate::report::tradeoff::knob::{KNOBS, Stage};
+use crate::report::tradeoff::{Measured, Results};
+use crate::report::{Column, Table};
+
+/// A column of figures: heading, and a cell of a point.
+type FigureColumn = (&'static str, fn(&Measured) -> Option<String>);
+
+const FIGURES: &[FigureColumn] = &[
+    ("Size", |of| Some(human_bytes(of.sizes.container))),
+    ("% of raw", |of| Some(format!("{:.2}", of.ratio_percent()))),
+    ("+LZMA2 %", |of| Some(format!("{:.2}", 100.0 * of.sizes.lzma2 as f64 / of.sizes.raw.max(1) as f64))),
+    ("Encode s", |of| of.encode.median().map(|seconds| format!("{seconds:.3}"))),
+    ("Decode ms/frame", |of| of.decode_ms_per_frame().map(|ms| format!("{ms:.3}"))),
+    ("Mpixel/s", |of| of.megapixels_per_second().map(|speed| format!("{speed:.0}"))),
+    ("Changed %", |of| Some(format!("{:.2}", of.changed_percent()))),
+    ("PSNR dB", |of| Some(format!("{:.2}", of.quality.psnr_db))),
+    ("Min PSNR", |of| of.quality.min_psnr_db.map(|db| format!("{db:.2}"))),
+    ("SSIM", |of| of.quality.ssim.map(|ssim| format!("{ssim:.4}"))),
+    ("Max error", |of| of.quality.max_error_codes.map(|codes| codes.to_string())),
+    ("Max error m", |of| of.quality.max_error_m.map(|metres| format!("{metres:.4}"))),
+];
+
+/// Tables of all points, one for each kind of stream, what the papers found and is to be judged, and the files that were
+/// written.
+pub fn report(results: &Results, files: &[PathBuf]) -> String {
+    let mut text = String::new();
+    for kind in StreamKind::ALL {
+        let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.kind == kind).collect();
+        if !points.is_empty() {
+            // Writing into a string does not fail.
+            let _ = writeln!(text, "{}", table(results, kind, &points));
+        }
+    }
+    let findings = findings::judge(results);
+    for finding in findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured) {
+        let _ = writeln!(text, "{}: {}\n  {}", finding.verdict.name(), finding.sentence, finding.rests_on);
+    }
+    if findings.iter().any(|finding| finding.verdict != Verdict::NotMeasured) {
+        text.push('\n');
+    }
+    for path in files {
+        let _ = writeln!(text, "{}", path.display());
+    }
+    text
+}
+
+fn table(results: &Results, kind: StreamKind, points: &[&Measured]) -> Table {
+    let varied: Vec<&str> = KNOBS
+        .iter()
+        .map(|knob| knob.name)
+        .filter(|name| {
+            let of_kind = results.studies.iter().filter(|study| study.kind == kind);
+            of_kind.flat_map(|study| &study.axes).any(|axis| axis.knob == *name)
+        })
+        .collect();
+    let shown: Vec<&FigureColumn> =
+        FIGURES.iter().filter(|(_, cell)| points.iter().any(|of| cell(of).is_some())).collect();
+    let mut columns = vec![Column::Left("Kind")];
+    columns.extend(varied.iter().map(|name| Column::Right(name)));
+    columns.extend(shown.iter().map(|(heading, _)| Column::Right(heading)));
+    let mut table = Table::new(&columns);
+    for of in points {
+        let mut cells = vec![kind.name().to_owned()];
+        cells.extend(varied.iter().map(|name| of.point.value(name).unwrap_or("usual").to_owned()));
+        cells.extend(shown.iter().map(|(_, cell)| cell(of).unwrap_or_default()));
+        table.row(cells);
+    }
+    table
+}
+
+/// What to use, or what comes nearest.
+pub fn advice(advised: &[Advised<'_>]) -> String {
+    let mut text = String::new();
+    for (advice, row) in advised {
+        let of = advice.point;
+        let kind = of.point.kind.name();
+        let settings: Vec<_> = of.point.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let settings = if settings.is_empty() { "usual settings".to_owned() } else { settings.join(" ") };
+        let figures: Vec<_> = FIGURES
+            .iter()
+            .filter_map(|(heading, cell)| {
+                Some(format!("{} {}", heading.to_lowercase().replace("psnr", "PSNR").replace(" db", " dB"), cell(of)?))
+            })
+            .collect();
+        let head = if advice.misses.is_empty() { "use" } else { "no point meets what is asked; the nearest has" };
+        let _ = writeln!(text, "{kind}: {head} {settings}");
+        for miss in &advice.misses {
+            let _ = writeln!(text, "  misses {miss}");
+        }
+        let _ = writeln!(text, "  {}\n  {}", figures.join(", "), row.command);
+    }
+    text
+}
+
+/// Prints the table of knobs.
+pub fn list_knobs(as_json: bool) -> Result<()> {
+    let kinds = |kinds: &[StreamKind]| kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>();
+    let stage = |stage| match stage {
+        Stage::Encode => "encode",
+        Stage::Decode => "decode",
+        Stage::Both => "both",
+    };
+    if as_json {
+        let row = |knob: &crate::report::tradeoff::Knob| {
+            json!({
+                "name": knob.name,
+                "label": knob.label,
+                "kinds": kinds(knob.kinds),
+                "stage": stage(knob.stage),
+                "usual": knob.usual,
+            })
+        };
+        return output::print_json(&json!({ "knobs": KNOBS.iter().map(row).collect::<Vec<_>>() }));
+    }
+    let mut table = Table::new(&[
+        Column::Left("Knob"),
+        Column::Left("What"),
+        Column::Left("Kinds"),
+        Column::Left("Option of"),
+        Column::Left("Usual values"),
+    ]);
+    for knob in KNOBS {
+        let of = if knob.is_general() { "all".to_owned() } else { kinds(knob.kinds).join(", ") };
+        table.row([
+            knob.name.to_owned(),
+            knob.label.to_owned(),
+            of,
+            stage(knob.stage).to_owned(),
+            knob.usual.join(","),
+        ]);
+    }
+    output::print_text(&table.to_string())
+}

@@ -1,0 +1,58 @@
+//! The machine that figures were taken on, and the memory that a process took, as far as the system tells.
+
+use std::fs;
+
+/// The largest resident memory of this process so far, in bytes; none where the system does not tell.
+pub fn peak_memory_bytes() -> Option<u64> {
+    kibibytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
+/// One line about the machine: processor, threads, memory, system. It is the same on every run.
+pub fn describe() -> String {
+    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
+    let processor = field(&read("/proc/cpuinfo"), "model name")
+        .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let memory = kibibytes(&read("/proc/meminfo"), "MemTotal:")
+        .map_or_else(String::new, |bytes| format!(", {:.1} GiB of memory", bytes as f64 / (1u64 << 30) as f64));
+    let release = read("/proc/sys/kernel/osrelease");
+    let system = [std::env::consts::OS, release.trim()].join(" ");
+    let plural = if threads == 1 { "" } else { "s" };
+    format!("{processor}, {threads} thread{plural}{memory}, {} ({})", system.trim(), std::env::consts::ARCH)
+}
+
+/// What stands behind the colon of the first line that begins with a name.
+fn field(text: &str, name: &str) -> Option<String> {
+    let line = text.lines().find(|line| line.starts_with(name))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
+/// The number of a line such as `VmHWM:  1234 kB`, in bytes.
+fn kibibytes(text: &str, name: &str) -> Option<u64> {
+    let line = text.lines().find(|line| line.starts_with(name))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok()?.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_proc_are_read() {
+        let text = "VmPeak:\t 9000 kB\nVmHWM:\t    1234 kB\nmodel name\t: A Processor: X\n";
+        assert_eq!(kibibytes(text, "VmHWM:"), Some(1234 * 1024));
+        assert_eq!(kibibytes(text, "VmRSS:"), None);
+        assert_eq!(kibibytes("VmHWM: much", "VmHWM:"), None);
+        assert_eq!(field(text, "model name").as_deref(), Some("A Processor: X"));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_peak_is_at_least_what_was_touched() {
+        let touched = vec![1u8; 32 << 20];
+        let peak = peak_memory_bytes().unwrap();
+        assert!(peak >= touched.iter().map(|&byte| u64::from(byte)).sum(), "{peak}");
+        assert_eq!(describe(), describe());
+    }
+}

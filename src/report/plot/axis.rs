@@ -1,0 +1,247 @@
+//! Axes: from values to places along a line, and the ticks that tell a reader which value is where.
+
+use super::number;
+
+/// How values are laid along an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scale {
+    /// Evenly.
+    Linear,
+    /// By their logarithm.
+    Log,
+    /// By the logarithm of 1 + value / unit, so that 0 has a place.
+    LogFromZero {
+        /// About where the axis turns from even to logarithmic.
+        unit: f64,
+    },
+}
+
+impl Scale {
+    fn of(self, value: f64) -> f64 {
+        match self {
+            Scale::Linear => value,
+            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            Scale::LogFromZero { unit } => (1.0 + value / unit).max(1e-3).log10(),
+        }
+    }
+}
+
+/// An axis of a chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// What it shows, with its unit.
+    pub label: String,
+    /// Values with what stands beside their ticks.
+    pub ticks: Vec<(f64, String)>,
+    /// What infinite values are called; they have a place of their own beyond the last value.
+    pub infinite: Option<String>,
+    scale: Scale,
+    low: f64,
+    high: f64,
+}
+
+/// Part of an axis that is left for infinite values where there are any.
+const INFINITE_SHARE: f64 = 0.12;
+/// Ticks that are aimed at.
+const TICKS: f64 = 5.0;
+/// Values that are at least this share of the largest may leave 0 outside of the axis.
+const FAR_FROM_ZERO: f64 = 0.6;
+
+impl Axis {
+    /// An axis on which values lie evenly; from 0 on, unless all are far from it.
+    pub fn linear(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
+        let (low, high) = range(values);
+        let from_zero = low >= 0.0 && low < FAR_FROM_ZERO * high;
+        Axis::over(label, if from_zero { 0.0 } else { low }, high)
+    }
+
+    /// An axis on which values lie evenly, for values such as decibels, whose 0 means nothing.
+    pub fn without_zero(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
+        let (low, high) = range(values);
+        Axis::over(label, low, high)
+    }
+
+    fn over(label: impl Into<String>, mut low: f64, mut high: f64) -> Axis {
+        if high - low <= 1e-9 * high.abs().max(low.abs()) {
+            let room = if high == 0.0 { 1.0 } else { high.abs() * 0.1 };
+            (low, high) = (low - room, high + room);
+        }
+        let step = nice_step(high - low);
+        (low, high) = ((low / step + 1e-9).floor() * step, (high / step - 1e-9).ceil() * step);
+        let count = ((high - low) / step).round() as usize;
+        let ticks = (0..=count).map(|at| low + at as f64 * step).map(|value| (value, number::tick(value, step)));
+        Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale: Scale::Linear, low, high }
+    }
+
+    /// An axis on which values lie by their logarithms. Values that are not positive lie at its beginning.
+    pub fn logarithmic(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
+        let (low, high) = range(values.into_iter().filter(|&value| value > 0.0));
+        let (low, high) = if low > 0.0 { (low, high) } else { (1.0, 1.0) };
+        let decades = (high / low).log10();
+        // Values keep off the border.
+        let room = 10f64.powf((decades * 0.06).max(0.04));
+        let (low, high) = (low / room, high * room);
+        let label = label.into();
+        if decades < 0.7 {
+            let step = nice_step(high - low);
+            let first = (low / step).ceil() as i64;
+            let ticks = (first..).map(|at| at as f64 * step).take_while(|&value| value <= high);
+            let ticks = ticks.map(|value| (value, number::tick(value, step))).collect();
+            return Axis { label, ticks, infinite: None, scale: Scale::Log, low, high };
+        }
+        let digits: &[f64] = match decades {
+            few if few < 2.5 => &[1.0, 2.0, 5.0],
+            some if some < 4.5 => &[1.0, 3.0],
+            _ => &[1.0],
+        };
+        let every = (decades / 8.0).ceil().max(1.0) as i32;
+        let powers = (low.log10().floor() as i32..=high.log10().ceil() as i32).filter(|power| power % every == 0);
+        let values = powers.flat_map(|power| digits.iter().map(move |digit| digit * 10f64.powi(power)));
+        let ticks = values.filter(|&value| value >= low && value <= high).map(|value| (value, number::short(value)));
+        Axis { label, ticks: ticks.collect(), infinite: None, scale: Scale::Log, low, high }
+    }
+
+    /// An axis with a tick at each value that a knob was given: by logarithms where they span more than a factor of
+    /// four, evenly otherwise.
+    pub fn of_settings(label: impl Into<String>, values: &[f64]) -> Axis {
+        let (low, high) = range(values.iter().copied());
+        let least = range(values.iter().copied().filter(|&value| value > 0.0)).0;
+        let scale = if low > 0.0 && high > 4.0 * low {
+            Scale::Log
+        } else if low == 0.0 && least > 0.0 && high > 4.0 * least {
+            Scale::LogFromZero { unit: least }
+        } else {
+            Scale::Linear
+        };
+        let ticks = values.iter().filter(|value| value.is_finite()).map(|&value| (value, number::short(value)));
+        let mut axis = Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale, low, high };
+        axis.widen();
+        axis
+    }
+
+    /// An axis of words, which are the values 0, 1, 2 and so on.
+    pub fn of_words(label: impl Into<String>, words: &[String]) -> Axis {
+        let ticks: Vec<_> = words.iter().enumerate().map(|(at, word)| (at as f64, word.clone())).collect();
+        let high = ticks.len().saturating_sub(1) as f64;
+        let mut axis = Axis { label: label.into(), ticks, infinite: None, scale: Scale::Linear, low: 0.0, high };
+        axis.widen();
+        axis
+    }
+
+    /// An axis between two values, with a tick at every `step` from the first on.
+    pub fn between(label: impl Into<String>, low: f64, high: f64, step: f64) -> Axis {
+        let count = ((high - low) / step + 1e-9) as usize;
+        let ticks = (0..=count).map(|at| low + at as f64 * step).map(|value| (value, number::tick(value, step)));
+        Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale: Scale::Linear, low, high }
+    }
+
+    /// The axis with a place for infinite values.
+    #[must_use]
+    pub fn with_infinite(self, name: impl Into<String>) -> Axis {
+        Axis { infinite: Some(name.into()), ..self }
+    }
+
+    /// Where a value lies, from 0 to 1; what lies outside is brought to the nearer end. None for what is not a number,
+    /// and for infinite values where they have no place.
+    pub fn place(&self, value: f64) -> Option<f64> {
+        if value.is_nan() || (value.is_infinite() && (self.infinite.is_none() || value < 0.0)) {
+            return None;
+        }
+        if value.is_infinite() {
+            return Some(1.0 - INFINITE_SHARE / 2.0);
+        }
+        let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
+        Some(((self.scale.of(value) - low) / (high - low)).clamp(0.0, 1.0) * self.finite_share())
+    }
+
+    /// The part of the axis that finite values have, from 0 to 1.
+    pub fn finite_share(&self) -> f64 {
+        if self.infinite.is_some() { 1.0 - INFINITE_SHARE } else { 1.0 }
+    }
+
+    /// Gives the first and the last value room at their outer side.
+    fn widen(&mut self) {
+        let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
+        let room = if high > low { (high - low) * 0.06 } else { 1.0 };
+        (self.low, self.high) = match self.scale {
+            Scale::Linear => (self.low - room, self.high + room),
+            Scale::Log => (10f64.powf(low - room), 10f64.powf(high + room)),
+            Scale::LogFromZero { unit } => {
+                ((10f64.powf(low - room) - 1.0) * unit, (10f64.powf(high + room) - 1.0) * unit)
+            }
+        };
+    }
+}
+
+/// The least and the largest of finite values; 0 and 0 without any.
+fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    let bounds = finite.fold(None, |bounds: Option<(f64, f64)>, value| {
+        let (low, high) = bounds.unwrap_or((value, value));
+        Some((low.min(value), high.max(value)))
+    });
+    bounds.unwrap_or((0.0, 0.0))
+}
+
+/// 1, 2 or 5 times a power of ten, of which a span has about [`TICKS`].
+fn nice_step(span: f64) -> f64 {
+    let rough = (span / TICKS).max(f64::MIN_POSITIVE * 1e10);
+    let power = 10f64.powf(rough.log10().floor());
+    let digit = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * power >= rough * 0.999).unwrap_or(10.0);
+    digit * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(labels(&Axis::linear("", [0.31, 1.9])), ["0", "0.5", "1", "1.5", "2"]);
+        assert_eq!(labels(&Axis::linear("", [41.0, 47.0])), ["40", "42", "44", "46", "48"]);
+        assert_eq!(labels(&Axis::linear("", [7.0])), ["6", "6.5", "7", "7.5", "8"]);
+        assert_eq!(labels(&Axis::logarithmic("", [1.3, 60.0])), ["2", "5", "10", "20", "50"]);
+        assert_eq!(labels(&Axis::of_settings("", &[1.0, 2.0, 4.0, 16.0])), ["1", "2", "4", "16"]);
+    }
+
+    #[test]
+    fn settings_from_zero_have_places_apart() {
+        let values = [0.0, 10.0, 25.0, 50.0, 100.0, 200.0, 400.0, 800.0];
+        let axis = Axis::of_settings("", &values);
+        let places: Vec<f64> = values.iter().map(|&value| axis.place(value).unwrap()).collect();
+        assert!(places.windows(2).all(|pair| pair[1] - pair[0] > 0.08), "{places:?}");
+    }
+
+    #[test]
+    fn what_is_infinite_lies_beyond_all_else() {
+        let axis = Axis::linear("", [10.0, 20.0]);
+        assert_eq!((axis.place(f64::INFINITY), axis.place(f64::NAN)), (None, None));
+        let axis = axis.with_infinite("lossless");
+        assert!(axis.place(f64::INFINITY).unwrap() > axis.place(20.0).unwrap() + 0.05);
+    }
+
+    proptest! {
+        #[test]
+        fn places_are_numbers_between_0_and_1(
+            values in prop::collection::vec(prop_oneof![-1e15f64..1e15, 0.0f64..1e-9, Just(0.0), Just(f64::NAN),
+                Just(f64::INFINITY), 0.0f64..100.0], 0..9),
+        ) {
+            let each = || values.iter().copied();
+            for axis in [Axis::linear("", each()), Axis::logarithmic("", each()), Axis::of_settings("", &values)] {
+                let axis = axis.with_infinite("inf");
+                prop_assert!(axis.ticks.len() <= 24, "{axis:?}");
+                let ticks: Vec<f64> = axis.ticks.iter().map(|&(value, _)| value).collect();
+                for value in each().chain(ticks) {
+                    let place = axis.place(value);
+                    prop_assert_eq!(place.is_none(), value.is_nan());
+                    prop_assert!(place.is_none_or(|place| (0.0..=1.0).contains(&place)), "{axis:?} {value} {place:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Heat maps: a grid of cells with their values in print, the best one marked, and a colour bar.
+
+use super::axis::Axis;
+use super::chart::{MARGIN, NAME_EM, TICK_EM, TITLE_EM};
+use super::drawing::{Anchor, Drawing, Stroke, Text};
+use super::font::{self, Weight};
+use super::palette;
+
+/// Smallest width and height of a cell in pixels.
+const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];
+/// Smallest em of a printed value in pixels.
+const SMALLEST_EM: f64 = 7.0;
+/// Width of the colour bar in pixels.
+const BAR: f64 = 14.0;
+/// Colours follow logarithms where the largest value is more than this many times the least.
+const LOG_FROM: f64 = 12.0;
+/// Longest name of a row in pixels.
+const LONGEST_ROW: f64 = 110.0;
+
+/// What stands in a cell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// What the colour shows, in the unit of the bar.
+    pub value: f64,
+    /// What is printed.
+    pub text: String,
+}
+
+/// A heat map. Less is darker.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatMap {
+    /// What it shows.
+    pub title: String,
+    /// What columns are, and the name of each.
+    pub columns: (String, Vec<String>),
+    /// What rows are, and the name of each, the lowest first.
+    pub rows: (String, Vec<String>),
+    /// Cells of the lowest row from left to right, then those of the next. None where there is no value.
+    pub cells: Vec<Option<Cell>>,
+    /// The cell that is marked.
+    pub best: Option<usize>,
+    /// What the colour bar shows, with its unit.
+    pub unit: String,
+}
+
+/// How values become colours.
+struct Shades {
+    low: f64,
+    high: f64,
+    log: bool,
+}
+
+impl Shades {
+    fn of(cells: &[Option<Cell>]) -> Shades {
+        let finite = || cells.iter().flatten().map(|cell| cell.value).filter(|value| value.is_finite());
+        let (low, high) = (finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max));
+        Shades { low, high, log: low > 0.0 && high > LOG_FROM * low }
+    }
+
+    /// From 0 for the least to 1 for the largest; in the middle where all are equal.
+    fn share(&self, value: f64) -> f64 {
+        if value.is_infinite() {
+            return 1.0;
+        }
+        let of = |value: f64| if self.log { value.ln() } else { value };
+        let (low, high) = (of(self.low), of(self.high));
+        if high > low { (of(value) - low) / (high - low) } else { 0.5 }
+    }
+}
+
+impl HeatMap {
+    /// Draws it in a size in pixels; it becomes larger where its cells need the room.
+    pub fn draw(&self, width: u32, height: u32) -> Drawing {
+        let (columns, rows) = (self.columns.1.len().max(1), self.rows.1.len().max(1));
+        let shades = Shades::of(&self.cells);
+        let bar = self.bar_axis(&shades);
+        let widest = |labels: &mut dyn Iterator<Item = &String>| {
+            labels.map(|label| font::width(label, TICK_EM, Weight::Regular)).fold(0.0, f64::max)
+        };
+        let row_names = widest(&mut self.rows.1.iter()).min(LONGEST_ROW);
+        let bar_ticks = bar.as_ref().map_or(0.0, |bar| widest(&mut bar.ticks.iter().map(|(_, label)| label)));
+        let left = MARGIN + NAME_EM + 8.0 + row_names + 8.0;
+        let beside = 14.0 + BAR + 6.0 + bar_ticks + 8.0 + NAME_EM + MARGIN;
+        let grid_width = (f64::from(width) - left - beside).max(SMALLEST_CELL[0] * columns as f64);
+        let cell_width = grid_width / columns as f64;
+        let column_names = widest(&mut self.columns.1.iter());
+        let upright = if column_names > cell_width - 4.0 { column_names.min(LONGEST_ROW) } else { 0.0 };
+        let under = 6.0 + upright.max(TICK_EM) + 8.0 + NAME_EM + MARGIN;
+        let top = MARGIN + TITLE_EM + 14.0;
+        let grid_height = (f64::from(height) - top - under).max(SMALLEST_CELL[1] * rows as f64);
+        let cell_height = grid_height / rows as f64;
+        let (width, height) = ((left + grid_width + beside).ceil(), (top + grid_height + under).ceil());
+        let mut drawing = Drawing::new(width as u32, height as u32, self.title.clone());
+
+        let title = Text::new(&self.title, TITLE_EM).bold().ink(palette::TEXT).fit(width - 2.0 * MARGIN);
+        drawing.text([MARGIN, MARGIN + TITLE_EM], title);
+        let bottom = top + grid_height;
+        let corner =
+            |column: usize, row: usize| [left + column as f64 * cell_width, bottom - (row + 1) as f64 * cell_height];
+        for row in 0..rows {
+            for column in 0..columns {
+                let cell = self.cells.get(row * columns + column).and_then(Option::as_ref);
+                let [x, y] = corner(column, row);
+                draw_cell(&mut drawing, [x, y, cell_width, cell_height], cell, &shades);
+            }
+        }
+        if let Some(best) = self.best {
+            let [x, y] = corner(best % columns, best / columns);
+            mark(&mut drawing, [x, y], [x + cell_width, y + cell_height]);
+        }
+        self.names(&mut drawing, [left, bottom], [cell_width, cell_height], upright);
+        if let Some(axis) = bar {
+            let from = left + grid_width + 14.0;
+            self.bar(&mut drawing, &axis, &shades, [from, top, from + BAR, bottom]);
+        }
+        drawing
+    }
+
+    fn names(
+        &self,
+        drawing: &mut Drawing,
+        [left, bottom]: [f64; 2],
+        [cell_width, cell_height]: [f64; 2],
+        upright: f64,
+    ) {
+        let tick = |label: &str| Text::new(label, TICK_EM).ink(palette::TEXT);
+        for (row, name) in self.rows.1.iter().enumerate() {
+            let y = bottom - (row as f64 + 0.5) * cell_height;
+            drawing.text_beside([left - 7.0, y], tick(name).anchor(Anchor::End).fit(LONGEST_ROW));
+        }
+        for (column, name) in self.columns.1.iter().enumerate() {
+            let x = left + (column as f64 + 0.5) * cell_width;
+            if upright > 0.0 {
+                let x = x + TICK_EM * font::CAP_PER_EM / 2.0;
+                drawing.text([x, bottom + 6.0], tick(name).up().anchor(Anchor::End).fit(upright));
+            } else {
+                drawing.text([x, bottom + 5.0 + TICK_EM], tick(name).anchor(Anchor::Middle));
+            }
+        }
+        let name =
+            |label: &str, room: f64| Text::new(label, NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle).fit(room);
+        let (across, up) =
+            (cell_width * self.columns.1.len() as f64 / 2.0, cell_height * self.rows.1.len() as f64 / 2.0);
+        let lowest = f64::from(drawing.height) - MARGIN - 2.0;
+        drawing.text([left + across, lowest], name(&self.columns.0, across * 2.0 + 60.0));
+        drawing.text([MARGIN + NAME_EM, bottom - up], name(&self.rows.0, up * 2.0 + 60.0).up());
+    }
+
+    /// The axis of the colour bar; none where there is nothing to show a range of.
+    fn bar_axis(&self, shades: &Shades) -> Option<Axis> {
+        let range = [shades.low, shades.high];
+        if !range.iter().all(|value| value.is_finite()) || shades.high <= shades.low {
+            return None;
+        }
+        let mut axis = if shades.log { Axis::logarithmic("", range) } else { Axis::linear("", range) };
+        axis.ticks.retain(|&(value, _)| value >= shades.low && value <= shades.high);
+        Some(axis)
+    }
+
+    fn bar(&self, drawing: &mut Drawing, axis: &Axis, shades: &Shades, [left, top, right, bottom]: [f64; 4]) {
+        let steps = (bottom - top).round().max(1.0) as usize;
+        let at = |share: f64| bottom - (bottom - top) * share;
+        for step in 0..steps {
+            let (from, to) = (step as f64 / steps as f64, (step + 1) as f64 / steps as f64);
+            // Each strip reaches a little under the next, so that no white shows between them.
+            let upper = (at(to) - 0.5).max(top);
+            drawing.rectangle([left, at(from)], [right, upper], palette::viridis((from + to) / 2.0));
+        }
+        for (value, label) in &axis.ticks {
+            let y = at(shades.share(*value));
+            drawing.line(&[[right, y], [right + 3.0, y]], Stroke::solid(palette::TEXT, 1.0));
+            drawing.text_beside([right + 6.0, y], Text::new(label, TICK_EM).ink(palette::TEXT));
+        }
+        let scale = if shades.log { ", logarithmic" } else { "" };
+        let name = Text::new(format!("{}{scale}", self.unit), NAME_EM).ink(palette::TEXT).anchor(Anchor::Middle);
+        let middle = (top + bottom) / 2.0;
+        drawing.text([f64::from(drawing.width) - MARGIN, middle], name.up().fit(bottom - top + 60.0));
+    }
+}
+
+/// A cell from its left, top, width and height; hatched where it has no value.
+fn draw_cell(drawing: &mut Drawing, [x, y, width, height]: [f64; 4], cell: Option<&Cell>, shades: &Shades) {
+    let (from, to) = ([x + 0.5, y + 0.5], [x + width - 0.5, y + height - 0.5]);
+    let centre = [x + width / 2.0, y + height / 2.0];
+    let Some(cell) = cell.filter(|cell| !cell.value.is_nan()) else {
+        drawing.rectangle(from, to, palette::MISSING);
+        let none = Text::new("none", TICK_EM).ink(palette::FAINT_TEXT).anchor(Anchor::Middle);
+        drawing.text_beside(centre, none);
+        return;
+    };
+    let ground = palette::viridis(shades.share(cell.value));
+    drawing.rectangle(from, to, ground);
+    let ink = palette::legible_on(ground);
+    let ems = [12.0, 11.0, 10.0, 9.0, 8.0, SMALLEST_EM];
+    let fitting =
+        ems.into_iter().find(|&em| font::width(&cell.text, em, Weight::Regular) <= width - 5.0 && em + 3.0 <= height);
+    let text = Text::new(&cell.text, fitting.unwrap_or(SMALLEST_EM)).ink(ink).anchor(Anchor::Middle);
+    drawing.text_beside(centre, text.fit(width - 2.0));
+}
+
+/// A frame that is seen on dark and on bright cells.
+fn mark(drawing: &mut Drawing, [left, top]: [f64; 2], [right, bottom]: [f64; 2]) {
+    drawing.frame([left + 1.5, top + 1.5], [right - 1.5, bottom - 1.5], Stroke::solid(super::Ink::WHITE, 5.0));
+    drawing.frame([left + 1.5, top + 1.5], [right - 1.5, bottom - 1.5], Stroke::solid(palette::MARK, 2.5));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map(columns: usize, rows: usize, values: &[f64]) -> HeatMap {
+        let names = |count: usize| (0..count).map(|at| at.to_string()).collect();
+        HeatMap {
+            title: "a map".to_owned(),
+            columns: ("columns".to_owned(), names(columns)),
+            rows: ("rows".to_owned(), names(rows)),
+            cells: values.iter().map(|&value| Some(Cell { value, text: value.to_string() })).collect(),
+            best: Some(0),
+            unit: "MB".to_owned(),
+        }
+    }
+
+    #[test]
+    fn equal_values_have_the_middle_colour_and_no_bar() {
+        let equal = map(2, 1, &[3.0, 3.0]);
+        assert_eq!(Shades::of(&equal.cells).share(3.0), 0.5);
+        assert_eq!(equal.bar_axis(&Shades::of(&equal.cells)), None);
+    }
+
+    #[test]
+    fn wide_ranges_are_logarithmic() {
+        let wide = map(3, 1, &[1.0, 10.0, 100.0]);
+        assert!((Shades::of(&wide.cells).share(10.0) - 0.5).abs() < 1e-9);
+        let narrow = map(3, 1, &[0.0, 10.0, 100.0]);
+        assert!((Shades::of(&narrow.cells).share(10.0) - 0.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn many_cells_make_a_larger_drawing() {
+        let many = map(40, 30, &vec![1.0; 1200]).draw(300, 200);
+        assert!(many.width > 40 * 30 && many.height > 30 * 22, "{} {}", many.width, many.height);
+        let few = map(2, 2, &[1.0, 2.0, f64::NAN, f64::INFINITY]).draw(300, 200);
+        assert_eq!((few.width, few.height), (300, 200));
+    }
+}

@@ -1,0 +1,100 @@
+//! Short names beside points, where they hide neither points nor each other.
+
+use super::drawing::{Anchor, Drawing, Spot, Stroke, Text};
+use super::font;
+use super::palette;
+
+/// Size of the names in pixels of an em.
+const EM: f64 = 11.0;
+
+/// A rectangle: left, top, right, bottom.
+type Bounds = [f64; 4];
+
+/// What has been written and drawn so far.
+#[derive(Debug, Clone)]
+pub struct Labels {
+    inside: Bounds,
+    taken: Vec<Bounds>,
+}
+
+impl Labels {
+    /// Names within a rectangle.
+    pub fn inside([left, top]: Spot, [right, bottom]: Spot) -> Labels {
+        Labels { inside: [left, top, right, bottom], taken: Vec::new() }
+    }
+
+    /// Keeps names off a square around a point.
+    pub fn keep_off(&mut self, [x, y]: Spot, reach: f64) {
+        self.taken.push([x - reach, y - reach, x + reach, y + reach]);
+    }
+
+    /// Writes a name near a point: as near as nothing else is hidden, with a thin line where that is far, and on the
+    /// near right where there is no such place.
+    pub fn write(&mut self, drawing: &mut Drawing, spot: Spot, name: &str) {
+        let text = Text::new(name, EM).bold().ink(palette::TEXT).anchor(Anchor::Middle);
+        let (half_width, half_height) = (text.width() / 2.0 + 1.5, EM * font::CAP_PER_EM / 2.0 + 2.0);
+        let around = |[x, y]: Spot| [x - half_width, y - half_height, x + half_width, y + half_height];
+        let candidates = [0.0, 6.0, 14.0, 26.0, 40.0, 56.0].into_iter().flat_map(|gap| {
+            DIRECTIONS.map(|[across, down]| {
+                let reach = 6.0 + gap;
+                [spot[0] + across * (reach + half_width), spot[1] + down * (reach + half_height)]
+            })
+        });
+        let free = |bounds: &Bounds| {
+            let [left, top, right, bottom] = self.inside;
+            bounds[0] >= left
+                && bounds[1] >= top - 10.0
+                && bounds[2] <= right + 10.0
+                && bounds[3] <= bottom
+                && !self.taken.iter().any(|taken| overlap(taken, bounds))
+        };
+        let near = [spot[0] + 6.0 + half_width, spot[1]];
+        let centre = candidates.into_iter().find(|&centre| free(&around(centre))).unwrap_or(near);
+        let (dx, dy) = (centre[0] - spot[0], centre[1] - spot[1]);
+        if dx.abs() > half_width + 9.0 || dy.abs() > half_height + 9.0 {
+            let end =
+                [centre[0] - dx.signum() * half_width.min(dx.abs()), centre[1] - dy.signum() * 4.0f64.min(dy.abs())];
+            drawing.line(&[spot, end], Stroke::solid(palette::FAINT_TEXT, 0.7));
+        }
+        self.taken.push(around(centre));
+        drawing.text_beside(centre, text);
+    }
+}
+
+/// Directions in which a place is looked for, the preferred ones first: x to the right, y down. A front rises to the
+/// right, so it is on neither of the first two.
+const DIRECTIONS: [Spot; 8] =
+    [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0], [-1.0, 0.0]];
+
+fn overlap(a: &Bounds, b: &Bounds) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::drawing::Shape;
+
+    #[test]
+    fn names_of_near_points_do_not_overlap() {
+        let mut drawing = Drawing::new(400, 300, "");
+        let mut labels = Labels::inside([0.0, 0.0], [400.0, 300.0]);
+        let spots: Vec<Spot> = (0..9).map(|at| [150.0 + 5.0 * f64::from(at), 150.0 - f64::from(at)]).collect();
+        spots.iter().for_each(|&spot| labels.keep_off(spot, 5.0));
+        spots.iter().enumerate().for_each(|(at, &spot)| labels.write(&mut drawing, spot, &at.to_string()));
+        let places: Vec<Spot> = drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| match shape {
+                Shape::Text { at, .. } => Some(*at),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(places.len(), 9);
+        for (at, a) in places.iter().enumerate() {
+            for b in &places[at + 1..] {
+                assert!((a[0] - b[0]).abs() > 7.0 || (a[1] - b[1]).abs() > 8.0, "{a:?} {b:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,265 @@
+//! The command lines that measure a point: the program's own, so that anybody can repeat a row of a report.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use super::knob::{self, Stage};
+use super::point::Point;
+use crate::dataset::stream::StreamKind;
+use crate::video::codec::ColorBlocks;
+use crate::video::encode::ColorBlockSettings;
+
+/// Runs of a decoder that one timed run of a point takes the median of.
+pub const DECODER_RUNS: u32 = 9;
+/// LZMA2 level of the column of sizes that have it on top.
+pub const LZMA2_LEVEL: u32 = 6;
+
+/// What the input is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// A `lightfield.json`, or its folder.
+    Dataset,
+    /// A lone sequence.
+    Sequence,
+}
+
+/// The footage, and options of all points that are no knobs.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// As the user named it.
+    pub path: PathBuf,
+    /// What it is.
+    pub form: Form,
+    /// Kinds of streams that it has, and the points in time of each.
+    pub kinds: Vec<(StreamKind, u64)>,
+    /// Options of encoding, such as `--hdr` or `--near=1`.
+    pub encode: Vec<String>,
+    /// Those that comparing needs as well, such as `--frames=0-9`.
+    pub diff: Vec<String>,
+    /// Options of decoding.
+    pub decode: Vec<String>,
+    /// Changes whenever anything does that figures depend on and that is not a knob.
+    pub made_of: u32,
+}
+
+type Settings = [(&'static str, String)];
+
+impl Input {
+    /// Points in time of a kind.
+    pub fn frames(&self, kind: StreamKind) -> u64 {
+        self.kinds.iter().find(|(other, _)| *other == kind).map_or(0, |(_, frames)| *frames)
+    }
+
+    /// Encodes a point, but for `-o`.
+    pub fn encode(&self, point: &Point) -> Vec<OsString> {
+        self.encode_settings(point.kind, &point.settings, &self.encode)
+    }
+
+    /// The same coding in time with samples as they are, in neither blocks nor functions, without LZMA2.
+    pub fn temporal(&self, point: &Point) -> Vec<OsString> {
+        let mut settings = without(&point.settings, &["lzma2", "threads", "device"]);
+        match point.kind {
+            StreamKind::Depth => {
+                let of_functions = [
+                    "depth-codec",
+                    "depth-block",
+                    "error",
+                    "error-relative",
+                    "depth-domain",
+                    "decide",
+                    "min-children",
+                    "effort",
+                ];
+                settings = without(&settings, &of_functions);
+                settings.push(("depth-codec", "aabb".to_owned()));
+            }
+            StreamKind::Color => {
+                if let Some(psnr) = psnr_in_time(point, &self.encode) {
+                    settings = without(&settings, &["psnr"]);
+                    settings.push(("psnr", psnr));
+                }
+                settings = without(&settings, &["color-block", "psnr-final"]);
+            }
+            StreamKind::Material => {}
+        }
+        let options: Vec<String> =
+            self.encode.iter().filter(|option| !option.starts_with("--material-")).cloned().collect();
+        self.encode_settings(point.kind, &Point::new(point.kind, settings).settings, &options)
+    }
+
+    /// The same without LZMA2, where the point is in blocks or functions.
+    pub fn spatial(&self, point: &Point) -> Option<Vec<OsString>> {
+        let value = |knob: &str| point.value(knob);
+        let has = match point.kind {
+            StreamKind::Depth => {
+                value("depth-codec") != Some("aabb") || value("depth-block").is_some_and(|of| of != "none")
+            }
+            StreamKind::Color => value("color-block").is_some_and(|of| of != "none"),
+            StreamKind::Material => {
+                self.encode.iter().any(|option| option.starts_with("--material-block=") && !option.ends_with("=none"))
+            }
+        };
+        has.then(|| self.encode_settings(point.kind, &without(&point.settings, &["lzma2"]), &self.encode))
+    }
+
+    fn encode_settings(&self, kind: StreamKind, settings: &Settings, options: &[String]) -> Vec<OsString> {
+        let mut words: Vec<OsString> = match (self.form, kind) {
+            (Form::Dataset, _) => {
+                vec!["encode".into(), self.path.clone().into(), format!("--stream={}", kind.name()).into()]
+            }
+            (Form::Sequence, StreamKind::Color) => vec!["encode-color".into(), self.path.clone().into()],
+            (Form::Sequence, _) => vec!["encode-depth".into(), self.path.clone().into()],
+        };
+        words.extend(knob_options(settings, Stage::Encode));
+        words.extend(options.iter().map(OsString::from));
+        words
+    }
+
+    /// Decodes the container of a point several times.
+    pub fn decode(&self, point: &Point, container: &Path, runs: u32) -> Vec<OsString> {
+        let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={runs}").into()];
+        words.extend(knob_options(&point.settings, Stage::Decode));
+        words.extend(self.decode.iter().map(OsString::from));
+        words.push("--json".into());
+        words
+    }
+
+    /// Compares the container of a point with the footage.
+    pub fn diff(&self, point: &Point, container: &Path) -> Vec<OsString> {
+        let mut words = vec!["diff".into(), self.path.clone().into(), container.into()];
+        words.push(format!("--stream={}", point.kind.name()).into());
+        if point.kind != StreamKind::Color {
+            words.push("--ssim=none".into());
+        }
+        words.extend(self.diff.iter().map(OsString::from));
+        words.push("--json".into());
+        words
+    }
+}
+
+/// Compresses a container with LZMA2 as well.
+pub fn pack(container: &Path, output: &Path) -> Vec<OsString> {
+    let level = format!("--lzma2={LZMA2_LEVEL}");
+    vec!["pack".into(), container.into(), level.into(), "-o".into(), output.into(), "--json".into()]
+}
+
+/// A command line with its output and a report.
+pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
+    words.extend(["-o".into(), output.into(), "--json".into()]);
+    words
+}
+
+/// A command line of this program as a POSIX shell takes it.
+pub fn shell_line<S: AsRef<std::ffi::OsStr>>(words: &[S]) -> String {
+    let words = words.iter().map(|word| shell_word(&word.as_ref().to_string_lossy()));
+    std::iter::once("lightfold".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+}
+
+/// A word as a POSIX shell takes it: in quotes where it holds more than plain characters.
+pub fn shell_word(text: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%=".contains(c);
+    if !text.is_empty() && text.chars().all(plain) {
+        text.to_owned()
+    } else {
+        format!("'{}'", text.replace('\'', r"'\''"))
+    }
+}
+
+fn knob_options(settings: &Settings, stage: Stage) -> impl Iterator<Item = OsString> {
+    settings.iter().filter_map(move |(name, value)| {
+        let knob = knob::find(name)?;
+        (knob.stage == stage || knob.stage == Stage::Both).then(|| knob.option(value))?.map(OsString::from)
+    })
+}
+
+fn without(settings: &Settings, names: &[&str]) -> Vec<(&'static str, String)> {
+    settings.iter().filter(|(name, _)| !names.contains(name)).cloned().collect()
+}
+
+/// The threshold of a point's coding in time, in dB, where blocks make it another than the usual one.
+fn psnr_in_time(point: &Point, options: &[String]) -> Option<String> {
+    let value = |knob: &str| {
+        let prefix = format!("--{knob}=");
+        let option = || options.iter().find_map(|option| option.strip_prefix(&prefix));
+        point.value(knob).or_else(option)
+    };
+    let blocks = match value("color-block")?.to_ascii_lowercase().as_str() {
+        "bc1" => ColorBlocks::Bc1,
+        "bc7" => ColorBlocks::Bc7,
+        "bc6h" => ColorBlocks::Bc6h,
+        _ => return None,
+    };
+    let usual = || ColorBlockSettings::usual_psnr_db(blocks).to_string();
+    Some(value("psnr").or(value("psnr-final")).map_or_else(usual, str::to_owned))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use StreamKind::{Color, Depth};
+
+    fn input(form: Form, encode: &[&str]) -> Input {
+        Input {
+            path: "scene".into(),
+            form,
+            kinds: vec![(Color, 6), (Depth, 6)],
+            encode: encode.iter().map(|word| (*word).to_owned()).collect(),
+            diff: Vec::new(),
+            decode: Vec::new(),
+            made_of: 0,
+        }
+    }
+
+    fn point(kind: StreamKind, settings: &[(&'static str, &str)]) -> Point {
+        Point::new(kind, settings.iter().map(|&(name, value)| (name, value.to_owned())).collect())
+    }
+
+    #[test]
+    fn a_point_is_encoded_and_decoded_by_its_knobs() {
+        let of = point(Depth, &[("device", "gpu"), ("depth-window", "4"), ("threads", "2"), ("lzma2", "none")]);
+        let scene = input(Form::Dataset, &["--near=1"]);
+        let line = shell_line(&scene.encode(&of));
+        assert_eq!(line, "lightfold encode scene --stream=depth --depth-window=4 --threads=2 --near=1");
+        let line = shell_line(&scene.decode(&of, Path::new("a b.lfold"), 3));
+        assert_eq!(line, "lightfold decode 'a b.lfold' --null --repeat=3 --threads=2 --device=gpu --json");
+        let alone = input(Form::Sequence, &[]);
+        assert_eq!(shell_line(&alone.encode(&of)), "lightfold encode-depth scene --depth-window=4 --threads=2");
+        let line = shell_line(&alone.diff(&of, Path::new("a.lfold")));
+        assert_eq!(line, "lightfold diff scene a.lfold --stream=depth --ssim=none --json");
+    }
+
+    #[test]
+    fn coding_in_time_alone_keeps_what_belongs_to_time() {
+        let scene = input(Form::Dataset, &[]);
+        let of = point(Depth, &[("depth-window", "4"), ("error", "10"), ("epsilon", "3"), ("lzma2", "6")]);
+        let line = shell_line(&scene.temporal(&of));
+        assert_eq!(line, "lightfold encode scene --stream=depth --depth-codec=aabb --depth-window=4 --epsilon=3");
+        for (settings, psnr) in [
+            (&[("color-block", "bc7"), ("cell", "8")][..], "40"),
+            (&[("color-block", "bc1"), ("cell", "8"), ("psnr-final", "28")], "28"),
+            (&[("color-block", "bc7"), ("cell", "8"), ("psnr", "45"), ("psnr-final", "28")], "45"),
+        ] {
+            let line = shell_line(&scene.temporal(&point(Color, settings)));
+            assert_eq!(line, format!("lightfold encode scene --stream=color --cell=8 --psnr={psnr}"));
+        }
+        let plain = point(Color, &[("psnr", "40")]);
+        assert_eq!(scene.temporal(&plain), scene.encode(&plain));
+    }
+
+    #[test]
+    fn only_blocks_and_functions_have_a_size_in_space() {
+        let scene = input(Form::Dataset, &[]);
+        assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb")])).is_none());
+        assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb"), ("depth-block", "bc5")])).is_some());
+        assert!(scene.spatial(&point(Color, &[("color-block", "none")])).is_none());
+        let tree = scene.spatial(&point(Depth, &[("error", "10"), ("lzma2", "9")])).unwrap();
+        assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --error=10");
+    }
+
+    #[test]
+    fn words_of_a_shell() {
+        assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
+    }
+}

@@ -1,0 +1,262 @@
+use std::collections::BTreeSet;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::dataset::stream::StreamKind;
+use crate::report::plot::drawing::{Anchor, Direction, Shape};
+use crate::report::plot::font;
+use crate::report::plot::save;
+use crate::report::tradeoff::sample;
+
+/// Left, top, right, bottom of what a text's capitals cover.
+fn bounds([x, y]: [f64; 2], text: &Text) -> [f64; 4] {
+    let (width, height) = (text.width(), text.em * font::CAP_PER_EM);
+    let before = match text.anchor {
+        Anchor::Start => 0.0,
+        Anchor::Middle => width / 2.0,
+        Anchor::End => width,
+    };
+    match text.direction {
+        Direction::Across => [x - before, y - height, x - before + width, y],
+        Direction::Up => [x - height, y + before - width, x, y + before],
+    }
+}
+
+/// Fails when anything lies outside of the drawing, has no place, or when two texts overlap.
+fn check(name: &str, drawing: &Drawing) {
+    let (width, height) = (f64::from(drawing.width), f64::from(drawing.height));
+    let inside = |[x, y]: [f64; 2]| (-0.5..=width + 0.5).contains(&x) && (-0.5..=height + 0.5).contains(&y);
+    let mut texts: Vec<([f64; 4], &str)> = Vec::new();
+    for shape in &drawing.shapes {
+        let fine = match shape {
+            Shape::Line { through, .. } => through.iter().all(|spot| inside(*spot)),
+            Shape::Rectangle { from, to, .. } => inside(*from) && inside(*to),
+            Shape::Polygon { corners, .. } => corners.iter().all(|spot| inside(*spot)),
+            Shape::Disc { at, .. } => inside(*at),
+            Shape::Text { at, text } => {
+                let [left, top, right, bottom] = bounds(*at, text);
+                texts.push(([left, top, right, bottom], &text.text));
+                inside([left, top]) && inside([right, bottom])
+            }
+        };
+        assert!(fine, "{name}: outside of {width}x{height}: {shape:?}");
+    }
+    for (at, (a, one)) in texts.iter().enumerate() {
+        for (b, other) in &texts[at + 1..] {
+            let apart = a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1];
+            assert!(apart, "{name}: {one:?} at {a:?} lies over {other:?} at {b:?}");
+        }
+    }
+}
+
+/// Fails when elements are not closed in order, or an attribute is no number where one must be.
+fn check_xml(name: &str, svg: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    for tag in svg.split('<').skip(1).map(|rest| rest.split_once('>').expect("tags end").0) {
+        if let Some(closed) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(closed), "{name}");
+        } else if !tag.ends_with('/') {
+            open.push(tag.split_whitespace().next().unwrap());
+        }
+        assert_eq!(tag.matches('"').count() % 2, 0, "{name}: {tag}");
+        assert!(!tag.contains("NaN") && !tag.contains("inf"), "{name}: {tag}");
+        // Larger numbers would be places that were brought in from nowhere.
+        let longest = tag.split(|letter: char| !letter.is_ascii_digit()).map(str::len).max();
+        assert!(longest <= Some(6), "{name}: {tag}");
+    }
+    assert!(open.is_empty(), "{name}: {open:?}");
+    for entity in svg.split('&').skip(1) {
+        let known = ["amp;", "lt;", "gt;", "quot;", "apos;", "#39;"];
+        assert!(known.iter().any(|known| entity.starts_with(known)), "{name}: &{}", &entity[..entity.len().min(9)]);
+    }
+}
+
+fn check_all(results: &Results) -> Vec<Figure> {
+    let figures = all(results);
+    let names: BTreeSet<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
+    assert_eq!(names.len(), figures.len(), "{names:?}");
+    for figure in &figures {
+        check(&figure.name, &figure.drawing);
+        check_xml(&figure.name, &save::to_svg(&figure.drawing).unwrap());
+        assert!(!figure.caption.contains("NaN") && figure.caption.ends_with('.'), "{}", figure.caption);
+    }
+    figures
+}
+
+#[test]
+fn the_papers_figures_are_drawn() {
+    let figures = check_all(&sample::paper());
+    let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
+    let expected = [
+        "boxes",
+        "cells",
+        "bound",
+        "bound-decoding",
+        "color-rate-distortion",
+        "color-time-distortion",
+        "depth-rate-distortion",
+        "depth-time-distortion",
+        "tile-psnr",
+    ];
+    assert_eq!(names, expected);
+    let boxes = &figures[0];
+    assert!(boxes.caption.contains("best score has depth-window=1 max-aabbs=2"), "{}", boxes.caption);
+    let svg = save::to_svg(&boxes.drawing).unwrap();
+    for said in ["AABB limit", "depth window (frames)", "Container (MB)", "Decoding (ms a frame)", "Score: size^0.25"] {
+        assert!(svg.contains(said), "{said}");
+    }
+}
+
+#[test]
+fn pixels_are_not_blank_and_have_the_stated_size() {
+    for figure in all(&sample::paper()).iter().take(2) {
+        let pixels = save::to_pixels(&figure.drawing, 1).unwrap();
+        assert_eq!((pixels.width(), pixels.height()), (figure.drawing.width, figure.drawing.height));
+        let colours: BTreeSet<[u8; 3]> = pixels.data().iter().copied().collect();
+        assert!(colours.len() > 100, "{}: {} colours", figure.name, colours.len());
+        assert_eq!(pixels, save::to_pixels(&figure.drawing, 1).unwrap());
+    }
+}
+
+/// Results with something odd in them, by name.
+fn odd() -> Vec<(&'static str, Results)> {
+    let depth = StreamKind::Depth;
+    let usual = |point: &Point| Some(sample::as_in_the_papers(point));
+    let window: &[&str] = &["1", "2", "4", "8", "16"];
+    let of = |axes: &[(&str, &[&str])], of: &dyn Fn(&Point) -> Option<Measured>| {
+        sample::results(vec![sample::study("odd", depth, axes)], of)
+    };
+    let twenty: Vec<String> = (1..=20).map(|limit| limit.to_string()).collect();
+    let twenty: Vec<&str> = twenty.iter().map(String::as_str).collect();
+    let mut long = of(&[("depth-codec", &["quadtree", "aabb"]), ("depth-domain", &["log", "linear"])], &usual);
+    long.input = "a folder with a name of more than sixty letters/and <another> & \"one\"/lightfield.json".repeat(2);
+    long.studies[0].title =
+        "A study whose title is so long that no picture is wide enough to show all of it ".repeat(3);
+    for axis in &mut long.studies[0].axes {
+        axis.values
+            .iter_mut()
+            .for_each(|value| *value = format!("{value} with words up to sixty letters, which is long"));
+    }
+    let points = long.studies[0].points();
+    long.measured = points.into_iter().map(|point| Measured { point, ..sample::measured(&[], 5, 0.1) }).collect();
+    vec![
+        ("one point", of(&[("depth-window", &["1"])], &usual)),
+        ("one by seven", of(&[("depth-window", &["4"]), ("max-aabbs", &["1", "2", "3", "4", "6", "8", "16"])], &usual)),
+        (
+            "holes",
+            of(&[("depth-window", window), ("max-aabbs", window)], &|point| {
+                let odd = point.value("depth-window") == Some("4") || point.value("max-aabbs") == Some("1");
+                (!odd).then(|| sample::as_in_the_papers(point))
+            }),
+        ),
+        ("nothing measured", of(&[("depth-window", window), ("max-aabbs", window)], &|_| None)),
+        (
+            "one measured",
+            of(&[("depth-window", window), ("max-aabbs", window)], &|point| {
+                (point.value("depth-window") == point.value("max-aabbs") && point.value("max-aabbs") == Some("8"))
+                    .then(|| sample::measured(&[], 77, 0.2))
+            }),
+        ),
+        ("equal", of(&[("depth-window", window), ("max-aabbs", window)], &|_| Some(sample::measured(&[], 1000, 0.5)))),
+        ("zeros", of(&[("depth-window", window), ("max-aabbs", window)], &|_| Some(sample::measured(&[], 0, 0.0)))),
+        ("zeros in a row", of(&[("error", &["0", "10", "20"])], &|_| Some(sample::measured(&[], 0, 0.0)))),
+        (
+            "untimed",
+            of(&[("error", &["0", "10", "20"])], &|point| {
+                let mut of = sample::as_in_the_papers(point);
+                (of.decode.runs, of.encode.runs) = (vec![], vec![]);
+                Some(of)
+            }),
+        ),
+        (
+            "lossless",
+            of(&[("error", &["0", "10", "20"])], &|point| {
+                let mut of = sample::as_in_the_papers(point);
+                of.quality.psnr_db = f64::INFINITY;
+                Some(of)
+            }),
+        ),
+        ("twenty series", of(&[("max-aabbs", &twenty), ("depth-window", &twenty)], &usual)),
+        ("words", of(&[("depth-codec", &["quadtree", "aabb", "bc4w"])], &usual)),
+        (
+            "three axes",
+            of(
+                &[("depth-window", window), ("max-aabbs", &["1", "4"]), ("effort", &["fast", "normal", "exhaustive"])],
+                &usual,
+            ),
+        ),
+        (
+            "six combinations",
+            of(
+                &[("depth-window", window), ("max-aabbs", &["1", "4"]), ("tiles", &["1", "2", "3", "4", "5", "6"])],
+                &usual,
+            ),
+        ),
+        ("long", long),
+        (
+            "huge",
+            of(&[("depth-window", window), ("max-aabbs", window)], &|point| {
+                let mut of = sample::as_in_the_papers(point);
+                of.sizes.container = u64::MAX / 2;
+                of.decode.runs = vec![1e9, 2e9];
+                Some(of)
+            }),
+        ),
+    ]
+}
+
+#[test]
+fn odd_results_are_drawn_without_overlaps_and_without_places_that_are_no_numbers() {
+    for (name, results) in odd() {
+        let figures = check_all(&results);
+        let none = ["one point", "nothing measured"].contains(&name);
+        assert_eq!(figures.is_empty(), none, "{name}");
+        if name == "six combinations" {
+            assert!(figures[0].caption.contains("2 more combinations"), "{}", figures[0].caption);
+        }
+        if name == "holes" {
+            assert!(save::to_svg(&figures[0].drawing).unwrap().contains("\nnone\n"));
+        }
+        if name == "lossless" {
+            assert!(save::to_svg(&figures[0].drawing).unwrap().contains("\nlossless\n"));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn any_figures_can_be_drawn(
+        values in prop::collection::vec(
+            (any::<bool>(), 0u64..1 << 50, prop_oneof![Just(0.0), 1e-9f64..1e5],
+                prop_oneof![Just(f64::INFINITY), Just(f64::NAN), 0.0f64..120.0]),
+            12,
+        ),
+    ) {
+        let mut rest = values.into_iter();
+        let axes: &[(&str, &[&str])] = &[("depth-window", &["1", "2", "4"]), ("max-aabbs", &["1", "4", "8", "16"])];
+        let results = sample::results(vec![sample::study("any", StreamKind::Depth, axes)], |_| {
+            let (there, bytes, seconds, db) = rest.next()?;
+            let mut of = sample::measured(&[], bytes, seconds);
+            of.quality.psnr_db = db;
+            there.then_some(of)
+        });
+        for figure in all(&results) {
+            check_xml(&figure.name, &save::to_svg(&figure.drawing).unwrap());
+        }
+    }
+}
+
+#[test]
+#[ignore = "writes figures to look at into the folder that LIGHTFOLD_FIGURES names"]
+fn write_figures() {
+    let folder = std::path::PathBuf::from(std::env::var("LIGHTFOLD_FIGURES").unwrap());
+    let named = odd().into_iter().chain([("paper", sample::paper())]);
+    for (name, results) in named {
+        let folder = folder.join(name.replace(' ', "-"));
+        std::fs::create_dir_all(&folder).unwrap();
+        crate::report::tradeoff::page::write(&results, &folder).unwrap();
+    }
+}

@@ -1,0 +1,88 @@
+//! PSNR of tiles of 8x8 pixels by modelling function: histograms above, sorted curves below (GDC figure 6).
+
+use super::{Figure, Mark, sheet};
+use crate::depth::tile_psnr::{BIN_COUNT, BIN_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
+use crate::report::plot::axis::Axis;
+use crate::report::plot::chart::{Chart, Kind, Series};
+use crate::report::plot::marker::Look;
+
+/// Sizes of a histogram and of the chart of curves in pixels.
+const HISTOGRAM: [u32; 2] = [360, 280];
+const CURVES: [u32; 2] = [1464, 400];
+/// Points of a sorted curve.
+const QUANTILES: u32 = 400;
+
+/// The figure; none without tiles.
+pub(super) fn figure(tiles: &TilePsnr) -> Option<Figure> {
+    if tiles.tiles() == 0 {
+        return None;
+    }
+    let shares = |psnr: &PsnrDistribution| -> Vec<(f64, f64)> {
+        let percent = |count: u64| 100.0 * count as f64 / psnr.tiles().max(1) as f64;
+        let bins = psnr.histogram().into_iter().enumerate();
+        let bins = bins.map(|(bin, count)| ((bin as f64 + 0.5) * BIN_DB as f64, percent(count)));
+        bins.chain([(f64::INFINITY, percent(psnr.exact))]).collect()
+    };
+    let highest = TileModel::ALL.iter().flat_map(|model| shares(tiles.of(*model))).map(|(_, share)| share);
+    let y = Axis::linear("tiles (%)", highest.chain([0.0]));
+    let top = (BIN_COUNT * BIN_DB) as f64;
+    let db = || Axis::between("PSNR (dB)", 0.0, top, 20.0).with_infinite("exact");
+
+    let histogram = |(at, model): (usize, TileModel)| {
+        let psnr = tiles.of(model);
+        let marks = shares(psnr).into_iter().map(|(x, y)| Mark { x, y, ..Mark::default() }).collect();
+        let title = format!("{}: mean {:.1} dB", words(model), psnr.mean_db());
+        let series = vec![Series { name: String::new(), kind: Kind::Bars, look: Look::of(at), marks }];
+        Chart { series, ..Chart::new(title, db(), y.clone()) }.draw(HISTOGRAM[0], HISTOGRAM[1])
+    };
+    let histograms = TileModel::ALL.into_iter().enumerate().map(histogram).collect();
+
+    let curve = |(at, model): (usize, TileModel)| {
+        let psnr = tiles.of(model);
+        let share = |step: u32| f64::from(step) / f64::from(QUANTILES);
+        let mark = |step: u32| Mark { x: 100.0 * share(step), y: psnr.quantile_db(share(step)), ..Mark::default() };
+        let marks = (0..=QUANTILES).map(mark).collect();
+        Series { name: words(model).to_owned(), kind: Kind::Curve, look: Look::of(at), marks }
+    };
+    let across = Axis::between("tiles, sorted by PSNR (%)", 0.0, 100.0, 10.0);
+    let chart = Chart {
+        series: TileModel::ALL.into_iter().enumerate().map(curve).collect(),
+        legend: "Function".to_owned(),
+        ..Chart::new("PSNR of all tiles, sorted", across, db())
+    };
+    let curves = chart.draw(CURVES[0], CURVES[1]);
+
+    let unmodelled = TileModel::ALL.map(|model| tiles.of(model).unmodelled);
+    let none = match unmodelled.iter().sum::<u64>() {
+        0 => String::new(),
+        _ => format!(
+            " Tiles that a function cannot model at all count as 0 dB: {}.",
+            TileModel::ALL
+                .iter()
+                .zip(unmodelled)
+                .filter(|(_, count)| *count > 0)
+                .map(|(model, count)| format!("{} {count}", words(*model)))
+                .collect::<Vec<_>>()
+                .join(", ")
+        ),
+    };
+    let caption = format!(
+        "How near each modelling function comes to {} tiles of {TILE_SIDE}x{TILE_SIDE} depths without any bound. Above, the \
+         part of the tiles in each {BIN_DB} dB; below, the tiles of each function sorted by their PSNR. Exact tiles have a \
+         place of their own, and count in the means as the least error that a tile can have.{none}",
+        tiles.tiles()
+    );
+    let subtitle =
+        format!("{} tiles of {TILE_SIDE}x{TILE_SIDE} depths, PSNR in 16-bit logarithmic codes", tiles.tiles());
+    let drawing = sheet("Tiles by modelling function (GDC figure 6)", &subtitle, vec![histograms, vec![curves]]);
+    Some(Figure { name: "tile-psnr".to_owned(), caption, drawing })
+}
+
+fn words(model: TileModel) -> &'static str {
+    match model {
+        TileModel::Bc4w => "BC4w",
+        TileModel::Platelet => "platelet",
+        TileModel::Biquadratic => "biquadratic",
+        TileModel::BestOf => "best of all three",
+    }
+}

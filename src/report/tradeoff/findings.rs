@@ -1,0 +1,366 @@
+//! What the papers found, and whether it is so on this footage.
+//!
+//! Each finding is a sentence of the papers with a rule, stated at its function, by which the figures decide.
+
+use serde_json::{Value, json};
+
+use super::point::Measured;
+use super::runs::{self, Run};
+use super::study::Results;
+use crate::dataset::stream::StreamKind;
+use crate::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
+use crate::report::plot::number;
+
+/// PSNR in dB below which a tile is modelled badly.
+const BAD_DB: usize = 60;
+/// PSNR in dB from which on a tile is as good as exact: what GDC 6.4 says that BC4w hardly exceeds.
+const PERFECT_DB: usize = 85;
+
+/// Whether something was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so.
+    Found,
+    /// It is not so.
+    NotFound,
+    /// What it rests on was not measured.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// `found`, `not found` or `not measured`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Found => "found",
+            Verdict::NotFound => "not found",
+            Verdict::NotMeasured => "not measured",
+        }
+    }
+}
+
+/// A finding of the papers, judged on this footage.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// A short name, for JSON.
+    pub name: &'static str,
+    /// What the paper found, and where.
+    pub sentence: &'static str,
+    /// Whether it is so here.
+    pub verdict: Verdict,
+    /// The rule, in words.
+    pub rule: &'static str,
+    /// The figures that it was judged by, a sentence; what would have to be measured where nothing was.
+    pub rests_on: String,
+}
+
+impl Finding {
+    /// The finding under the names that reports in JSON have.
+    pub fn json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "sentence": self.sentence,
+            "verdict": self.verdict.name(),
+            "rule": self.rule,
+            "rests_on": self.rests_on,
+        })
+    }
+}
+
+/// Judges all findings.
+pub fn judge(results: &Results) -> Vec<Finding> {
+    vec![
+        boxes_compress_less_and_less(results),
+        short_windows_win(results),
+        thresholds_grow_exponentially(results),
+        cells_cost_time_more_than_bytes(results),
+        bc4w_is_rarely_bad_and_rarely_perfect(results.tiles.as_ref()),
+    ]
+}
+
+fn container(point: &Measured) -> f64 {
+    point.sizes.container as f64
+}
+
+/// Found where most of the things that a rule was tried on keep it.
+fn majority(kept: usize, tried: usize) -> Verdict {
+    match tried {
+        0 => Verdict::NotMeasured,
+        _ if 2 * kept > tried => Verdict::Found,
+        _ => Verdict::NotFound,
+    }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count.max(1))
+}
+
+fn geometric_mean(values: impl Iterator<Item = f64>) -> f64 {
+    mean(values.map(|value| value.max(f64::MIN_POSITIVE).ln())).exp()
+}
+
+/// CALF figure 7, first half. Runs along `max-aabbs` with at least three limits from 1 on. A run keeps the rule when the
+/// largest limit has fewer bytes than the least one, and a doubling of the limit saves a larger part of the bytes at the
+/// least limits (from the first to the second) than at the largest (from the last but one to the last).
+fn boxes_compress_less_and_less(results: &Results) -> Finding {
+    let mut runs = runs::along(results, StreamKind::Depth, "max-aabbs", 3);
+    runs.retain(|run| run.points.iter().all(|(limit, _)| *limit >= 1.0));
+    let saving = |run: &Run<'_>, from: usize, to: usize| {
+        let ((low, before), (high, after)) = (run.points[from], run.points[to]);
+        let doublings = (high / low).log2();
+        100.0 * (1.0 - (container(after) / container(before)).powf(1.0 / doublings))
+    };
+    let steps: Vec<[f64; 3]> = runs
+        .iter()
+        .map(|run| {
+            let last = run.points.len() - 1;
+            let whole = 100.0 * (1.0 - container(run.points[last].1) / container(run.points[0].1));
+            [saving(run, 0, 1), saving(run, last - 1, last), whole]
+        })
+        .collect();
+    let kept = steps.iter().filter(|[first, last, whole]| *whole > 0.0 && first > last).count();
+    let rests_on = if steps.is_empty() {
+        "Needs depth at three or more values of --max-aabbs.".to_owned()
+    } else {
+        let of = |at: usize| number::short(mean(steps.iter().map(|step| step[at])));
+        format!(
+            "From the least limit to the largest, bytes shrink by {} % in the mean of {} rows of points; the first \
+             doubling saves {} %, a doubling at the end {} %. {kept} of {} rows keep the rule.",
+            of(2),
+            steps.len(),
+            of(0),
+            of(1),
+            steps.len()
+        )
+    };
+    Finding {
+        name: "aabbs_decaying",
+        sentence: "More AABBs compress better, with decaying effect (CALF figure 7).",
+        verdict: majority(kept, steps.len()),
+        rule: "In most rows of points that differ in the limit alone, the largest limit has the fewest bytes of both \
+               ends, and a doubling saves more at the beginning than at the end.",
+        rests_on,
+    }
+}
+
+/// CALF figure 7, second half. Runs along `depth-window` with at least two windows, decoding timed. A run keeps the rule
+/// when the shortest window has fewer bytes than the longest and takes less time to decode.
+fn short_windows_win(results: &Results) -> Finding {
+    let runs = runs::along(results, StreamKind::Depth, "depth-window", 2);
+    let ratios: Vec<(f64, f64)> = runs
+        .iter()
+        .filter_map(|run| {
+            let (short, long) = (run.points.first()?.1, run.points.last()?.1);
+            let seconds = long.decode.median()? / short.decode.median()?.max(1e-9);
+            Some((container(long) / container(short).max(1.0), seconds))
+        })
+        .collect();
+    let kept = ratios.iter().filter(|(bytes, seconds)| *bytes > 1.0 && *seconds > 1.0).count();
+    let rests_on = if ratios.is_empty() {
+        "Needs depth at two or more values of --depth-window, with decoding timed.".to_owned()
+    } else {
+        format!(
+            "The longest window has {} times the bytes of the shortest and takes {} times as long to decode, in the \
+             geometric mean of {} rows of points. {kept} of {} rows keep the rule.",
+            number::short(geometric_mean(ratios.iter().map(|ratio| ratio.0))),
+            number::short(geometric_mean(ratios.iter().map(|ratio| ratio.1))),
+            ratios.len(),
+            ratios.len()
+        )
+    };
+    Finding {
+        name: "short_windows",
+        sentence: "Short windows have fewer bytes and decode faster (CALF figure 7).",
+        verdict: majority(kept, ratios.len()),
+        rule: "In most rows of points that differ in the window alone, the shortest window has fewer bytes than the \
+               longest and decodes in less time.",
+        rests_on,
+    }
+}
+
+/// CALF figure 8 and section 7. Runs along `psnr` with at least three thresholds. A run keeps the rule when bytes grow
+/// from the least threshold to the largest, and a straight line fits the logarithm of the bytes better (by R²) than it
+/// fits the bytes.
+fn thresholds_grow_exponentially(results: &Results) -> Finding {
+    let runs = runs::along(results, StreamKind::Color, "psnr", 3);
+    let fits: Vec<[f64; 3]> = runs
+        .iter()
+        .map(|run| {
+            let places: Vec<f64> = run.points.iter().map(|(threshold, _)| *threshold).collect();
+            let bytes: Vec<f64> = run.points.iter().map(|(_, point)| container(point).max(1.0)).collect();
+            let logs: Vec<f64> = bytes.iter().map(|bytes| bytes.ln()).collect();
+            let slope = line_fit(&places, &logs).0;
+            [line_fit(&places, &logs).1, line_fit(&places, &bytes).1, (10.0 * slope).exp()]
+        })
+        .collect();
+    let kept = fits.iter().filter(|[log, linear, growth]| log > linear && *growth > 1.0).count();
+    let rests_on = if fits.is_empty() {
+        "Needs colour at three or more values of --psnr.".to_owned()
+    } else {
+        format!(
+            "Bytes grow by a factor of {} for each 10 dB. R² of a line through their logarithms is {:.3}, through \
+             themselves {:.3}, in the mean of {} rows of points. {kept} of {} rows keep the rule.",
+            number::short(geometric_mean(fits.iter().map(|fit| fit[2]))),
+            mean(fits.iter().map(|fit| fit[0])),
+            mean(fits.iter().map(|fit| fit[1])),
+            fits.len(),
+            fits.len()
+        )
+    };
+    Finding {
+        name: "psnr_exponential",
+        sentence: "Bytes grow exponentially with the PSNR threshold (CALF figure 8).",
+        verdict: majority(kept, fits.len()),
+        rule: "In most rows of points that differ in the threshold alone, bytes grow and a line fits their logarithms \
+               better than themselves, by R².",
+        rests_on,
+    }
+}
+
+/// CALF section 7. Runs along `cell` with at least two sizes, decoding timed. The largest over the least decoding time and
+/// the largest over the least bytes are taken in each run; found when the geometric mean of the first is larger.
+fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
+    let runs = runs::along(results, StreamKind::Color, "cell", 2);
+    let spread = |values: &[f64]| {
+        let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
+        high / low.max(1e-9)
+    };
+    let spreads: Vec<(f64, f64)> = runs
+        .iter()
+        .filter_map(|run| {
+            let seconds: Option<Vec<f64>> = run.points.iter().map(|(_, point)| point.decode.median()).collect();
+            let bytes: Vec<f64> = run.points.iter().map(|(_, point)| container(point).max(1.0)).collect();
+            Some((spread(&seconds?), spread(&bytes)))
+        })
+        .collect();
+    let time = geometric_mean(spreads.iter().map(|spread| spread.0));
+    let size = geometric_mean(spreads.iter().map(|spread| spread.1));
+    let rests_on = if spreads.is_empty() {
+        "Needs colour at two or more values of --cell, with decoding timed.".to_owned()
+    } else {
+        format!(
+            "Between the best and the worst cell size, decoding time differs by a factor of {}, bytes by {}, in the \
+             geometric mean of {} rows of points.",
+            number::short(time),
+            number::short(size),
+            spreads.len()
+        )
+    };
+    Finding {
+        name: "cells_time_over_size",
+        sentence: "Cell size matters more for decoding time than for bytes (CALF section 7).",
+        verdict: majority(usize::from(time > size), spreads.len().min(1)),
+        rule: "Of points that differ in the cell size alone, the largest over the least decoding time exceeds the \
+               largest over the least bytes, in the geometric mean.",
+        rests_on,
+    }
+}
+
+/// GDC 6.2 and figure 6. Found when of the three functions BC4w has the least share of tiles below [`BAD_DB`] and the least
+/// share of tiles that are exact or above [`PERFECT_DB`].
+fn bc4w_is_rarely_bad_and_rarely_perfect(tiles: Option<&TilePsnr>) -> Finding {
+    let tiles = tiles.filter(|tiles| tiles.tiles() > 0);
+    let functions = [TileModel::Bc4w, TileModel::Platelet, TileModel::Biquadratic];
+    let verdict = tiles.map_or(Verdict::NotMeasured, |tiles| {
+        let [bc4w, platelet, biquadratic] = functions.map(|model| shares(tiles.of(model)));
+        let least = |at: usize| bc4w[at] < platelet[at] && bc4w[at] < biquadratic[at];
+        if least(0) && least(1) { Verdict::Found } else { Verdict::NotFound }
+    });
+    let rests_on = tiles.map_or_else(
+        || "Needs depth, and --preset paper.".to_owned(),
+        |tiles| {
+            let percent = |share: f64| number::short(100.0 * share);
+            let of = functions.map(|model| {
+                let [bad, perfect] = shares(tiles.of(model));
+                format!("{} {} % and {} %", model.name(), percent(bad), percent(perfect))
+            });
+            format!(
+                "Of {} tiles of 8x8 pixels, those below {BAD_DB} dB and those that are exact or above {PERFECT_DB} dB: \
+                 {}.",
+                tiles.tiles(),
+                of.join("; ")
+            )
+        },
+    );
+    Finding {
+        name: "bc4w_few_bad_few_perfect",
+        sentence: "BC4w has few bad tiles and few perfect ones (GDC figure 6).",
+        verdict,
+        rule: "Of the three modelling functions, BC4w has the least share of tiles below 60 dB, and the least share of \
+               tiles that are exact or above 85 dB.",
+        rests_on,
+    }
+}
+
+/// Shares of tiles below [`BAD_DB`], and exact or from [`PERFECT_DB`] on.
+fn shares(psnr: &PsnrDistribution) -> [f64; 2] {
+    let bins = psnr.histogram();
+    let bad: u64 = bins.iter().take(BAD_DB / BIN_DB).sum();
+    let good: u64 = bins.iter().skip(PERFECT_DB / BIN_DB).sum();
+    [bad, good + psnr.exact].map(|count| count as f64 / psnr.tiles().max(1) as f64)
+}
+
+/// The straight line of least squares through points: its slope, and R², the part of the variance that it explains. R² is
+/// 1 where all y are equal, as nothing is left to explain.
+fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let (mean_x, mean_y) = (mean(x.iter().copied()), mean(y.iter().copied()));
+    let sum =
+        |of: &dyn Fn(f64, f64) -> f64| -> f64 { x.iter().zip(y).map(|(&x, &y)| of(x - mean_x, y - mean_y)).sum() };
+    let (xx, xy, yy) = (sum(&|x, _| x * x), sum(&|x, y| x * y), sum(&|_, y| y * y));
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    let explained = if yy > 0.0 { slope * xy / yy } else { 1.0 };
+    (slope, explained)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::sample;
+
+    fn verdicts(results: &Results) -> Vec<Verdict> {
+        judge(results).iter().map(|finding| finding.verdict).collect()
+    }
+
+    #[test]
+    fn what_is_so_is_found_and_what_is_not_is_not() {
+        use Verdict::{Found, NotFound, NotMeasured};
+        let results = sample::paper();
+        assert_eq!(verdicts(&results)[..4], [Found; 4], "{:#?}", judge(&results));
+        let nothing = Results { measured: vec![], tiles: None, ..results.clone() };
+        assert_eq!(verdicts(&nothing), [NotMeasured; 5]);
+
+        // The same with bytes and times turned round.
+        let mut turned = results.clone();
+        for point in &mut turned.measured {
+            point.sizes.container = 100_000_000_000 / point.sizes.container;
+            point.decode.runs.iter_mut().for_each(|seconds| *seconds = 0.01 / *seconds);
+        }
+        assert_eq!(verdicts(&turned)[..3], [NotFound; 3], "{:#?}", judge(&turned));
+        for point in &mut turned.measured {
+            point.decode.runs.iter_mut().for_each(|seconds| *seconds = 0.01);
+        }
+        assert_eq!(verdicts(&turned)[3], NotFound);
+        for point in &mut turned.measured {
+            point.decode.runs.clear();
+        }
+        assert_eq!([verdicts(&turned)[1], verdicts(&turned)[3]], [NotMeasured; 2]);
+    }
+
+    #[test]
+    fn straight_lines_are_fitted() {
+        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]);
+        assert!((slope - 2.0).abs() < 1e-12 && (explained - 1.0).abs() < 1e-12);
+        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]);
+        assert!(slope.abs() < 1e-12 && explained.abs() < 1e-12);
+        assert_eq!(line_fit(&[1.0, 2.0], &[4.0, 4.0]), (0.0, 1.0));
+        assert_eq!(line_fit(&[2.0, 2.0], &[1.0, 4.0]), (0.0, 0.0));
+    }
+
+    #[test]
+    fn tiles_are_judged_by_both_ends() {
+        let tiles = sample::tiles();
+        let finding = bc4w_is_rarely_bad_and_rarely_perfect(Some(&tiles));
+        assert_eq!(finding.verdict, Verdict::Found, "{finding:#?}");
+        assert!(finding.rests_on.contains("bc4w 0 %"), "{finding:#?}");
+    }
+}

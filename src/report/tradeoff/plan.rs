@@ -1,0 +1,321 @@
+//! What is to be measured: sweeps and presets become studies.
+//!
+//! Knobs that are swept together make one study for each kind of stream: the grid of all their values.
+
+use super::knob::{self, KNOBS, Knob};
+use super::study::{Axis, Study};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+
+/// A knob that is to be given several values.
+#[derive(Debug, Clone)]
+pub struct Sweep {
+    /// The knob.
+    pub knob: &'static Knob,
+    /// Its values, in the order of reports.
+    pub values: Vec<String>,
+}
+
+impl Sweep {
+    /// Parses `knob=v1,v2` or `knob`, which has the usual values. The values themselves are not judged here.
+    pub fn parse(text: &str) -> Result<Sweep, String> {
+        let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
+        let name = name.trim().trim_start_matches("--");
+        let knob = knob::find(name).ok_or_else(|| {
+            let names: Vec<_> = KNOBS.iter().map(|knob| knob.name).collect();
+            format!("'{name}' is none of the knobs {}", names.join(", "))
+        })?;
+        let values: Vec<String> = match values {
+            None => knob.usual.iter().map(|value| (*value).to_owned()).collect(),
+            Some(values) => values.split(',').map(|value| value.trim().to_owned()).collect(),
+        };
+        if values.iter().any(String::is_empty) {
+            return Err(format!("{name} has an empty value; {name}={} was expected", knob.usual.join(",")));
+        }
+        if let Some(twice) = (1..values.len()).find(|&at| values[..at].contains(&values[at])) {
+            return Err(format!("{name} has the value {} twice", values[twice]));
+        }
+        Ok(Sweep { knob, values })
+    }
+}
+
+/// A set of studies by a name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Preset {
+    /// What CALF figures 7 and 8 and GDC figures 5, 6 and 8 show.
+    Paper,
+    /// The same in a few values.
+    Quick,
+}
+
+/// What a plan is made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Request<'a> {
+    /// Kinds of streams that the input has and that are wanted.
+    pub kinds: &'a [StreamKind],
+    /// Knobs to be swept.
+    pub sweeps: &'a [Sweep],
+    /// Studies to be done besides.
+    pub preset: Option<Preset>,
+    /// Knobs that have another value than the usual one in all points.
+    pub fixed: &'a [(&'static str, String)],
+}
+
+/// What is to be measured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    /// Grids of points.
+    pub studies: Vec<Study>,
+    /// Whether tiles of depth are to be modelled with each function (GDC figure 6).
+    pub tiles: bool,
+    /// What a preset has, and the input has no streams for: a sentence each.
+    pub left_out: Vec<String>,
+}
+
+/// A study of a preset: name, title, kind, and knobs with values.
+type Row = (&'static str, &'static str, StreamKind, &'static [(&'static str, &'static str)]);
+
+const PAPER: &[Row] = &[
+    (
+        "boxes",
+        "Boxes of depth (CALF figure 7)",
+        StreamKind::Depth,
+        &[("depth-window", "1,2,4,8,16"), ("max-aabbs", "1,2,4,8,16")],
+    ),
+    (
+        "cells",
+        "Cells of colour (CALF figure 8)",
+        StreamKind::Color,
+        &[("cell", "8,16,32,64,128"), ("psnr", "30,35,40,45,50")],
+    ),
+    (
+        "bound",
+        "Error bound of depth (GDC figures 5 and 8)",
+        StreamKind::Depth,
+        &[("error", "0,10,25,50,100,200,400,800")],
+    ),
+    (
+        "codecs",
+        "Depth without modelling functions (base line of GDC figure 8)",
+        StreamKind::Depth,
+        &[("depth-codec", "aabb")],
+    ),
+];
+
+const QUICK: &[Row] = &[
+    (
+        "boxes",
+        "Boxes of depth (CALF figure 7, few values)",
+        StreamKind::Depth,
+        &[("depth-window", "1,4,16"), ("max-aabbs", "1,4,16")],
+    ),
+    (
+        "cells",
+        "Cells of colour (CALF figure 8, few values)",
+        StreamKind::Color,
+        &[("cell", "16,64"), ("psnr", "30,40,50")],
+    ),
+    (
+        "bound",
+        "Error bound of depth (GDC figures 5 and 8, few values)",
+        StreamKind::Depth,
+        &[("error", "0,50,200,800")],
+    ),
+    (
+        "codecs",
+        "Depth without modelling functions (base line of GDC figure 8)",
+        StreamKind::Depth,
+        &[("depth-codec", "aabb")],
+    ),
+];
+
+/// Makes the studies: those of the preset first, then one of the swept knobs for each kind.
+pub fn plan(request: &Request<'_>) -> Result<Plan> {
+    let mut plan = Plan { studies: Vec::new(), tiles: false, left_out: Vec::new() };
+    let rows = match request.preset {
+        None => &[][..],
+        Some(Preset::Paper) => PAPER,
+        Some(Preset::Quick) => QUICK,
+    };
+    for &(name, title, kind, knobs) in rows {
+        if !request.kinds.contains(&kind) {
+            plan.left_out.push(format!("Study {name} was left out: no {} stream was chosen or is there.", kind.name()));
+            continue;
+        }
+        let axes = knobs
+            .iter()
+            .filter_map(|(name, values)| {
+                let values = values.split(',').map(str::to_owned).collect();
+                Some(Axis { knob: knob::find(name)?.name, values })
+            })
+            .collect();
+        plan.studies.push(study((name, title.to_owned()), kind, axes, request.fixed)?);
+    }
+    plan.tiles = request.preset == Some(Preset::Paper) && request.kinds.contains(&StreamKind::Depth);
+    swept(request, &mut plan)?;
+    if plan.studies.is_empty() {
+        return Err(Error::Usage(match plan.left_out.is_empty() {
+            true => "nothing to measure: name knobs with --sweep, or a --preset".to_owned(),
+            false => "nothing to measure: the input has no stream of a kind that the preset looks at".to_owned(),
+        }));
+    }
+    Ok(plan)
+}
+
+/// Adds a study of the swept knobs for each kind that they speak of.
+fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
+    let sweeps = request.sweeps;
+    if let Some(twice) =
+        (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name))
+    {
+        return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", sweeps[twice].knob.name)));
+    }
+    let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
+    for sweep in &of_a_kind {
+        if !request.kinds.iter().any(|kind| sweep.knob.concerns(*kind)) {
+            let kinds: Vec<_> = sweep.knob.kinds.iter().map(|kind| kind.name()).collect();
+            return Err(Error::Usage(format!(
+                "--sweep {}: it is about {} streams, and none was chosen or is there",
+                sweep.knob.name,
+                kinds.join(" and "),
+            )));
+        }
+    }
+    for &kind in request.kinds {
+        let joins = |sweep: &&Sweep| sweep.knob.concerns(kind);
+        let wanted = if of_a_kind.is_empty() {
+            !sweeps.is_empty()
+        } else {
+            of_a_kind.iter().copied().any(|sweep| joins(&sweep))
+        };
+        if !wanted {
+            continue;
+        }
+        let mut axes: Vec<Axis> = sweeps
+            .iter()
+            .filter(joins)
+            .map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() })
+            .collect();
+        // A heat map wants the knobs of the kind on its axes.
+        axes.sort_by_key(|axis| knob::find(axis.knob).is_some_and(Knob::is_general));
+        let labels: Vec<_> = axes.iter().filter_map(|axis| Some(knob::find(axis.knob)?.label)).collect();
+        let title = format!("{}: {}", capital(kind.name()), labels.join(" × "));
+        plan.studies.push(study((kind.name(), title), kind, axes, request.fixed)?);
+    }
+    Ok(())
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// A study with what its knobs imply and what is fixed.
+fn study(
+    (name, title): (&str, String),
+    kind: StreamKind,
+    axes: Vec<Axis>,
+    given: &[(&'static str, String)],
+) -> Result<Study> {
+    let concerns = |name: &str| knob::find(name).is_some_and(|knob| knob.concerns(kind));
+    let mut fixed: Vec<(&'static str, String)> = given.iter().filter(|(name, _)| concerns(name)).cloned().collect();
+    for axis in &axes {
+        if fixed.iter().any(|(name, _)| *name == axis.knob) {
+            return Err(Error::Usage(format!(
+                "--{0}: study {name} sweeps it, so that it cannot be fixed as well",
+                axis.knob
+            )));
+        }
+    }
+    for &(name, value) in axes.iter().filter_map(|axis| knob::find(axis.knob)).flat_map(|knob| knob.implies) {
+        let swept = axes.iter().any(|axis| axis.knob == name);
+        if !swept && concerns(name) && fixed.iter().all(|(other, _)| *other != name) {
+            fixed.push((name, value.to_owned()));
+        }
+    }
+    Ok(Study { name: name.to_owned(), title, kind, axes, fixed })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use StreamKind::{Color, Depth, Material};
+
+    fn of(kinds: &[StreamKind], sweeps: &[&str], fixed: &[(&'static str, &str)]) -> Result<Plan> {
+        let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
+        let fixed: Vec<_> = fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect();
+        plan(&Request { kinds, sweeps: &sweeps, preset: None, fixed: &fixed })
+    }
+
+    fn points(study: &Study) -> Vec<String> {
+        let words = |settings: &[(&str, String)]| {
+            settings.iter().map(|(name, value)| format!("{name}={value}")).collect::<Vec<_>>().join(" ")
+        };
+        study.points().iter().map(|point| words(&point.settings)).collect()
+    }
+
+    #[test]
+    fn sweeps_are_parsed_or_refused_in_words() {
+        let sweep = Sweep::parse("psnr=30, 40").unwrap();
+        assert_eq!((sweep.knob.name, sweep.values.join("|")), ("psnr", "30|40".to_owned()));
+        assert_eq!(Sweep::parse("cell").unwrap().values, ["8", "16", "32", "64", "128"]);
+        assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is none of the knobs depth-codec, "));
+        assert!(Sweep::parse("cell=8,,16").unwrap_err().contains("empty value"));
+        assert!(Sweep::parse("cell=").unwrap_err().contains("empty value"));
+        assert!(Sweep::parse("cell=8,16,8").unwrap_err().contains("value 8 twice"));
+    }
+
+    #[test]
+    fn a_grid_for_each_kind_with_general_knobs_in_each() {
+        let plan = of(&[Color, Depth], &["threads=1,2", "psnr=40", "max-aabbs=1,4"], &[]).unwrap();
+        assert_eq!(plan.studies.iter().map(|study| study.name.as_str()).collect::<Vec<_>>(), ["color", "depth"]);
+        assert_eq!(points(&plan.studies[0]), ["psnr=40 threads=1", "psnr=40 threads=2"]);
+        let depth = points(&plan.studies[1]);
+        assert_eq!(depth.len(), 4);
+        assert_eq!(depth[1], "depth-codec=aabb max-aabbs=1 threads=2");
+        assert_eq!(plan.studies[1].title, "Depth: AABB limit × threads");
+    }
+
+    #[test]
+    fn general_knobs_alone_are_swept_on_every_kind() {
+        let plan = of(&[Color, Depth, Material], &["effort"], &[]).unwrap();
+        assert_eq!(plan.studies.len(), 3);
+        assert_eq!(points(&plan.studies[2]), ["effort=fast", "effort=normal"]);
+    }
+
+    #[test]
+    fn implied_settings_give_way_to_swept_and_fixed_ones_and_to_other_kinds() {
+        let swept = of(&[Depth], &["max-aabbs=2", "depth-codec=quadtree,aabb"], &[]).unwrap();
+        assert_eq!(points(&swept.studies[0])[0], "depth-codec=quadtree max-aabbs=2");
+        let fixed = of(&[Depth], &["max-aabbs=2"], &[("depth-codec", "bc4w")]).unwrap();
+        assert_eq!(points(&fixed.studies[0]), ["depth-codec=bc4w max-aabbs=2"]);
+        let material = of(&[Material], &["max-aabbs=2"], &[("psnr", "40")]).unwrap();
+        assert_eq!(points(&material.studies[0]), ["max-aabbs=2"]);
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_refused() {
+        let said = |plan: Result<Plan>| plan.unwrap_err().to_string();
+        assert!(said(of(&[Depth], &["psnr"], &[])).contains("about color streams"));
+        assert!(said(of(&[Color], &["psnr=1", "psnr=2"], &[])).contains("swept twice"));
+        assert!(said(of(&[Color], &["psnr"], &[("psnr", "40")])).contains("cannot be fixed"));
+        assert!(said(of(&[Color], &[], &[])).contains("nothing to measure"));
+    }
+
+    #[test]
+    fn the_presets_are_grids_of_the_figures_and_skip_kinds_that_are_missing() {
+        let request = Request { kinds: &[Color, Depth], sweeps: &[], preset: Some(Preset::Paper), fixed: &[] };
+        let paper = plan(&request).unwrap();
+        let counts: Vec<_> = paper.studies.iter().map(|study| (study.name.as_str(), study.points().len())).collect();
+        assert_eq!(counts, [("boxes", 25), ("cells", 25), ("bound", 8), ("codecs", 1)]);
+        assert!(paper.tiles && paper.left_out.is_empty());
+        assert_eq!(points(&paper.studies[0])[0], "depth-codec=aabb depth-window=1 max-aabbs=1");
+        let color = plan(&Request { kinds: &[Color], ..request }).unwrap();
+        assert_eq!((color.studies.len(), color.left_out.len(), color.tiles), (1, 3, false));
+        let quick = plan(&Request { preset: Some(Preset::Quick), ..request }).unwrap();
+        for (few, all) in quick.studies.iter().zip(&paper.studies) {
+            let all = points(all);
+            assert!(points(few).iter().all(|point| all.contains(point)), "{}", few.name);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Points that differ in one knob only.
+
+use super::knob;
+use super::point::Measured;
+use super::study::Results;
+use crate::dataset::stream::StreamKind;
+
+/// Points that have all settings but one in common.
+#[derive(Debug, Clone)]
+pub struct Run<'a> {
+    /// What they have in common, in the order of reports.
+    pub others: Vec<(&'static str, String)>,
+    /// The number that the knob has, and what was measured; by rising number.
+    pub points: Vec<(f64, &'a Measured)>,
+}
+
+impl Run<'_> {
+    /// What the points have in common, for people.
+    pub fn others(&self) -> String {
+        let settings: Vec<String> = self.others.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        if settings.is_empty() { "usual settings".to_owned() } else { settings.join(" ") }
+    }
+}
+
+/// All runs along a knob of a kind of stream with at least `least` different numbers.
+pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usize) -> Vec<Run<'a>> {
+    let mut runs: Vec<Run<'a>> = Vec::new();
+    for measured in results.measured.iter().filter(|measured| measured.point.kind == kind) {
+        let Some(number) = measured.point.value(name).and_then(knob::number) else { continue };
+        let others: Vec<_> = measured.point.settings.iter().filter(|(knob, _)| *knob != name).cloned().collect();
+        match runs.iter_mut().find(|run| run.others == others) {
+            Some(run) => run.points.push((number, measured)),
+            None => runs.push(Run { others, points: vec![(number, measured)] }),
+        }
+    }
+    for run in &mut runs {
+        run.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    runs.retain(|run| run.points.len() >= least);
+    runs
+}

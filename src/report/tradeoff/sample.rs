@@ -1,0 +1,149 @@
+//! Results that were never measured, for tests of reports.
+
+use super::knob;
+use super::point::{Measured, Point, Quality, Sizes, Timing};
+use super::study::{Axis, Results, Study, Weights};
+use crate::dataset::stream::StreamKind;
+use crate::depth::domain::Domain;
+use crate::depth::tile_psnr::TilePsnr;
+use crate::effort::Effort;
+
+/// A point of depth with these settings, bytes and seconds of decoding.
+pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {
+    let settings = settings.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
+    Measured {
+        point: Point::new(StreamKind::Depth, settings),
+        sizes: Sizes { raw: 20_000_000, temporal: bytes * 2, spatial: Some(bytes), container: bytes, lzma2: bytes / 2 },
+        quality: Quality {
+            psnr_db: 60.0,
+            min_psnr_db: None,
+            ssim: None,
+            max_error_codes: Some(50),
+            max_error_m: Some(0.01),
+        },
+        encode: Timing { runs: vec![1.0, 1.1, 0.9] },
+        decode: Timing { runs: vec![seconds * 0.97, seconds, seconds * 1.05] },
+        frames: 30,
+        images: 180,
+        pixels: 180 * 256 * 256,
+        updated_pixels: 60 * 256 * 256,
+        encode_peak_bytes: Some(50_000_000),
+        decode_peak_bytes: Some(20_000_000),
+    }
+}
+
+/// A study of all values of some knobs.
+pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
+    let axis = |(name, values): &(&str, &[&str])| Axis {
+        knob: knob::find(name).map_or("", |knob| knob.name),
+        values: values.iter().map(|value| (*value).to_owned()).collect(),
+    };
+    Study {
+        name: name.to_owned(),
+        title: format!("Study {name}"),
+        kind,
+        axes: axes.iter().map(axis).collect(),
+        fixed: vec![],
+    }
+}
+
+/// Results of studies, each point as a function has it.
+pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measured>) -> Results {
+    let mut points: Vec<Point> = Vec::new();
+    for point in studies.iter().flat_map(Study::points) {
+        if !points.contains(&point) {
+            points.push(point);
+        }
+    }
+    Results {
+        input: "scene/lightfield.json".to_owned(),
+        command_line: "lightfold tradeoff scene/lightfield.json --preset paper -o out".to_owned(),
+        machine: "A Processor, 2 threads, 8 GiB of memory, linux".to_owned(),
+        measured: points.iter().filter_map(|point| Some(Measured { point: point.clone(), ..of(point)? })).collect(),
+        studies,
+        tiles: None,
+        left_out: vec![],
+        weights: Weights::default(),
+    }
+}
+
+/// What a point of the papers' studies comes to where everything is as the papers say.
+pub fn as_in_the_papers(point: &Point) -> Measured {
+    let number = |name: &str| point.value(name).and_then(knob::number);
+    if point.kind == StreamKind::Color {
+        let (cell, psnr) = (number("cell").unwrap_or(64.0), number("psnr").unwrap_or(40.0));
+        let bytes = 1e5 * 10f64.powf((psnr - 30.0) / 15.0) * (1.0 + 1.0 / cell);
+        let mut of = measured(&[], bytes as u64, 0.05 * (1.0 + 30.0 / cell));
+        of.quality = Quality {
+            psnr_db: psnr + 3.0,
+            min_psnr_db: Some(psnr),
+            ssim: Some(0.99),
+            max_error_codes: None,
+            max_error_m: None,
+        };
+        return of;
+    }
+    let (limit, window) = (number("max-aabbs").unwrap_or(8.0), number("depth-window").unwrap_or(1.0));
+    let error = if point.value("depth-codec") == Some("aabb") { 0.0 } else { number("error").unwrap_or(50.0) };
+    let bytes = 4e6 * (1.0 + 0.5 / limit) * window.powf(0.8) / (1.0 + error / 60.0);
+    let seconds = 0.04 * window.sqrt() * (1.0 + 0.03 * limit) / (1.0 + error / 400.0);
+    let mut of = measured(&[], bytes as u64, seconds);
+    of.quality.psnr_db = if error == 0.0 { f64::INFINITY } else { 96.0 - 20.0 * (1.0 + error / 3.0).log10() };
+    of.quality.max_error_codes = Some(error as u32);
+    of
+}
+
+/// PSNR of tiles: most even, some with an edge, some noise.
+pub fn tiles() -> TilePsnr {
+    let mut all = TilePsnr::default();
+    let domain = Domain::log();
+    let picture: Vec<u16> = (0..64u32 * 64)
+        .map(|at| {
+            let (x, y) = (at % 64, at / 64);
+            let noise = x.wrapping_mul(2_654_435_761).wrapping_add(y.wrapping_mul(40_503)) >> 7;
+            match (x / 8 + y / 8) % 4 {
+                0 => 30_000 + x * 40 + y * 25,
+                1 => 20_000 + (x * x + 3 * y * y) / 2,
+                2 => {
+                    if x % 8 > y % 8 {
+                        41_000 + 9 * x
+                    } else {
+                        9_000 + 5 * y
+                    }
+                }
+                _ => {
+                    if (x * 7 + y * 3) % 5 > 2 {
+                        36_000 + noise % 90
+                    } else {
+                        22_000 + noise % 60
+                    }
+                }
+            }
+            .min(65_534) as u16
+        })
+        .collect();
+    for y in (0..64).step_by(8) {
+        all.add(&TilePsnr::of_row(&picture, 64, y, (&domain, Effort::Fast)));
+    }
+    all
+}
+
+/// The papers' studies with results as the papers have them.
+pub fn paper() -> Results {
+    let five: &[&str] = &["1", "2", "4", "8", "16"];
+    let mut results = results(
+        vec![
+            study("boxes", StreamKind::Depth, &[("depth-window", five), ("max-aabbs", five)]),
+            study(
+                "cells",
+                StreamKind::Color,
+                &[("cell", &["8", "16", "32", "64", "128"]), ("psnr", &["30", "35", "40", "45", "50"])],
+            ),
+            study("bound", StreamKind::Depth, &[("error", &["0", "10", "25", "50", "100", "200", "400", "800"])]),
+            study("codecs", StreamKind::Depth, &[("depth-codec", &["aabb"])]),
+        ],
+        |point| Some(as_in_the_papers(point)),
+    );
+    results.tiles = Some(tiles());
+    results
+}

@@ -1,0 +1,237 @@
+use std::cell::RefCell;
+use std::ffi::OsString;
+use std::path::Path;
+
+use serde_json::{Value, json};
+use tempfile::TempDir;
+
+use super::*;
+use crate::dataset::stream::StreamKind;
+use crate::error::Error;
+use crate::monitor::Silent;
+use crate::report::tradeoff::bench::Runner;
+use crate::report::tradeoff::commands::{Form, Input, shell_line};
+use crate::report::tradeoff::plan::{Request, Sweep, plan};
+
+/// Runs nothing: keeps the command lines, moves a clock, and answers what a command would.
+#[derive(Default)]
+struct Fake {
+    lines: RefCell<Vec<String>>,
+    clock: RefCell<f64>,
+    /// Ends the run of this number, from 0, with an error.
+    stops_at: Option<usize>,
+}
+
+impl Fake {
+    /// What was run: the subcommand and the values of psnr and cell.
+    fn told(&self) -> Vec<String> {
+        let of = |line: &String, name: &str| {
+            let value = line.split(&format!("--{name}=")).nth(1)?;
+            Some(value.split(' ').next()?.to_owned())
+        };
+        let told = self.lines.borrow();
+        told.iter()
+            .map(|line| {
+                let command = line.split(' ').nth(1).unwrap();
+                let values = ["cell", "psnr", "error"].iter().filter_map(|name| of(line, name));
+                std::iter::once(command.to_owned()).chain(values).collect::<Vec<_>>().join(" ")
+            })
+            .collect()
+    }
+
+    fn encodes(&self) -> Vec<String> {
+        self.told().into_iter().filter_map(|line| line.strip_prefix("encode ").map(str::to_owned)).collect()
+    }
+}
+
+impl Runner for Fake {
+    fn run(&self, words: &[OsString]) -> Result<Value> {
+        let line = shell_line(words);
+        if self.stops_at == Some(self.lines.borrow().len()) {
+            return Err(Error::Interrupted);
+        }
+        *self.clock.borrow_mut() += 1.0;
+        let number = self.lines.borrow().len();
+        let bytes = 1000 - line.len();
+        self.lines.borrow_mut().push(line);
+        let quality = json!({ "psnr_db": "inf", "min_cell_psnr_db": 41.5, "ssim": 0.9, "max_error_codes": 3, "max_error_m": 0.5 });
+        Ok(match words[0].to_str().unwrap() {
+            "encode" => json!({ "seconds": number, "bytes": bytes, "raw_bytes": 5000, "peak_memory_bytes": 77 }),
+            "decode" => json!({ "seconds": 0.0, "frames": 36, "pixels": 100, "updated_pixels": 40, "device": "cpu" }),
+            "diff" => json!({ "color": quality, "depth": quality }),
+            "pack" => json!({ "bytes": bytes / 2 }),
+            other => panic!("{other}"),
+        })
+    }
+
+    fn now_seconds(&self) -> f64 {
+        *self.clock.borrow()
+    }
+}
+
+fn input() -> Input {
+    Input {
+        path: "scene".into(),
+        form: Form::Dataset,
+        kinds: vec![(StreamKind::Color, 6), (StreamKind::Depth, 6)],
+        encode: Vec::new(),
+        diff: Vec::new(),
+        decode: Vec::new(),
+        made_of: 7,
+    }
+}
+
+fn studies(sweeps: &[&str]) -> Vec<Study> {
+    let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
+    let kinds = [StreamKind::Color, StreamKind::Depth];
+    plan(&Request { kinds: &kinds, sweeps: &sweeps, preset: None, fixed: &[] }).unwrap().studies
+}
+
+/// Measures into the folder with what is there already.
+fn run(fake: &Fake, sweeps: &[&str], extent: Extent, folder: &Path) -> Result<(Outcome, Store)> {
+    let (input, mut store) = (input(), Store::open(folder, Some(7)).unwrap());
+    let mut bench = Bench::new(fake, &input, Path::new("work"));
+    let outcome = measure(&studies(sweeps), extent, &mut bench, &mut store, &Silent)?;
+    Ok((outcome, store))
+}
+
+fn all(repeats: u32) -> Extent {
+    Extent { repeats, budget_seconds: None }
+}
+
+#[test]
+fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
+    let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
+    let (outcome, store) = run(&fake, &["psnr=30,40,50"], all(3), folder.path()).unwrap();
+    // The second and third are the first pass's coding in time, which colour without blocks is already.
+    assert_eq!(fake.encodes(), ["30", "40", "50", "30", "40", "50", "50", "40", "30", "30", "40", "50"]);
+    let point = &["encode 30", "decode", "diff", "pack"].map(str::to_owned);
+    assert_eq!(&fake.told()[..4], point);
+    assert_eq!(&fake.told()[12..16], ["encode 30", "decode", "encode 40", "decode"]);
+    assert!(fake.lines.borrow()[1].contains("--repeat=1 "), "{}", fake.lines.borrow()[1]);
+    assert!(fake.lines.borrow()[13].contains("--repeat=9 "), "{}", fake.lines.borrow()[13]);
+    assert_eq!(outcome, Outcome { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new() });
+    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.clone()).collect();
+    assert_eq!(runs, [[12.0, 22.0, 24.0], [14.0, 20.0, 26.0], [16.0, 18.0, 28.0]]);
+    let row = &store.rows[0];
+    assert_eq!((row.measured.frames, row.measured.images, row.measured.encode_peak_bytes), (6, 36, Some(77)));
+    assert_eq!((row.measured.quality.psnr_db, row.measured.quality.min_psnr_db), (f64::INFINITY, Some(41.5)));
+    assert_eq!(row.command, "lightfold encode scene --stream=color --psnr=30 -o point.lfold");
+}
+
+#[test]
+fn sizes_of_stages_are_encoded_once_for_all_points() {
+    let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
+    let (_, store) = run(&fake, &["error=0,50", "lzma2=none,9"], all(1), folder.path()).unwrap();
+    let lines = fake.lines.borrow();
+    let count = |words: &str| lines.iter().filter(|line| line.contains(words)).count();
+    assert_eq!(count("--depth-codec=aabb"), 1, "coding in time is the same for all bounds");
+    assert_eq!(count("--lzma2=6"), 2, "what has LZMA2 already is not packed");
+    // Four points are each encoded twice; without LZMA2 two of them are others that are known.
+    assert_eq!(count("encode scene"), 4 * 2 + 1);
+    for row in &store.rows {
+        let sizes = row.measured.sizes;
+        match row.measured.point.value("lzma2") {
+            Some("9") => assert!(sizes.lzma2 == sizes.container && sizes.spatial > Some(sizes.container)),
+            _ => assert!(sizes.spatial == Some(sizes.container) && sizes.lzma2 < sizes.container),
+        }
+    }
+}
+
+#[test]
+fn a_second_time_nothing_runs_and_more_repeats_add_rounds() {
+    let folder = TempDir::new().unwrap();
+    let sweeps = ["psnr=30,40"];
+    let (_, first) = run(&Fake::default(), &sweeps, all(2), folder.path()).unwrap();
+    let again = Fake::default();
+    let (_, second) = run(&again, &sweeps, all(2), folder.path()).unwrap();
+    assert_eq!((again.told().len(), &second.rows), (0, &first.rows));
+    let more = Fake::default();
+    let (_, third) = run(&more, &sweeps, all(3), folder.path()).unwrap();
+    assert_eq!(more.told(), ["encode 30", "decode", "encode 40", "decode"]);
+    assert_eq!(third.rows[0].measured.encode.runs[..2], first.rows[0].measured.encode.runs);
+    let wider = Fake::default();
+    let (_, store) = run(&wider, &["psnr=30,35,40"], all(3), folder.path()).unwrap();
+    assert_eq!(wider.encodes(), ["35"; 4]);
+    assert_eq!(store.rows.len(), 3);
+}
+
+#[test]
+fn wherever_it_stops_it_goes_on() {
+    let sweeps = ["psnr=30,40"];
+    let whole = Fake::default();
+    let (_, wanted) = run(&whole, &sweeps, all(2), TempDir::new().unwrap().path()).unwrap();
+    let runs = whole.told().len();
+    for stops_at in 0..runs {
+        let folder = TempDir::new().unwrap();
+        let stopped = Fake { stops_at: Some(stops_at), ..Fake::default() };
+        assert!(matches!(run(&stopped, &sweeps, all(2), folder.path()), Err(Error::Interrupted)));
+        let rest = Fake::default();
+        let (_, store) = run(&rest, &sweeps, all(2), folder.path()).unwrap();
+        // At most the step that was cut off is done twice.
+        assert!(rest.told().len() <= runs - stops_at + 3, "{stops_at}: {:?}", rest.told());
+        assert_eq!(store.rows.len(), wanted.rows.len());
+        for (row, wanted) in store.rows.iter().zip(&wanted.rows) {
+            assert_eq!((row.measured.sizes, row.measured.quality), (wanted.measured.sizes, wanted.measured.quality));
+            assert_eq!((row.measured.encode.runs.len(), row.measured.decode.runs.len()), (2, 2));
+        }
+    }
+}
+
+#[test]
+fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
+    // A point takes 4 s at first and 2 s in each run.
+    let sweeps = ["psnr=10,20,30,40,50", "cell=8,16,32"];
+    let within = |seconds: f64, repeats: u32| {
+        let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
+        let extent = Extent { repeats, budget_seconds: Some(seconds) };
+        let (outcome, store) = run(&fake, &sweeps, extent, folder.path()).unwrap();
+        let grid: Vec<_> = outcome.studies[0].axes.iter().map(|axis| axis.values.join(",")).collect();
+        let points = outcome.studies[0].points();
+        // The grid has no holes.
+        assert!(points.iter().all(|point| store.runs(point) >= 1));
+        assert_eq!(points.len(), store.rows.len());
+        (grid, outcome.left_out, fake.now_seconds())
+    };
+    let (grid, left_out, _) = within(1e6, 2);
+    assert_eq!((grid, left_out), (vec!["10,20,30,40,50".to_owned(), "8,16,32".to_owned()], Vec::new()));
+    // Six points with one run of each are 36 s.
+    let (grid, left_out, took) = within(40.0, 1);
+    assert_eq!(grid, ["10,30,50", "8,32"]);
+    assert_eq!(
+        left_out,
+        ["Study color: psnr 20, 40 did not fit into 40 s.", "Study color: cell 16 did not fit into 40 s."]
+    );
+    assert!(took <= 40.0, "{took}");
+    // Fewer runs before fewer values.
+    let (grid, left_out, took) = within(40.0, 3);
+    assert_eq!(grid, ["10,30,50", "8,32"]);
+    assert!(left_out[2].contains("a single run of each point instead of 3"), "{left_out:?}");
+    assert!(took <= 40.0, "{took}");
+    // No budget is too small for the ends.
+    let (grid, left_out, _) = within(1.0, 3);
+    assert_eq!(grid, ["10,50", "8,32"]);
+    assert_eq!(left_out.len(), 3);
+}
+
+#[test]
+fn a_study_that_does_not_fit_is_left_out_as_a_whole() {
+    let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
+    let extent = Extent { repeats: 1, budget_seconds: Some(20.0) };
+    let (outcome, _) = run(&fake, &["psnr=30,50", "error=0,50"], extent, folder.path()).unwrap();
+    assert_eq!(outcome.studies.len(), 1);
+    assert!(outcome.left_out[0].starts_with("Study depth was left out: its 2 points"), "{:?}", outcome.left_out);
+}
+
+#[test]
+fn values_are_tried_from_the_middle_of_the_longest_stretch() {
+    let mut tried = vec![false; 8];
+    (tried[0], tried[7]) = (true, true);
+    let mut order = Vec::new();
+    while let Some(at) = farthest(&tried) {
+        order.push(at);
+        tried[at] = true;
+    }
+    assert_eq!(order, [3, 5, 1, 2, 4, 6]);
+    assert_eq!(farthest(&[]), None);
+}

@@ -1,0 +1,293 @@
+//! `lightfold tradeoff` through the program itself, on a scene of a few pixels; and what its points may not come to.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::sync::OnceLock;
+
+use lightfold::monitor::Silent;
+use lightfold::report::tradeoff::store::{FIGURES, FILE_NAME, Store};
+use lightfold::scene::{DemoKind, FootagePlan};
+use serde_json::Value;
+use tempfile::TempDir;
+
+const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/tradeoff.csv");
+
+/// A folder with `scene`, made once; tests write beside it.
+fn place() -> &'static Path {
+    static FOLDER: OnceLock<TempDir> = OnceLock::new();
+    let make = || {
+        let folder = TempDir::new().unwrap();
+        let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 6, face_size: 32, probes: 1 };
+        plan.write(&folder.path().join("scene"), &Silent).unwrap();
+        folder
+    };
+    FOLDER.get_or_init(make).path()
+}
+
+/// `lightfold tradeoff` with the words of a line.
+fn tradeoff(line: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    command.arg("tradeoff").args(line.split(' ')).current_dir(place()).output().unwrap()
+}
+
+#[track_caller]
+fn json(line: &str) -> Value {
+    let output = tradeoff(line);
+    assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// What a line that is refused says.
+#[track_caller]
+fn refused(line: &str) -> String {
+    let output = tradeoff(line);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{line}: {said}");
+    assert!(output.stdout.is_empty(), "{line}");
+    said
+}
+
+/// Whether a figure is the same on every run.
+fn is_steady(name: &str) -> bool {
+    !["seconds", "runs", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
+}
+
+fn steady(point: &Value) -> BTreeMap<&str, &Value> {
+    FIGURES.iter().filter(|name| is_steady(name)).map(|name| (*name, &point[name])).collect()
+}
+
+#[test]
+fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated() {
+    let sweep = "scene --sweep psnr=30,50 --sweep error=0,100 --repeats 2 --json -o";
+    let first = json(&format!("{sweep} same-1"));
+    let second = json(&format!("{sweep} same-2"));
+    let points = |report: &Value| report["points"].as_array().unwrap().clone();
+    assert_eq!(points(&first).len(), 4);
+    for (a, b) in points(&first).iter().zip(&points(&second)) {
+        assert_eq!((&a["kind"], &a["settings"], steady(a)), (&b["kind"], &b["settings"], steady(b)));
+        for name in ["encode_runs", "decode_runs"] {
+            assert_eq!(a[name].as_array().unwrap().len(), 2);
+        }
+        assert!(a["ratio_percent"].as_f64().unwrap() > 0.0);
+        assert_eq!((a["frames"].as_u64(), a["images"].as_u64()), (Some(6), Some(36)));
+        let is_color = a["kind"] == "color";
+        assert_eq!((a["ssim"].is_number(), a["max_error_codes"].is_number()), (is_color, !is_color));
+    }
+    assert_eq!(points(&first)[2]["psnr_db"], "inf");
+    let csv = std::fs::read(place().join("same-1").join(FILE_NAME)).unwrap();
+    let again = json(&format!("{sweep} same-1"));
+    assert_eq!(points(&again), points(&first), "seconds would have changed");
+    assert_eq!(std::fs::read(place().join("same-1").join(FILE_NAME)).unwrap(), csv);
+    for name in ["index.html", "tradeoff.json", "color-rate-distortion.svg", "color-rate-distortion.png"] {
+        assert!(place().join("same-1").join(name).is_file(), "{name}");
+    }
+    assert_eq!(first["findings"].as_array().unwrap().len(), 5);
+    // Another option of all points makes other points of them.
+    let other = tradeoff("scene --sweep error=0 --repeats 1 -o same-1 -- --near 0.01");
+    assert!(String::from_utf8(other.stderr).unwrap().contains("4 points of another input"));
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
+    for (line, said) in [
+        ("scene --sweep cells=8 -o no", "'cells' is none of the knobs"),
+        ("scene --sweep cell=0 -o no", "'0' for '--cell"),
+        ("scene --sweep cell=8,8 -o no", "value 8 twice"),
+        ("scene --sweep psnr=30,loud -o no", "'loud' for '--psnr"),
+        ("scene --sweep psnr=300 -o no", "color with psnr=300: --psnr 300: 0 to 200 dB"),
+        ("scene --sweep depth-codec=aabb --sweep error=0 -o no", "depth with depth-codec=aabb error=0: --error bounds"),
+        ("scene --sweep psnr --stream depth -o no", "about color streams"),
+        ("scene --sweep psnr --stream material -o no", "--stream material: scene has no such streams"),
+        ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color sweeps it"),
+        ("scene --sweep psnr -o no -- --stream color", "tradeoff gives it"),
+        ("scene --sweep psnr -o no -- --pnsr 40", "unexpected argument '--pnsr'"),
+        ("scene -o no", "nothing to measure"),
+        ("nowhere --sweep psnr -o no", "--stream depth or --stream color"),
+        ("scene/lightfield.json --sweep psnr -o scene/lightfield.json", "scene/lightfield.json"),
+        ("-o no", "MANIFEST"),
+        ("--recommend -o no", "say what is asked"),
+        ("--recommend --max-error 3 -o no", "no point has been measured"),
+        ("scene --sweep psnr --max-error 3 -o no", "--recommend"),
+        ("scene --sweep psnr --weights 0,0 -o no", "not both 0"),
+        ("scene --sweep psnr --budget-seconds 0 -o no", "more than 0"),
+    ] {
+        let words = refused(line);
+        assert!(words.contains(said), "{line}: {words}");
+    }
+    assert!(!place().join("no").exists());
+}
+
+#[test]
+fn a_failing_point_is_an_error_that_names_its_command() {
+    // Cells in blocks are whole blocks, which encoding finds out.
+    let said = refused("scene --sweep cell=6 -o fails -- --color-block bc7");
+    assert!(said.starts_with("lightfold: lightfold encode scene --stream=color --cell=6 --color-block=bc7"), "{said}");
+    assert!(said.contains("multiple of 4"), "{said}");
+    let left: Vec<_> = std::fs::read_dir(place().join("fails")).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+#[test]
+fn a_lone_sequence_is_measured_and_recommended_from() {
+    let sequence = "scene/probe_00/face_px/depth.%04d.exr --stream depth";
+    let options = "--repeats 1 -o alone --json -- --face px --frames 1-3";
+    let ask = "--recommend --max-error 60 --min-psnr 99";
+    let report = json(&format!("{sequence} --sweep error=0,50,200 {ask} {options}"));
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 3);
+    assert_eq!((points[0]["frames"].as_u64(), points[0]["images"].as_u64()), (Some(3), Some(3)));
+    assert_eq!(points[0]["max_error_codes"], 0);
+    let command = points[0]["command"].as_str().unwrap();
+    assert!(
+        command.starts_with("lightfold encode-depth scene/probe_00/face_px/depth.%04d.exr --error=0 "),
+        "{command}"
+    );
+    let words = command.split(' ').skip(1);
+    let done = Command::new(env!("CARGO_BIN_EXE_lightfold")).args(words).current_dir(place()).output().unwrap();
+    assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+    let bytes = std::fs::metadata(place().join("point.lfold")).unwrap().len();
+    assert_eq!(points[0]["bytes_container"], bytes);
+    let allowed = points.iter().filter(|point| point["max_error_codes"].as_u64() <= Some(60));
+    let smallest = allowed.min_by_key(|point| point["bytes_container"].as_u64()).unwrap();
+    assert_eq!(report["recommended"][0]["point"], *smallest);
+    assert_ne!(smallest["settings"]["error"], "200");
+    // The same from the folder alone.
+    let later = json("--recommend --max-error 60 -o alone --json");
+    assert_eq!(later["recommended"], report["recommended"]);
+    let none = tradeoff("--recommend --max-error 60 --max-bytes 10 -o alone");
+    assert_eq!(none.status.code(), Some(1));
+    let said = String::from_utf8(none.stdout).unwrap();
+    assert!(said.contains("no point meets what is asked") && said.contains("misses --max-bytes 10: it has "), "{said}");
+}
+
+#[test]
+fn a_budget_is_kept_by_leaving_out_what_is_named() {
+    let report =
+        json("scene --sweep psnr=30,40,50 --sweep error=0,100 --repeats 2 --budget-seconds 0.001 --json -o budget");
+    let left_out = report["left_out"].as_array().unwrap();
+    assert!(left_out[0].as_str().unwrap().contains("Study depth was left out"), "{left_out:?}");
+    assert!(left_out[1].as_str().unwrap().contains("psnr 40 did not fit"), "{left_out:?}");
+    let values: Vec<_> = report["points"].as_array().unwrap().iter().map(|point| &point["settings"]["psnr"]).collect();
+    assert_eq!(values, ["30", "50"]);
+    assert!(
+        report["points"].as_array().unwrap().iter().all(|point| point["encode_runs"].as_array().unwrap().len() == 1)
+    );
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_sweep_goes_on_where_it_was() {
+    let arguments = ["tradeoff", "scene", "--sweep", "psnr=30,35,40,45", "--repeats", "3", "-o", "stopped"];
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    let child =
+        command.args(arguments).current_dir(place()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let folder = place().join("stopped");
+    let start = std::time::Instant::now();
+    while Store::open(&folder, None).map_or(0, |store| store.rows.len()) < 2 {
+        assert!(start.elapsed().as_secs() < 60, "no point was measured within a minute");
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let stopped = child.wait_with_output().unwrap();
+    let said = String::from_utf8(stopped.stderr).unwrap();
+    assert_eq!(stopped.status.code(), Some(130), "{said}");
+    assert!(said.contains("are kept; the same command goes on from there"), "{said}");
+    let kept = Store::open(&folder, None).unwrap().rows;
+    assert!((2..=4).contains(&kept.len()));
+    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "only the CSV is left");
+    let report = json("scene --sweep psnr=30,35,40,45 --repeats 3 --json -o stopped");
+    let points = report["points"].as_array().unwrap();
+    assert_eq!(points.len(), 4);
+    let all = Store::open(&folder, None).unwrap().rows;
+    for (before, after) in kept.iter().zip(&all) {
+        assert_eq!(before.measured.point, after.measured.point);
+        assert!(after.measured.encode.runs.starts_with(&before.measured.encode.runs));
+        assert_eq!(before.measured.encode_peak_bytes, after.measured.encode_peak_bytes, "surveyed once");
+        assert_eq!(after.measured.decode.runs.len(), 3);
+    }
+}
+
+#[test]
+fn the_knobs_are_listed() {
+    let listed = json("--list-knobs --json");
+    assert!(listed["knobs"].as_array().unwrap().len() > 15);
+    let text = String::from_utf8(tradeoff("--list-knobs").stdout).unwrap();
+    assert!(text.contains("max-aabbs") && text.contains("1,2,4,8,16"), "{text}");
+}
+
+#[test]
+fn a_decoder_is_run_several_times() {
+    let run = |line: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+        command.args(line.split(' ')).current_dir(place()).output().unwrap()
+    };
+    assert!(run("encode scene -o repeat.lfold").status.success());
+    let report: Value = serde_json::from_slice(&run("decode repeat.lfold --null --repeat 4 --json").stdout).unwrap();
+    let mut runs: Vec<f64> =
+        report["runs_seconds"].as_array().unwrap().iter().map(|run| run.as_f64().unwrap()).collect();
+    runs.sort_by(f64::total_cmp);
+    assert_eq!(runs.len(), 4);
+    assert_eq!(report["seconds"].as_f64().unwrap(), (runs[1] + runs[2]) / 2.0);
+    assert_eq!(report["frames"], 6 * 6 * 2);
+    #[cfg(target_os = "linux")]
+    assert!(report["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+    assert_eq!(run("decode repeat.lfold --repeat 4 -o x").status.code(), Some(2));
+}
+
+/// The sweep of the baseline. Blocks of texture formats are left out: their encoders depend on the processor a little.
+fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
+    let of = |sweeps: &str| json(&format!("scene {sweeps} --repeats 1 -o baseline --json"));
+    let report = of("--sweep cell=16,64 --sweep psnr=30,45");
+    let more =
+        of("--sweep depth-codec=quadtree,aabb,bc4w --sweep depth-window=1,4 --sweep lzma2=none,6 --stream depth");
+    let points = report["points"].as_array().unwrap().iter().chain(more["points"].as_array().unwrap());
+    let number = |value: &Value| value.as_f64().or_else(|| (value == "inf").then_some(f64::INFINITY));
+    let row = |point: &Value| {
+        let settings = point["settings"].as_object().unwrap().iter();
+        let settings = settings.map(|(name, value)| format!("{name}={}", value.as_str().unwrap())).collect::<Vec<_>>();
+        let key = format!("{},{}", point["kind"].as_str().unwrap(), settings.join(" "));
+        let quality = if point["kind"] == "color" { &point["min_psnr_db"] } else { &point["psnr_db"] };
+        (key, [number(&point["bytes_container"]), number(quality), number(&point["max_error_codes"])])
+    };
+    points.map(row).collect()
+}
+
+const HEAD: &str = "kind,settings,bytes,psnr_db,max_error_codes";
+
+fn baseline_text(rows: &[(String, [Option<f64>; 3])]) -> String {
+    let mut text = format!("{HEAD}\n");
+    for (key, [bytes, psnr, codes]) in rows {
+        let cell = |value: &Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let psnr = psnr.map_or_else(String::new, |db| format!("{db:.3}"));
+        writeln!(text, "{key},{},{psnr},{}", cell(bytes), cell(codes)).unwrap();
+    }
+    text
+}
+
+#[test]
+fn points_of_the_demo_cost_no_more_and_are_no_worse() {
+    let text = std::fs::read_to_string(BASELINE).unwrap();
+    let rows = baseline_rows();
+    assert_eq!(text.lines().next(), Some(HEAD));
+    assert_eq!(text.lines().count(), rows.len() + 1);
+    for (key, [bytes, psnr, codes]) in rows {
+        let start = format!("{key},");
+        let line =
+            text.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("{key} has no baseline"));
+        let cells: Vec<Option<f64>> = line[start.len()..].split(',').map(|cell| cell.parse().ok()).collect();
+        assert_eq!((bytes.is_some(), psnr.is_some(), codes.is_some()), (true, cells[1].is_some(), cells[2].is_some()));
+        assert!(bytes <= cells[0], "{key}: {bytes:?} bytes are more than {:?}", cells[0]);
+        assert!(codes <= cells[2], "{key}: an error of {codes:?} codes is more than {:?}", cells[2]);
+        // The file holds three decimals.
+        let least = cells[1].map(|db| db - 0.0005);
+        assert!(psnr >= least, "{key}: {psnr:?} dB are less than {:?}", cells[1]);
+    }
+}
+
+#[test]
+#[ignore = "writes tests/baselines"]
+fn write_baselines() {
+    std::fs::write(BASELINE, baseline_text(&baseline_rows())).unwrap();
+}
