@@ -57,8 +57,11 @@ impl Axis {
 
     /// An axis on which values lie evenly, for values such as decibels, whose 0 means nothing.
     pub fn without_zero(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
-        let (low, high) = range(values);
-        Axis::over(label, low, high)
+        let finite: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+        let (low, high) = range(finite.iter().copied());
+        let axis = Axis::over(label, low, high);
+        // Where all is lossless, there is no decibel to be read off.
+        if finite.is_empty() { Axis { ticks: Vec::new(), ..axis } } else { axis }
     }
 
     fn over(label: impl Into<String>, mut low: f64, mut high: f64) -> Axis {
@@ -204,6 +207,8 @@ mod tests {
     fn ticks_are_round() {
         assert_eq!(labels(&Axis::linear("", [0.31, 1.9])), ["0", "0.5", "1", "1.5", "2"]);
         assert_eq!(labels(&Axis::linear("", [41.0, 47.0])), ["40", "42", "44", "46", "48"]);
+        assert!(Axis::without_zero("", [f64::INFINITY]).ticks.is_empty());
+        assert_eq!(labels(&Axis::without_zero("", [41.0, 99.0])), ["40", "60", "80", "100"]);
         assert_eq!(labels(&Axis::linear("", [7.0])), ["6", "6.5", "7", "7.5", "8"]);
         assert_eq!(labels(&Axis::logarithmic("", [1.3, 60.0])), ["2", "5", "10", "20", "50"]);
         assert_eq!(labels(&Axis::of_settings("", &[1.0, 2.0, 4.0, 16.0])), ["1", "2", "4", "16"]);

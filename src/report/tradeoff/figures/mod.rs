@@ -102,7 +102,7 @@ fn fixed_words(settings: &[(&'static str, String)]) -> String {
     format!("with {}", words.join(" "))
 }
 
-/// Height of what [`head`] writes, in pixels.
+/// Height of the title with the line under it, in pixels.
 const HEAD: f64 = 46.0;
 
 /// A picture with a title and a line under it, and rows of drawings below; columns are as wide as their widest.
