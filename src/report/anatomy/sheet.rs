@@ -5,9 +5,10 @@ use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
 use super::raster::is_hatched;
 use crate::error::Result;
 use crate::image::plane::Plane;
-use crate::report::plot::picture::{Anchor, Stroke, Text, Weight};
+use crate::report::plot::drawing::{Anchor, Stroke, Text};
+use crate::report::plot::font::{self, Weight};
 use crate::report::plot::save::to_pixels;
-use crate::report::plot::{Ink, Picture, font};
+use crate::report::plot::{Drawing, Ink};
 
 const MARGIN: u32 = 24;
 /// Between images.
@@ -159,7 +160,7 @@ fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
 
 /// What is written, from the top down.
 struct Lines {
-    picture: Picture,
+    drawing: Drawing,
     y: f64,
     /// Pixels for each that lengths and sizes are given in.
     zoom: f64,
@@ -167,11 +168,11 @@ struct Lines {
 
 impl Lines {
     fn new(width: u32, zoom: f64) -> Lines {
-        Lines { picture: Picture::new(width, 1, ""), y: 0.0, zoom }
+        Lines { drawing: Drawing::new(width, 1, ""), y: 0.0, zoom }
     }
 
     fn room(&self) -> f64 {
-        f64::from(self.picture.width)
+        f64::from(self.drawing.width)
     }
 
     fn space(&mut self, pixels: f64) {
@@ -187,7 +188,7 @@ impl Lines {
         let em = em * self.zoom;
         for line in wrap(words, em, weight, self.room()) {
             let text = Text { weight, ..Text::new(line, em).ink(Ink::opaque(ink)) };
-            self.picture.text([0.0, self.y + em * LEADING * 0.75], text);
+            self.drawing.text([0.0, self.y + em * LEADING * 0.75], text);
             self.y += (em * LEADING).ceil();
         }
     }
@@ -199,7 +200,7 @@ impl Lines {
         self.swatch(entry.swatch, [0.5, top], [width, top + height]);
         for line in wrap(&entry.words, TEXT_EM * self.zoom, Weight::Regular, self.room() - indent) {
             let baseline = self.y + TEXT_EM * self.zoom * LEADING * 0.75;
-            self.picture.text([indent, baseline], self.text(line));
+            self.drawing.text([indent, baseline], self.text(line));
             self.y += height_of_line;
         }
     }
@@ -207,14 +208,14 @@ impl Lines {
     fn swatch(&mut self, swatch: Swatch, from: [f64; 2], to: [f64; 2]) {
         let (Swatch::Flat(ground) | Swatch::Hatched(ground) | Swatch::Corner(ground) | Swatch::Dashed(ground)) = swatch;
         let [left, top] = from;
-        self.picture.rectangle(from, to, Ink::opaque(ground));
+        self.drawing.rectangle(from, to, Ink::opaque(ground));
         let ink = Ink::opaque(contrast(ground));
         match swatch {
             Swatch::Flat(_) => {}
             Swatch::Dashed(_) => {
                 let middle = ((top + to[1]) / 2.0).floor();
                 for start in (2..to[0] as u32).step_by(8).map(f64::from) {
-                    self.picture.rectangle([start, middle], [(start + 4.0).min(to[0]), middle + 1.0], ink);
+                    self.drawing.rectangle([start, middle], [(start + 4.0).min(to[0]), middle + 1.0], ink);
                 }
             }
             Swatch::Hatched(_) => {
@@ -223,15 +224,15 @@ impl Lines {
                     rows.flat_map(|y| (0..to[0] as u32).map(move |x| (x, y))).filter(|(x, y)| is_hatched(*x, *y))
                 {
                     let at = [f64::from(x), f64::from(y)];
-                    self.picture.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(hatched(ground)));
+                    self.drawing.rectangle(at, [at[0] + 1.0, at[1] + 1.0], Ink::opaque(hatched(ground)));
                 }
             }
             Swatch::Corner(_) => {
                 let side = (to[1] - top) * 0.7;
-                self.picture.polygon(&[from, [left + side, top], [left, top + side]], ink);
+                self.drawing.polygon(&[from, [left + side, top], [left, top + side]], ink);
             }
         }
-        self.picture.frame(from, to, Stroke::solid(Ink::opaque(SOFT_INK), 1.0));
+        self.drawing.frame(from, to, Stroke::solid(Ink::opaque(SOFT_INK), 1.0));
     }
 
     fn bar(&mut self, bar: &Bar) {
@@ -248,10 +249,10 @@ impl Lines {
             let at = x(part.clamp(0.0, 1.0));
             let text = self.text(words).fit(self.room());
             let start = (at - text.width() / 2.0).clamp(0.0, (self.room() - text.width()).max(0.0));
-            self.picture.text([start, self.y + em], text);
+            self.drawing.text([start, self.y + em], text);
             self.y += em + 6.0 * zoom;
             let tip = [[at - 5.0 * zoom, self.y], [at + 5.0 * zoom, self.y], [at, self.y + 7.0 * zoom]];
-            self.picture.polygon(&tip, Ink::opaque(INK));
+            self.drawing.polygon(&tip, Ink::opaque(INK));
             self.y += 8.0 * zoom;
         }
         let (top, bottom) = (self.y.ceil(), self.y.ceil() + (BAR_HEIGHT * zoom).round());
@@ -259,19 +260,19 @@ impl Lines {
         for step in 0..steps {
             let color = (bar.color)(f64::from(step) / f64::from(steps.saturating_sub(1).max(1)));
             let from = left + f64::from(step);
-            self.picture.rectangle([from, top], [from + 1.0, bottom], Ink::opaque(color));
+            self.drawing.rectangle([from, top], [from + 1.0, bottom], Ink::opaque(color));
         }
         let line = Stroke::solid(Ink::opaque(SOFT_INK), 1.0);
-        self.picture.frame([left, top], [right, bottom], line);
+        self.drawing.frame([left, top], [right, bottom], line);
         let under = bottom + 6.0 * zoom + em;
         // The last value is told, and of those before it what there is room for.
         let end = bar.ticks.last().map_or(f64::INFINITY, |(part, words)| x(*part) - half(words));
         let mut free_from = f64::NEG_INFINITY;
         for (at_tick, (part, words)) in bar.ticks.iter().enumerate() {
             let (at, half, is_last) = (x(*part), half(words), at_tick + 1 == bar.ticks.len());
-            self.picture.line(&[[at, bottom], [at, bottom + 5.0 * zoom]], line);
+            self.drawing.line(&[[at, bottom], [at, bottom + 5.0 * zoom]], line);
             if is_last || (at - half >= free_from && at + half + 8.0 <= end) {
-                self.picture.text([at, under], self.text(words).anchor(Anchor::Middle));
+                self.drawing.text([at, under], self.text(words).anchor(Anchor::Middle));
                 free_from = at + half + 8.0;
             }
         }
@@ -279,24 +280,23 @@ impl Lines {
     }
 
     fn draw(mut self) -> Result<Plane<Rgb>> {
-        self.picture.height = (self.y.ceil() as u32).max(1);
-        to_pixels(&self.picture, 1)
+        self.drawing.height = (self.y.ceil() as u32).max(1);
+        to_pixels(&self.drawing, 1)
     }
 }
 
 /// Lines of words no wider than `room` pixels; a word that is wider loses its middle.
 fn wrap(words: &str, em: f64, weight: Weight, room: f64) -> Vec<String> {
-    let style = weight.plotters();
     let mut lines: Vec<String> = Vec::new();
     for word in words.split_whitespace() {
         if let Some(line) = lines.last_mut() {
             let longer = format!("{line} {word}");
-            if font::width(&longer, em, style) <= room {
+            if font::width(&longer, em, weight) <= room {
                 *line = longer;
                 continue;
             }
         }
-        lines.push(font::fit(word, em, style, room));
+        lines.push(font::fit(word, em, weight, room));
     }
     lines
 }
@@ -310,7 +310,7 @@ mod tests {
         let words = format!("a b c and then a {} with an end", "very".repeat(60));
         let lines = wrap(&words, 14.0, Weight::Regular, 150.0);
         assert!(lines.len() >= 3 && lines.iter().any(|line| line.contains('…')), "{lines:?}");
-        assert!(lines.iter().all(|line| font::width(line, 14.0, Weight::Regular.plotters()) <= 150.0), "{lines:?}");
+        assert!(lines.iter().all(|line| font::width(line, 14.0, Weight::Regular) <= 150.0), "{lines:?}");
         assert_eq!(wrap("one line", 14.0, Weight::Regular, 150.0), ["one line"]);
     }
 
