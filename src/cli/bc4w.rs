@@ -27,8 +27,8 @@ const BAR_COLUMNS: u64 = 12;
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
     lightfold bc4w depth.%04d.exr --stats\n\n\
     Each 8x8 pixels become 32 bytes: a quarter of 16-bit codes, without a bound on the error; the background is exact. \
-    --stats fits each tile with BC4w, a platelet, a biquadratic, and takes the best of them, and tells the PSNR of the \
-    tiles (peak 65535). A tile without any error counts in the mean as 114.39 dB, the PSNR of the least error that it \
+    --stats fits each tile with BC4w, a platelet and a biquadratic, takes the best of the latter two and of all, and tells \
+    the PSNR of the tiles (peak 65535). A tile without any error counts in the mean as 114.39 dB, the PSNR of the least error that it \
     could have, and as inf elsewhere; one that a function cannot model, background beside a surface, as 0 dB.")]
 pub struct Args {
     /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
@@ -195,13 +195,8 @@ fn histogram_text(found: &TilePsnr) -> String {
     let bins = all[0].len();
     let Some(first) = (0..bins).find(|&bin| used(bin)) else { return String::new() };
     let heads = TileModel::ALL.map(title);
-    let mut table = Table::new(&[
-        Column::Left("Tiles by dB"),
-        Column::Left(heads[0]),
-        Column::Left(heads[1]),
-        Column::Left(heads[2]),
-        Column::Left(heads[3]),
-    ]);
+    let columns: Vec<Column> = std::iter::once("Tiles by dB").chain(heads).map(Column::Left).collect();
+    let mut table = Table::new(&columns);
     for bin in (first..bins).filter(|&bin| bin + 1 < bins || used(bin)) {
         if bin + 1 < bins && !(bin..bins - 1).any(used) {
             continue;
@@ -223,6 +218,7 @@ fn title(of: TileModel) -> &'static str {
         TileModel::Bc4w => "BC4w",
         TileModel::Platelet => "Platelet",
         TileModel::Biquadratic => "Biquadratic",
-        TileModel::BestOf => "Best of",
+        TileModel::PlateletOrBiquadratic => "Best of two",
+        TileModel::BestOf => "Best of all",
     }
 }

@@ -33,13 +33,21 @@ pub enum TileModel {
     Platelet,
     /// A biquadratic.
     Biquadratic,
+    /// Whichever of platelet and biquadratic has the least squared error: what there was before BC4w.
+    PlateletOrBiquadratic,
     /// Whichever of the three has the least squared error.
     BestOf,
 }
 
 impl TileModel {
     /// All, in the order of reports.
-    pub const ALL: [TileModel; 4] = [TileModel::Bc4w, TileModel::Platelet, TileModel::Biquadratic, TileModel::BestOf];
+    pub const ALL: [TileModel; 5] = [
+        TileModel::Bc4w,
+        TileModel::Platelet,
+        TileModel::Biquadratic,
+        TileModel::PlateletOrBiquadratic,
+        TileModel::BestOf,
+    ];
 
     /// The name in reports and JSON keys.
     pub fn name(self) -> &'static str {
@@ -47,6 +55,7 @@ impl TileModel {
             TileModel::Bc4w => "bc4w",
             TileModel::Platelet => "platelet",
             TileModel::Biquadratic => "biquadratic",
+            TileModel::PlateletOrBiquadratic => "platelet_or_biquadratic",
             TileModel::BestOf => "best_of",
         }
     }
@@ -70,7 +79,7 @@ pub struct PsnrDistribution {
 #[derive(Debug, Clone, PartialEq)]
 pub struct TilePsnr {
     /// By [`TileModel`].
-    models: [PsnrDistribution; 4],
+    models: [PsnrDistribution; 5],
     /// Largest error in codes of any pixel of the BC4w blocks.
     pub bc4w_max_error: u16,
 }
@@ -162,8 +171,9 @@ impl TilePsnr {
         let platelet = Platelet::fit(block, domain, u16::MAX).map(|(_, accuracy)| accuracy);
         let biquadratic = Biquadratic::fit(block, domain, u16::MAX, Order::Full).map(|(_, accuracy)| accuracy);
         let each = [Some(bc4w), platelet, biquadratic];
-        let best = each.into_iter().flatten().min_by_key(|accuracy| accuracy.squared_error);
-        for (model, accuracy) in self.models.iter_mut().zip(each.into_iter().chain([best])) {
+        let best = |of: &[Option<Accuracy>]| of.iter().flatten().min_by_key(|of| of.squared_error).copied();
+        let combined = [best(&each[1..]), best(&each)];
+        for (model, accuracy) in self.models.iter_mut().zip(each.into_iter().chain(combined)) {
             model.count(accuracy, block.pixel_count());
         }
         self.bc4w_max_error = self.bc4w_max_error.max(bc4w.max_error);
@@ -218,13 +228,26 @@ mod tests {
         // Every other pixel, so that no line parts them.
         picture.iter_mut().step_by(2).for_each(|code| *code = u16::MAX);
         let found = measure(&picture, 8);
-        for model in [TileModel::Platelet, TileModel::Biquadratic] {
+        for model in [TileModel::Platelet, TileModel::Biquadratic, TileModel::PlateletOrBiquadratic] {
             let none = found.of(model);
             assert_eq!((none.unmodelled, none.mean_db(), none.min_db()), (1, 0.0, 0.0), "{}", model.name());
             assert_eq!(none.histogram()[0], 1);
         }
         assert_eq!(found.of(TileModel::BestOf), found.of(TileModel::Bc4w));
         assert!(found.of(TileModel::Bc4w).min_db() > 40.0);
+    }
+
+    #[test]
+    fn of_two_functions_the_closer_counts() {
+        // An edge is for the platelet, what is curved for the biquadratic.
+        let edge: Vec<u16> = (0..64).map(|at| if at % 8 > 3 { 9000 } else { 4000 + at / 8 }).collect();
+        let curved: Vec<u16> = (0..64).map(|at| 20_000 + (at % 8) * (at % 8) * 9 + (at / 8) * (at / 8) * 5).collect();
+        for (picture, model) in [(edge, TileModel::Platelet), (curved, TileModel::Biquadratic)] {
+            let found = measure(&picture, 8);
+            assert_eq!(found.of(TileModel::PlateletOrBiquadratic), found.of(model), "{}", model.name());
+            let [one, other] = [TileModel::Platelet, TileModel::Biquadratic].map(|model| found.of(model).mean_db());
+            assert!((one - other).abs() > 3.0, "{one} {other}");
+        }
     }
 
     #[test]

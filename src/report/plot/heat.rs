@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::chart::{MARGIN, NAME_EM, TICK_EM, TITLE_EM};
 use super::drawing::{Anchor, Drawing, Stroke, Text};
 use super::font::{self, Weight};
-use super::palette;
+use super::{number, palette};
 
 /// Smallest width and height of a cell in pixels.
 const SMALLEST_CELL: [f64; 2] = [30.0, 22.0];
@@ -154,6 +154,9 @@ impl HeatMap {
         }
         let mut axis = if shades.log { Axis::logarithmic("", range) } else { Axis::linear("", range) };
         axis.ticks.retain(|&(value, _)| value >= shades.low && value <= shades.high);
+        if axis.ticks.len() < 2 {
+            axis.ticks = range.map(|value| (value, number::short(value))).to_vec();
+        }
         Some(axis)
     }
 

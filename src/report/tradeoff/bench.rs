@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::commands::{self, DECODER_RUNS, Input};
+use super::commands::{self, Input, decoder_runs};
 use super::point::{Measured, Point, Quality, Sizes, Timing};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
@@ -114,14 +114,15 @@ impl<'a> Bench<'a> {
             decode_peak_bytes: decoded.value["peak_memory_bytes"].as_u64(),
         };
         // There were one warm-up and one run of the decoder.
-        let run = encode_seconds + decode_seconds + pass_seconds * f64::from(DECODER_RUNS - 1);
+        let more = decoder_runs(measured.pixels) - 1;
+        let run = encode_seconds + decode_seconds + pass_seconds * f64::from(more);
         Ok((measured, Cost { survey: self.runner.now_seconds() - start, run }))
     }
 
-    /// One timed run: seconds of encoding, and the median of several of decoding.
-    pub fn time(&mut self, point: &Point) -> Result<[f64; 2]> {
+    /// One timed run of a point that shows so many pixels: seconds of encoding, and the median of several of decoding.
+    pub fn time(&mut self, point: &Point, pixels: u64) -> Result<[f64; 2]> {
         let encoded = self.json(&commands::into_file(self.input.encode(point), &self.container))?;
-        let decoded = self.json(&self.input.decode(point, &self.container, DECODER_RUNS))?;
+        let decoded = self.json(&self.input.decode(point, &self.container, decoder_runs(pixels)))?;
         Ok([encoded.number("seconds")?, decoded.number("seconds")?])
     }
 

@@ -9,10 +9,19 @@ use crate::dataset::stream::StreamKind;
 use crate::video::codec::ColorBlocks;
 use crate::video::encode::ColorBlockSettings;
 
-/// Runs of a decoder that one timed run of a point takes the median of.
-pub const DECODER_RUNS: u32 = 9;
+/// Pixels that a decoder shows in the runs of which one timed run of a point is the median: short clips are decoded more
+/// often, since a fraction of a millisecond varies most.
+const TIMED_PIXELS: u64 = 300_000_000;
+/// Runs of a decoder at least, and at most.
+const DECODER_RUNS: [u64; 2] = [9, 200];
 /// LZMA2 level of the column of sizes that have it on top.
 pub const LZMA2_LEVEL: u32 = 6;
+
+/// Runs of a decoder that one timed run of a point takes the median of, where each shows so many pixels.
+pub fn decoder_runs(pixels: u64) -> u32 {
+    let [least, most] = DECODER_RUNS;
+    (TIMED_PIXELS / pixels.max(1)).clamp(least, most) as u32
+}
 
 /// What the input is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -70,10 +70,12 @@ impl Finding {
 pub fn judge(results: &Results) -> Vec<Finding> {
     vec![
         boxes_compress_less_and_less(results),
-        short_windows_win(results),
+        short_windows_are_smaller(results),
+        short_windows_decode_faster(results),
         thresholds_grow_exponentially(results),
         cells_cost_time_more_than_bytes(results),
         bc4w_is_rarely_bad_and_rarely_perfect(results.tiles.as_ref()),
+        functions_decode_faster_than_codes(results),
     ]
 }
 
@@ -143,37 +145,65 @@ fn boxes_compress_less_and_less(results: &Results) -> Finding {
     }
 }
 
-/// CALF figure 7, second half. Runs along `depth-window` with at least two windows, decoding timed. A run keeps the rule
-/// when the shortest window has fewer bytes than the longest and takes less time to decode.
-fn short_windows_win(results: &Results) -> Finding {
+/// The longest and the shortest window of every row of points along `depth-window` that has at least two.
+fn windows(results: &Results) -> Vec<[&Measured; 2]> {
     let runs = runs::along(results, StreamKind::Depth, "depth-window", 2);
-    let ratios: Vec<(f64, f64)> = runs
-        .iter()
-        .filter_map(|run| {
-            let (short, long) = (run.points.first()?.1, run.points.last()?.1);
-            let seconds = long.decode.median()? / short.decode.median()?.max(1e-9);
-            Some((container(long) / container(short).max(1.0), seconds))
-        })
-        .collect();
-    let kept = ratios.iter().filter(|(bytes, seconds)| *bytes > 1.0 && *seconds > 1.0).count();
+    runs.iter().filter_map(|run| Some([run.points.last()?.1, run.points.first()?.1])).collect()
+}
+
+/// CALF figure 7. A row keeps the rule when the shortest window has fewer bytes than the longest.
+fn short_windows_are_smaller(results: &Results) -> Finding {
+    let ratios: Vec<f64> =
+        windows(results).iter().map(|[long, short]| container(long) / container(short).max(1.0)).collect();
+    let kept = ratios.iter().filter(|ratio| **ratio > 1.0).count();
     let rests_on = if ratios.is_empty() {
-        "Needs depth at two or more values of --depth-window, with decoding timed.".to_owned()
+        "Needs depth at two or more values of --depth-window.".to_owned()
     } else {
         format!(
-            "The longest window has {} times the bytes of the shortest and takes {} times as long to decode, in the \
-             geometric mean of {} rows of points. {kept} of {} rows keep the rule.",
-            number::short(geometric_mean(ratios.iter().map(|ratio| ratio.0))),
-            number::short(geometric_mean(ratios.iter().map(|ratio| ratio.1))),
+            "The longest window has {} times the bytes of the shortest, in the geometric mean of {} rows of points. \
+             {kept} of {} rows keep the rule.",
+            number::short(geometric_mean(ratios.iter().copied())),
             ratios.len(),
             ratios.len()
         )
     };
     Finding {
-        name: "short_windows",
-        sentence: "Short windows have fewer bytes and decode faster (CALF figure 7).",
+        name: "short_windows_bytes",
+        sentence: "Short windows have fewer bytes (CALF figure 7).",
         verdict: majority(kept, ratios.len()),
         rule: "In most rows of points that differ in the window alone, the shortest window has fewer bytes than the \
-               longest and decodes in less time.",
+               longest.",
+        rests_on,
+    }
+}
+
+/// CALF figure 7. A row keeps the rule when the slowest run of the shortest window takes less time than the fastest run of
+/// the longest, so that noise is no finding.
+fn short_windows_decode_faster(results: &Results) -> Finding {
+    let timed: Vec<(f64, Faster)> = windows(results)
+        .iter()
+        .filter_map(|[long, short]| Some((time_ratio(long, short)?, faster(short, long)?)))
+        .collect();
+    let count = |wanted: Faster| timed.iter().filter(|(_, found)| *found == wanted).count();
+    let rests_on = if timed.is_empty() {
+        "Needs depth at two or more values of --depth-window, with decoding timed.".to_owned()
+    } else {
+        format!(
+            "Decoding with the longest window takes {} times as long as with the shortest, in the geometric mean of {} \
+             rows of points. {} of {} rows keep the rule, in {} the spreads overlap.",
+            number::short(geometric_mean(timed.iter().map(|row| row.0))),
+            timed.len(),
+            count(Faster::Yes),
+            timed.len(),
+            count(Faster::WithinSpread)
+        )
+    };
+    Finding {
+        name: "short_windows_decoding",
+        sentence: "Short windows decode faster (CALF figure 7).",
+        verdict: majority(count(Faster::Yes), timed.len()),
+        rule: "In most rows of points that differ in the window alone, every run of the shortest window is faster than \
+               every run of the longest.",
         rests_on,
     }
 }
@@ -217,43 +247,100 @@ fn thresholds_grow_exponentially(results: &Results) -> Finding {
     }
 }
 
-/// CALF section 7. Runs along `cell` with at least two sizes, decoding timed. The largest over the least decoding time and
-/// the largest over the least bytes are taken in each run; found when the geometric mean of the first is larger.
+/// CALF section 7. Rows along `cell` with at least two sizes, decoding timed. In each, the decoding time of the smallest
+/// cell over that of the largest, and the largest over the least bytes of any size; found when the geometric mean of the
+/// first is larger.
 fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
     let runs = runs::along(results, StreamKind::Color, "cell", 2);
-    let spread = |values: &[f64]| {
-        let (low, high) = values.iter().fold((f64::INFINITY, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
-        high / low.max(1e-9)
-    };
-    let spreads: Vec<(f64, f64)> = runs
+    let ratios: Vec<(f64, f64)> = runs
         .iter()
         .filter_map(|run| {
-            let seconds: Option<Vec<f64>> = run.points.iter().map(|(_, point)| point.decode.median()).collect();
-            let bytes: Vec<f64> = run.points.iter().map(|(_, point)| container(point).max(1.0)).collect();
-            Some((spread(&seconds?), spread(&bytes)))
+            let bytes = run.points.iter().map(|(_, point)| container(point).max(1.0));
+            let (low, high) = bytes.fold((f64::INFINITY, 0.0f64), |(low, high), of| (low.min(of), high.max(of)));
+            Some((time_ratio(run.points.first()?.1, run.points.last()?.1)?, high / low))
         })
         .collect();
-    let time = geometric_mean(spreads.iter().map(|spread| spread.0));
-    let size = geometric_mean(spreads.iter().map(|spread| spread.1));
-    let rests_on = if spreads.is_empty() {
+    let time = geometric_mean(ratios.iter().map(|ratio| ratio.0));
+    let size = geometric_mean(ratios.iter().map(|ratio| ratio.1));
+    let rests_on = if ratios.is_empty() {
         "Needs colour at two or more values of --cell, with decoding timed.".to_owned()
     } else {
         format!(
-            "Between the best and the worst cell size, decoding time differs by a factor of {}, bytes by {}, in the \
-             geometric mean of {} rows of points.",
+            "The smallest cell takes {} times as long to decode as the largest, and bytes differ by a factor of {} between \
+             the best and the worst size, in the geometric mean of {} rows of points.",
             number::short(time),
             number::short(size),
-            spreads.len()
+            ratios.len()
         )
     };
     Finding {
         name: "cells_time_over_size",
-        sentence: "Cell size matters more for decoding time than for bytes (CALF section 7).",
-        verdict: majority(usize::from(time > size), spreads.len().min(1)),
-        rule: "Of points that differ in the cell size alone, the largest over the least decoding time exceeds the \
-               largest over the least bytes, in the geometric mean.",
+        sentence: "Cell size matters more for decoding time than for bytes, and larger cells decode faster (CALF section 7).",
+        verdict: majority(usize::from(time > size), ratios.len().min(1)),
+        rule: "Of points that differ in the cell size alone, the time of the smallest cell over that of the largest exceeds \
+               the largest over the least bytes, in the geometric mean.",
         rests_on,
     }
+}
+
+/// GDC 6.3 and figure 8. Found when at every bound E of modelling functions every run is faster than every run of boxes of
+/// codes with the same settings otherwise.
+fn functions_decode_faster_than_codes(results: &Results) -> Finding {
+    let bounds: Vec<(f64, Faster)> = runs::along(results, StreamKind::Depth, "error", 1)
+        .iter()
+        .filter_map(|run| Some((run, runs::in_boxes(results, &run.others)?)))
+        .flat_map(|(run, boxes)| {
+            let of = move |point: &Measured| Some((time_ratio(point, boxes)?, faster(point, boxes)?));
+            run.points.iter().filter_map(move |(_, point)| of(point)).collect::<Vec<_>>()
+        })
+        .collect();
+    let kept = bounds.iter().filter(|(_, found)| *found == Faster::Yes).count();
+    let rests_on = if bounds.is_empty() {
+        "Needs depth at values of --error, and the same in boxes (--depth-codec aabb), with decoding timed.".to_owned()
+    } else {
+        let (low, high) =
+            bounds.iter().fold((f64::INFINITY, 0.0f64), |(low, high), (ratio, _)| (low.min(*ratio), high.max(*ratio)));
+        format!(
+            "Modelling functions take {} to {} times as long to decode as boxes of codes. At {kept} of {} bounds they \
+             keep the rule. (The paper counts the transfer to a graphics processor, which decoding on a CPU has not.)",
+            number::short(low),
+            number::short(high),
+            bounds.len()
+        )
+    };
+    Finding {
+        name: "functions_faster_than_codes",
+        sentence: "Depth in modelling functions decodes faster than codes as they are (GDC figure 8).",
+        verdict: majority(usize::from(kept == bounds.len()), bounds.len().min(1)),
+        rule: "At every bound, every run of modelling functions is faster than every run of boxes of codes.",
+        rests_on,
+    }
+}
+
+/// Whether one point decodes faster than another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Faster {
+    /// In every run.
+    Yes,
+    /// Runs of both overlap.
+    WithinSpread,
+    /// It is slower in every run.
+    No,
+}
+
+/// Whether `point` decodes faster than `other`; none where either was not timed.
+fn faster(point: &Measured, other: &Measured) -> Option<Faster> {
+    let ((low, high), (other_low, other_high)) = (point.decode.spread()?, other.decode.spread()?);
+    Some(match () {
+        () if high < other_low => Faster::Yes,
+        () if low > other_high => Faster::No,
+        () => Faster::WithinSpread,
+    })
+}
+
+/// Decoding time of a point in parts of another's; none where either was not timed.
+fn time_ratio(point: &Measured, other: &Measured) -> Option<f64> {
+    Some(point.decode.median()? / other.decode.median()?.max(1e-9))
 }
 
 /// GDC 6.2 and figure 6. Found when of the three functions BC4w has the least share of tiles below [`BAD_DB`] and the least
@@ -313,54 +400,4 @@ fn line_fit(x: &[f64], y: &[f64]) -> (f64, f64) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::tradeoff::sample;
-
-    fn verdicts(results: &Results) -> Vec<Verdict> {
-        judge(results).iter().map(|finding| finding.verdict).collect()
-    }
-
-    #[test]
-    fn what_is_so_is_found_and_what_is_not_is_not() {
-        use Verdict::{Found, NotFound, NotMeasured};
-        let results = sample::paper();
-        assert_eq!(verdicts(&results)[..4], [Found; 4], "{:#?}", judge(&results));
-        let nothing = Results { measured: vec![], tiles: None, ..results.clone() };
-        assert_eq!(verdicts(&nothing), [NotMeasured; 5]);
-
-        // The same with bytes and times turned round.
-        let mut turned = results.clone();
-        for point in &mut turned.measured {
-            point.sizes.container = 100_000_000_000 / point.sizes.container;
-            point.decode.runs.iter_mut().for_each(|seconds| *seconds = 0.01 / *seconds);
-        }
-        assert_eq!(verdicts(&turned)[..3], [NotFound; 3], "{:#?}", judge(&turned));
-        for point in &mut turned.measured {
-            point.decode.runs.iter_mut().for_each(|seconds| *seconds = 0.01);
-        }
-        assert_eq!(verdicts(&turned)[3], NotFound);
-        for point in &mut turned.measured {
-            point.decode.runs.clear();
-        }
-        assert_eq!([verdicts(&turned)[1], verdicts(&turned)[3]], [NotMeasured; 2]);
-    }
-
-    #[test]
-    fn straight_lines_are_fitted() {
-        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[3.0, 5.0, 7.0]);
-        assert!((slope - 2.0).abs() < 1e-12 && (explained - 1.0).abs() < 1e-12);
-        let (slope, explained) = line_fit(&[1.0, 2.0, 3.0], &[1.0, 0.0, 1.0]);
-        assert!(slope.abs() < 1e-12 && explained.abs() < 1e-12);
-        assert_eq!(line_fit(&[1.0, 2.0], &[4.0, 4.0]), (0.0, 1.0));
-        assert_eq!(line_fit(&[2.0, 2.0], &[1.0, 4.0]), (0.0, 0.0));
-    }
-
-    #[test]
-    fn tiles_are_judged_by_both_ends() {
-        let tiles = sample::tiles();
-        let finding = bc4w_is_rarely_bad_and_rarely_perfect(Some(&tiles));
-        assert_eq!(finding.verdict, Verdict::Found, "{finding:#?}");
-        assert!(finding.rests_on.contains("bc4w 0 %"), "{finding:#?}");
-    }
-}
+mod tests;

@@ -1,7 +1,7 @@
 //! Points that differ in one knob only.
 
 use super::knob;
-use super::point::Measured;
+use super::point::{Measured, Point};
 use super::study::Results;
 use crate::dataset::stream::StreamKind;
 
@@ -38,4 +38,11 @@ pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usiz
     }
     runs.retain(|run| run.points.len() >= least);
     runs
+}
+
+/// Depth as boxes of codes, without modelling functions; all else as given.
+pub fn in_boxes<'a>(results: &'a Results, others: &[(&'static str, String)]) -> Option<&'a Measured> {
+    let others = others.iter().filter(|(name, _)| *name != "depth-codec").cloned();
+    let settings = others.chain([("depth-codec", "aabb".to_owned())]).collect();
+    results.of(&Point::new(StreamKind::Depth, settings))
 }

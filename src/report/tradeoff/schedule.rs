@@ -138,7 +138,8 @@ impl Work<'_, '_> {
                     continue;
                 }
                 self.monitor.check()?;
-                let [encode, decode] = self.bench.time(point)?;
+                let Some(pixels) = self.store.row(point).map(|row| row.measured.pixels) else { continue };
+                let [encode, decode] = self.bench.time(point, pixels)?;
                 if let Some(row) = self.store.row_mut(point) {
                     row.measured.encode.runs.push(encode);
                     row.measured.decode.runs.push(decode);

@@ -2,10 +2,10 @@
 
 use super::line::{chart, points};
 use super::{Figure, Mark, extents, seconds_per_frame_ms, sheet, subtitle, timed};
-use crate::dataset::stream::StreamKind;
 use crate::report::plot::axis;
 use crate::report::plot::chart::Rule;
-use crate::report::tradeoff::point::{Measured, Point};
+use crate::report::tradeoff::point::Measured;
+use crate::report::tradeoff::runs;
 use crate::report::tradeoff::study::{Axis, Results, Study};
 
 /// Size of each chart in pixels.
@@ -17,7 +17,7 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
         return None;
     }
     let points = points(results, study, axis);
-    let base = base_line(results, study);
+    let base = runs::in_boxes(results, &study.fixed);
     let charts = [
         panel("Decoding (ms a frame)", axis, &points, base, |x, point| {
             timed(x, &point.decode, seconds_per_frame_ms(point))
@@ -42,13 +42,6 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
     );
     let drawing = sheet(title, &subtitle(results, study, &[]), vec![row]);
     Some(Figure { name: format!("{}-decoding", study.name), caption, drawing })
-}
-
-/// Depth as boxes of codes, all else as in the study.
-fn base_line<'a>(results: &'a Results, study: &Study) -> Option<&'a Measured> {
-    let fixed = study.fixed.iter().filter(|(name, _)| *name != "depth-codec").cloned();
-    let settings = fixed.chain([("depth-codec", "aabb".to_owned())]).collect();
-    results.of(&Point::new(StreamKind::Depth, settings))
 }
 
 fn panel(

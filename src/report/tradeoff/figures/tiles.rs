@@ -7,8 +7,8 @@ use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
 
 /// Sizes of a histogram and of the chart of curves in pixels.
-const HISTOGRAM: [u32; 2] = [360, 280];
-const CURVES: [u32; 2] = [1464, 400];
+const HISTOGRAM: [u32; 2] = [340, 280];
+const CURVES: [u32; 2] = [1732, 400];
 /// Points of a sorted curve.
 const QUANTILES: u32 = 400;
 
@@ -83,6 +83,7 @@ fn words(model: TileModel) -> &'static str {
         TileModel::Bc4w => "BC4w",
         TileModel::Platelet => "platelet",
         TileModel::Biquadratic => "biquadratic",
-        TileModel::BestOf => "best of all three",
+        TileModel::PlateletOrBiquadratic => "platelet or biquadratic",
+        TileModel::BestOf => "best of all",
     }
 }

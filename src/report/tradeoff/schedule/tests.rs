@@ -109,7 +109,7 @@ fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
     assert_eq!(&fake.told()[..4], point);
     assert_eq!(&fake.told()[12..16], ["encode 30", "decode", "encode 40", "decode"]);
     assert!(fake.lines.borrow()[1].contains("--repeat=1 "), "{}", fake.lines.borrow()[1]);
-    assert!(fake.lines.borrow()[13].contains("--repeat=9 "), "{}", fake.lines.borrow()[13]);
+    assert!(fake.lines.borrow()[13].contains("--repeat=200 "), "{}", fake.lines.borrow()[13]);
     assert_eq!(outcome, Outcome { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new() });
     let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.clone()).collect();
     assert_eq!(runs, [[12.0, 22.0, 24.0], [14.0, 20.0, 26.0], [16.0, 18.0, 28.0]]);
