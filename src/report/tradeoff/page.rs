@@ -166,21 +166,21 @@ const COLUMNS: &[Column] = &[
     ("container", |of| Some(number::bytes(of.sizes.container as f64))),
     ("% of raw", |of| Some(format!("{:.2}", of.ratio_percent()))),
     ("+ LZMA2", |of| Some(number::bytes(of.sizes.lzma2 as f64))),
-    ("encode s", |of| of.encode.median().map(number::short)),
-    ("min–max", |of| of.encode.spread().map(|(low, high)| format!("{}–{}", number::short(low), number::short(high)))),
-    ("decode ms/frame", |of| of.decode_ms_per_frame().map(number::short)),
+    ("encode s", |of| of.encode.median().map(number::even)),
+    ("min–max", |of| of.encode.spread().map(|(low, high)| format!("{}–{}", number::even(low), number::even(high)))),
+    ("decode ms/frame", |of| of.decode_ms_per_frame().map(number::even)),
     ("min–max", |of| {
         let frames = of.frames.max(1) as f64;
-        let ms = |seconds: f64| number::short(1000.0 * seconds / frames);
+        let ms = |seconds: f64| number::even(1000.0 * seconds / frames);
         of.decode.spread().map(|(low, high)| format!("{}–{}", ms(low), ms(high)))
     }),
-    ("Mpixel/s", |of| of.megapixels_per_second().map(number::short)),
-    ("changed %", |of| Some(number::short(of.changed_percent()))),
+    ("Mpixel/s", |of| of.megapixels_per_second().map(|speed| format!("{speed:.0}"))),
+    ("changed %", |of| Some(format!("{:.1}", of.changed_percent()))),
     ("PSNR dB", |of| Some(decibels(of.quality.psnr_db))),
     ("worst cell dB", |of| of.quality.min_psnr_db.map(decibels)),
     ("SSIM", |of| of.quality.ssim.map(|ssim| format!("{ssim:.4}"))),
     ("max error", |of| of.quality.max_error_codes.map(|codes| codes.to_string())),
-    ("max error m", |of| of.quality.max_error_m.map(number::short)),
+    ("max error m", |of| of.quality.max_error_m.map(number::even)),
     ("encode memory", |of| of.encode_peak_bytes.map(|bytes| number::bytes(bytes as f64))),
     ("decode memory", |of| of.decode_peak_bytes.map(|bytes| number::bytes(bytes as f64))),
 ];
@@ -256,8 +256,8 @@ mod tests {
         for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href="] {
             assert!(!page.contains(bad), "{bad}");
         }
-        for said in ["&lt;script&gt;", "&lt;i&gt;depth-window", "A Processor", env!("CARGO_PKG_VERSION"), "not found"] {
-            assert!(page.contains(said) || said == "not found", "{said}");
+        for said in ["&lt;script&gt;", "&lt;i&gt;depth-window", "A Processor", env!("CARGO_PKG_VERSION")] {
+            assert!(page.contains(said), "{said}");
         }
         assert_eq!(page.matches("<svg ").count(), page.matches("<figcaption>").count());
         assert_eq!(page.matches("<tr").count(), 2 + results.measured.len());
