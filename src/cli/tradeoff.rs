@@ -78,7 +78,7 @@ pub struct Args {
     /// How much bytes and decoding time count in the score, such as 1,3 [default: 0.25,0.75]
     #[arg(long, value_name = "BYTES,TIME", value_parser = parse_weights)]
     pub weights: Option<Weights>,
-    /// List the knobs with their usual values, and do nothing else
+    /// List the knobs with their defaults, and do nothing else
     #[arg(long)]
     pub list_knobs: bool,
     /// Report as JSON
@@ -93,23 +93,27 @@ pub struct Args {
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Recommendation")]
 pub struct RecommendArgs {
-    /// Of the points in DIR, or of those just measured, name the smallest of each kind that meets what is asked
+    /// Of the points in DIR, or of those just measured, name the smallest of each kind that meets what is asked; or the
+    /// closest to the source, where only time and bytes are limited
     #[arg(long)]
     pub recommend: bool,
     /// Largest error: 16-bit log codes of depth, steps of 8 bits of material
     #[arg(long, value_name = "CODES", requires = "recommend")]
     pub max_error: Option<u16>,
+    /// Largest error of depth in metres
+    #[arg(long, value_name = "M", requires = "recommend", value_parser = parse_positive)]
+    pub max_error_m: Option<f64>,
     /// Lowest PSNR of any frame of any cell of colour, in dB
     #[arg(long, value_name = "DB", requires = "recommend", value_parser = parse_positive)]
     pub min_psnr: Option<f64>,
     /// Milliseconds of decoding for one point in time, all probes and faces of a kind
     #[arg(long, value_name = "MS", requires = "recommend", value_parser = parse_positive)]
     pub decode_ms: Option<f64>,
-    /// Bytes of the container
-    #[arg(long, value_name = "BYTES", requires = "recommend")]
+    /// Bytes of the container, such as 5000000, 5MB or 800kB
+    #[arg(long, value_name = "BYTES", requires = "recommend", value_parser = parse_bytes)]
     pub max_bytes: Option<u64>,
-    /// Bytes of the container in percent of those of the footage
-    #[arg(long, value_name = "PERCENT", requires = "recommend", value_parser = parse_positive)]
+    /// Bytes of the container in percent of those of the footage, such as 5 or 5%
+    #[arg(long, value_name = "PERCENT", requires = "recommend", value_parser = parse_percent)]
     pub max_ratio: Option<f64>,
 }
 
@@ -136,6 +140,22 @@ fn parse_positive(text: &str) -> Result<f64, String> {
     if number > 0.0 && number.is_finite() { Ok(number) } else { Err(format!("'{text}': more than 0 was expected")) }
 }
 
+fn parse_percent(text: &str) -> Result<f64, String> {
+    parse_positive(text.trim_end_matches('%').trim())
+}
+
+fn parse_bytes(text: &str) -> Result<u64, String> {
+    let digits = text.trim_end_matches(|letter: char| letter.is_ascii_alphabetic());
+    let factor = match text[digits.len()..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        unit => return Err(format!("'{unit}' is none of B, kB, MB, GB")),
+    };
+    Ok((parse_positive(digits.trim())? * factor).round() as u64)
+}
+
 fn parse_weights(text: &str) -> Result<Weights, String> {
     let wrong = || format!("'{text}': two numbers such as 0.25,0.75 were expected, none negative and not both 0");
     let (compression, decoding) = text.split_once(',').ok_or_else(wrong)?;
@@ -153,6 +173,7 @@ impl RecommendArgs {
         }
         let demands = Demands {
             max_error_codes: self.max_error.map(u32::from),
+            max_error_m: self.max_error_m,
             min_psnr_db: self.min_psnr,
             decode_ms: self.decode_ms,
             max_bytes: self.max_bytes,
@@ -160,7 +181,7 @@ impl RecommendArgs {
         };
         if demands.is_empty() {
             return Err(Error::Usage(
-                "--recommend: say what is asked, by --max-error, --min-psnr, --decode-ms, --max-bytes or --max-ratio"
+                "--recommend: say what is asked, by --max-error, --max-error-m, --min-psnr, --decode-ms, --max-bytes or --max-ratio"
                     .into(),
             ));
         }
@@ -202,12 +223,22 @@ fn from_folder(args: &Args, demands: &Demands) -> Result<Outcome> {
         )));
     }
     let advice = advise(&rows, demands);
+    let unasked = unasked(&rows, demands);
+    if advice.is_empty() {
+        return Err(Error::Usage(text::advice(&advice, &unasked).trim_end().to_owned()));
+    }
     if args.json {
         output::print_json(&json!({ "recommended": advice_json(&advice) }))?;
     } else {
-        output::print_text(&text::advice(&advice))?;
+        output::print_text(&text::advice(&advice, &unasked))?;
     }
     Ok(outcome(&advice))
+}
+
+/// Kinds that were measured and of which nothing is asked.
+fn unasked(rows: &[&Row], demands: &Demands) -> Vec<StreamKind> {
+    let measured = |kind: &StreamKind| rows.iter().any(|row| row.measured.point.kind == *kind);
+    StreamKind::ALL.into_iter().filter(measured).filter(|kind| demands.aim(*kind).is_none()).collect()
 }
 
 /// Advice with the row that it is about.
@@ -253,9 +284,9 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     let results = sweep(args, &footage, plan, (&mut store, start), global)?;
     let rows: Vec<&Row> = results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
     let at_hand: Vec<&Row> = store.rows.iter().filter(|row| kinds.contains(&row.measured.point.kind)).collect();
-    let advice = demands.map(|demands| advise(&at_hand, &demands));
+    let advice = demands.map(|demands| (advise(&at_hand, &demands), unasked(&at_hand, &demands)));
     let mut all = report::report(&results, &rows);
-    if let Some(advice) = &advice {
+    if let Some((advice, _)) = &advice {
         all["recommended"] = advice_json(advice).into();
     }
     let mut files = vec![store.path().to_path_buf(), write_json(&all, &args.output.join("tradeoff.json"))?];
@@ -264,14 +295,14 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
         output::print_json(&all)?;
     } else {
         output::print_text(&text::report(&results, &files))?;
-        if let Some(advice) = &advice {
-            output::print_text(&format!("\n{}", text::advice(advice)))?;
+        if let Some((advice, unasked)) = &advice {
+            output::print_text(&format!("\n{}", text::advice(advice, unasked)))?;
         }
     }
     if !global.quiet {
         results.left_out.iter().for_each(output::note);
     }
-    Ok(advice.map_or(Outcome::Fine, |advice| outcome(&advice)))
+    Ok(advice.map_or(Outcome::Fine, |(advice, _)| outcome(&advice)))
 }
 
 fn sweep(

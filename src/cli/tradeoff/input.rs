@@ -255,7 +255,8 @@ mod tests {
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],
-                (Stage::Encode, false, _) => &["encode", "encode-depth"],
+                (Stage::Encode, false, StreamKind::Material) => &["encode"],
+                (Stage::Encode, false, StreamKind::Depth) => &["encode", "encode-depth"],
             };
             let mut built = root.clone();
             built.build();
@@ -275,6 +276,21 @@ mod tests {
                         args.settings().unwrap_or_else(|error| panic!("{line:?}: {error}"));
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn defaults_are_those_of_the_options() {
+        let mut built = crate::cli::command();
+        built.build();
+        for knob in KNOBS {
+            let command = if knob.stage == Stage::Decode { "decode" } else { "encode" };
+            let found = built.find_subcommand(command).unwrap();
+            let option = found.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
+            // Others are said in the text of the option.
+            if let [default] = option.get_default_values() {
+                assert_eq!(default.to_str(), Some(knob.default), "{}", knob.name);
             }
         }
     }

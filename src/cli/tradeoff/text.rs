@@ -11,6 +11,7 @@ use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::report::tradeoff::findings::{self, Verdict};
 use crate::report::tradeoff::knob::{KNOBS, Stage};
+use crate::report::tradeoff::recommend::Aim;
 use crate::report::tradeoff::{Measured, Results};
 use crate::report::{Column, Table};
 
@@ -20,7 +21,7 @@ type FigureColumn = (&'static str, fn(&Measured) -> Option<String>);
 const FIGURES: &[FigureColumn] = &[
     ("Size", |of| Some(human_bytes(of.sizes.container))),
     ("% of raw", |of| Some(format!("{:.2}", of.ratio_percent()))),
-    ("+LZMA2 %", |of| Some(format!("{:.2}", 100.0 * of.sizes.lzma2 as f64 / of.sizes.raw.max(1) as f64))),
+    ("+LZMA2 %*", |of| Some(format!("{:.2}", 100.0 * of.sizes.lzma2 as f64 / of.sizes.raw.max(1) as f64))),
     ("Encode s", |of| of.encode.median().map(|seconds| format!("{seconds:.3}"))),
     ("Decode ms/frame", |of| of.decode_ms_per_frame().map(|ms| format!("{ms:.3}"))),
     ("Mpixel/s", |of| of.megapixels_per_second().map(|speed| format!("{speed:.0}"))),
@@ -40,8 +41,11 @@ pub fn report(results: &Results, files: &[PathBuf]) -> String {
         let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.kind == kind).collect();
         if !points.is_empty() {
             // Writing into a string does not fail.
-            let _ = writeln!(text, "{}", table(results, kind, &points));
+            let _ = writeln!(text, "{}{}", common(results, kind), table(results, kind, &points));
         }
+    }
+    if !results.measured.is_empty() {
+        text.push_str("* compressed further by lightfold pack --lzma2; decoding is timed without it.\n\n");
     }
     let findings = findings::judge(results);
     for finding in findings.iter().filter(|finding| finding.verdict != Verdict::NotMeasured) {
@@ -52,6 +56,16 @@ pub fn report(results: &Results, files: &[PathBuf]) -> String {
     }
     for path in files {
         let _ = writeln!(text, "{}", path.display());
+    }
+    text
+}
+
+/// Settings that all points of a study have and that are no defaults, a line for each study.
+fn common(results: &Results, kind: StreamKind) -> String {
+    let mut text = String::new();
+    for study in results.studies.iter().filter(|study| study.kind == kind && !study.fixed.is_empty()) {
+        let settings: Vec<_> = study.fixed.iter().map(|(name, value)| format!("{name}={value}")).collect();
+        let _ = writeln!(text, "{}: all with {}", study.title, settings.join(" "));
     }
     text
 }
@@ -73,33 +87,61 @@ fn table(results: &Results, kind: StreamKind, points: &[&Measured]) -> Table {
     let mut table = Table::new(&columns);
     for of in points {
         let mut cells = vec![kind.name().to_owned()];
-        cells.extend(varied.iter().map(|name| of.point.value(name).unwrap_or("usual").to_owned()));
+        cells.extend(varied.iter().map(|name| of.point.value(name).unwrap_or("default").to_owned()));
         cells.extend(shown.iter().map(|(_, cell)| cell(of).unwrap_or_default()));
         table.row(cells);
     }
     table
 }
 
-/// What to use, or what comes nearest.
-pub fn advice(advised: &[Advised<'_>]) -> String {
+/// What to use, or what comes nearest; `unasked` are kinds that were measured and of which nothing was asked.
+pub fn advice(advised: &[Advised<'_>], unasked: &[StreamKind]) -> String {
     let mut text = String::new();
     for (advice, row) in advised {
         let of = advice.point;
         let kind = of.point.kind.name();
         let settings: Vec<_> = of.point.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        let settings = if settings.is_empty() { "usual settings".to_owned() } else { settings.join(" ") };
+        let settings = if settings.is_empty() { "default settings".to_owned() } else { settings.join(" ") };
         let figures: Vec<_> = FIGURES
             .iter()
             .filter_map(|(heading, cell)| {
                 Some(format!("{} {}", heading.to_lowercase().replace("psnr", "PSNR").replace(" db", " dB"), cell(of)?))
             })
             .collect();
-        let head = if advice.misses.is_empty() { "use" } else { "no point meets what is asked; the nearest has" };
+        let head = match (advice.misses.is_empty(), advice.aim) {
+            (true, Aim::Smallest) => "the smallest that will do has",
+            (true, Aim::Closest) => "the closest to the source that will do (no quality was asked of it) has",
+            (false, _) => "no point meets what is asked; the nearest has",
+        };
         let _ = writeln!(text, "{kind}: {head} {settings}");
         for miss in &advice.misses {
             let _ = writeln!(text, "  misses {miss}");
         }
-        let _ = writeln!(text, "  {}\n  {}", figures.join(", "), row.command);
+        let command = match row.command.strip_suffix("point.lfold") {
+            Some(start) => format!("{start}{kind}.lfold"),
+            None => row.command.clone(),
+        };
+        let _ = writeln!(text, "  {}\n  {command}", figures.join(", "));
+        if let Some(device) = of.point.value("device") {
+            let _ = writeln!(text, "  decoded with --device {device}");
+        }
+    }
+    for kind in unasked {
+        let quality = match kind {
+            StreamKind::Color => "--min-psnr",
+            StreamKind::Depth => "--max-error, --max-error-m",
+            StreamKind::Material => "--max-error",
+        };
+        let _ = writeln!(
+            text,
+            "{}: nothing is asked of it ({quality}, --decode-ms, --max-bytes or --max-ratio)",
+            kind.name()
+        );
+    }
+    if advised.len() > 1 {
+        let files: Vec<_> =
+            advised.iter().map(|(advice, _)| format!("{}.lfold", advice.point.point.kind.name())).collect();
+        let _ = writeln!(text, "join them: lightfold pack {} -o all.lfold", files.join(" "));
     }
     text
 }
@@ -119,6 +161,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
                 "label": knob.label,
                 "kinds": kinds(knob.kinds),
                 "stage": stage(knob.stage),
+                "default": knob.default,
                 "usual": knob.usual,
             })
         };
@@ -129,7 +172,8 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         Column::Left("What"),
         Column::Left("Kinds"),
         Column::Left("Option of"),
-        Column::Left("Usual values"),
+        Column::Left("Default"),
+        Column::Left("Swept where no values are given"),
     ]);
     for knob in KNOBS {
         let of = if knob.is_general() { "all".to_owned() } else { kinds(knob.kinds).join(", ") };
@@ -138,6 +182,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
             knob.label.to_owned(),
             of,
             stage(knob.stage).to_owned(),
+            knob.default.to_owned(),
             knob.usual.join(","),
         ]);
     }

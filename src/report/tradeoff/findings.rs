@@ -13,6 +13,10 @@ use crate::report::plot::number;
 
 /// PSNR in dB below which a tile is modelled badly.
 const BAD_DB: usize = 60;
+/// Runs without which a difference of times is not told from noise.
+const LEAST_RUNS: usize = 3;
+/// R² from which on a line is said to fit.
+const FITS: f64 = 0.95;
 /// PSNR in dB from which on a tile is as good as exact: what GDC 6.4 says that BC4w hardly exceeds.
 const PERFECT_DB: usize = 85;
 
@@ -190,7 +194,8 @@ fn short_windows_decode_faster(results: &Results) -> Finding {
     } else {
         format!(
             "Decoding with the longest window takes {} times as long as with the shortest, in the geometric mean of {} \
-             rows of points. {} of {} rows keep the rule, in {} the spreads overlap.",
+             rows of points. {} of {} rows keep the rule, in {} the spreads overlap or there are fewer than {LEAST_RUNS} \
+             runs.",
             number::short(geometric_mean(timed.iter().map(|row| row.0))),
             timed.len(),
             count(Faster::Yes),
@@ -203,14 +208,14 @@ fn short_windows_decode_faster(results: &Results) -> Finding {
         sentence: "Short windows decode faster (CALF figure 7).",
         verdict: majority(count(Faster::Yes), timed.len()),
         rule: "In most rows of points that differ in the window alone, every run of the shortest window is faster than \
-               every run of the longest.",
+               every run of the longest, of at least 3 runs.",
         rests_on,
     }
 }
 
 /// CALF figure 8 and section 7. Runs along `psnr` with at least three thresholds. A run keeps the rule when bytes grow
-/// from the least threshold to the largest, and a straight line fits the logarithm of the bytes better (by R²) than it
-/// fits the bytes.
+/// from the least threshold to the largest, a straight line fits the logarithm of the bytes better (by R²) than it fits
+/// the bytes, and with an R² of at least [`FITS`]: much that curves upwards is not exponential.
 fn thresholds_grow_exponentially(results: &Results) -> Finding {
     let runs = runs::along(results, StreamKind::Color, "psnr", 3);
     let fits: Vec<[f64; 3]> = runs
@@ -223,7 +228,7 @@ fn thresholds_grow_exponentially(results: &Results) -> Finding {
             [line_fit(&places, &logs).1, line_fit(&places, &bytes).1, (10.0 * slope).exp()]
         })
         .collect();
-    let kept = fits.iter().filter(|[log, linear, growth]| log > linear && *growth > 1.0).count();
+    let kept = fits.iter().filter(|[log, linear, growth]| log > linear && *log >= FITS && *growth > 1.0).count();
     let rests_on = if fits.is_empty() {
         "Needs colour at three or more values of --psnr.".to_owned()
     } else {
@@ -242,7 +247,7 @@ fn thresholds_grow_exponentially(results: &Results) -> Finding {
         sentence: "Bytes grow exponentially with the PSNR threshold (CALF figure 8).",
         verdict: majority(kept, fits.len()),
         rule: "In most rows of points that differ in the threshold alone, bytes grow and a line fits their logarithms \
-               better than themselves, by R².",
+               better than themselves, with an R² of at least 0.95.",
         rests_on,
     }
 }
@@ -254,6 +259,7 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
     let runs = runs::along(results, StreamKind::Color, "cell", 2);
     let ratios: Vec<(f64, f64)> = runs
         .iter()
+        .filter(|run| run.points.iter().all(|(_, point)| point.decode.runs.len() >= LEAST_RUNS))
         .filter_map(|run| {
             let bytes = run.points.iter().map(|(_, point)| container(point).max(1.0));
             let (low, high) = bytes.fold((f64::INFINITY, 0.0f64), |(low, high), of| (low.min(of), high.max(of)));
@@ -263,7 +269,7 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
     let time = geometric_mean(ratios.iter().map(|ratio| ratio.0));
     let size = geometric_mean(ratios.iter().map(|ratio| ratio.1));
     let rests_on = if ratios.is_empty() {
-        "Needs colour at two or more values of --cell, with decoding timed.".to_owned()
+        format!("Needs colour at two or more values of --cell, with decoding timed in {LEAST_RUNS} or more runs.")
     } else {
         format!(
             "The smallest cell takes {} times as long to decode as the largest, and bytes differ by a factor of {} between \
@@ -312,7 +318,8 @@ fn functions_decode_faster_than_codes(results: &Results) -> Finding {
         name: "functions_faster_than_codes",
         sentence: "Depth in modelling functions decodes faster than codes as they are (GDC figure 8).",
         verdict: majority(usize::from(kept == bounds.len()), bounds.len().min(1)),
-        rule: "At every bound, every run of modelling functions is faster than every run of boxes of codes.",
+        rule: "At every bound, every run of modelling functions is faster than every run of boxes of codes, of at least 3 \
+               runs.",
         rests_on,
     }
 }
@@ -322,7 +329,7 @@ fn functions_decode_faster_than_codes(results: &Results) -> Finding {
 enum Faster {
     /// In every run.
     Yes,
-    /// Runs of both overlap.
+    /// Runs of both overlap, or there are fewer than [`LEAST_RUNS`].
     WithinSpread,
     /// It is slower in every run.
     No,
@@ -331,7 +338,9 @@ enum Faster {
 /// Whether `point` decodes faster than `other`; none where either was not timed.
 fn faster(point: &Measured, other: &Measured) -> Option<Faster> {
     let ((low, high), (other_low, other_high)) = (point.decode.spread()?, other.decode.spread()?);
+    let runs = point.decode.runs.len().min(other.decode.runs.len());
     Some(match () {
+        () if runs < LEAST_RUNS => Faster::WithinSpread,
         () if high < other_low => Faster::Yes,
         () if low > other_high => Faster::No,
         () => Faster::WithinSpread,

@@ -28,6 +28,8 @@ pub struct Knob {
     pub implies: &'static [(&'static str, &'static str)],
     /// The value that stands for leaving the option out, where none that the option takes does.
     pub without: Option<&'static str>,
+    /// What it is where it is not given, for people.
+    pub default: &'static str,
     /// What is swept where no values are given.
     pub usual: &'static [&'static str],
 }
@@ -45,6 +47,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "quadtree",
         usual: &["quadtree", "aabb", "bc4w"],
     },
     Knob {
@@ -54,6 +57,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "2",
         usual: &["1", "2", "4", "8", "16"],
     },
     Knob {
@@ -63,6 +67,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[("depth-codec", "aabb")],
         without: None,
+        default: "8",
         usual: &["1", "2", "4", "8", "16"],
     },
     Knob {
@@ -72,6 +77,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "0, with bc5 100",
         usual: &["0", "10", "30", "100"],
     },
     Knob {
@@ -81,6 +87,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "100",
         usual: &["0", "10", "25", "50", "100", "200", "400", "800"],
     },
     Knob {
@@ -90,6 +97,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "as error",
         usual: &["0%", "0.05%", "0.1%", "0.2%", "0.5%"],
     },
     Knob {
@@ -99,6 +107,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "log",
         usual: &["log", "linear", "inverse"],
     },
     Knob {
@@ -108,6 +117,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "mse",
         usual: &["mse", "size"],
     },
     Knob {
@@ -117,6 +127,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "3",
         usual: &["1", "2", "3", "4"],
     },
     Knob {
@@ -126,6 +137,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[("depth-codec", "aabb")],
         without: None,
+        default: "none",
         usual: &["none", "bc5"],
     },
     Knob {
@@ -135,6 +147,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "2",
         usual: &["1", "2", "4", "8"],
     },
     Knob {
@@ -144,6 +157,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "64",
         usual: &["4", "8", "16", "32", "64"],
     },
     Knob {
@@ -153,6 +167,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "64",
         usual: &["8", "16", "32", "64", "128"],
     },
     Knob {
@@ -162,6 +177,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "50, in blocks as psnr-final",
         usual: &["30", "35", "40", "45", "50"],
     },
     Knob {
@@ -171,6 +187,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "none",
         usual: &["none", "bc1", "bc7"],
     },
     Knob {
@@ -180,6 +197,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[("color-block", "bc7")],
         without: None,
+        default: "30 for bc1, else 40",
         usual: &["30", "35", "40", "45"],
     },
     Knob {
@@ -189,7 +207,18 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "64",
         usual: &["4", "16", "64", "256"],
+    },
+    Knob {
+        name: "material-error",
+        label: "error bound of material (steps of 8 bits)",
+        kinds: &[Material],
+        stage: Stage::Encode,
+        implies: &[],
+        without: None,
+        default: "0",
+        usual: &["0", "2", "4", "8", "16"],
     },
     Knob {
         name: "effort",
@@ -198,6 +227,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: None,
+        default: "normal",
         usual: &["fast", "normal"],
     },
     Knob {
@@ -207,6 +237,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Encode,
         implies: &[],
         without: Some("none"),
+        default: "none",
         usual: &["none", "1", "6", "9"],
     },
     Knob {
@@ -216,6 +247,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Both,
         implies: &[],
         without: None,
+        default: "all",
         usual: &["1", "2", "4"],
     },
     Knob {
@@ -225,6 +257,7 @@ pub const KNOBS: &[Knob] = &[
         stage: Stage::Decode,
         implies: &[],
         without: None,
+        default: "cpu",
         usual: &["cpu", "gpu"],
     },
 ];

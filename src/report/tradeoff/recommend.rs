@@ -1,4 +1,5 @@
-//! Of the points at hand, the smallest that meets all demands.
+//! Of the points at hand, the smallest that meets all demands; where nothing is asked of its quality, the closest to the
+//! source.
 
 use super::point::Measured;
 use crate::dataset::stream::StreamKind;
@@ -8,6 +9,8 @@ use crate::dataset::stream::StreamKind;
 pub struct Demands {
     /// Largest error: 16-bit log codes of depth, steps of 8 bits of material.
     pub max_error_codes: Option<u32>,
+    /// Largest error of depth in metres.
+    pub max_error_m: Option<f64>,
     /// Lowest PSNR of any frame of any cell of colour, in dB.
     pub min_psnr_db: Option<f64>,
     /// Milliseconds for one point in time, all probes and faces.
@@ -18,11 +21,22 @@ pub struct Demands {
     pub max_ratio_percent: Option<f64>,
 }
 
+/// Which of the points that meet all demands is named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Aim {
+    /// The one with the fewest bytes, since a quality was asked for.
+    Smallest,
+    /// The one that is closest to the source, since only bytes and time are limited.
+    Closest,
+}
+
 /// The point to use for a kind of stream, or the one that comes nearest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice<'a> {
-    /// The point; the smallest of those that meet all demands, or the one that misses them least.
+    /// The point: what was aimed at among those that meet all demands, or the one that misses them least.
     pub point: &'a Measured,
+    /// What was aimed at.
+    pub aim: Aim,
     /// Demands that it does not meet, a sentence each: none where the point is to be used.
     pub misses: Vec<String>,
 }
@@ -36,6 +50,21 @@ impl Demands {
         *self == Demands::default()
     }
 
+    /// What is aimed at for a kind of stream; none where nothing of it is asked.
+    pub fn aim(&self, kind: StreamKind) -> Option<Aim> {
+        let quality = match kind {
+            StreamKind::Depth => self.max_error_codes.is_some() || self.max_error_m.is_some(),
+            StreamKind::Material => self.max_error_codes.is_some(),
+            StreamKind::Color => self.min_psnr_db.is_some(),
+        };
+        let cost = self.decode_ms.is_some() || self.max_bytes.is_some() || self.max_ratio_percent.is_some();
+        match (quality, cost) {
+            (true, _) => Some(Aim::Smallest),
+            (false, true) => Some(Aim::Closest),
+            (false, false) => None,
+        }
+    }
+
     fn misses(&self, measured: &Measured) -> Vec<Miss> {
         let mut misses = Vec::new();
         let kind = measured.point.kind;
@@ -44,6 +73,12 @@ impl Demands {
         {
             let words = format!("--max-error {limit}: its largest error is {codes} codes");
             misses.push((words, f64::from(codes) / f64::from(limit.max(1))));
+        }
+        if let (Some(limit), Some(metres)) = (self.max_error_m, measured.quality.max_error_m)
+            && metres > limit
+        {
+            let words = format!("--max-error-m {limit}: its largest error is {metres:.4} m");
+            misses.push((words, metres / limit.max(1e-9)));
         }
         if let (Some(limit), StreamKind::Color) = (self.min_psnr_db, kind) {
             let found = measured.quality.min_psnr_db.unwrap_or(measured.quality.psnr_db);
@@ -75,23 +110,30 @@ impl Demands {
     }
 }
 
-/// Advice for each kind of stream that was measured, in the order of kinds.
+/// Advice for each kind of stream that was measured and of which something is asked, in the order of kinds.
 pub fn recommend<'a>(measured: &[&'a Measured], demands: &Demands) -> Vec<Advice<'a>> {
     let of_kind = |kind: StreamKind| {
-        let points = measured.iter().filter(move |measured| measured.point.kind == kind);
+        let aim = demands.aim(kind)?;
+        let points = measured.iter().filter(|measured| measured.point.kind == kind);
         let judged = points.map(|&point| (point, demands.misses(point)));
-        judged.min_by(|(a, misses_a), (b, misses_b)| {
+        let (point, misses) = judged.min_by(|(a, misses_a), (b, misses_b)| {
             let by_how_much = |misses: &[Miss]| misses.iter().map(|(_, ratio)| ratio.ln()).sum::<f64>();
             let order = misses_a.len().cmp(&misses_b.len());
             let order = order.then(by_how_much(misses_a).total_cmp(&by_how_much(misses_b)));
+            let order = match aim {
+                Aim::Smallest => order,
+                Aim::Closest => order.then(closeness_db(b).total_cmp(&closeness_db(a))),
+            };
             order.then(a.sizes.container.cmp(&b.sizes.container)).then(a.point.cmp(&b.point))
-        })
+        })?;
+        Some(Advice { point, aim, misses: misses.into_iter().map(|(words, _)| words).collect() })
     };
-    let advice = |(point, misses): (&'a Measured, Vec<Miss>)| Advice {
-        point,
-        misses: misses.into_iter().map(|(words, _)| words).collect(),
-    };
-    StreamKind::ALL.into_iter().filter_map(of_kind).map(advice).collect()
+    StreamKind::ALL.into_iter().filter_map(of_kind).collect()
+}
+
+/// How close a point is to the source in dB: by its worst cell where it has cells.
+fn closeness_db(of: &Measured) -> f64 {
+    of.quality.min_psnr_db.unwrap_or(of.quality.psnr_db)
 }
 
 #[cfg(test)]
@@ -148,13 +190,19 @@ mod tests {
         };
         let none = Demands::default();
         assert!(none.is_empty());
-        assert_eq!(ask(&Demands { max_error_codes: Some(55), ..none }), said(&[("30", 0), ("50", 0)]));
-        // A demand in dB says nothing about depth, and one in codes nothing about colour.
-        assert_eq!(ask(&Demands { min_psnr_db: Some(35.0), ..none }), said(&[("40", 0), ("60", 0)]));
-        // 0.02 s for ten points in time are 2 ms.
+        // A demand in dB says nothing about depth, and one in codes or metres nothing about colour.
+        assert_eq!(ask(&Demands { max_error_codes: Some(55), ..none }), said(&[("50", 0)]));
+        assert_eq!(ask(&Demands { max_error_m: Some(0.2), ..none }), said(&[("60", 0)]));
+        assert_eq!(ask(&Demands { max_error_m: Some(0.05), ..none }), said(&[("60", 1)]));
+        assert_eq!(ask(&Demands { min_psnr_db: Some(35.0), ..none }), said(&[("40", 0)]));
+        // 0.02 s for ten points in time are 2 ms. Nothing is asked of the quality of colour: the best in time.
         let fast = Demands { max_error_codes: Some(55), decode_ms: Some(2.5), ..none };
-        assert_eq!(ask(&fast), said(&[("30", 0), ("0", 0)]));
+        assert_eq!(ask(&fast), said(&[("40", 0), ("0", 0)]));
+        assert_eq!(fast.aim(StreamKind::Color), Some(Aim::Closest));
+        assert_eq!(fast.aim(StreamKind::Depth), Some(Aim::Smallest));
         assert_eq!(ask(&Demands { max_ratio_percent: Some(15.0), ..none }), said(&[("30", 1), ("60", 0)]));
+        // Of several with the same quality, the smallest.
+        assert_eq!(ask(&Demands { max_bytes: Some(450), ..none }), said(&[("30", 0), ("60", 0)]));
     }
 
     #[test]

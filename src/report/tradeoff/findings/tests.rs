@@ -46,8 +46,24 @@ fn a_difference_within_the_spread_is_no_finding() {
     });
     assert_eq!(verdict(&noisy, "short_windows_decoding"), Verdict::NotFound);
     assert_eq!(verdict(&noisy, "functions_faster_than_codes"), Verdict::NotFound);
+    // One run has no spread to tell.
+    let single = with_runs(&results, |point| point.decode.runs[..1].to_vec());
+    assert_eq!(verdict(&single, "short_windows_decoding"), Verdict::NotFound);
+    assert_eq!(verdict(&single, "functions_faster_than_codes"), Verdict::NotFound);
+    assert_eq!(verdict(&single, "cells_time_over_size"), Verdict::NotMeasured);
     let overlapping = judge(&noisy).iter().any(|finding| finding.rests_on.contains("in 5 the spreads overlap"));
     assert!(overlapping, "{:#?}", judge(&noisy));
+}
+
+#[test]
+fn what_curves_upwards_need_not_be_exponential() {
+    let mut results = sample::paper();
+    for point in results.measured.iter_mut().filter(|point| point.point.kind == StreamKind::Color) {
+        // It jumps at 45 dB.
+        let psnr: f64 = point.point.value("psnr").unwrap().parse().unwrap();
+        point.sizes.container = if psnr < 45.0 { 1000 } else { (psnr * 1000.0) as u64 };
+    }
+    assert_eq!(verdict(&results, "psnr_exponential"), Verdict::NotFound);
 }
 
 #[test]
