@@ -163,7 +163,7 @@ fn parse_weights(text: &str) -> Result<Weights, String> {
         |text: &str| text.trim().parse().ok().filter(|part: &f64| *part >= 0.0 && part.is_finite()).ok_or_else(wrong);
     let (compression, decoding) = (part(compression)?, part(decoding)?);
     let sum: f64 = compression + decoding;
-    if sum > 0.0 { Ok(Weights { compression: compression / sum, decoding: decoding / sum }) } else { Err(wrong()) }
+    if sum > 0.0 && sum.is_finite() { Ok(Weights { compression: compression / sum, decoding: decoding / sum }) } else { Err(wrong()) }
 }
 
 impl RecommendArgs {
@@ -199,8 +199,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     match (&args.input, demands) {
         (Some(input), demands) => measure(args, input, demands, global),
         (None, Some(demands)) => {
-            if !args.sweep.is_empty() || args.preset.is_some() {
-                return Err(Error::Usage("--sweep and --preset: name the footage to measure".into()));
+            let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();
+            if measuring || args.budget_seconds.is_some() || args.weights.is_some() {
+                return Err(Error::Usage(
+                    "--sweep, --preset, --budget-seconds, --weights and options after -- are for measuring: name the \
+                     footage, or leave them out to be recommended what DIR holds"
+                        .into(),
+                ));
             }
             from_folder(args, &demands)
         }
