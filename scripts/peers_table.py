@@ -96,8 +96,11 @@ def markdown(rows, machine):
     parts = []
     for stream, table, foot in (("depth", depth_table, FOOT), ("color", color_table, COLOR_FOOT)):
         of_stream = [row for row in rows if row.stream == stream]
-        for name in dict.fromkeys(row.dataset for row in of_stream):
-            parts.append(table([row for row in of_stream if row.dataset == name]))
+        for at, name in enumerate(dict.fromkeys(row.dataset for row in of_stream)):
+            made = table([row for row in of_stream if row.dataset == name])
+            # What comes after the first set is folded: a page with all of it open is hard to read.
+            folded = [f"<details><summary>{name}, {stream}</summary>", made, "</details>"]
+            parts += folded if at else [made]
         if of_stream:
             parts.append(foot.replace("\n", " "))
     parts.append(f"Made by `scripts/peers` ({machine}).")

@@ -308,6 +308,9 @@ class TableTest(unittest.TestCase):
         for table in (part for part in text.split("\n\n") if part.startswith("|")):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
         self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 100.0 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
+        self.assertNotIn("<details>", text)
+        second = [Row("other", "depth", "lightfold --error 0", 0, 5, [1.0], [1.0])]
+        self.assertIn("<details><summary>other, depth</summary>\n\n| set |", peers_table.markdown(self.rows() + second, "a"))
         self.assertIn("| libjxl -d 0 | not measured: cjxl is not installed (apt-get install libjxl-tools) |", text)
 
 
