@@ -6,11 +6,8 @@ import os
 import pathlib
 import platform
 import re
-import shutil
-import statistics
 import subprocess
 import sys
-import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SETS = ["sponza", "sponza9", "sponza1k", "glass", "object", "equirect"]
@@ -63,19 +60,6 @@ def run_json(*command, may_differ=False):
     return json.loads(done.stdout)
 
 
-def seconds(command, runs=5):
-    """Median wall time of a command, after one run that is not counted."""
-    times = []
-    for turn in range(runs + 1):
-        start = time.perf_counter()
-        done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
-        if done.returncode != 0:
-            sys.exit(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stderr[-2000:]}")
-        if turn:
-            times.append(time.perf_counter() - start)
-    return statistics.median(times)
-
-
 def peak_memory_mb(command):
     """Peak resident memory of one run, in MB."""
     process = subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -101,6 +85,11 @@ def now():
     return datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
+def busy(load):
+    """Is a load average so high that times which are taken then are void? Half a process for each processor may run."""
+    return load > 0.5 * os.cpu_count()
+
+
 def machine():
     """One line about the machine, for the foot of a table."""
     model = platform.machine()
@@ -121,8 +110,3 @@ def write_between(marker, text, path=ROOT / "README.md"):
     head, rest = page.split(begin, 1)
     _, tail = rest.split(end, 1)
     path.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
-
-
-def need(program, package):
-    if not shutil.which(program):
-        sys.exit(f"{program} is not installed: apt-get install {package}")

@@ -7,7 +7,8 @@ or in the cache of files, decoders write to nothing, and every codec may use the
 - ffmpeg: encoding, the time of all frames less that of the first alone; decoding, that of playing a film several times
   over less that of playing it once.
 - libjxl: what cjxl and djxl report, which is without their start; an image at a time for each thread.
-- lightfold: the seconds that it reports. Encoding includes reading the source's files, where others find codes ready.
+- lightfold: the seconds that it reports. Encoding includes reading the source's files, where others find codes ready;
+  decoding is the median of passes in one process over a container in memory, after one that does not count.
 """
 
 import concurrent.futures
@@ -27,6 +28,8 @@ from peers_frames import NotMeasured, decoded_payloads
 QUIET = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y"]
 # Seconds that playing a film over and over should take, and how often at most.
 LOOP_SECONDS, LOOPS = 0.4, 40
+# Passes of lightfold in one process that count; one more goes before them.
+PASSES = 3
 
 
 def need(program, package):
@@ -49,6 +52,9 @@ def seconds_of(command):
 
 class Codec:
     """One row. `bound` is the largest error that it promises, in codes, or None."""
+
+    # How many of the pixels decoding writes, in percent: whole frames.
+    written = 100.0
 
     def __init__(self, label, film, bound=None):
         self.label, self.film, self.bound = label, film, bound
@@ -246,13 +252,25 @@ def key_frames(film):
     return ["-force_key_frames", ",".join(starts)]
 
 
-def ffv1(film):
-    """Range coder and the larger contexts, which are smaller here; key frames as far apart as the shortest stream is long."""
-    return ["-c:v", "ffv1", "-level", "3", "-coder", "1", "-context", "1", "-g", str(min(s.frames for s in film.streams))]
+class Ffv1(Ffmpeg):
+    """Range coder and the larger contexts, which are smaller here. ffv1 knows key frames at even distances alone."""
+
+    def __init__(self, label, film, threads, work, options=(), bound=None):
+        self.lengths = {stream.frames for stream in film.streams}
+        apart = ["-g", str(min(self.lengths))]
+        super().__init__(label, film, threads, work,
+                         [*options, "-c:v", "ffv1", "-level", "3", "-coder", "1", "-context", "1", *apart], bound)
+
+    def open(self):
+        super().open()
+        if len(self.lengths) > 1:
+            raise NotMeasured(f"ffv1 begins each stream with a key frame where all have one length, not {min(self.lengths)} "
+                              f"to {max(self.lengths)} frames")
 
 
 def x265(film, threads, setting):
-    return ["-c:v", "libx265", "-preset", "medium", *key_frames(film),
+    """Key frames that are forced stand nearer than x265 likes: they reset what is referred to only if they must."""
+    return ["-c:v", "libx265", "-preset", "medium", *key_frames(film), "-forced-idr", "1",
             "-x265-params", f"{setting}:pools={threads}:log-level=error"]
 
 
@@ -331,8 +349,10 @@ class Lightfold(Codec):
         return os.path.getsize(self.file)
 
     def decode(self):
-        command = [self.given.binary, "decode", self.file, "--null", "--json", "--threads", self.given.threads]
-        return lf.run_json(*command)["seconds"]
+        command = [self.given.binary, "decode", self.file, "--null", "--repeat", PASSES, "--threads", self.given.threads]
+        report = lf.run_json(*command, "--json")
+        self.written = 100 * report["updated_pixels"] / report["pixels"]
+        return report["seconds"]
 
     def payloads(self):
         given = self.given

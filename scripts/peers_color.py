@@ -25,8 +25,8 @@ def rivals(given, film):
     """Codecs of ffmpeg."""
     made = [(kind, ["-pix_fmt", "rgba", "-c:v", "hap", "-format", kind]) for kind in ("hap", "hap_q")]
     made.append(("x265 crf 18", ["-pix_fmt", "yuv444p", *pc.x265(film, given.threads, "crf=18")]))
-    made.append(("ffv1 8 bits", ["-pix_fmt", "bgr0", *pc.ffv1(film)]))
-    return [pc.Ffmpeg(label, film, given.threads, given.work, coder) for label, coder in made]
+    found = [pc.Ffmpeg(label, film, given.threads, given.work, coder) for label, coder in made]
+    return [*found, pc.Ffv1("ffv1 8 bits", film, given.threads, given.work, ["-pix_fmt", "bgr0"])]
 
 
 class Search:

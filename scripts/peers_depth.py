@@ -43,7 +43,7 @@ def lossless(contest, given, film):
         label = " ".join(["lightfold --depth-codec aabb", *more])
         contest.add(pc.Lightfold(label, film, given, "depth", ["--depth-codec", "aabb", *more], 0))
     threads, work = given.threads, given.work
-    contest.add(pc.Ffmpeg("ffv1 gray16le", film, threads, work, pc.ffv1(film), 0))
+    contest.add(pc.Ffv1("ffv1 gray16le", film, threads, work, bound=0))
     colors = pf.swizzled(given.kernels, film)
     contest.add(pc.Ffmpeg("x265 lossless, 16 bits as RGB", colors, threads, work, pc.x265(colors, threads, "lossless=1"), 0))
     contest.add(pc.Jxl("libjxl -d 0", film, int(threads), work))
@@ -59,19 +59,18 @@ def in_24_bits(contest, given, wide, why):
 
     By YUV: the way in which players and coders of graphics processors store RGB, which is said to be lossless and rounds.
     """
+    if wide is None:
+        contest.missing("x265, 24 bits as RGB", why)
+        return
     settings = [
         ("lossless, 24 bits as RGB", [], "lossless=1"),
         ("lossless, 24 bits as RGB by YUV", ["-pix_fmt", "yuv444p"], "lossless=1"),
     ]
     settings += [(f"crf {crf}, 24 bits as RGB", [], f"crf={crf}") for crf in CRF]
-    colors = wide and pf.swizzled(given.kernels, wide)
+    colors = pf.swizzled(given.kernels, wide)
     for name, more, setting in settings:
-        label = f"x265 {name}"
-        if wide is None:
-            contest.missing(label, why)
-        else:
-            coder = [*more, *pc.x265(colors, given.threads, setting)]
-            contest.add(pc.Ffmpeg(label, colors, given.threads, given.work, coder))
+        coder = [*more, *pc.x265(colors, given.threads, setting)]
+        contest.add(pc.Ffmpeg(f"x265 {name}", colors, given.threads, given.work, coder))
 
 
 def bounded(contest, given, film, bound):
@@ -82,7 +81,7 @@ def bounded(contest, given, film, bound):
     contest.add(pc.Xz("steps, xz -6", steps, int(threads), bound))
     for level in (19, 3):
         contest.add(pc.Zstd(f"steps, zstd -{level}", steps, int(threads), level, bound))
-    contest.add(pc.Ffmpeg("steps, ffv1", steps, threads, work, pc.ffv1(steps), bound))
+    contest.add(pc.Ffv1("steps, ffv1", steps, threads, work, bound=bound))
     label = "steps, x265 lossless"
     if steps.pixel_format == "gray16le":
         contest.missing(label, f"{steps.values} steps do not fit 12 bits", bound)

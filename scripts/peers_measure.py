@@ -36,6 +36,7 @@ class Row:
     rms_error_m: object = None
     background_wrong: object = None
     psnr_db: object = None
+    written_percent: object = None
     note: str = ""
 
     @property
@@ -131,6 +132,7 @@ class Contest:
         for turn in range(runs + 1):
             def once(codec, row):
                 taken = codec.decode()
+                row.written_percent = codec.written
                 if turn:
                     row.decode_seconds.append(taken)
             self.each(once)

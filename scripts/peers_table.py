@@ -11,23 +11,30 @@ making and undoing steps or channels is not timed. Worst and RMS: what was measu
 surface before and after; metres are against the 32-bit depth of the source where its files are EXR of distances, so that
 16-bit codes without loss show what 16 bits cost, else against the codes. Background wrong: pixels that lost or gained a
 surface. Times are medians, codecs take turns, starts of processes are left out, decoders write to nothing; lightfold reads
-EXR files to encode, the others get codes, and decodes once in a new process, where xz, zstd and RVL decode again.
+the source's files to encode, the others get codes. All decode from memory or from cached files; lightfold, like xz, zstd and
+RVL, again and again in one process, where the first pass does not count. Written: lightfold keeps the frame before and
+writes pixels that change alone, the others write whole frames, and a time is that of as many pixels as each writes.
 To show one tile of a frame, lightfold reads that tile, libjxl, PNG and RVL an image, the others a face from its first frame
 on."""
 COLOR_FOOT = """\
 PSNR: of all samples of all frames, against the same 8 bits. Lightfold for another codec: the lowest `--psnr` that reaches
-what was measured of it, and ratios are to it. Times as for depth."""
+what was measured of it, and ratios are to it. Times and written pixels as for depth."""
 
 CSV_HEAD = [
     "date", "machine", "set", "stream", "bound", "codec", "bytes", "encode_s", "encode_low_s", "encode_high_s", "decode_s",
     "decode_low_s", "decode_high_s", "max_error_codes", "rms_error_codes", "max_error_m", "rms_error_m", "background_wrong",
-    "psnr_db", "note",
+    "psnr_db", "written_percent", "note",
 ]
 
 
 def shown(value, form):
     """A figure, or nothing where there is none."""
     return "" if value is None else form.format(value)
+
+
+def short_time(seconds):
+    """Seconds of encoding; what is below the noise of ffmpeg's start is no figure."""
+    return "" if seconds is None else "< 0.01" if seconds < 0.005 else f"{seconds:.2f}"
 
 
 def milliseconds(seconds):
@@ -50,8 +57,8 @@ def firsts(rows):
 
 
 def depth_table(rows):
-    head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "worst codes", "RMS codes",
-            "worst m", "RMS m", "background wrong"]
+    head = ["set", "E", "codec", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "written %", "worst codes",
+            "RMS codes", "worst m", "RMS m", "background wrong"]
     lines = []
     for row, first in zip(rows, firsts(rows)):
         bound = "–" if row.bound is None else row.bound
@@ -60,15 +67,15 @@ def depth_table(rows):
             continue
         lines.append([
             row.dataset, bound, row.label, lf.megabytes(row.bytes), ratio(row.bytes, first and first.bytes),
-            shown(row.encode_s, "{:.2f}"), milliseconds(row.decode_s), ratio(row.decode_s, first and first.decode_s),
-            error(row.max_error_codes), error(row.rms_error_codes), error(row.max_error_m), error(row.rms_error_m),
-            row.background_wrong,
+            short_time(row.encode_s), milliseconds(row.decode_s), ratio(row.decode_s, first and first.decode_s),
+            shown(row.written_percent, "{:.1f}"), error(row.max_error_codes), error(row.rms_error_codes),
+            error(row.max_error_m), error(row.rms_error_m), row.background_wrong,
         ])
     return lf.table(head, lines)
 
 
 def color_table(rows):
-    head = ["set", "codec", "PSNR dB", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio"]
+    head = ["set", "codec", "PSNR dB", "MB", "MB, ratio", "encode s", "decode ms", "time, ratio", "written %"]
     lines, first = [], None
     for row in rows:
         if ", for " not in row.label and not row.label.endswith("--lzma2"):
@@ -78,7 +85,8 @@ def color_table(rows):
             continue
         lines.append([
             row.dataset, row.label, shown(row.psnr_db, "{:.2f}"), lf.megabytes(row.bytes), ratio(row.bytes, first.bytes),
-            shown(row.encode_s, "{:.2f}"), milliseconds(row.decode_s), ratio(row.decode_s, first.decode_s),
+            short_time(row.encode_s), milliseconds(row.decode_s), ratio(row.decode_s, first.decode_s),
+            shown(row.written_percent, "{:.1f}"),
         ])
     return lf.table(head, lines)
 
@@ -88,8 +96,11 @@ def markdown(rows, machine):
     parts = []
     for stream, table, foot in (("depth", depth_table, FOOT), ("color", color_table, COLOR_FOOT)):
         of_stream = [row for row in rows if row.stream == stream]
-        for name in dict.fromkeys(row.dataset for row in of_stream):
-            parts.append(table([row for row in of_stream if row.dataset == name]))
+        for at, name in enumerate(dict.fromkeys(row.dataset for row in of_stream)):
+            made = table([row for row in of_stream if row.dataset == name])
+            # What comes after the first set is folded: a page with all of it open is hard to read.
+            folded = [f"<details><summary>{name}, {stream}</summary>", made, "</details>"]
+            parts += folded if at else [made]
         if of_stream:
             parts.append(foot.replace("\n", " "))
     parts.append(f"Made by `scripts/peers` ({machine}).")
@@ -107,7 +118,7 @@ def csv_rows(rows, machine, date):
         values = [
             date, machine, row.dataset, row.stream, row.bound, row.label, row.bytes, *spread(row.encode_seconds),
             *spread(row.decode_seconds), row.max_error_codes, row.rms_error_codes, row.max_error_m, row.rms_error_m,
-            row.background_wrong, row.psnr_db, row.note,
+            row.background_wrong, row.psnr_db, row.written_percent, row.note,
         ]
         lines.append(["" if value is None else f"{value:.6g}" if isinstance(value, float) else value for value in values])
     return lines

@@ -8,6 +8,7 @@ import io
 import itertools
 import json
 import math
+import os
 import pathlib
 import random
 import struct
@@ -19,7 +20,7 @@ import zlib
 
 import peers_frames as pf
 import peers_table
-from peers_codecs import Rvl, Xz, Zstd, key_frames
+from peers_codecs import Ffv1, Rvl, Xz, Zstd, key_frames, x265
 from peers_kernels import Kernels
 from peers_measure import Contest, Depth, Row, depth_errors, psnr
 
@@ -271,12 +272,23 @@ class CodecTest(unittest.TestCase):
 
     def test_streams_begin_with_key_frames(self):
         self.assertEqual(key_frames(small_film()), ["-force_key_frames", "0.0000,0.1100"])
+        # Without it x265 goes on referring to frames before a key frame that comes within a second of the last.
+        self.assertIn("-forced-idr 1", " ".join(x265(small_film(), 1, "crf=18")))
+
+    def test_ffv1_refuses_streams_of_unequal_length(self):
+        film = small_film()
+        film.streams[1].frames = 2
+        film.payloads[1] = film.payloads[1][:2 * film.frame_bytes]
+        contest = Contest("set", "depth")
+        contest.add(Ffv1("ffv1", film, "1", WORK.name, bound=0))
+        contest.encode(1)
+        self.assertRegex(contest.rows[0].note, "^not measured: (ffv1 begins each stream .* not 2 to 3 frames|ffmpeg is not)")
 
 
 class TableTest(unittest.TestCase):
     def rows(self):
         found = Row("set", "depth", "lightfold --error 0", 0, 2_000_000, [2.0, 1.0, 3.0], [0.004], 0.0, 0.0, 0.0, 0.0, 0)
-        lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3)
+        lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3, written_percent=100.0)
         why = "not measured: cjxl is not installed (apt-get install libjxl-tools)"
         missing = Row("set", "depth", "libjxl -d 0", 0, note=why)
         color = Row("set", "color", "hap", None, 5, [1.0], [1.0], psnr_db=math.inf)
@@ -295,11 +307,20 @@ class TableTest(unittest.TestCase):
         text = peers_table.markdown(self.rows(), "a machine")
         for table in (part for part in text.split("\n\n") if part.startswith("|")):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
-        self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
+        self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 100.0 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
+        self.assertNotIn("<details>", text)
+        second = [Row("other", "depth", "lightfold --error 0", 0, 5, [1.0], [1.0])]
+        self.assertIn("<details><summary>other, depth</summary>\n\n| set |", peers_table.markdown(self.rows() + second, "a"))
         self.assertIn("| libjxl -d 0 | not measured: cjxl is not installed (apt-get install libjxl-tools) |", text)
 
 
 class CommandTest(unittest.TestCase):
+    def test_a_set_may_name_a_stream(self):
+        path = pathlib.Path(WORK.name) / "lightfield.json"
+        path.write_text(json.dumps({"lightfield": 1, "name": "film", "files": {"depth": "a", "color": "b"}}))
+        found = script("peers").manifests([f"{path}:depth", str(path), f"{path.parent}:color"])
+        self.assertEqual(found, [("film", path, "depth"), ("film", path, None), ("film", path, "color")])
+
     def refused(self, *words):
         done = subprocess.run([sys.executable, HERE / "peers", *words], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
@@ -345,11 +366,13 @@ class RecordTest(unittest.TestCase):
 
     def test_rows_are_appended_under_one_head(self):
         bench, path = script("bench"), pathlib.Path(WORK.name) / "timings.csv"
-        for value in ("1", "2"):
-            bench.record([["a figure, of one", value, "s"]], "scripts/bench --record", path)
+        free, half = 0.25 * os.cpu_count(), 0.5 * os.cpu_count()
+        for value, load in (("1", free), ("2", half), ("3", half + 0.01)):
+            bench.record([["a figure, of one", value, "s"]], "scripts/bench --record", load, path)
         lines = list(csv.reader(path.open()))
         self.assertEqual(lines[0], bench.HEAD)
-        wanted = [["scripts/bench --record", "a figure, of one", value, "s"] for value in "12"]
+        wanted = [["scripts/bench --record", "a figure, of one", value, "s", note]
+                  for value, note in (("1", ""), ("2", ""), ("3", "busy"))]
         self.assertEqual([line[3:] for line in lines[1:]], wanted)
         self.assertRegex(lines[1][0], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
 
@@ -360,6 +383,7 @@ class RecordTest(unittest.TestCase):
         for line in lines[1:]:
             self.assertEqual(len(line), len(bench.HEAD), line)
             float(line[5])
+            self.assertIn(line[7], ("", "busy"))
 
 
 if __name__ == "__main__":
