@@ -6,6 +6,7 @@ import os
 import pathlib
 import platform
 import re
+import shutil
 import subprocess
 import sys
 
@@ -17,6 +18,8 @@ def build():
     """Builds the release binary and answers its path; LIGHTFOLD names another one instead."""
     named = os.environ.get("LIGHTFOLD")
     if named:
+        if not shutil.which(named):
+            raise Failed([named], 127, f"LIGHTFOLD: {named} is no program")
         return named
     subprocess.run(["cargo", "build", "--release", "--quiet"], cwd=ROOT, check=True)
     return str(pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "lightfold")
@@ -57,7 +60,10 @@ def run_json(*command, may_differ=False):
     done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
     if done.returncode not in ([0, 1] if may_differ else [0]):
         raise Failed(command, done.returncode, done.stderr)
-    return json.loads(done.stdout)
+    try:
+        return json.loads(done.stdout)
+    except ValueError as error:
+        raise Failed(command, done.returncode, f"{command[0]} {command[1]}: JSON was expected, {error}") from error
 
 
 def peak_memory_mb(command):

@@ -218,7 +218,8 @@ class Ffmpeg(Codec):
         first = seconds_of(self.encoding(self.first, "-frames:v", "1"))
         whole = seconds_of(self.encoding(self.file))
         # One frame's share is given back: the first was encoded too.
-        return max(whole - first, 1e-4) * self.film.frames / max(self.film.frames - 1, 1)
+        taken = (whole - first) * self.film.frames / max(self.film.frames - 1, 1)
+        return taken if taken > 0 else None
 
     def size(self):
         return os.path.getsize(self.file)
@@ -231,7 +232,8 @@ class Ffmpeg(Codec):
         if not self.loops:
             once = max(self.played(3) - self.played(1), 1e-3) / 2
             self.loops = min(max(round(LOOP_SECONDS / once), 2), LOOPS)
-        return max(self.played(1 + self.loops) - self.played(1), 1e-4) / self.loops
+        taken = (self.played(1 + self.loops) - self.played(1)) / self.loops
+        return taken if taken > 0 else None
 
     def payloads(self):
         back = self.file.with_suffix(".back")

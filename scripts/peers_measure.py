@@ -81,6 +81,13 @@ def psnr(kernels, wanted, found):
     return 10 * math.log10(255 * 255 * samples / squares) if squares else math.inf
 
 
+def add(times, seconds):
+    """A time that could be measured."""
+    if seconds is not None:
+        times.append(seconds)
+
+
+
 class Contest:
     """Codecs and their rows, in the order of the table."""
 
@@ -116,7 +123,7 @@ class Contest:
         """Every codec once, then every codec again: what slows the machine down hits all of them."""
         self.each(lambda codec, _: codec.open())
         for turn in range(runs):
-            self.each(lambda codec, row: row.encode_seconds.append(codec.encode()))
+            self.each(lambda codec, row: add(row.encode_seconds, codec.encode()))
             self.say("encode", turn, runs)
 
     def check(self, errors):
@@ -134,7 +141,7 @@ class Contest:
                 taken = codec.decode()
                 row.written_percent = codec.written
                 if turn:
-                    row.decode_seconds.append(taken)
+                    add(row.decode_seconds, taken)
             self.each(once)
             self.say("decode", turn, runs + 1)
 

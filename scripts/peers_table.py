@@ -12,7 +12,8 @@ surface before and after; metres are against the 32-bit depth of the source wher
 16-bit codes without loss show what 16 bits cost, else against the codes. Background wrong: pixels that lost or gained a
 surface. Times are medians, codecs take turns, starts of processes are left out, decoders write to nothing; lightfold reads
 the source's files to encode, the others get codes. All decode from memory or from cached files; lightfold, like xz, zstd and
-RVL, again and again in one process, where the first pass does not count. Written: lightfold keeps the frame before and
+RVL, again and again in one process, where the first pass does not count. No time: too short to be told from the start of
+ffmpeg. Written: lightfold keeps the frame before and
 writes pixels that change alone, the others write whole frames, and a time is that of as many pixels as each writes.
 To show one tile of a frame, lightfold reads that tile, libjxl, PNG and RVL an image, the others a face from its first frame
 on."""
