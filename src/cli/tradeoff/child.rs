@@ -24,25 +24,19 @@ pub struct Children<'a> {
 }
 
 impl<'a> Children<'a> {
-    /// Children of this program.
-    pub fn new(monitor: &'a dyn Monitor) -> Result<Children<'a>> {
+    /// Children of this program, which itself began at `start`.
+    pub fn new(monitor: &'a dyn Monitor, start: Instant) -> Result<Children<'a>> {
         let program = std::env::current_exe()
             .map_err(|error| Error::Usage(format!("where this program is could not be found out: {error}")))?;
-        Ok(Children { program, monitor, start: Instant::now() })
+        Ok(Children { program, monitor, start })
     }
 
-    fn wait(&self, child: &mut Child) -> Result<ExitStatus> {
-        let lost = |error| Error::io(&self.program, error);
+    fn wait(&self, child: &mut Running) -> Result<ExitStatus> {
         loop {
-            if let Some(status) = child.try_wait().map_err(lost)? {
+            if let Some(status) = child.0.try_wait().map_err(|error| Error::io(&self.program, error))? {
                 return Ok(status);
             }
-            if self.monitor.interrupted() {
-                // It may have ended meanwhile.
-                let _ = child.kill();
-                child.wait().map_err(lost)?;
-                return Err(Error::Interrupted);
-            }
+            self.monitor.check()?;
             std::thread::sleep(POLL);
         }
     }
@@ -52,19 +46,22 @@ impl Runner for Children<'_> {
     fn run(&self, words: &[OsString]) -> Result<Value> {
         self.monitor.check()?;
         let failed = |what: String| Error::invalid(format!("{}: {what}", shell_line(words)));
-        let mut child = Command::new(&self.program)
+        let child = Command::new(&self.program)
             .args(words)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|error| Error::io(&self.program, error).context("a process could not be started"))?;
-        let (out, said) = (child.stdout.take(), child.stderr.take());
+        let mut child = Running(child);
+        let (out, said) = (child.0.stdout.take(), child.0.stderr.take());
         // Both are read while it runs: a full pipe would stop it.
         let (status, out, said) = std::thread::scope(|scope| {
             let out = scope.spawn(move || read(out));
             let said = scope.spawn(move || read(said));
             let status = self.wait(&mut child);
+            // Its pipes end with it.
+            drop(child);
             (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
         });
         let status = status?;
@@ -82,6 +79,17 @@ impl Runner for Children<'_> {
 
     fn now_seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// A child that does not outlive its owner.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended before.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 
