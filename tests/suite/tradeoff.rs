@@ -167,14 +167,14 @@ fn settings_that_a_knob_brings_along_are_told() {
 #[test]
 fn tiles_are_modelled_as_the_options_say() {
     let of = |name: &str, more: &str| {
-        let preset = "scene/probe_00/face_px/depth.%04d.exr --preset paper --stream depth --budget-seconds 0.001";
+        let preset = "scene/probe_00/face_nz/depth.%04d.exr --preset paper --stream depth --budget-seconds 0.001";
         // A third of it is too little for any tile.
-        let late = json(&format!("{preset} -o {name}-late --json -- --face px --frames 0-0{more}"));
+        let late = json(&format!("{preset} -o {name}-late --json -- --face nz --frames 0-0{more}"));
         let told = late["left_out"].as_array().unwrap();
         let is_told = |said: &Value| said.as_str().unwrap().starts_with("The statistics of tiles were left out");
         assert!(told.iter().any(is_told) && late["tiles"].is_null(), "{told:?}");
-        let preset = preset.replace("0.001", "20");
-        json(&format!("{preset} --repeats 1 -o {name} --json -- --face px --frames 0-0{more}"))["tiles"].clone()
+        let preset = preset.replace("0.001", "60");
+        json(&format!("{preset} --repeats 1 -o {name} --json -- --face nz --frames 0-0{more}"))["tiles"].clone()
     };
     let (usual, inverse) = (of("tiles-1", ""), of("tiles-2", " --depth-domain inverse --effort normal"));
     assert_eq!(usual["how"], "effort fast, domain log");
