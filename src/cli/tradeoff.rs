@@ -29,6 +29,8 @@ use crate::report::tradeoff::schedule::{self, Extent};
 use crate::report::tradeoff::store::{Row, Store};
 use crate::report::tradeoff::{Measured, Point, Results, Study, Weights, json as report, knob};
 
+pub use child::end_with_parent;
+
 use child::Children;
 use folder::Folder;
 use input::Footage;

@@ -51,7 +51,7 @@ fn refused(line: &str) -> String {
 
 /// Whether a figure is the same on every run.
 fn is_steady(name: &str) -> bool {
-    !["seconds", "runs", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
+    !["seconds", "runs", "passes", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
 }
 
 fn steady(point: &Value) -> BTreeMap<&str, &Value> {
@@ -300,6 +300,29 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
         assert_eq!(before.measured.encode_peak_bytes, after.measured.encode_peak_bytes, "surveyed once");
         assert_eq!(after.measured.decode.runs.len(), 3);
     }
+}
+
+#[test]
+fn a_process_ends_with_the_one_that_started_it() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    let words = ["tradeoff", "scene", "--sweep", "psnr", "--repeats", "1000", "-o", "orphan"];
+    command.args(words).env("LIGHTFOLD_ENDS_WITH_INPUT", "1").current_dir(place());
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none());
+    drop(child.stdin.take());
+    let start = std::time::Instant::now();
+    let status = loop {
+        match child.try_wait().unwrap() {
+            Some(status) => break status,
+            None if start.elapsed().as_secs() > 10 => {
+                child.kill().unwrap();
+                panic!("it still runs");
+            }
+            None => std::thread::sleep(std::time::Duration::from_millis(5)),
+        }
+    };
+    assert_eq!(status.code(), Some(130));
 }
 
 #[test]

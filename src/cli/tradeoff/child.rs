@@ -16,6 +16,20 @@ use crate::report::tradeoff::commands::shell_line;
 /// How often a child is looked after. Its own clock tells how long it took.
 const POLL: Duration = Duration::from_millis(2);
 
+/// Set for children, which hold the other end of a pipe as their standard input: when it ends, their parent is gone.
+const ENDS_WITH_INPUT: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
+
+/// Lets this process end with the one that started it, where that asks for it; also where that one was killed.
+pub fn end_with_parent() {
+    if std::env::var_os(ENDS_WITH_INPUT).is_some() {
+        std::thread::spawn(|| {
+            // However it ends, it has.
+            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+            std::process::exit(EXIT_INTERRUPTED.into());
+        });
+    }
+}
+
 /// Runs children one after the other, and ends them when the user asks to stop.
 pub struct Children<'a> {
     program: PathBuf,
@@ -48,7 +62,8 @@ impl Runner for Children<'_> {
         let failed = |what: String| Error::invalid(format!("{}: {what}", shell_line(words)));
         let child = Command::new(&self.program)
             .args(words)
-            .stdin(Stdio::null())
+            .env(ENDS_WITH_INPUT, "1")
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
