@@ -105,6 +105,7 @@ pub enum Outcome {
 
 /// Runs a command line and answers the process's exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    tradeoff::end_with_parent();
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {

@@ -1,12 +1,14 @@
 //! `lightfold tradeoff MANIFEST -o DIR`: what settings cost in bytes, time and quality on footage of one's own.
 
 mod child;
+mod folder;
 mod input;
 mod text;
+mod tiles;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -16,10 +18,7 @@ use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::stream::StreamKind;
-use crate::depth::tile_psnr::TilePsnr;
-use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::monitor::Monitor;
 use crate::report::machine;
 use crate::report::tradeoff::bench::Bench;
 use crate::report::tradeoff::commands::shell_line;
@@ -28,10 +27,12 @@ use crate::report::tradeoff::plan::{self, Plan, Preset, Sweep};
 use crate::report::tradeoff::recommend::{self, Advice, Demands};
 use crate::report::tradeoff::schedule::{self, Extent};
 use crate::report::tradeoff::store::{Row, Store};
-use crate::report::tradeoff::{Measured, Results, Weights, json as report};
-use crate::video::tile_quality;
+use crate::report::tradeoff::{Measured, Point, Results, Study, Weights, json as report, knob};
+
+pub use child::end_with_parent;
 
 use child::Children;
+use folder::Folder;
 use input::Footage;
 
 /// Arguments.
@@ -46,8 +47,9 @@ use input::Footage;
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
     bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
     interruption. Rounds of timed runs go over all points, to and fro, so that a machine that becomes slower does so for \
-    all alike. A decoding time is the median of runs in one process, the container in memory.\n\n\
-    Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage.")]
+    all alike. A decoding time is the median of runs in one process, the container in memory. A point that fails leaves a \
+    hole, and is tried again the next time.\n\n\
+    Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
     /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; not needed where --recommend is to
     /// look at what DIR holds
@@ -66,6 +68,9 @@ pub struct Args {
     /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
+    /// Replace what DIR holds of other footage, options, machine or program, instead of refusing
+    #[arg(long)]
+    pub overwrite: bool,
     /// Timed runs of each point
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
@@ -277,16 +282,12 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     let request = plan::Request { kinds: &kinds, sweeps: &args.sweep, preset, fixed: &fixed.knobs };
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &schedule::all_points(&plan.studies))?;
-    std::fs::create_dir_all(&args.output).map_err(|error| Error::io(&args.output, error))?;
-    let mut store = Store::open(&args.output, Some(footage.input.made_of))?;
-    if store.dropped > 0 && !global.quiet {
-        output::note(format_args!(
-            "{}: {} points of another input, other options, another machine or another program are dropped",
-            store.path().display(),
-            store.dropped
-        ));
+    let folder = Folder::open(&args.output)?;
+    let mut store = open_store(args, &folder, footage.input.made_of)?;
+    if !global.quiet {
+        implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
     }
-    let results = sweep(args, &footage, plan, (&mut store, start), global)?;
+    let (results, failed) = sweep(args, &footage, plan, (&mut store, start), global)?;
     let rows: Vec<&Row> = results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
     let at_hand: Vec<&Row> = store.rows.iter().filter(|row| kinds.contains(&row.measured.point.kind)).collect();
     let advice = demands.map(|demands| (advise(&at_hand, &demands), unasked(&at_hand, &demands)));
@@ -294,8 +295,16 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     if let Some((advice, _)) = &advice {
         all["recommended"] = advice_json(advice).into();
     }
-    let mut files = vec![store.path().to_path_buf(), write_json(&all, &args.output.join("tradeoff.json"))?];
+    let mut files = vec![store.path().to_path_buf(), args.output.join(folder::REPORT)];
     files.extend(page::write(&results, &args.output)?);
+    // Pictures of other sweeps over the same footage stay, and are listed.
+    let mut names = folder.files();
+    names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
+    names.sort();
+    names.dedup();
+    all["files"] = json!(names);
+    all["failed"] = failed.iter().map(|(point, said)| json!({ "point": point.to_string(), "error": said })).collect();
+    write_json(&all, &args.output.join(folder::REPORT))?;
     if args.json {
         output::print_json(&all)?;
     } else {
@@ -307,8 +316,54 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     if !global.quiet {
         results.left_out.iter().for_each(output::note);
     }
+    if let Some((point, said)) = failed.first() {
+        return Err(Error::invalid(format!(
+            "{} of {} points failed, and are tried again by the same command; {point}: {said}",
+            failed.len(),
+            schedule::all_points(&results.studies).len()
+        )));
+    }
     Ok(advice.map_or(Outcome::Fine, |(advice, _)| outcome(&advice)))
 }
+
+/// Opens what was measured before, which must be of the same footage, unless it is to be replaced.
+fn open_store(args: &Args, folder: &Folder, made_of: u32) -> Result<Store> {
+    let store = Store::open(&args.output, Some(made_of))?;
+    match store.dropped {
+        0 => {}
+        _ if args.overwrite => folder.clear()?,
+        count => {
+            let are = if count == 1 { "1 point is" } else { &format!("{count} points are") };
+            return Err(Error::Usage(format!(
+                "{}: {are} of other footage, options, machine or program; name another folder, or replace all of it by \
+                 --overwrite",
+                store.path().display()
+            )));
+        }
+    }
+    Ok(store)
+}
+
+/// What studies have because of their knobs, though nobody gave it: a sentence each.
+fn implied(studies: &[Study], given: &[(&str, String)]) -> Vec<String> {
+    let mut told: Vec<String> = Vec::new();
+    for study in studies {
+        for knob in study.axes.iter().filter_map(|axis| knob::find(axis.knob)) {
+            for (name, value) in knob.implies {
+                let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
+                let sentence =
+                    format!("{} is measured with --{name} {value}, which {} is of", study.kind.name(), knob.name);
+                if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
+                    told.push(sentence);
+                }
+            }
+        }
+    }
+    told
+}
+
+/// Points that failed, and what was said of each.
+type Failed = Vec<(Point, String)>;
 
 fn sweep(
     args: &Args,
@@ -316,13 +371,18 @@ fn sweep(
     plan: Plan,
     (store, start): (&mut Store, Instant),
     global: &GlobalArgs,
-) -> Result<Results> {
+) -> Result<(Results, Failed)> {
     let extent = Extent { repeats: args.repeats, budget_seconds: args.budget_seconds };
+    let mut left_out = plan.left_out;
+    // They are first, so that the points have all of the time that is left.
+    let tiles = plan.tiles.then(|| tiles::measure(footage, args.budget_seconds, global)).transpose()?;
+    let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
     let folder = &args.output;
-    let work = tempfile::Builder::new().prefix(".tradeoff.").suffix(".partial").tempdir_in(folder);
+    let [begin, end] = folder::UNFINISHED;
+    let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(folder);
     let work = work.map_err(|error| Error::io(folder, error.kind().into()))?;
     let progress = Progress::start(global, "measuring", schedule::runs(&plan.studies, extent, store))?;
-    let children = Children::new(&progress)?;
+    let children = Children::new(&progress, start)?;
     let mut bench = Bench::new(&children, &footage.input, work.path());
     let done = schedule::measure(&plan.studies, extent, &mut bench, store, &progress);
     if matches!(done, Err(Error::Interrupted)) && !store.rows.is_empty() {
@@ -335,57 +395,23 @@ fn sweep(
     let done = done?;
     let gpus = bench.devices().to_vec();
     drop(progress);
-    let mut left_out: Vec<String> = plan.left_out.into_iter().chain(done.left_out).collect();
-    let deadline = args.budget_seconds.map(|seconds| start + Duration::from_secs_f64(seconds.min(1e9)));
-    let tiles = if plan.tiles { tiles(footage, deadline, global)? } else { None };
-    if plan.tiles && tiles.is_none() {
-        left_out.push("The statistics of tiles were left out: they did not fit into the budget.".to_owned());
-    }
+    left_out.extend(done.left_out);
+    left_out.extend(done.failed.iter().map(|(point, said)| format!("Point {point} failed: {said}")));
     let points = schedule::all_points(&done.studies);
-    Ok(Results {
+    // Without a run there is no time to show.
+    let timed = points.iter().filter(|point| store.runs(point) > 0);
+    let results = Results {
         input: args.input.clone().unwrap_or_default(),
         command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
         machine: std::iter::once(machine::describe()).chain(gpus).collect::<Vec<_>>().join("; "),
-        measured: points.iter().filter_map(|point| Some(store.row(point)?.measured.clone())).collect(),
+        measured: timed.filter_map(|point| Some(store.row(point)?.measured.clone())).collect(),
         studies: done.studies,
+        tiles_how: if tiles.is_some() { footage.tiles_how.clone() } else { String::new() },
         tiles,
         left_out,
         weights: args.weights.unwrap_or_default(),
-    })
-}
-
-/// Stops work at a moment.
-struct Until<'a> {
-    progress: &'a Progress,
-    deadline: Option<Instant>,
-}
-
-impl Until<'_> {
-    fn is_late(&self) -> bool {
-        self.deadline.is_some_and(|deadline| Instant::now() > deadline)
-    }
-}
-
-impl Monitor for Until<'_> {
-    fn advance(&self, steps: u64) {
-        self.progress.advance(steps);
-    }
-
-    fn interrupted(&self) -> bool {
-        self.progress.interrupted() || self.is_late()
-    }
-}
-
-/// PSNR of all tiles of depth by modelling function; none where time was up.
-fn tiles(footage: &Footage, deadline: Option<Instant>, global: &GlobalArgs) -> Result<Option<TilePsnr>> {
-    let progress = Progress::start(global, "modelling tiles", tile_quality::images(&footage.source))?;
-    let until = Until { progress: &progress, deadline };
-    let mut settings = footage.settings.clone();
-    settings.depth.effort = Effort::Fast;
-    match tile_quality::measure(&footage.source, &settings, &until) {
-        Err(Error::Interrupted) if !progress.interrupted() => Ok(None),
-        other => other.map(Some),
-    }
+    };
+    Ok((results, done.failed))
 }
 
 fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {

@@ -10,16 +10,21 @@ pub fn peak_memory_bytes() -> Option<u64> {
 /// One line about the machine: processor, threads, memory, system. It is the same on every run.
 pub fn describe() -> String {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
-    let processor = field(&read("/proc/cpuinfo"), "model name")
-        .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
-        .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let memory = kibibytes(&read("/proc/meminfo"), "MemTotal:")
         .map_or_else(String::new, |bytes| format!(", {:.1} GiB of memory", bytes as f64 / (1u64 << 30) as f64));
     let release = read("/proc/sys/kernel/osrelease");
     let system = [std::env::consts::OS, release.trim()].join(" ");
+    format!("{}{memory}, {} ({})", processor(), system.trim(), std::env::consts::ARCH)
+}
+
+/// The processor and the threads that it has for this process.
+pub fn processor() -> String {
+    let model = field(&fs::read_to_string("/proc/cpuinfo").unwrap_or_default(), "model name")
+        .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
+        .unwrap_or_else(|| std::env::consts::ARCH.to_owned());
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let plural = if threads == 1 { "" } else { "s" };
-    format!("{processor}, {threads} thread{plural}{memory}, {} ({})", system.trim(), std::env::consts::ARCH)
+    format!("{model}, {threads} thread{plural}")
 }
 
 /// What stands behind the colon of the first line that begins with a name.

@@ -51,7 +51,7 @@ fn refused(line: &str) -> String {
 
 /// Whether a figure is the same on every run.
 fn is_steady(name: &str) -> bool {
-    !["seconds", "runs", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
+    !["seconds", "runs", "passes", "ms", "megapixels", "peak"].iter().any(|word| name.contains(word))
 }
 
 fn steady(point: &Value) -> BTreeMap<&str, &Value> {
@@ -83,10 +83,103 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
     for name in ["index.html", "tradeoff.json", "color-rate-distortion.svg", "color-rate-distortion.png"] {
         assert!(place().join("same-1").join(name).is_file(), "{name}");
     }
-    assert_eq!(first["findings"].as_array().unwrap().len(), 5);
+    assert!(first["findings"].as_array().unwrap().len() >= 5);
+    // A sweep of another knob leaves what is there.
+    let cells = json("scene --sweep cell=8,64 --repeats 1 --json -o same-1");
+    assert_eq!(points(&cells)[0]["studies"], serde_json::json!(["color-cell"]));
+    let listed: Vec<_> = cells["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    for name in ["color-psnr.svg", "color-cell.svg", "tradeoff.csv", "tradeoff.json", "index.html"] {
+        assert!(listed.contains(&name) && place().join("same-1").join(name).is_file(), "{name}: {listed:?}");
+    }
+    let rows = Store::open(&place().join("same-1"), None).unwrap().rows;
+    assert_eq!(rows.iter().filter(|row| row.studies == ["color-psnr"]).count(), 2);
+}
+
+#[test]
+fn what_is_of_something_else_is_refused_or_replaced() {
+    json("scene --sweep psnr=30,50 --repeats 1 --json -o other");
+    let folder = place().join("other");
+    std::fs::write(folder.join("notes.txt"), "mine").unwrap();
+    let csv = std::fs::read(folder.join(FILE_NAME)).unwrap();
     // Another option of all points makes other points of them.
-    let other = tradeoff("scene --sweep error=0 --repeats 1 -o same-1 -- --near 0.01");
-    assert!(String::from_utf8(other.stderr).unwrap().contains("4 points of another input"));
+    let sweep = "scene --sweep error=0,90 --repeats 1 -o other";
+    let said = refused(&format!("{sweep} -- --near 0.01"));
+    assert!(said.contains("2 points are of other footage, options, machine or program; name another folder"), "{said}");
+    assert!(said.contains("--overwrite"), "{said}");
+    assert_eq!(std::fs::read(folder.join(FILE_NAME)).unwrap(), csv);
+    assert!(folder.join("color-psnr.png").is_file());
+    json(&format!("{sweep} --overwrite --json -- --near 0.01"));
+    assert_eq!(Store::open(&folder, None).unwrap().rows.len(), 2);
+    assert!(!folder.join("color-psnr.png").exists() && !folder.join("color-rate-distortion.svg").exists());
+    assert!(folder.join("depth-error.png").is_file() && folder.join("notes.txt").is_file());
+    // A day later, and with files that were copied anew, it is the same footage.
+    let file = std::fs::File::options().write(true).open(place().join("scene/lightfield.json")).unwrap();
+    file.set_modified(std::time::SystemTime::UNIX_EPOCH).unwrap();
+    json(&format!("{sweep} --json -- --near 0.01"));
+}
+
+#[test]
+fn a_folder_is_for_one_at_a_time() {
+    let folder = place().join("locked");
+    std::fs::create_dir_all(folder.join(".tradeoff.old.partial")).unwrap();
+    let lock = std::fs::File::create(folder.join(".tradeoff.lock")).unwrap();
+    lock.lock().unwrap();
+    let said = refused("scene --sweep cell=8 --repeats 1 -o locked");
+    assert!(said.contains("another tradeoff measures into it"), "{said}");
+    drop(lock);
+    json("scene --sweep cell=8 --repeats 1 --json -o locked");
+    let hidden = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
+    let hidden: Vec<_> = hidden.filter(|name| name.to_string_lossy().starts_with('.')).collect();
+    assert!(hidden.is_empty(), "{hidden:?}");
+}
+
+#[test]
+fn one_point_that_fails_is_told_and_the_others_are_measured() {
+    let line = "scene --sweep cell=6,8 --repeats 1 -o hole --json -- --color-block bc7";
+    let output = tradeoff(line);
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("lightfold: 1 of 2 points failed") && said.contains("color with cell=6"), "{said}");
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["points"].as_array().unwrap().len(), 1);
+    assert!(report["failed"][0]["error"].as_str().unwrap().contains("multiple of 4"), "{report}");
+    assert!(
+        report["left_out"][0].as_str().unwrap().starts_with("Point color with cell=6 color-block=bc7 failed: "),
+        "{report}"
+    );
+    assert!(place().join("hole/index.html").is_file());
+}
+
+#[test]
+fn settings_that_a_knob_brings_along_are_told() {
+    let said = |line: &str| {
+        let output = tradeoff(line);
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{said}");
+        said
+    };
+    let told = said("scene --sweep max-aabbs=1,2 --repeats 1 -o implied");
+    assert_eq!(told, "depth is measured with --depth-codec aabb, which max-aabbs is of\n");
+    assert_eq!(said("scene --sweep max-aabbs=1,2 --repeats 1 -q -o implied"), "");
+    assert_eq!(said("scene --sweep max-aabbs=1,2 --repeats 1 -o given -- --depth-codec aabb"), "");
+}
+
+#[test]
+fn tiles_are_modelled_as_the_options_say() {
+    let of = |name: &str, more: &str| {
+        let preset = "scene/probe_00/face_nz/depth.%04d.exr --preset paper --stream depth --budget-seconds 0.001";
+        // A third of it is too little for any tile.
+        let late = json(&format!("{preset} -o {name}-late --json -- --face nz --frames 0-0{more}"));
+        let told = late["left_out"].as_array().unwrap();
+        let is_told = |said: &Value| said.as_str().unwrap().starts_with("The statistics of tiles were left out");
+        assert!(told.iter().any(is_told) && late["tiles"].is_null(), "{told:?}");
+        let preset = preset.replace("0.001", "60");
+        json(&format!("{preset} --repeats 1 -o {name} --json -- --face nz --frames 0-0{more}"))["tiles"].clone()
+    };
+    let (usual, inverse) = (of("tiles-1", ""), of("tiles-2", " --depth-domain inverse --effort normal"));
+    assert_eq!(usual["how"], "effort fast, domain log");
+    assert_eq!(inverse["how"], "effort normal, domain inverse");
+    assert_ne!(usual["models"], inverse["models"]);
 }
 
 #[test]
@@ -100,7 +193,7 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
         ("scene --sweep depth-codec=aabb --sweep error=0 -o no", "depth with depth-codec=aabb error=0: --error bounds"),
         ("scene --sweep psnr --stream depth -o no", "about color streams"),
         ("scene --sweep psnr --stream material -o no", "--stream material: scene has no such streams"),
-        ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color sweeps it"),
+        ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color-psnr sweeps it"),
         ("scene --sweep psnr -o no -- --stream color", "tradeoff gives it"),
         ("scene --sweep psnr -o no -- --pnsr 40", "unexpected argument '--pnsr'"),
         ("scene -o no", "nothing to measure"),
@@ -167,10 +260,10 @@ fn a_budget_is_kept_by_leaving_out_what_is_named() {
     let report =
         json("scene --sweep psnr=30,40,50 --sweep error=0,100 --repeats 2 --budget-seconds 0.001 --json -o budget");
     let left_out = report["left_out"].as_array().unwrap();
-    assert!(left_out[0].as_str().unwrap().contains("Study depth was left out"), "{left_out:?}");
-    assert!(left_out[1].as_str().unwrap().contains("psnr 40 did not fit"), "{left_out:?}");
+    assert!(left_out[0].as_str().unwrap().contains("Study depth-error was left out"), "{left_out:?}");
+    assert!(left_out[1].as_str().unwrap().contains("psnr 40, 50 did not fit"), "{left_out:?}");
     let values: Vec<_> = report["points"].as_array().unwrap().iter().map(|point| &point["settings"]["psnr"]).collect();
-    assert_eq!(values, ["30", "50"]);
+    assert_eq!(values, ["30"]);
     assert!(
         report["points"].as_array().unwrap().iter().all(|point| point["encode_runs"].as_array().unwrap().len() == 1)
     );
@@ -207,6 +300,29 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
         assert_eq!(before.measured.encode_peak_bytes, after.measured.encode_peak_bytes, "surveyed once");
         assert_eq!(after.measured.decode.runs.len(), 3);
     }
+}
+
+#[test]
+fn a_process_ends_with_the_one_that_started_it() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    let words = ["tradeoff", "scene", "--sweep", "psnr", "--repeats", "1000", "-o", "orphan"];
+    command.args(words).env("LIGHTFOLD_ENDS_WITH_INPUT", "1").current_dir(place());
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none());
+    drop(child.stdin.take());
+    let start = std::time::Instant::now();
+    let status = loop {
+        match child.try_wait().unwrap() {
+            Some(status) => break status,
+            None if start.elapsed().as_secs() > 10 => {
+                child.kill().unwrap();
+                panic!("it still runs");
+            }
+            None => std::thread::sleep(std::time::Duration::from_millis(5)),
+        }
+    };
+    assert_eq!(status.code(), Some(130));
 }
 
 #[test]

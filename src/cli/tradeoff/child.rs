@@ -16,6 +16,20 @@ use crate::report::tradeoff::commands::shell_line;
 /// How often a child is looked after. Its own clock tells how long it took.
 const POLL: Duration = Duration::from_millis(2);
 
+/// Set for children, which hold the other end of a pipe as their standard input: when it ends, their parent is gone.
+const ENDS_WITH_INPUT: &str = "LIGHTFOLD_ENDS_WITH_INPUT";
+
+/// Lets this process end with the one that started it, where that asks for it; also where that one was killed.
+pub fn end_with_parent() {
+    if std::env::var_os(ENDS_WITH_INPUT).is_some() {
+        std::thread::spawn(|| {
+            // However it ends, it has.
+            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+            std::process::exit(EXIT_INTERRUPTED.into());
+        });
+    }
+}
+
 /// Runs children one after the other, and ends them when the user asks to stop.
 pub struct Children<'a> {
     program: PathBuf,
@@ -24,25 +38,19 @@ pub struct Children<'a> {
 }
 
 impl<'a> Children<'a> {
-    /// Children of this program.
-    pub fn new(monitor: &'a dyn Monitor) -> Result<Children<'a>> {
+    /// Children of this program, which itself began at `start`.
+    pub fn new(monitor: &'a dyn Monitor, start: Instant) -> Result<Children<'a>> {
         let program = std::env::current_exe()
             .map_err(|error| Error::Usage(format!("where this program is could not be found out: {error}")))?;
-        Ok(Children { program, monitor, start: Instant::now() })
+        Ok(Children { program, monitor, start })
     }
 
-    fn wait(&self, child: &mut Child) -> Result<ExitStatus> {
-        let lost = |error| Error::io(&self.program, error);
+    fn wait(&self, child: &mut Running) -> Result<ExitStatus> {
         loop {
-            if let Some(status) = child.try_wait().map_err(lost)? {
+            if let Some(status) = child.0.try_wait().map_err(|error| Error::io(&self.program, error))? {
                 return Ok(status);
             }
-            if self.monitor.interrupted() {
-                // It may have ended meanwhile.
-                let _ = child.kill();
-                child.wait().map_err(lost)?;
-                return Err(Error::Interrupted);
-            }
+            self.monitor.check()?;
             std::thread::sleep(POLL);
         }
     }
@@ -52,19 +60,23 @@ impl Runner for Children<'_> {
     fn run(&self, words: &[OsString]) -> Result<Value> {
         self.monitor.check()?;
         let failed = |what: String| Error::invalid(format!("{}: {what}", shell_line(words)));
-        let mut child = Command::new(&self.program)
+        let child = Command::new(&self.program)
             .args(words)
-            .stdin(Stdio::null())
+            .env(ENDS_WITH_INPUT, "1")
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|error| Error::io(&self.program, error).context("a process could not be started"))?;
-        let (out, said) = (child.stdout.take(), child.stderr.take());
+        let mut child = Running(child);
+        let (out, said) = (child.0.stdout.take(), child.0.stderr.take());
         // Both are read while it runs: a full pipe would stop it.
         let (status, out, said) = std::thread::scope(|scope| {
             let out = scope.spawn(move || read(out));
             let said = scope.spawn(move || read(said));
             let status = self.wait(&mut child);
+            // Its pipes end with it.
+            drop(child);
             (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
         });
         let status = status?;
@@ -82,6 +94,17 @@ impl Runner for Children<'_> {
 
     fn now_seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// A child that does not outlive its owner.
+struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        // It may have ended before.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }
 

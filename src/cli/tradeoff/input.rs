@@ -1,8 +1,8 @@
 //! What is measured: the footage, and the options of all points. Both are judged before anything runs.
 
 use std::ffi::OsString;
+use std::io::Read;
 use std::path::Path;
-use std::time::UNIX_EPOCH;
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser};
@@ -14,7 +14,7 @@ use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::report::machine;
 use crate::report::tradeoff::Point;
-use crate::report::tradeoff::commands::{Form, Input, into_file};
+use crate::report::tradeoff::commands::{self, Form, Input, into_file};
 use crate::report::tradeoff::knob::{self, KNOBS};
 use crate::video::encode::EncodeSettings;
 
@@ -39,8 +39,10 @@ pub struct Footage {
     pub input: Input,
     /// Its files.
     pub source: Source,
-    /// What the fixed options come to.
-    pub settings: EncodeSettings,
+    /// How tiles of depth are modelled on their own: as the options of all points say, fast where they do not.
+    pub tiles: EncodeSettings,
+    /// The same in words.
+    pub tiles_how: String,
 }
 
 /// The subcommand that encodes footage of a form.
@@ -66,7 +68,15 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     }
     let mut line: Vec<OsString> = [subcommand, path, "-o", "point.lfold"].map(OsString::from).to_vec();
     line.extend(fixed.encode.iter().map(OsString::from));
-    let (source, settings) = match parse(&line)?.command {
+    // Other knobs say nothing about modelling alone, and might want one that is swept beside them.
+    let of_tiles = [("effort", "fast"), ("depth-domain", "log")].map(|(name, usual)| {
+        let given = fixed.knobs.iter().find(|(other, _)| *other == name);
+        (name, given.map_or(usual, |(_, value)| value.as_str()))
+    });
+    let domain_too = if subcommand == "encode-color" { 1 } else { 2 };
+    line.extend(of_tiles.iter().take(domain_too).map(|(name, value)| format!("--{name}={value}").into()));
+    let tiles_how = of_tiles.map(|(name, value)| format!("{} {value}", name.trim_start_matches("depth-"))).join(", ");
+    let (source, tiles) = match parse(&line)?.command {
         Command::Encode(args) => {
             let (options, settings) = args.settings()?;
             (Source::open(&args.input, &options)?, settings)
@@ -99,7 +109,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
         diff: fixed.diff.clone(),
         decode: fixed.decode.clone(),
     };
-    Ok((Footage { input, source, settings }, fixed))
+    Ok((Footage { input, source, tiles, tiles_how }, fixed))
 }
 
 /// Sorts options of all points by the command that they are for.
@@ -172,25 +182,25 @@ fn value(matches: &ArgMatches, argument: &clap::Arg) -> Option<String> {
 
 /// Refuses points whose values the commands would refuse.
 pub fn check(input: &Input, points: &[Point]) -> Result<()> {
+    let output = Path::new("point.lfold");
+    let judge = |words: Vec<OsString>| match parse(&words)?.command {
+        Command::Encode(args) => args.settings().map(drop),
+        Command::EncodeDepth(args) => args.settings().map(drop),
+        Command::EncodeColor(args) => args.settings().map(drop),
+        _ => Ok(()),
+    };
+    judge(commands::pack(output, output))?;
     for point in points {
-        let output = Path::new("point.lfold");
-        let encode = into_file(input.encode(point), output);
-        match parse(&encode)?.command {
-            Command::Encode(args) => drop(args.settings().map_err(|error| named(error, point))?),
-            Command::EncodeDepth(args) => drop(args.settings().map_err(|error| named(error, point))?),
-            Command::EncodeColor(args) => drop(args.settings().map_err(|error| named(error, point))?),
-            _ => {}
+        let named = |error: Error| error.context(point);
+        judge(into_file(input.encode(point), output)).map_err(named)?;
+        judge(into_file(input.temporal(point), output)).map_err(|error| named(error.context("coded in time alone")))?;
+        if let Some(words) = input.spatial(point) {
+            judge(into_file(words, output)).map_err(|error| named(error.context("without LZMA2")))?;
         }
-        parse(&input.decode(point, output, 1))?;
-        parse(&input.diff(point, output))?;
+        judge(input.decode(point, output, 1)).map_err(named)?;
+        judge(input.diff(point, output)).map_err(named)?;
     }
     Ok(())
-}
-
-/// Names the point in an error.
-fn named(error: Error, point: &Point) -> Error {
-    let settings: Vec<_> = point.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    error.context(format_args!("{} with {}", point.kind.name(), settings.join(" ")))
 }
 
 fn parse(words: &[OsString]) -> Result<Cli> {
@@ -206,7 +216,8 @@ fn refused(error: &clap::Error) -> Error {
     Error::Usage(sentence.join(" "))
 }
 
-/// A mark that changes with the input, the options of all points, the program and the machine.
+/// A mark that changes with the footage, the options of all points, the program and the processor, and with nothing that
+/// another day or a new checkout changes.
 fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
@@ -214,7 +225,9 @@ fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
         hasher.update(bytes);
     };
     add(env!("CARGO_PKG_VERSION").as_bytes());
-    add(machine::describe().as_bytes());
+    // A program that was built anew may write other bytes.
+    add(&program_crc().unwrap_or_default().to_le_bytes());
+    add(machine::processor().as_bytes());
     let full = Path::new(path).canonicalize().unwrap_or_else(|_| path.into());
     add(full.as_os_str().as_encoded_bytes());
     if source.manifest().is_some() {
@@ -223,22 +236,26 @@ fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
     for word in fixed.encode.iter().chain(&fixed.diff).chain(&fixed.decode) {
         add(word.as_bytes());
     }
-    let mut file = |file: &Path| {
-        add(file.as_os_str().as_encoded_bytes());
-        if let Ok(meta) = file.metadata() {
-            let changed = meta.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-            add(&meta.len().to_le_bytes());
-            add(&changed.unwrap_or_default().as_nanos().to_le_bytes());
-        }
-    };
-    // A program that was built anew may write other bytes.
-    if let Ok(program) = std::env::current_exe() {
-        file(&program);
-    }
     for group in source.groups() {
-        group.frames.iter().filter_map(|frame| source.file(group, frame).ok()).for_each(|path| file(&path));
+        for file in group.frames.iter().filter_map(|frame| source.file(group, frame).ok()) {
+            add(file.as_os_str().as_encoded_bytes());
+            add(&file.metadata().map_or(0, |meta| meta.len()).to_le_bytes());
+        }
     }
     hasher.finalize()
+}
+
+/// CRC-32 of the bytes of this program.
+fn program_crc() -> std::io::Result<u32> {
+    let mut program = std::fs::File::open(std::env::current_exe()?)?;
+    let mut hasher = crc32fast::Hasher::new();
+    let mut bytes = vec![0; 1 << 20];
+    loop {
+        match program.read(&mut bytes)? {
+            0 => return Ok(hasher.finalize()),
+            count => hasher.update(&bytes[..count]),
+        }
+    }
 }
 
 #[cfg(test)]

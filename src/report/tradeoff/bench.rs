@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::commands::{self, Input, decoder_runs};
+use super::commands::{self, Input, decoder_passes};
 use super::point::{Measured, Point, Quality, Sizes, Timing};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
@@ -16,7 +16,7 @@ pub trait Runner {
     /// Runs a command and answers the JSON that it printed. An error names the command.
     fn run(&self, words: &[OsString]) -> Result<Value>;
 
-    /// Seconds since some moment before the first run.
+    /// Seconds since the program began.
     fn now_seconds(&self) -> f64;
 }
 
@@ -110,19 +110,20 @@ impl<'a> Bench<'a> {
             images: decoded.count("frames")?,
             pixels: decoded.count("pixels")?,
             updated_pixels: decoded.count("updated_pixels")?,
+            decode_passes: decoder_passes(pass_seconds),
             encode_peak_bytes: encoded.value["peak_memory_bytes"].as_u64(),
             decode_peak_bytes: decoded.value["peak_memory_bytes"].as_u64(),
         };
-        // There were one warm-up and one run of the decoder.
-        let more = decoder_runs(measured.pixels) - 1;
+        // There were one warm-up and one pass of the decoder.
+        let more = measured.decode_passes - 1;
         let run = encode_seconds + decode_seconds + pass_seconds * f64::from(more);
         Ok((measured, Cost { survey: self.runner.now_seconds() - start, run }))
     }
 
-    /// One timed run of a point that shows so many pixels: seconds of encoding, and the median of several of decoding.
-    pub fn time(&mut self, point: &Point, pixels: u64) -> Result<[f64; 2]> {
+    /// One timed run of a point: seconds of encoding, and the median of so many passes of decoding.
+    pub fn time(&mut self, point: &Point, passes: u32) -> Result<[f64; 2]> {
         let encoded = self.json(&commands::into_file(self.input.encode(point), &self.container))?;
-        let decoded = self.json(&self.input.decode(point, &self.container, decoder_runs(pixels)))?;
+        let decoded = self.json(&self.input.decode(point, &self.container, passes))?;
         Ok([encoded.number("seconds")?, decoded.number("seconds")?])
     }
 

@@ -9,18 +9,18 @@ use crate::dataset::stream::StreamKind;
 use crate::video::codec::ColorBlocks;
 use crate::video::encode::ColorBlockSettings;
 
-/// Pixels that a decoder shows in the runs of which one timed run of a point is the median: short clips are decoded more
-/// often, since a fraction of a millisecond varies most.
-const TIMED_PIXELS: u64 = 300_000_000;
-/// Runs of a decoder at least, and at most.
-const DECODER_RUNS: [u64; 2] = [9, 200];
+/// Seconds of decoding in one timed run of a point, about: what takes a fraction of a millisecond varies most, and is
+/// decoded more often.
+const TIMED_SECONDS: f64 = 0.3;
+/// Passes of a decoder at least, and at most.
+const DECODER_PASSES: [u32; 2] = [9, 200];
 /// LZMA2 level of the column of sizes that have it on top.
 pub const LZMA2_LEVEL: u32 = 6;
 
-/// Runs of a decoder that one timed run of a point takes the median of, where each shows so many pixels.
-pub fn decoder_runs(pixels: u64) -> u32 {
-    let [least, most] = DECODER_RUNS;
-    (TIMED_PIXELS / pixels.max(1)).clamp(least, most) as u32
+/// Passes over all frames that one timed run of a point takes the median of, where each takes so many seconds.
+pub fn decoder_passes(pass_seconds: f64) -> u32 {
+    let [least, most] = DECODER_PASSES;
+    ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)
 }
 
 /// What the input is.
@@ -124,9 +124,9 @@ impl Input {
         words
     }
 
-    /// Decodes the container of a point several times.
-    pub fn decode(&self, point: &Point, container: &Path, runs: u32) -> Vec<OsString> {
-        let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={runs}").into()];
+    /// Decodes the container of a point so many times, after once that does not count.
+    pub fn decode(&self, point: &Point, container: &Path, passes: u32) -> Vec<OsString> {
+        let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={passes}").into()];
         words.extend(knob_options(&point.settings, Stage::Decode));
         words.extend(self.decode.iter().map(OsString::from));
         words.push("--json".into());
@@ -263,6 +263,12 @@ mod tests {
         assert!(scene.spatial(&point(Color, &[("color-block", "none")])).is_none());
         let tree = scene.spatial(&point(Depth, &[("error", "10"), ("lzma2", "9")])).unwrap();
         assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --error=10");
+    }
+
+    #[test]
+    fn what_is_quick_is_decoded_more_often() {
+        let passes = [0.0, 0.001, 0.002, 0.01, 0.1, 10.0].map(decoder_passes);
+        assert_eq!(passes, [200, 200, 150, 30, 9, 9]);
     }
 
     #[test]

@@ -24,6 +24,7 @@ pub fn report(results: &Results, rows: &[&Row]) -> Value {
     });
     if let Some(tiles) = &results.tiles {
         report["tiles"] = tile_psnr(tiles);
+        report["tiles"]["how"] = json!(results.tiles_how);
     }
     report
 }

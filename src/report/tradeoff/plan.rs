@@ -200,7 +200,10 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
         axes.sort_by_key(|axis| knob::find(axis.knob).is_some_and(Knob::is_general));
         let labels: Vec<_> = axes.iter().filter_map(|axis| Some(knob::find(axis.knob)?.label)).collect();
         let title = format!("{}: {}", capital(kind.name()), labels.join(" × "));
-        plan.studies.push(study((kind.name(), title), kind, axes, request.fixed)?);
+        // Sweeps of other knobs into the same folder have other names, so that all their pictures stay.
+        let knobs = axes.iter().map(|axis| axis.knob);
+        let name = std::iter::once(kind.name()).chain(knobs).collect::<Vec<_>>().join("-");
+        plan.studies.push(study((&name, title), kind, axes, request.fixed)?);
     }
     Ok(())
 }
@@ -268,7 +271,10 @@ mod tests {
     #[test]
     fn a_grid_for_each_kind_with_general_knobs_in_each() {
         let plan = of(&[Color, Depth], &["threads=1,2", "psnr=40", "max-aabbs=1,4"], &[]).unwrap();
-        assert_eq!(plan.studies.iter().map(|study| study.name.as_str()).collect::<Vec<_>>(), ["color", "depth"]);
+        assert_eq!(
+            plan.studies.iter().map(|study| study.name.as_str()).collect::<Vec<_>>(),
+            ["color-psnr-threads", "depth-max-aabbs-threads"]
+        );
         assert_eq!(points(&plan.studies[0]), ["psnr=40 threads=1", "psnr=40 threads=2"]);
         let depth = points(&plan.studies[1]);
         assert_eq!(depth.len(), 4);

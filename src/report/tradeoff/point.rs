@@ -26,6 +26,18 @@ impl Point {
     }
 }
 
+impl std::fmt::Display for Point {
+    /// Such as `depth with error=50 threads=1`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.kind.name())?;
+        if self.settings.is_empty() {
+            return f.write_str(" with usual settings");
+        }
+        f.write_str(" with")?;
+        self.settings.iter().try_for_each(|(name, value)| write!(f, " {name}={value}"))
+    }
+}
+
 /// Bytes of a point; CALF table 1's columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sizes {
@@ -99,7 +111,8 @@ pub struct Measured {
     pub quality: Quality,
     /// Seconds of encoding, reading the source included.
     pub encode: Timing,
-    /// Seconds of decoding all frames of all streams into nothing, the container in memory.
+    /// Seconds of decoding all frames of all streams into nothing, the container in memory: each run is the median of
+    /// [`decode_passes`](Measured::decode_passes) in one process.
     pub decode: Timing,
     /// Points in time that were decoded, each with the images of all probes and faces: `frames` in `decode seconds / frames`
     /// is what one moment of the light field takes.
@@ -110,6 +123,8 @@ pub struct Measured {
     pub pixels: u64,
     /// Pixels written: those that changed.
     pub updated_pixels: u64,
+    /// Passes over all frames in one timed run of the decoder, whose median the run is.
+    pub decode_passes: u32,
     /// Largest resident memory of the encoding process, where the system tells.
     pub encode_peak_bytes: Option<u64>,
     /// Largest resident memory of the decoding process, where the system tells.
@@ -141,6 +156,13 @@ impl Measured {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_have_a_name_for_people() {
+        let settings = vec![("threads", "1".to_owned()), ("error", "50".to_owned())];
+        assert_eq!(Point::new(StreamKind::Depth, settings).to_string(), "depth with error=50 threads=1");
+        assert_eq!(Point::new(StreamKind::Color, vec![]).to_string(), "color with usual settings");
+    }
 
     #[test]
     fn medians_and_spreads() {

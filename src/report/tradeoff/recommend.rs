@@ -159,6 +159,7 @@ mod tests {
             images: 60,
             pixels: 1000,
             updated_pixels: 500,
+            decode_passes: 9,
             encode_peak_bytes: None,
             decode_peak_bytes: None,
         }

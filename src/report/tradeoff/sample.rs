@@ -27,6 +27,7 @@ pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> 
         images: 180,
         pixels: 180 * 256 * 256,
         updated_pixels: 60 * 256 * 256,
+        decode_passes: 9,
         encode_peak_bytes: Some(50_000_000),
         decode_peak_bytes: Some(20_000_000),
     }
@@ -62,6 +63,7 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
         measured: points.iter().filter_map(|point| Some(Measured { point: point.clone(), ..of(point)? })).collect(),
         studies,
         tiles: None,
+        tiles_how: String::new(),
         left_out: vec![],
         weights: Weights::default(),
     }
@@ -147,5 +149,6 @@ pub fn paper() -> Results {
         |point| Some(as_in_the_papers(point)),
     );
     results.tiles = Some(tiles());
+    results.tiles_how = "effort fast, domain log".to_owned();
     results
 }

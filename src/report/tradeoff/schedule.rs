@@ -6,11 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use super::bench::{Bench, Cost};
+use super::bench::Bench;
 use super::point::Point;
 use super::store::{Row, Store};
 use super::study::{Axis, Study};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
 /// How much is measured.
@@ -18,7 +18,7 @@ use crate::monitor::Monitor;
 pub struct Extent {
     /// Timed runs of each point.
     pub repeats: u32,
-    /// Seconds that all of it may take.
+    /// When all of it is to be done, in seconds since the program began.
     pub budget_seconds: Option<f64>,
 }
 
@@ -29,6 +29,8 @@ pub struct Outcome {
     pub studies: Vec<Study>,
     /// What was left out, a sentence each.
     pub left_out: Vec<String>,
+    /// Points that failed, and what was said of it. The next time they are tried again.
+    pub failed: Vec<(Point, String)>,
 }
 
 /// Runs that [`measure`] advances its monitor by at most.
@@ -40,7 +42,10 @@ pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
     all_points(studies).iter().map(missing).sum()
 }
 
-/// Measures the points of studies, and keeps each finished run in the store.
+/// Measures the points of studies, and keeps each finished run in the store. A point that fails leaves a hole.
+///
+/// # Errors
+/// When the user asks to stop, when the store or a process fails, and when every point did: then what the first one said.
 pub fn measure(
     studies: &[Study],
     extent: Extent,
@@ -48,27 +53,43 @@ pub fn measure(
     store: &mut Store,
     monitor: &dyn Monitor,
 ) -> Result<Outcome> {
-    let start = bench.now_seconds();
-    let mut work = Work { bench, store, monitor, extent, start, costs: BTreeMap::new() };
-    let outcome = match extent.budget_seconds {
+    let mut work = Work {
+        bench,
+        store,
+        monitor,
+        extent,
+        surveys: BTreeMap::new(),
+        runs: BTreeMap::new(),
+        failed: Vec::new(),
+        did_anything: false,
+    };
+    let (studies, left_out) = match extent.budget_seconds {
         None => {
             for point in all_points(studies) {
                 work.survey(&point, studies)?;
             }
             work.rounds(studies)?;
-            Outcome { studies: studies.to_vec(), left_out: Vec::new() }
+            (studies.to_vec(), Vec::new())
         }
         Some(budget) => work.within(budget, studies)?,
     };
-    // Rows that were taken over may belong to other studies now.
-    for row in &mut work.store.rows {
-        let names = names_of(&row.measured.point, &outcome.studies);
-        if !names.is_empty() {
-            row.studies = names;
+    let Work { store, failed, .. } = work;
+    let told = failed.iter().map(|(point, error)| (point.clone(), error.to_string())).collect();
+    if all_points(&studies).iter().all(|point| store.runs(point) == 0)
+        && let Some((_, first)) = failed.into_iter().next()
+    {
+        return Err(first);
+    }
+    // Rows that were taken over may belong to more studies now.
+    for row in &mut store.rows {
+        for name in names_of(&row.measured.point, &studies) {
+            if !row.studies.contains(&name) {
+                row.studies.push(name);
+            }
         }
     }
-    work.store.save()?;
-    Ok(outcome)
+    store.save()?;
+    Ok(Outcome { studies, left_out, failed: told })
 }
 
 /// All points of studies, each once, in the order of the studies.
@@ -92,24 +113,56 @@ struct Work<'a, 'b> {
     store: &'a mut Store,
     monitor: &'a dyn Monitor,
     extent: Extent,
-    start: f64,
-    /// Of points that were surveyed just now.
-    costs: BTreeMap<Point, Cost>,
+    /// Seconds that the first pass took, of points of which it was done just now.
+    surveys: BTreeMap<Point, f64>,
+    /// Seconds that a timed run takes, of the same points and those that were timed just now.
+    runs: BTreeMap<Point, f64>,
+    /// Points that failed.
+    failed: Vec<(Point, Error)>,
+    /// Whether any point was surveyed or timed just now.
+    did_anything: bool,
 }
 
 impl Work<'_, '_> {
     fn elapsed(&self) -> f64 {
-        self.bench.now_seconds() - self.start
+        self.bench.now_seconds()
+    }
+
+    /// Whether so many seconds more are too many.
+    fn is_too_long(&self, seconds: f64) -> bool {
+        self.extent.budget_seconds.is_some_and(|budget| self.elapsed() + seconds > budget)
+    }
+
+    fn has_failed(&self, point: &Point) -> bool {
+        self.failed.iter().any(|(failed, _)| failed == point)
+    }
+
+    /// Keeps the error of a point; those that are not the point's own end everything.
+    fn settle<T>(&mut self, point: &Point, done: Result<T>) -> Result<Option<T>> {
+        match done {
+            Ok(done) => Ok(Some(done)),
+            Err(error @ (Error::Interrupted | Error::Io { .. })) => Err(error),
+            Err(error) => {
+                self.failed.push((point.clone(), error));
+                Ok(None)
+            }
+        }
     }
 
     /// Measures all of a point that is not time, unless that is known.
     fn survey(&mut self, point: &Point, studies: &[Study]) -> Result<()> {
-        if self.store.row(point).is_some() {
+        if self.store.row(point).is_some() || self.has_failed(point) {
             return Ok(());
         }
         self.monitor.check()?;
-        let (measured, cost) = self.bench.survey(point)?;
-        self.costs.insert(point.clone(), cost);
+        self.did_anything = true;
+        let done = self.bench.survey(point);
+        let Some((measured, cost)) = self.settle(point, done)? else {
+            self.monitor.advance(u64::from(self.extent.repeats) + 1);
+            return Ok(());
+        };
+        self.surveys.insert(point.clone(), cost.survey);
+        self.runs.insert(point.clone(), cost.run);
         let (studies, command) = (names_of(point, studies), self.bench.command(point));
         self.store.rows.push(Row { studies, measured, command, made_of: self.bench.made_of() });
         self.store.save()?;
@@ -117,97 +170,169 @@ impl Work<'_, '_> {
         Ok(())
     }
 
-    /// Runs each point as often as it is to be, round by round.
-    fn rounds(&mut self, studies: &[Study]) -> Result<Option<u32>> {
+    /// One timed run of a point that was surveyed.
+    fn time(&mut self, point: &Point) -> Result<()> {
+        self.monitor.check()?;
+        let Some(passes) = self.store.row(point).map(|row| row.measured.decode_passes) else { return Ok(()) };
+        self.did_anything = true;
+        let start = self.elapsed();
+        let done = self.bench.time(point, passes);
+        if let Some([encode, decode]) = self.settle(point, done)? {
+            self.runs.insert(point.clone(), self.elapsed() - start);
+            if let Some(row) = self.store.row_mut(point) {
+                row.measured.encode.runs.push(encode);
+                row.measured.decode.runs.push(decode);
+            }
+            self.store.save()?;
+        }
+        self.monitor.advance(1);
+        Ok(())
+    }
+
+    /// Runs each point as often as it is to be, round by round, as far as the budget goes.
+    fn rounds(&mut self, studies: &[Study]) -> Result<()> {
         let points = all_points(studies);
         for round in 1..=self.extent.repeats {
-            let lacks = |store: &Store, point: &Point| store.runs(point) < round as usize;
-            if let Some(budget) = self.extent.budget_seconds.filter(|_| round > 1) {
-                let ahead: f64 =
-                    points.iter().filter(|point| lacks(self.store, point)).map(|point| self.cost(point).run).sum();
-                if self.elapsed() + ahead > budget {
-                    return Ok(Some(round - 1));
-                }
+            let lacks = |point: &&Point| !self.has_failed(point) && self.store.runs(point) < round as usize;
+            let mut order: Vec<&Point> = points.iter().filter(lacks).collect();
+            if round > 1 && self.is_too_long(order.iter().map(|point| self.run_seconds(point)).sum()) {
+                return Ok(());
             }
-            let mut order: Vec<&Point> = points.iter().collect();
             if round % 2 == 0 {
                 order.reverse();
             }
             for point in order {
-                if !lacks(self.store, point) {
-                    continue;
+                // One run of one point there is always: nothing at all would be no answer.
+                let is_any = points.iter().any(|point| self.store.runs(point) > 0);
+                if !is_any || !self.is_too_long(self.run_seconds(point)) {
+                    self.time(point)?;
                 }
-                self.monitor.check()?;
-                let Some(pixels) = self.store.row(point).map(|row| row.measured.pixels) else { continue };
-                let [encode, decode] = self.bench.time(point, pixels)?;
-                if let Some(row) = self.store.row_mut(point) {
-                    row.measured.encode.runs.push(encode);
-                    row.measured.decode.runs.push(decode);
-                }
-                self.store.save()?;
-                self.monitor.advance(1);
             }
         }
-        Ok(None)
+        Ok(())
     }
 
-    /// What a point takes: as measured, or the mean of what others of its kind took.
-    fn cost(&self, point: &Point) -> Cost {
-        if let Some(cost) = self.costs.get(point) {
-            return *cost;
-        }
-        let alike: Vec<&Cost> =
-            self.costs.iter().filter(|(other, _)| other.kind == point.kind).map(|(_, cost)| cost).collect();
-        let mean = |of: fn(&Cost) -> f64| alike.iter().map(|cost| of(cost)).sum::<f64>() / alike.len().max(1) as f64;
-        Cost { survey: mean(|cost| cost.survey), run: mean(|cost| cost.run) }
+    /// Seconds of a timed run of a point, where they are known: from just now, or from the medians of a run before.
+    fn known_run(&self, point: &Point) -> Option<f64> {
+        let kept = || {
+            let measured = &self.store.row(point)?.measured;
+            let passes = f64::from(measured.decode_passes) + 1.0;
+            Some(measured.encode.median()? + measured.decode.median()? * passes)
+        };
+        self.runs.get(point).copied().or_else(kept)
+    }
+
+    /// Seconds of the first pass of a point, likewise.
+    fn known_survey(&self, point: &Point) -> Option<f64> {
+        let kept = || {
+            let measured = &self.store.row(point)?.measured;
+            // It encodes twice or more, compares and packs; each takes about as long.
+            Some(measured.encode.median()? * 4.0 + measured.decode.median()? * 2.0)
+        };
+        self.surveys.get(point).copied().or_else(kept)
+    }
+
+    fn run_seconds(&self, point: &Point) -> f64 {
+        self.estimate(point, |point| self.known_run(point))
+    }
+
+    /// What a point takes: as known, or the mean of what others of its kind took, or of any kind.
+    fn estimate(&self, point: &Point, known: impl Fn(&Point) -> Option<f64>) -> f64 {
+        let mean = |alike: &dyn Fn(&Point) -> bool| {
+            let points = self.store.rows.iter().map(|row| &row.measured.point).filter(|other| alike(other));
+            let seconds: Vec<f64> = points.filter_map(&known).collect();
+            (!seconds.is_empty()).then(|| seconds.iter().sum::<f64>() / seconds.len() as f64)
+        };
+        let of_kind = || mean(&|other| other.kind == point.kind);
+        known(point).or_else(of_kind).or_else(|| mean(&|_| true)).unwrap_or(0.0)
     }
 
     /// Seconds that points still take with so many runs of each.
     fn ahead(&self, points: &[Point], repeats: u32) -> f64 {
         let of = |point: &Point| {
-            let cost = self.cost(point);
-            let survey = if self.store.row(point).is_some() { 0.0 } else { cost.survey };
-            survey + cost.run * f64::from(repeats.saturating_sub(self.store.runs(point) as u32))
+            if self.has_failed(point) {
+                return 0.0;
+            }
+            let survey = match self.store.row(point) {
+                Some(_) => 0.0,
+                None => self.estimate(point, |point| self.known_survey(point)),
+            };
+            match repeats.saturating_sub(self.store.runs(point) as u32) {
+                0 => survey,
+                runs => survey + self.run_seconds(point) * f64::from(runs),
+            }
         };
         points.iter().map(of).sum()
     }
 
+    /// Whether nothing of a point has to be measured for it to have one run.
+    fn is_there(&self, point: &Point) -> bool {
+        self.has_failed(point) || self.store.runs(point) > 0
+    }
+
+    /// Runs of each point with which points, and those accepted before, fit into the budget. What is there already does.
+    fn repeats_that_fit(&self, new: &[Point], accepted: &[Point]) -> Option<u32> {
+        let fits = |repeats: &u32| !self.is_too_long(self.ahead(accepted, *repeats) + self.ahead(new, *repeats));
+        let there = new.iter().all(|point| self.is_there(point)).then_some(1);
+        (1..=self.extent.repeats).rev().find(fits).or(there)
+    }
+
     /// Surveys points if these and all before fit into the budget, with fewer runs of each where it must be.
-    fn add(&mut self, points: &[Point], accepted: &mut Vec<Point>, budget: f64, studies: &[Study]) -> Result<bool> {
+    fn add(&mut self, points: &[Point], accepted: &mut Vec<Point>, studies: &[Study]) -> Result<bool> {
         let new: Vec<Point> = points.iter().filter(|point| !accepted.contains(point)).cloned().collect();
-        let fits =
-            |repeats: &u32| self.elapsed() + self.ahead(accepted, *repeats) + self.ahead(&new, *repeats) <= budget;
-        let Some(repeats) = (1..=self.extent.repeats).rev().find(fits) else { return Ok(false) };
-        self.extent.repeats = repeats;
-        for point in &new {
-            self.survey(point, studies)?;
+        let before = self.extent.repeats;
+        loop {
+            // Each point that is surveyed tells more.
+            let Some(repeats) = self.repeats_that_fit(&new, accepted) else {
+                self.extent.repeats = before;
+                return Ok(false);
+            };
+            self.extent.repeats = repeats;
+            let lacks = |point: &&Point| self.store.row(point).is_none() && !self.has_failed(point);
+            let Some(next) = new.iter().find(lacks) else { break };
+            self.survey(next, studies)?;
         }
         accepted.extend(new);
         Ok(true)
     }
 
-    fn within(&mut self, budget: f64, studies: &[Study]) -> Result<Outcome> {
+    /// Finds out what points take, by the first of them that does not fail; returns it.
+    fn probe(&mut self, points: &[Point], studies: &[Study]) -> Result<Option<Point>> {
+        for (at, point) in points.iter().enumerate() {
+            if at > 0 && self.is_too_long(0.0) {
+                break;
+            }
+            self.survey(point, studies)?;
+            if self.known_run(point).is_none() && !self.has_failed(point) {
+                self.time(point)?;
+            }
+            if self.known_run(point).is_some() {
+                return Ok(Some(point.clone()));
+            }
+        }
+        Ok(None)
+    }
+
+    fn within(&mut self, budget: f64, studies: &[Study]) -> Result<(Vec<Study>, Vec<String>)> {
         let asked = self.extent.repeats;
         let mut accepted: Vec<Point> = Vec::new();
         let mut grids: Vec<Grid<'_>> = Vec::new();
         let mut left_out = Vec::new();
         for study in studies {
-            let grid = Grid::new(study);
+            let mut grid = Grid::new(study);
             let points = grid.reduced().points();
-            // One point tells what the others take. Nothing at all would be no answer, so the first study has its ends.
-            if let Some(first) =
-                points.first().filter(|first| self.store.row(first).is_none() && self.elapsed() < budget)
-            {
-                self.survey(first, studies)?;
-            }
-            if self.add(&points, &mut accepted, budget, studies)? {
+            let is_first = grids.is_empty();
+            let hopeful = is_first || self.repeats_that_fit(&points, &accepted).is_some();
+            let probed = if hopeful { self.probe(&points, studies)? } else { None };
+            if self.add(&points, &mut accepted, studies)? {
                 grids.push(grid);
-            } else if grids.is_empty() {
-                self.extent.repeats = 1;
-                for point in &points {
-                    self.survey(point, studies)?;
+            } else if let Some(point) = probed.filter(|_| is_first) {
+                // Nothing at all would be no answer, so the first study has one point.
+                grid.only(&point);
+                if !self.add(std::slice::from_ref(&point), &mut accepted, studies)? {
+                    self.extent.repeats = 1;
+                    accepted.push(point);
                 }
-                accepted.extend(points);
                 grids.push(grid);
             } else {
                 left_out.push(format!(
@@ -221,7 +346,7 @@ impl Work<'_, '_> {
             for grid in &mut grids {
                 let Some((axis, value)) = grid.next else { continue };
                 grid.taken[axis][value] = true;
-                let fits = self.add(&grid.reduced().points(), &mut accepted, budget, studies)?;
+                let fits = self.add(&grid.reduced().points(), &mut accepted, studies)?;
                 grid.taken[axis][value] = fits;
                 grid.tried[axis][value] = true;
                 grid.advance(axis);
@@ -231,15 +356,37 @@ impl Work<'_, '_> {
             left_out.extend(grid.missing(budget));
         }
         let studies: Vec<Study> = grids.iter().map(Grid::reduced).collect();
-        let planned = self.extent.repeats;
-        let repeats = self.rounds(&studies)?.unwrap_or(planned);
-        if repeats < asked {
-            let runs = if repeats == 1 { "a single run".to_owned() } else { format!("{repeats} runs") };
-            left_out.push(format!(
+        self.rounds(&studies)?;
+        left_out.extend(self.shortfall(&studies, asked, budget));
+        Ok((studies, left_out))
+    }
+
+    /// What the budget left of the rounds, in sentences.
+    fn shortfall(&self, studies: &[Study], asked: u32, budget: f64) -> Vec<String> {
+        let mut told = Vec::new();
+        let points: Vec<Point> = all_points(studies).into_iter().filter(|point| !self.has_failed(point)).collect();
+        let (timed, untimed): (Vec<&Point>, Vec<&Point>) = points.iter().partition(|point| self.store.runs(point) > 0);
+        if !untimed.is_empty() {
+            let names: Vec<String> = untimed.iter().map(|point| point.to_string()).collect();
+            told.push(format!("Not timed, since it did not fit into {budget} s: {}.", names.join("; ")));
+        }
+        let runs = || timed.iter().map(|point| self.store.runs(point).min(asked as usize));
+        if let (Some(least), Some(most)) = (runs().min(), runs().max())
+            && least < asked as usize
+        {
+            let runs = match (least, most) {
+                (1, 1) => "a single run".to_owned(),
+                _ if least == most => format!("{least} runs"),
+                _ => format!("{least} to {most} runs"),
+            };
+            told.push(format!(
                 "Times are of {runs} of each point instead of {asked}: more did not fit into {budget} s."
             ));
         }
-        Ok(Outcome { studies, left_out })
+        if self.did_anything && self.is_too_long(0.0) {
+            told.push(format!("It took {:.1} s instead of {budget} s.", self.elapsed()));
+        }
+        told
     }
 }
 
@@ -263,6 +410,14 @@ impl<'a> Grid<'a> {
         let mut grid = Grid { study, tried: taken.clone(), taken, next: None };
         grid.advance(study.axes.len().saturating_sub(1));
         grid
+    }
+
+    /// Nothing but a point.
+    fn only(&mut self, point: &Point) {
+        let of = |axis: &Axis| axis.values.iter().map(|value| point.value(axis.knob) == Some(value)).collect();
+        self.taken = self.study.axes.iter().map(of).collect();
+        self.tried = self.taken.clone();
+        self.advance(self.study.axes.len().saturating_sub(1));
     }
 
     /// Finds what to try after a value of an axis: of the next axis that has any left, the value farthest from those tried.
@@ -298,8 +453,11 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The middle of the longest stretch of values that were not tried.
+/// The last value, or else the middle of the longest stretch of values that were not tried.
 fn farthest(tried: &[bool]) -> Option<usize> {
+    if tried.last() == Some(&false) {
+        return Some(tried.len() - 1);
+    }
     let mut best: Option<(usize, usize)> = None;
     let mut at = 0;
     while at < tried.len() {

@@ -81,7 +81,10 @@ pub struct Results {
     pub measured: Vec<Measured>,
     /// PSNR of tiles of depth by modelling function, where it was measured.
     pub tiles: Option<TilePsnr>,
-    /// What was left out for want of time, a sentence each.
+    /// How those tiles were modelled, by the values of the options, such as `effort fast, domain log`; empty where they were
+    /// not.
+    pub tiles_how: String,
+    /// What is missing, for want of time or because it failed, a sentence each.
     pub left_out: Vec<String>,
     /// Weights of the score.
     pub weights: Weights,

@@ -20,6 +20,10 @@ struct Fake {
     clock: RefCell<f64>,
     /// Ends the run of this number, from 0, with an error.
     stops_at: Option<usize>,
+    /// Lets every command fail that has this in it.
+    fails: Option<&'static str>,
+    /// Seconds that a command takes besides the usual one, where its line has these words.
+    slow: Option<(&'static str, f64)>,
 }
 
 impl Fake {
@@ -51,6 +55,10 @@ impl Runner for Fake {
             return Err(Error::Interrupted);
         }
         *self.clock.borrow_mut() += 1.0;
+        if self.fails.is_some_and(|words| line.contains(words)) {
+            return Err(Error::invalid(format!("{line}: it broke")));
+        }
+        *self.clock.borrow_mut() += self.slow.filter(|(words, _)| line.contains(words)).map_or(0.0, |(_, more)| more);
         let number = self.lines.borrow().len();
         let bytes = 1000 - line.len();
         self.lines.borrow_mut().push(line);
@@ -110,7 +118,7 @@ fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
     assert_eq!(&fake.told()[12..16], ["encode 30", "decode", "encode 40", "decode"]);
     assert!(fake.lines.borrow()[1].contains("--repeat=1 "), "{}", fake.lines.borrow()[1]);
     assert!(fake.lines.borrow()[13].contains("--repeat=200 "), "{}", fake.lines.borrow()[13]);
-    assert_eq!(outcome, Outcome { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new() });
+    assert_eq!(outcome, Outcome { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new(), failed: Vec::new() });
     let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.clone()).collect();
     assert_eq!(runs, [[12.0, 22.0, 24.0], [14.0, 20.0, 26.0], [16.0, 18.0, 28.0]]);
     let row = &store.rows[0];
@@ -200,7 +208,10 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     assert_eq!(grid, ["10,30,50", "8,32"]);
     assert_eq!(
         left_out,
-        ["Study color: psnr 20, 40 did not fit into 40 s.", "Study color: cell 16 did not fit into 40 s."]
+        [
+            "Study color-psnr-cell: psnr 20, 40 did not fit into 40 s.",
+            "Study color-psnr-cell: cell 16 did not fit into 40 s."
+        ]
     );
     assert!(took <= 40.0, "{took}");
     // Fewer runs before fewer values.
@@ -208,10 +219,127 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     assert_eq!(grid, ["10,30,50", "8,32"]);
     assert!(left_out[2].contains("a single run of each point instead of 3"), "{left_out:?}");
     assert!(took <= 40.0, "{took}");
-    // No budget is too small for the ends.
-    let (grid, left_out, _) = within(1.0, 3);
-    assert_eq!(grid, ["10,50", "8,32"]);
-    assert_eq!(left_out.len(), 3);
+    // No budget is too small for one run of one point.
+    let (grid, left_out, took) = within(1.0, 3);
+    assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
+    assert_eq!(left_out[0], "Study color-psnr-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
+    assert_eq!((left_out.len(), left_out[3].as_str()), (4, "It took 6.0 s instead of 1 s."));
+    // Where the ends do not fit, one of them does.
+    let (grid, _, took) = within(14.0, 1);
+    assert_eq!(grid, ["10,50", "8"]);
+    assert!(took <= 14.0, "{took}");
+}
+
+#[test]
+fn a_budget_counts_from_the_start_of_the_program() {
+    let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
+    *fake.clock.borrow_mut() = 90.0;
+    let extent = Extent { repeats: 1, budget_seconds: Some(102.0) };
+    let (outcome, _) = run(&fake, &["psnr=30,40,50"], extent, folder.path()).unwrap();
+    assert_eq!(outcome.studies[0].axes[0].values, ["30", "50"]);
+    assert_eq!(fake.now_seconds(), 102.0);
+}
+
+#[test]
+fn a_point_that_no_longer_fits_is_not_begun() {
+    let (fake, folder) = (Fake { slow: Some(("--repeat=200", 20.0)), ..Fake::default() }, TempDir::new().unwrap());
+    // The first pass promises 2 s for each run, and then each takes 22 s.
+    let extent = Extent { repeats: 1, budget_seconds: Some(45.0) };
+    let (outcome, store) = run(&fake, &["psnr=10,20,30"], extent, folder.path()).unwrap();
+    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.len()).collect();
+    assert_eq!(runs, [1, 0, 1], "12 s of first passes, 22 s, and 22 s that nobody could know of");
+    let last = store.rows[1].measured.point.to_string();
+    assert_eq!(outcome.left_out[0], format!("Not timed, since it did not fit into 45 s: {last}."));
+    assert_eq!(outcome.left_out[1], "It took 56.0 s instead of 45 s.");
+}
+
+#[test]
+fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
+    let folder = TempDir::new().unwrap();
+    let sweeps = ["psnr=10,20,30,40,50", "cell=8,16,32"];
+    run(&Fake::default(), &sweeps, all(2), folder.path()).unwrap();
+    let again = Fake::default();
+    *again.clock.borrow_mut() = 9.0;
+    let extent = Extent { repeats: 2, budget_seconds: Some(1.0) };
+    let (outcome, _) = run(&again, &sweeps, extent, folder.path()).unwrap();
+    assert_eq!((again.told().len(), outcome.left_out), (0, Vec::new()));
+    assert_eq!(outcome.studies, studies(&sweeps));
+    // Medians of the first time say that two more values, each of 3 points, do not fit.
+    let mut store = Store::open(folder.path(), Some(7)).unwrap();
+    for row in &mut store.rows {
+        row.measured.encode.runs = vec![1.0; 2];
+        row.measured.decode.runs = vec![0.005; 2];
+    }
+    store.save().unwrap();
+    let more = Fake::default();
+    let extent = Extent { repeats: 2, budget_seconds: Some(30.0) };
+    let (outcome, store) = run(&more, &["psnr=10,20,30,40,50,60,70", "cell=8,16,32"], extent, folder.path()).unwrap();
+    assert!(more.now_seconds() <= 30.0, "{}", more.now_seconds());
+    assert_eq!(outcome.studies[0].axes[0].values, ["10", "20", "30", "40", "50", "70"]);
+    assert_eq!(outcome.left_out[0], "Study color-psnr-cell: psnr 60 did not fit into 30 s.");
+    assert_eq!(store.rows.len(), 18);
+}
+
+#[test]
+fn a_point_that_fails_leaves_a_hole_and_is_tried_again() {
+    let folder = TempDir::new().unwrap();
+    let sweeps = ["psnr=30,40,50"];
+    let broken = Fake { fails: Some("--psnr=40"), ..Fake::default() };
+    let (outcome, store) = run(&broken, &sweeps, all(2), folder.path()).unwrap();
+    let [(point, said)] = &outcome.failed[..] else { panic!("{outcome:?}") };
+    assert_eq!(point.to_string(), "color with psnr=40");
+    assert!(said.contains("--psnr=40") && said.ends_with("it broke"), "{said}");
+    assert_eq!(broken.encodes().iter().filter(|psnr| *psnr == "40").count(), 0, "the fake keeps no line of a failure");
+    assert_eq!(store.rows.iter().map(|row| row.measured.encode.runs.len()).collect::<Vec<_>>(), [2, 2]);
+    let mended = Fake::default();
+    let (outcome, store) = run(&mended, &sweeps, all(2), folder.path()).unwrap();
+    assert_eq!((mended.encodes(), outcome.failed.len()), (vec!["40".to_owned(); 3], 0));
+    assert_eq!(store.rows.len(), 3);
+}
+
+#[test]
+fn a_point_that_fails_when_it_is_timed_keeps_what_is_known_of_it() {
+    let folder = TempDir::new().unwrap();
+    let broken = Fake { fails: Some("--repeat=200 --threads=2"), ..Fake::default() };
+    let (outcome, store) = run(&broken, &["psnr=30", "threads=1,2"], all(2), folder.path()).unwrap();
+    assert_eq!(outcome.failed.len(), 1, "it is not tried in the second round");
+    assert_eq!(store.rows.iter().map(|row| row.measured.encode.runs.len()).collect::<Vec<_>>(), [2, 0]);
+    // Within a budget as well.
+    let extent = Extent { repeats: 2, budget_seconds: Some(1e6) };
+    let (outcome, _) = run(&broken, &["psnr=30", "threads=1,2"], extent, folder.path()).unwrap();
+    assert_eq!((outcome.failed.len(), outcome.left_out.len()), (1, 0));
+}
+
+#[test]
+fn where_every_point_fails_the_first_error_is_told() {
+    for budget_seconds in [None, Some(100.0)] {
+        let (fake, folder) = (Fake { fails: Some("encode "), ..Fake::default() }, TempDir::new().unwrap());
+        let error = run(&fake, &["psnr=30,40,50"], Extent { repeats: 2, budget_seconds }, folder.path()).unwrap_err();
+        assert!(error.to_string().contains("--psnr=30"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}
+
+#[test]
+fn sweeps_into_one_folder_keep_their_studies() {
+    let folder = TempDir::new().unwrap();
+    for (sweeps, names) in [
+        (&["psnr=30,40"][..], &["color-psnr"; 2][..]),
+        (&["cell=8,16"], &["color-psnr", "color-psnr", "color-cell", "color-cell"]),
+    ] {
+        let (_, store) = run(&Fake::default(), sweeps, all(1), folder.path()).unwrap();
+        assert_eq!(store.rows.iter().map(|row| row.studies.join(" ")).collect::<Vec<_>>(), names);
+    }
+    // A point of two studies is of both.
+    let quick = |name: &str| {
+        let mut studies = studies(&["psnr=30,50"]);
+        studies[0].name = name.to_owned();
+        let (input, fake, mut store) = (input(), Fake::default(), Store::open(folder.path(), Some(7)).unwrap());
+        let mut bench = Bench::new(&fake, &input, Path::new("work"));
+        measure(&studies, all(1), &mut bench, &mut store, &Silent).unwrap();
+        store.rows[0].studies.clone()
+    };
+    assert_eq!(quick("cells"), ["color-psnr", "cells"]);
 }
 
 #[test]
@@ -220,7 +348,7 @@ fn a_study_that_does_not_fit_is_left_out_as_a_whole() {
     let extent = Extent { repeats: 1, budget_seconds: Some(20.0) };
     let (outcome, _) = run(&fake, &["psnr=30,50", "error=0,50"], extent, folder.path()).unwrap();
     assert_eq!(outcome.studies.len(), 1);
-    assert!(outcome.left_out[0].starts_with("Study depth was left out: its 2 points"), "{:?}", outcome.left_out);
+    assert!(outcome.left_out[0].starts_with("Study depth-error was left out: its 2 points"), "{:?}", outcome.left_out);
 }
 
 #[test]

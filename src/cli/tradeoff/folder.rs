@@ -1,0 +1,169 @@
+//! The folder of a report: one process at a time, nothing that a killed one left, no pictures of other points.
+
+use std::fs::{File, TryLockError};
+use std::io::ErrorKind;
+use std::path::{Component, Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+
+/// The report as JSON, which lists all files.
+pub const REPORT: &str = "tradeoff.json";
+/// The file that is locked.
+const LOCK: &str = ".tradeoff.lock";
+/// How names of unfinished files and folders begin and end.
+pub const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
+/// Endings of files that are removed when they show other points.
+const PICTURES: &[&str] = &["svg", "png", "html"];
+
+/// A folder that no other process measures into.
+pub struct Folder {
+    path: PathBuf,
+    /// Locked for as long as it is open; none where the file system cannot.
+    _lock: Option<File>,
+}
+
+impl Folder {
+    /// Makes the folder if there is none, locks it, and removes what killed processes left.
+    ///
+    /// # Errors
+    /// When another process has the lock, or the folder cannot be written.
+    pub fn open(path: &Path) -> Result<Folder> {
+        std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
+        let folder = Folder { path: path.to_path_buf(), _lock: lock(path)? };
+        let [begin, end] = UNFINISHED;
+        for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(begin) && name.ends_with(end) {
+                // What cannot be removed is in nobody's way.
+                let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+                let _ =
+                    if is_folder { std::fs::remove_dir_all(entry.path()) } else { std::fs::remove_file(entry.path()) };
+            }
+        }
+        Ok(folder)
+    }
+
+    /// Names of the files that the last report lists and that are there.
+    pub fn files(&self) -> Vec<String> {
+        let text = std::fs::read_to_string(self.path.join(REPORT)).unwrap_or_default();
+        let report: Value = serde_json::from_str(&text).unwrap_or_default();
+        let names = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        let is_name = |name: &&str| {
+            let mut parts = Path::new(name).components();
+            matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None))
+        };
+        names.filter(is_name).filter(|name| self.path.join(name).is_file()).map(str::to_owned).collect()
+    }
+
+    /// Removes the last report and its pictures.
+    pub fn clear(&self) -> Result<()> {
+        let is_picture =
+            |name: &String| Path::new(name).extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end));
+        for name in self.files().into_iter().filter(is_picture).chain([REPORT.to_owned()]) {
+            let path = self.path.join(name);
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(&path, error)),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        if self._lock.is_some() {
+            // A file that stays is in nobody's way: it is not locked.
+            let _ = std::fs::remove_file(self.path.join(LOCK));
+        }
+    }
+}
+
+fn lock(folder: &Path) -> Result<Option<File>> {
+    let path = folder.join(LOCK);
+    let io = |error| Error::io(&path, error);
+    let busy = || {
+        Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", folder.display()))
+    };
+    // The one before may remove the file between our opening and locking it, and we would have a file that nobody sees.
+    for _ in 0..100 {
+        let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(io)?;
+        match file.try_lock() {
+            Ok(()) if is_at(&file, &path) => return Ok(Some(file)),
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(busy()),
+            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => return Ok(None),
+            Err(TryLockError::Error(error)) => return Err(io(error)),
+        }
+    }
+    Err(busy())
+}
+
+/// Whether a path still leads to a file.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let place = |meta: std::fs::Metadata| (meta.dev(), meta.ino());
+    matches!((file.metadata().map(place), path.metadata().map(place)), (Ok(ours), Ok(theirs)) if ours == theirs)
+}
+
+/// Whether a path still leads to a file.
+#[cfg(not(unix))]
+fn is_at(_file: &File, path: &Path) -> bool {
+    path.is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_process_at_a_time_and_nothing_stays() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("out");
+        let first = Folder::open(&path).unwrap();
+        let said = Folder::open(&path).err().unwrap().to_string();
+        assert!(said.contains("another tradeoff measures into it"), "{said}");
+        drop(first);
+        assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
+        drop(Folder::open(&path).unwrap());
+    }
+
+    #[test]
+    fn what_a_killed_process_left_is_removed_and_nothing_else() {
+        let place = tempfile::tempdir().unwrap();
+        std::fs::create_dir(place.path().join(".tradeoff.abc.partial")).unwrap();
+        for name in [".tradeoff.abc.partial/point.lfold", ".tradeoff.csv.x.partial", "tradeoff.csv", "a.partial", LOCK]
+        {
+            std::fs::write(place.path().join(name), "").unwrap();
+        }
+        drop(Folder::open(place.path()).unwrap());
+        let mut left: Vec<_> =
+            std::fs::read_dir(place.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["a.partial", "tradeoff.csv"]);
+    }
+
+    #[test]
+    fn only_pictures_that_the_report_lists_are_removed() {
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("out");
+        std::fs::create_dir(&path).unwrap();
+        for name in ["a.png", "b.png", "notes.txt", "index.html", "../c.png"] {
+            std::fs::write(path.join(name), "").unwrap();
+        }
+        let files = r#"{ "files": ["a.png", "notes.txt", "index.html", "../c.png", "gone.svg", 5] }"#;
+        std::fs::write(path.join(REPORT), files).unwrap();
+        let folder = Folder::open(&path).unwrap();
+        assert_eq!(folder.files(), ["a.png", "notes.txt", "index.html"]);
+        folder.clear().unwrap();
+        drop(folder);
+        let mut left: Vec<_> = std::fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        left.sort();
+        assert_eq!(left, ["b.png", "notes.txt"]);
+        assert!(place.path().join("c.png").is_file());
+    }
+}

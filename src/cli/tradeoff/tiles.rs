@@ -1,0 +1,91 @@
+//! Statistics of tiles, within a share of the budget.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use super::input::Footage;
+use crate::cli::GlobalArgs;
+use crate::cli::progress::Progress;
+use crate::depth::tile_psnr::TilePsnr;
+use crate::error::{Error, Result};
+use crate::monitor::Monitor;
+use crate::video::tile_quality;
+
+/// Part of the budget that the statistics may take; the points have the rest.
+const SHARE: f64 = 1.0 / 3.0;
+
+/// What is left out for want of time.
+const LATE: &str = "The statistics of tiles were left out: they did not fit into a third of the budget.";
+
+/// Stops work that will not be done in time.
+struct Until<'a> {
+    progress: &'a dyn Monitor,
+    start: Instant,
+    /// How long it may take.
+    most: Option<Duration>,
+    steps: u64,
+    done: AtomicU64,
+}
+
+impl Until<'_> {
+    /// Whether it takes too long, or will, as its first steps tell.
+    fn is_late(&self) -> bool {
+        let Some(most) = self.most else { return false };
+        let (spent, done) = (self.start.elapsed(), self.done.load(Ordering::Relaxed));
+        let all = spent.as_secs_f64() * self.steps as f64 / done.max(1) as f64;
+        spent > most || (done > 0 && all > most.as_secs_f64())
+    }
+}
+
+impl Monitor for Until<'_> {
+    fn advance(&self, steps: u64) {
+        self.done.fetch_add(steps, Ordering::Relaxed);
+        self.progress.advance(steps);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.progress.interrupted() || self.is_late()
+    }
+}
+
+/// PSNR of all tiles of depth by modelling function, or why there is none.
+pub fn measure(
+    footage: &Footage,
+    budget_seconds: Option<f64>,
+    global: &GlobalArgs,
+) -> Result<Result<TilePsnr, String>> {
+    let steps = tile_quality::images(&footage.source);
+    let progress = Progress::start(global, "modelling tiles", steps)?;
+    let most = budget_seconds.map(|seconds| Duration::from_secs_f64((seconds * SHARE).min(1e9)));
+    let until = Until { progress: &progress, start: Instant::now(), most, steps, done: AtomicU64::new(0) };
+    match tile_quality::measure(&footage.source, &footage.tiles, &until) {
+        Ok(tiles) => Ok(Ok(tiles)),
+        Err(Error::Interrupted) if progress.interrupted() => Err(Error::Interrupted),
+        Err(Error::Interrupted) => Ok(Err(LATE.to_owned())),
+        Err(error) => Ok(Err(format!("The statistics of tiles failed: {error}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Silent;
+
+    #[test]
+    fn what_will_be_late_is_stopped_after_its_first_step() {
+        let until = |most: Option<u64>, steps: u64| {
+            let start = Instant::now().checked_sub(Duration::from_secs(10)).unwrap();
+            Until { progress: &Silent, start, most: most.map(Duration::from_secs), steps, done: AtomicU64::new(0) }
+        };
+        let of = until(Some(100), 50);
+        assert!(!of.interrupted());
+        of.advance(1);
+        assert!(of.interrupted(), "50 steps of 10 s are more than 100 s");
+        of.advance(9);
+        assert!(!of.interrupted());
+        assert!(until(Some(9), 50).interrupted());
+        let free = until(None, 50);
+        free.advance(1);
+        assert!(!free.interrupted());
+    }
+}
