@@ -86,7 +86,7 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Lines across.
     pub rules: Vec<Rule>,
-    /// A line through these, without markers and under everything else, such as a Pareto front.
+    /// A line through these, without markers and under those of the series, such as a Pareto front.
     pub front: Vec<Spot>,
     /// Short names of points and what they stand for, listed under the legend.
     pub key: Vec<(String, String)>,
@@ -181,10 +181,10 @@ impl Chart {
         for series in self.series.iter().filter(|series| series.kind == Kind::Bars) {
             self.bars(drawing, plot, series);
         }
-        self.draw_front(drawing, plot);
         for series in &self.series {
             self.lines(drawing, plot, series);
         }
+        self.draw_front(drawing, plot);
         let mut labels = Labels::inside([plot.left, plot.top], [plot.right, plot.bottom]);
         let mut named = Vec::new();
         for series in self.series.iter().filter(|series| !matches!(series.kind, Kind::Curve | Kind::Bars)) {

@@ -23,10 +23,10 @@ impl Look {
         Look { ink: palette::series(number), shape: (number + round) % SHAPES, dash }
     }
 
-    /// The look with a line of dashes, under which another line is seen.
+    /// The look with a line of dashes, under which another line is seen: pixels drawn and left out in turn.
     #[must_use]
-    pub fn dashed(self) -> Look {
-        Look { dash: Some([6.0, 7.0]), ..self }
+    pub fn dashed(self, dash: [f64; 2]) -> Look {
+        Look { dash: Some(dash), ..self }
     }
 
     /// Its line.

@@ -149,10 +149,11 @@ fn least_points(page: &mut String, results: &Results) {
         let Some(point) = scored.winner() else { continue };
         let differs = scored.quality_differs();
         any_differs |= differs;
-        let what = if differs { "least bytes and time" } else { "best compromise, at the same quality everywhere" };
+        let (what, alike) =
+            if differs { ("least bytes and time", "") } else { ("best compromise", " of the same quality") };
         let _ = writeln!(
             items,
-            "<li>{}: {what} of {} points: <code>{}</code>: {}, {} ms a frame, {}</li>",
+            "<li>{}: {what} of {} points{alike}: <code>{}</code>: {}, {} ms a frame, {}</li>",
             escape(&study.title),
             scored.count(),
             escape(&point.point.words()),
@@ -377,7 +378,10 @@ mod tests {
     #[test]
     fn what_scores_do_not_know_is_said_where_quality_differs() {
         let both = page_of(|_| {});
-        assert!(both.contains("Study boxes: best compromise, at the same quality everywhere of 25 points"), "{both}");
+        assert!(
+            both.contains("Study boxes: best compromise of 25 points of the same quality: <code>depth-window=1"),
+            "{both}"
+        );
         assert!(
             both.contains("Study cells: least bytes and time of 25 points: <code>cell=128 psnr=30</code>"),
             "{both}"

@@ -45,9 +45,12 @@ pub(super) fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
         let share = |step: u32| f64::from(step) / f64::from(QUANTILES);
         let mark = |step: u32| Mark { x: 100.0 * share(step), y: psnr.quantile_db(share(step)), ..Mark::default() };
         let marks = (0..=QUANTILES).map(mark).collect();
-        // What is the best of several lies on one of them, which is to be seen under it.
-        let is_combined = matches!(model, TileModel::PlateletOrBiquadratic | TileModel::BestOf);
-        let look = if is_combined { Look::of(at).dashed() } else { Look::of(at) };
+        // What is the best of several lies on one of them, which is to be seen under it; and so do both of these.
+        let look = match model {
+            TileModel::PlateletOrBiquadratic => Look::of(at).dashed([11.0, 6.0]),
+            TileModel::BestOf => Look::of(at).dashed([5.0, 9.0]),
+            TileModel::Bc4w | TileModel::Platelet | TileModel::Biquadratic => Look::of(at),
+        };
         Series { name: words(model).to_owned(), kind: Kind::Curve, look, marks }
     };
     let across = Axis::between("tiles, sorted by PSNR (%)", 0.0, 100.0, 10.0);
