@@ -80,7 +80,7 @@ pub struct Args {
     /// Only streams of these kinds: color, depth, material; also tells what a lone sequence holds
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// How much bytes and decoding time count in the score, such as 1,3 [default: 0.25,0.75]
+    /// How much bytes and decoding time count in the score, which knows nothing of quality, such as 1,3 [default: 0.25,0.75]
     #[arg(long, value_name = "BYTES,TIME", value_parser = parse_weights)]
     pub weights: Option<Weights>,
     /// List the knobs with their defaults, and do nothing else
@@ -168,7 +168,11 @@ fn parse_weights(text: &str) -> Result<Weights, String> {
         |text: &str| text.trim().parse().ok().filter(|part: &f64| *part >= 0.0 && part.is_finite()).ok_or_else(wrong);
     let (compression, decoding) = (part(compression)?, part(decoding)?);
     let sum: f64 = compression + decoding;
-    if sum > 0.0 && sum.is_finite() { Ok(Weights { compression: compression / sum, decoding: decoding / sum }) } else { Err(wrong()) }
+    if sum > 0.0 && sum.is_finite() {
+        Ok(Weights { compression: compression / sum, decoding: decoding / sum })
+    } else {
+        Err(wrong())
+    }
 }
 
 impl RecommendArgs {

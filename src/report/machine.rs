@@ -58,6 +58,22 @@ mod tests {
         let touched = vec![1u8; 32 << 20];
         let peak = peak_memory_bytes().unwrap();
         assert!(peak >= touched.iter().map(|&byte| u64::from(byte)).sum(), "{peak}");
-        assert_eq!(describe(), describe());
+    }
+
+    #[test]
+    fn a_machine_is_its_processor_threads_memory_and_system() {
+        let line = describe();
+        let parts: Vec<&str> = line.rsplitn(if cfg!(target_os = "linux") { 4 } else { 3 }, ", ").collect();
+        let (system, processor) = (parts[0], parts[parts.len() - 1]);
+        assert!(system.starts_with(std::env::consts::OS), "{line}");
+        assert!(system.ends_with(&format!("({})", std::env::consts::ARCH)), "{line}");
+        assert!(!processor.trim().is_empty(), "{line}");
+        let threads = parts[parts.len() - 2].split_once(' ').unwrap();
+        let count = std::thread::available_parallelism().map_or(1, usize::from);
+        assert_eq!(threads, (count.to_string().as_str(), if count == 1 { "thread" } else { "threads" }), "{line}");
+        if cfg!(target_os = "linux") {
+            let memory = parts[1].strip_suffix(" GiB of memory").and_then(|size| size.parse::<f64>().ok());
+            assert!(memory.is_some_and(|size| size > 0.1), "{line}");
+        }
     }
 }

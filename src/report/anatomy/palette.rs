@@ -1,7 +1,8 @@
-//! Colours of the pictures. Tints are those of Okabe and Ito, or near them, which are told apart without red or green; scales
-//! grow lighter all the way, so that they can be read in grey.
+//! Colours of the pictures. Tints are those of Okabe and Ito, which are told apart without red or green; scales grow lighter
+//! all the way, so that they can be read in grey.
 
 use crate::depth::nodes::Function;
+use crate::report::plot::{Ink, palette};
 use crate::video::anatomy::Writing;
 
 /// sRGB codes.
@@ -24,13 +25,14 @@ const GREYS: [f64; 2] = [240.0, 84.0];
 
 /// The tint of what is written in one way.
 pub fn tint(writing: Writing) -> Rgb {
-    match writing {
-        Writing::Function(Function::Raw) | Writing::Values => [222, 94, 0],
-        Writing::Function(Function::Platelet) | Writing::Blend => [0, 114, 188],
-        Writing::Function(Function::Biquadratic) => [244, 224, 50],
-        Writing::Function(Function::Bc4w) | Writing::Blocks => [196, 60, 150],
-        Writing::OneValue => [0, 158, 115],
-    }
+    let ink = match writing {
+        Writing::Function(Function::Raw) | Writing::Values => palette::VERMILION,
+        Writing::Function(Function::Platelet) | Writing::Blend => palette::BLUE,
+        Writing::Function(Function::Biquadratic) => palette::YELLOW,
+        Writing::Function(Function::Bc4w) | Writing::Blocks => palette::PURPLE,
+        Writing::OneValue => palette::GREEN,
+    };
+    ink.rgb
 }
 
 /// The colour `part` of the way from one to another, 0 to 1.
@@ -53,7 +55,7 @@ pub fn lightness([red, green, blue]: Rgb) -> u32 {
 
 /// A colour for text or lines on this one.
 pub fn contrast(ground: Rgb) -> Rgb {
-    if lightness(ground) > 110 { [0, 0, 0] } else { [255, 255, 255] }
+    palette::legible_on(Ink::opaque(ground)).rgb
 }
 
 /// A colour as an outline over it shows it.
@@ -71,13 +73,9 @@ pub fn grey(part: f64) -> Rgb {
     [(GREYS[0] + (GREYS[1] - GREYS[0]) * part.clamp(0.0, 1.0)).round() as u8; 3]
 }
 
-/// A scale from dark violet (0) by green to yellow (1).
+/// A scale from dark violet (0) by green to yellow (1): viridis.
 pub fn heat(part: f64) -> Rgb {
-    const STOPS: [Rgb; 6] =
-        [[68, 1, 84], [64, 67, 135], [41, 120, 142], [34, 167, 132], [121, 209, 81], [253, 231, 36]];
-    let at = part.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
-    let stop = (at as usize).min(STOPS.len() - 2);
-    mix(STOPS[stop], STOPS[stop + 1], at - stop as f64)
+    palette::viridis(part).rgb
 }
 
 #[cfg(test)]
@@ -89,7 +87,6 @@ mod tests {
         let steps = || (0..=100).map(|step| f64::from(step) / 100.0);
         assert!(steps().map(|part| lightness(heat(part))).is_sorted());
         assert!(steps().map(|part| lightness(grey(part))).is_sorted_by(|a, b| a >= b));
-        assert_eq!((heat(0.0), heat(1.0), heat(7.0)), ([68, 1, 84], [253, 231, 36], [253, 231, 36]));
     }
 
     #[test]

@@ -24,6 +24,11 @@ impl Scale {
             Scale::LogFromZero { unit } => (1.0 + value / unit).max(1e-3).log10(),
         }
     }
+
+    /// An axis's label with what its distances are, where they are not even.
+    fn named(self, label: String) -> String {
+        if label.is_empty() || self == Scale::Linear { label } else { format!("{label}, logarithmic") }
+    }
 }
 
 /// An axis of a chart.
@@ -76,7 +81,7 @@ impl Axis {
         Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale: Scale::Linear, low, high }
     }
 
-    /// An axis on which values lie by their logarithms. Values that are not positive lie at its beginning.
+    /// An axis on which values lie by their logarithms, as its label says. Values that are not positive lie at its beginning.
     pub fn logarithmic(label: impl Into<String>, values: impl IntoIterator<Item = f64>) -> Axis {
         let (low, high) = range(values.into_iter().filter(|&value| value > 0.0));
         let (low, high) = if low > 0.0 { (low, high) } else { (1.0, 1.0) };
@@ -84,7 +89,7 @@ impl Axis {
         // Values keep off the border.
         let room = 10f64.powf((decades * 0.06).max(0.04));
         let (low, high) = (low / room, high * room);
-        let label = label.into();
+        let label = Scale::Log.named(label.into());
         if decades < 0.7 {
             let step = nice_step(high - low);
             let first = (low / step).ceil() as i64;
@@ -105,7 +110,7 @@ impl Axis {
     }
 
     /// An axis with a tick at each value that a knob was given: by logarithms where they span more than a factor of
-    /// four, evenly otherwise.
+    /// four, as its label says then, evenly otherwise.
     pub fn of_settings(label: impl Into<String>, values: &[f64]) -> Axis {
         let (low, high) = range(values.iter().copied());
         let least = range(values.iter().copied().filter(|&value| value > 0.0)).0;
@@ -117,7 +122,8 @@ impl Axis {
             Scale::Linear
         };
         let ticks = values.iter().filter(|value| value.is_finite()).map(|&value| (value, number::short(value)));
-        let mut axis = Axis { label: label.into(), ticks: ticks.collect(), infinite: None, scale, low, high };
+        let label = scale.named(label.into());
+        let mut axis = Axis { label, ticks: ticks.collect(), infinite: None, scale, low, high };
         axis.widen();
         axis
     }
@@ -155,6 +161,12 @@ impl Axis {
         }
         let (low, high) = (self.scale.of(self.low), self.scale.of(self.high));
         Some(((self.scale.of(value) - low) / (high - low)).clamp(0.0, 1.0) * self.finite_share())
+    }
+
+    /// Whether a value lies between the ends of the axis, so that its place is not that of another one.
+    pub fn holds(&self, value: f64) -> bool {
+        let room = 1e-9 * (self.high - self.low);
+        (self.low - room..=self.high + room).contains(&value)
     }
 
     /// The part of the axis that finite values have, from 0 to 1.
@@ -212,6 +224,21 @@ mod tests {
         assert_eq!(labels(&Axis::linear("", [7.0])), ["6", "6.5", "7", "7.5", "8"]);
         assert_eq!(labels(&Axis::logarithmic("", [1.3, 60.0])), ["2", "5", "10", "20", "50"]);
         assert_eq!(labels(&Axis::of_settings("", &[1.0, 2.0, 4.0, 16.0])), ["1", "2", "4", "16"]);
+    }
+
+    #[test]
+    fn what_is_not_even_is_named() {
+        assert_eq!(Axis::of_settings("E", &[1.0, 2.0]).label, "E");
+        assert_eq!(Axis::of_settings("E", &[1.0, 8.0]).label, "E, logarithmic");
+        assert_eq!(Axis::of_settings("E", &[0.0, 1.0, 8.0]).label, "E, logarithmic");
+        assert_eq!(Axis::logarithmic("bytes", [1.0, 8.0]).label, "bytes, logarithmic");
+        assert_eq!(Axis::linear("bytes", [1.0, 8.0]).label, "bytes");
+    }
+
+    #[test]
+    fn values_beyond_the_ends_are_not_held() {
+        let axis = Axis::linear("", [0.31, 1.9]);
+        assert_eq!([-0.1, 0.0, 2.0, 2.1, f64::NAN].map(|value| axis.holds(value)), [false, true, true, false, false]);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub(super) const TICK_EM: f64 = 11.0;
 pub(super) const MARKER: f64 = 4.0;
 /// Between the picture's border and what is in it, in pixels.
 pub(super) const MARGIN: f64 = 12.0;
+/// Half the width of the ends of bars of spreads, in pixels.
+const CAP: f64 = 4.0;
 /// Longest tick label that stands upright, in pixels.
 const LONGEST_UPRIGHT: f64 = 110.0;
 
@@ -24,6 +26,8 @@ const LONGEST_UPRIGHT: f64 = 110.0;
 pub enum Kind {
     /// A line through markers.
     Line,
+    /// A thin line through markers, where the markers are what counts.
+    Thread,
     /// Markers alone.
     Points,
     /// A line alone.
@@ -82,7 +86,7 @@ pub struct Chart {
     pub series: Vec<Series>,
     /// Lines across.
     pub rules: Vec<Rule>,
-    /// A line through these, without markers and under everything else, such as a Pareto front.
+    /// A line through these, without markers and under those of the series, such as a Pareto front.
     pub front: Vec<Spot>,
     /// Short names of points and what they stand for, listed under the legend.
     pub key: Vec<(String, String)>,
@@ -138,7 +142,7 @@ impl Chart {
     fn legend_of(&self, room: f64) -> legend::Legend {
         let of_series = self.series.iter().filter(|series| !series.name.is_empty()).map(|series| {
             let swatch = match series.kind {
-                Kind::Line => legend::Swatch::LineAndMarker(series.look),
+                Kind::Line | Kind::Thread => legend::Swatch::LineAndMarker(series.look),
                 Kind::Points => legend::Swatch::Marker(series.look),
                 Kind::Curve => legend::Swatch::Line(series.look.stroke(2.0)),
                 Kind::Bars => legend::Swatch::Patch(series.look.ink),
@@ -177,14 +181,13 @@ impl Chart {
         for series in self.series.iter().filter(|series| series.kind == Kind::Bars) {
             self.bars(drawing, plot, series);
         }
-        let front: Vec<Spot> = self.front.iter().filter_map(|&[x, y]| at(x, y)).collect();
-        drawing.line(&front, Stroke::dashed(palette::FAINT_TEXT, 1.5));
         for series in &self.series {
             self.lines(drawing, plot, series);
         }
+        self.draw_front(drawing, plot);
         let mut labels = Labels::inside([plot.left, plot.top], [plot.right, plot.bottom]);
         let mut named = Vec::new();
-        for series in self.series.iter().filter(|series| matches!(series.kind, Kind::Line | Kind::Points)) {
+        for series in self.series.iter().filter(|series| !matches!(series.kind, Kind::Curve | Kind::Bars)) {
             for mark in &series.marks {
                 let Some(spot) = at(mark.x, mark.y) else { continue };
                 series.look.mark(drawing, spot, MARKER);
@@ -194,6 +197,19 @@ impl Chart {
         }
         for (spot, name) in named {
             labels.write(drawing, spot, name);
+        }
+    }
+
+    /// The front's line. Between two values that are not both finite there is nothing that it could show; it only tells
+    /// where the front goes on, and is dotted.
+    fn draw_front(&self, drawing: &mut Drawing, plot: &Plot) {
+        for leg in self.front.windows(2) {
+            let ends = [leg[0], leg[1]];
+            let [Some(from), Some(to)] = ends.map(|[x, y]| Some(plot.at(self.x.place(x)?, self.y.place(y)?))) else {
+                continue;
+            };
+            let is_finite = ends.iter().flatten().all(|value| value.is_finite());
+            drawing.line(&[from, to], if is_finite { Stroke::dashed(palette::FAINT_TEXT, 1.5) } else { BEYOND });
         }
     }
 
@@ -210,7 +226,13 @@ impl Chart {
 
     fn lines(&self, drawing: &mut Drawing, plot: &Plot, series: &Series) {
         let at = |x: f64, y: f64| Some(plot.at(self.x.place(x)?, self.y.place(y)?));
-        if matches!(series.kind, Kind::Line | Kind::Curve) {
+        let width = match series.kind {
+            Kind::Line => Some(1.8),
+            Kind::Curve => Some(2.0),
+            Kind::Thread => Some(0.9),
+            Kind::Points | Kind::Bars => None,
+        };
+        if let Some(width) = width {
             // A line ends where a point is missing, and markers at what is infinite are not joined with others.
             let joined = |a: &&Mark, b: &&Mark| {
                 let alike = series.kind == Kind::Curve || a.y.is_finite() == b.y.is_finite();
@@ -219,16 +241,19 @@ impl Chart {
             let marks: Vec<&Mark> = series.marks.iter().collect();
             for run in marks.chunk_by(joined) {
                 let through: Vec<Spot> = run.iter().filter_map(|mark| at(mark.x, mark.y)).collect();
-                drawing.line(&through, series.look.stroke(if series.kind == Kind::Curve { 2.0 } else { 1.8 }));
+                drawing.line(&through, series.look.stroke(width));
             }
         }
         for mark in &series.marks {
             let Some((low, high)) = mark.spread else { continue };
-            let (Some([x, low]), Some([_, high])) = (at(mark.x, low), at(mark.x, high)) else { continue };
+            let (Some(lower), Some(upper)) = (at(mark.x, low), at(mark.x, high)) else { continue };
             let stroke = Stroke::solid(series.look.ink, 1.2);
-            drawing.line(&[[x, low], [x, high]], stroke);
-            for end in [low, high] {
-                drawing.line(&[[x - 4.0, end], [x + 4.0, end]], stroke);
+            drawing.line(&[lower, upper], stroke);
+            // A bar that is cut at the border has no end there.
+            for (value, [x, end]) in [(low, lower), (high, upper)] {
+                if self.y.holds(value) {
+                    drawing.line(&[[x - CAP, end], [x + CAP, end]], stroke);
+                }
             }
         }
     }
@@ -236,6 +261,9 @@ impl Chart {
 
 /// The line of a [`Rule`].
 const RULE: Stroke = Stroke { ink: Ink::opaque([60, 60, 60]), width: 1.5, dash: Some([8.0, 4.0]) };
+
+/// A leg of a front to or from what is infinite.
+const BEYOND: Stroke = Stroke { ink: palette::FAINT_LINE, width: 1.2, dash: Some([1.5, 3.5]) };
 
 /// The rectangle that data is drawn in.
 struct Plot {
@@ -306,5 +334,58 @@ impl Plot {
         let under = f64::from(drawing.height) - MARGIN - 2.0;
         drawing.text([middle[0], under], name(&x.label, self.right - self.left + 60.0));
         drawing.text([MARGIN + NAME_EM, middle[1]], name(&y.label, self.bottom - self.top + 40.0).up());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::drawing::Shape;
+
+    fn lines(chart: &Chart) -> Vec<(Vec<Spot>, Stroke)> {
+        let shapes = chart.draw(400, 300).shapes.into_iter();
+        let lines = shapes.filter_map(|shape| match shape {
+            Shape::Line { through, stroke } => Some((through, stroke)),
+            _ => None,
+        });
+        lines.collect()
+    }
+
+    #[test]
+    fn a_bar_that_is_cut_has_no_end_at_the_border() {
+        let look = Look::of(0);
+        let caps = |spread: (f64, f64)| {
+            let mark = Mark { x: 1.0, y: 5.0, spread: Some(spread), name: None };
+            let series = vec![Series { name: String::new(), kind: Kind::Points, look, marks: vec![mark] }];
+            let chart = Chart { series, ..Chart::new("", Axis::linear("", [0.0, 2.0]), Axis::linear("", [0.0, 10.0])) };
+            let is_cap = |through: &[Spot]| through[0][1] == through[1][1];
+            lines(&chart).iter().filter(|(through, stroke)| stroke.ink == look.ink && is_cap(through)).count()
+        };
+        assert_eq!([caps((4.0, 6.0)), caps((4.0, 10.0)), caps((4.0, 11.0)), caps((-1.0, 11.0))], [2, 2, 1, 0]);
+    }
+
+    #[test]
+    fn the_front_to_what_is_infinite_is_dotted() {
+        let y = Axis::without_zero("", [40.0, 60.0]).with_infinite("lossless");
+        let front = vec![[1.0, 40.0], [2.0, 60.0], [3.0, f64::INFINITY]];
+        let chart = Chart { front, ..Chart::new("", Axis::linear("", [0.0, 4.0]), y) };
+        let of = |ink| lines(&chart).iter().filter(|(_, stroke)| stroke.ink == ink && stroke.width > 1.1).count();
+        assert!(of(palette::FAINT_TEXT) > 5 && of(BEYOND.ink) > 5, "{:?}", lines(&chart));
+        let finite = Chart { front: chart.front[..2].to_vec(), ..chart.clone() };
+        assert!(lines(&finite).iter().all(|(_, stroke)| stroke.ink != BEYOND.ink));
+    }
+
+    #[test]
+    fn threads_join_marks_thinly_and_points_are_not_joined() {
+        let joined = |kind: Kind| {
+            let marks = [1.0, 2.0, 3.0].map(|x| Mark { x, y: x, ..Mark::default() }).to_vec();
+            let look = Look::of(0);
+            let series = vec![Series { name: String::new(), kind, look, marks }];
+            let chart = Chart { series, ..Chart::new("", Axis::linear("", [0.0, 4.0]), Axis::linear("", [0.0, 4.0])) };
+            let own = lines(&chart).into_iter().filter(|(_, stroke)| stroke.ink == look.ink);
+            own.map(|(through, stroke)| (through.len(), stroke.width)).collect::<Vec<_>>()
+        };
+        assert_eq!(joined(Kind::Thread), [(3, 0.9)]);
+        assert_eq!(joined(Kind::Points), []);
     }
 }

@@ -15,20 +15,22 @@ type Bounds = [f64; 4];
 pub struct Labels {
     inside: Bounds,
     taken: Vec<Bounds>,
+    points: Vec<Spot>,
 }
 
 impl Labels {
     /// Names within a rectangle.
     pub fn inside([left, top]: Spot, [right, bottom]: Spot) -> Labels {
-        Labels { inside: [left, top, right, bottom], taken: Vec::new() }
+        Labels { inside: [left, top, right, bottom], taken: Vec::new(), points: Vec::new() }
     }
 
     /// Keeps names off a square around a point.
     pub fn keep_off(&mut self, [x, y]: Spot, reach: f64) {
         self.taken.push([x - reach, y - reach, x + reach, y + reach]);
+        self.points.push([x, y]);
     }
 
-    /// Writes a name near a point: as near as nothing else is hidden, with a thin line where that is far, and on the
+    /// Writes a name near a point: as near as nothing else is hidden and no other point is nearer to it, with a thin line where that is far, and on the
     /// near right where there is no such place.
     pub fn write(&mut self, drawing: &mut Drawing, spot: Spot, name: &str) {
         let text = Text::new(name, EM).bold().ink(palette::TEXT).anchor(Anchor::Middle);
@@ -49,7 +51,12 @@ impl Labels {
                 && !self.taken.iter().any(|taken| overlap(taken, bounds))
         };
         let near = [spot[0] + 6.0 + half_width, spot[1]];
-        let centre = candidates.into_iter().find(|&centre| free(&around(centre))).unwrap_or(near);
+        let own = |centre: &Spot| {
+            let to = |[x, y]: Spot| (x - centre[0]).hypot(y - centre[1]);
+            self.points.iter().all(|&other| to(other) > to(spot) - 1e-6)
+        };
+        let fitting: Vec<Spot> = candidates.into_iter().filter(|&centre| free(&around(centre))).collect();
+        let centre = fitting.iter().find(|centre| own(centre)).or(fitting.first()).copied().unwrap_or(near);
         let (dx, dy) = (centre[0] - spot[0], centre[1] - spot[1]);
         if dx.abs() > half_width + 9.0 || dy.abs() > half_height + 9.0 {
             let end =
@@ -74,6 +81,24 @@ fn overlap(a: &Bounds, b: &Bounds) -> bool {
 mod tests {
     use super::*;
     use crate::report::plot::drawing::Shape;
+
+    #[test]
+    fn a_name_is_nearest_to_its_own_point() {
+        let mut drawing = Drawing::new(400, 300, "");
+        let mut labels = Labels::inside([0.0, 0.0], [400.0, 300.0]);
+        let spots = [[151.0, 142.0], [150.0, 150.0]];
+        spots.iter().for_each(|&spot| labels.keep_off(spot, 6.0));
+        for (number, spot) in spots.iter().enumerate() {
+            labels.write(&mut drawing, *spot, &number.to_string());
+        }
+        for shape in &drawing.shapes {
+            let Shape::Text { at, text } = shape else { continue };
+            // The middle of the capitals.
+            let (x, y) = (at[0], at[1] - EM * font::CAP_PER_EM / 2.0);
+            let to = |spot: Spot| (spot[0] - x).hypot(spot[1] - y);
+            assert_eq!(text.text == "0", to(spots[0]) < to(spots[1]), "{text:?} at {at:?}");
+        }
+    }
 
     #[test]
     fn names_of_near_points_do_not_overlap() {

@@ -23,6 +23,12 @@ impl Look {
         Look { ink: palette::series(number), shape: (number + round) % SHAPES, dash }
     }
 
+    /// The look with a line of dashes, under which another line is seen: pixels drawn and left out in turn.
+    #[must_use]
+    pub fn dashed(self, dash: [f64; 2]) -> Look {
+        Look { dash: Some(dash), ..self }
+    }
+
     /// Its line.
     pub fn stroke(&self, width: f64) -> Stroke {
         Stroke { ink: self.ink, width, dash: self.dash }

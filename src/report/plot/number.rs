@@ -1,11 +1,11 @@
 //! Numbers as charts show them: three digits that count, and prefixes in place of zeros.
 
-/// A unit and how many of the base unit it has.
+/// A unit of bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// What stands behind the number.
     pub name: &'static str,
-    /// Base units (bytes, seconds) in one.
+    /// Bytes in one.
     pub size: f64,
 }
 
@@ -17,35 +17,17 @@ const BYTES: [Unit; 5] = [
     Unit { name: "TB", size: 1e12 },
 ];
 
-const SECONDS: [Unit; 3] =
-    [Unit { name: "µs", size: 1e-6 }, Unit { name: "ms", size: 1e-3 }, Unit { name: "s", size: 1.0 }];
-
 /// The unit in which the largest of some bytes has one to three digits before the point.
 pub fn bytes_unit(largest: f64) -> Unit {
-    unit(&BYTES, largest)
-}
-
-/// The same for seconds.
-pub fn seconds_unit(largest: f64) -> Unit {
-    unit(&SECONDS, largest)
-}
-
-fn unit(units: &[Unit], largest: f64) -> Unit {
-    let fitting = units.iter().rev().find(|unit| largest.is_finite() && largest >= unit.size);
-    // Nothing at all, and what cannot be measured, is counted in the middle of the usual.
-    *fitting.unwrap_or(&units[if largest > 0.0 { 0 } else { units.len() / 3 }])
+    let fitting = BYTES.iter().rev().find(|unit| largest.is_finite() && largest >= unit.size);
+    // Nothing at all is counted in kB, as little is.
+    *fitting.unwrap_or(&BYTES[if largest > 0.0 { 0 } else { 1 }])
 }
 
 /// Bytes with their unit.
 pub fn bytes(count: f64) -> String {
     let unit = bytes_unit(count);
     format!("{} {}", short(count / unit.size), unit.name)
-}
-
-/// Seconds with their unit.
-pub fn seconds(seconds: f64) -> String {
-    let unit = seconds_unit(seconds);
-    format!("{} {}", short(seconds / unit.size), unit.name)
 }
 
 /// A number with three digits that count, or more where they stand before the point; `k` from 10,000 and `M` from 10
@@ -160,6 +142,5 @@ mod tests {
     #[test]
     fn units_fit() {
         assert_eq!([bytes(0.0), bytes(999.0), bytes(2_412_345.0)], ["0 kB", "999 B", "2.41 MB"]);
-        assert_eq!([seconds(0.0), seconds(0.0123), seconds(3.0), seconds(2e-7)], ["0 ms", "12.3 ms", "3 s", "0.2 µs"]);
     }
 }

@@ -1,5 +1,5 @@
-//! Colours: of values, by viridis, and of series, by the eight colours of Okabe and Ito that colour-blind people can
-//! tell apart.
+//! Colours of all pictures: of values, by viridis, and of what is to be told apart, by the colours of Okabe and Ito, which
+//! colour-blind people can tell apart, too.
 
 use super::drawing::Ink;
 
@@ -27,23 +27,31 @@ const VIRIDIS: [[u8; 3]; 20] = [
     [253, 231, 37],
 ];
 
-/// Colours of series in the order in which they are used; black comes last, and yellow, too bright for lines on white,
-/// is darkened.
-const SERIES: [[u8; 3]; 8] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [86, 180, 233],
-    [230, 159, 0],
-    [148, 128, 0],
-    [60, 60, 60],
-];
+/// Blue of Okabe and Ito.
+pub const BLUE: Ink = Ink::opaque([0, 114, 178]);
+/// Their vermilion.
+pub const VERMILION: Ink = Ink::opaque([213, 94, 0]);
+/// Their bluish green.
+pub const GREEN: Ink = Ink::opaque([0, 158, 115]);
+/// Their reddish purple.
+pub const PURPLE: Ink = Ink::opaque([204, 121, 167]);
+/// Their sky blue.
+pub const SKY: Ink = Ink::opaque([86, 180, 233]);
+/// Their orange.
+pub const ORANGE: Ink = Ink::opaque([230, 159, 0]);
+/// Their yellow, for areas; it is too bright for lines on white.
+pub const YELLOW: Ink = Ink::opaque([240, 228, 66]);
+
+/// Colours of series in the order in which they are used; yellow is darkened, and what is almost black comes last.
+const SERIES: [Ink; 8] =
+    [BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, Ink::opaque([148, 128, 0]), Ink::opaque([60, 60, 60])];
 
 /// Text and lines of axes.
 pub const TEXT: Ink = Ink::opaque([34, 34, 34]);
 /// Text that matters less.
 pub const FAINT_TEXT: Ink = Ink::opaque([96, 96, 96]);
+/// A line that says little, such as one to where there is no value.
+pub const FAINT_LINE: Ink = Ink::opaque([165, 165, 165]);
 /// Lines of a grid.
 pub const GRID: Ink = Ink::opaque([226, 226, 226]);
 /// Ground of what is missing.
@@ -75,7 +83,7 @@ pub fn legible_on(ground: Ink) -> Ink {
 
 /// The colour of the series of a number; colours come again after eight.
 pub fn series(number: usize) -> Ink {
-    Ink::opaque(SERIES[number % SERIES.len()])
+    SERIES[number % SERIES.len()]
 }
 
 #[cfg(test)]

@@ -194,8 +194,7 @@ fn short_windows_decode_faster(results: &Results) -> Finding {
     } else {
         format!(
             "Decoding with the longest window takes {} times as long as with the shortest, in the geometric mean of {} \
-             rows of points. {} of {} rows keep the rule, in {} the spreads overlap or there are fewer than {LEAST_RUNS} \
-             runs.",
+             rows of points. {} of {} rows keep the rule; rows whose spreads overlap, or with fewer than {LEAST_RUNS} runs: {}.",
             number::short(geometric_mean(timed.iter().map(|row| row.0))),
             timed.len(),
             count(Faster::Yes),

@@ -20,6 +20,11 @@ impl Point {
         Point { kind, settings }
     }
 
+    /// The settings as `name=value name=value`; `default settings` without any.
+    pub fn words(&self) -> String {
+        words(&self.settings).unwrap_or_else(|| "default settings".to_owned())
+    }
+
     /// The value of a knob, where it is not the usual one.
     pub fn value(&self, knob: &str) -> Option<&str> {
         self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
@@ -29,13 +34,14 @@ impl Point {
 impl std::fmt::Display for Point {
     /// Such as `depth with error=50 threads=1`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.kind.name())?;
-        if self.settings.is_empty() {
-            return f.write_str(" with usual settings");
-        }
-        f.write_str(" with")?;
-        self.settings.iter().try_for_each(|(name, value)| write!(f, " {name}={value}"))
+        write!(f, "{} with {}", self.kind.name(), self.words())
     }
+}
+
+/// Settings as `name=value name=value`; none where there are none.
+pub fn words(settings: &[(&'static str, String)]) -> Option<String> {
+    let words: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    (!words.is_empty()).then(|| words.join(" "))
 }
 
 /// Bytes of a point; CALF table 1's columns.
@@ -68,6 +74,20 @@ pub struct Quality {
     pub max_error_m: Option<f64>,
 }
 
+impl Quality {
+    /// Whether both are the same in all that reports print of them: to 1/100 dB, to 1/10,000 of SSIM and to a code.
+    pub fn is_like(&self, other: &Quality) -> bool {
+        let near = |a: Option<f64>, b: Option<f64>, reach: f64| match (a, b) {
+            (Some(a), Some(b)) => a == b || (a - b).abs() < reach,
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        near(Some(self.psnr_db), Some(other.psnr_db), 0.01)
+            && near(self.min_psnr_db, other.min_psnr_db, 0.01)
+            && near(self.ssim, other.ssim, 1e-4)
+            && self.max_error_codes == other.max_error_codes
+    }
+}
+
 /// The seconds of some runs of the same work.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Timing {
@@ -85,6 +105,19 @@ impl Timing {
             count if count % 2 == 1 => Some(sorted[middle]),
             _ => Some((sorted[middle - 1] + sorted[middle]) / 2.0),
         }
+    }
+
+    /// How many runs all of some timings have, in words: `a single run`, `medians of 3 runs`, `medians of 1 to 3 runs`. None
+    /// where there is none.
+    pub fn runs_in_words<'a>(timings: impl IntoIterator<Item = &'a Timing>) -> Option<String> {
+        let counts: Vec<usize> =
+            timings.into_iter().map(|timing| timing.runs.len()).filter(|&count| count > 0).collect();
+        let (&least, &most) = (counts.iter().min()?, counts.iter().max()?);
+        Some(match least {
+            1 if most == 1 => "a single run".to_owned(),
+            _ if least == most => format!("medians of {most} runs"),
+            _ => format!("medians of {least} to {most} runs"),
+        })
     }
 
     /// The shortest and the longest; none without runs.
@@ -172,5 +205,37 @@ mod tests {
         assert_eq!(timing(&[3.0, 1.0, 2.0]).median(), Some(2.0));
         assert_eq!(timing(&[4.0, 1.0, 2.0, 3.0]).median(), Some(2.5));
         assert_eq!(timing(&[3.0, 1.0, 2.0]).spread(), Some((1.0, 3.0)));
+    }
+
+    #[test]
+    fn runs_are_counted_in_words() {
+        let of = |counts: &[usize]| {
+            let timings: Vec<Timing> = counts.iter().map(|&count| Timing { runs: vec![1.0; count] }).collect();
+            Timing::runs_in_words(&timings)
+        };
+        assert_eq!(of(&[]), None);
+        assert_eq!(of(&[0, 0]), None);
+        assert_eq!(of(&[1, 1, 0]).as_deref(), Some("a single run"));
+        assert_eq!(of(&[3, 3]).as_deref(), Some("medians of 3 runs"));
+        assert_eq!(of(&[3, 1]).as_deref(), Some("medians of 1 to 3 runs"));
+    }
+
+    #[test]
+    fn settings_are_told_in_words() {
+        let settings = vec![("error", "10".to_owned()), ("depth-codec", "quadtree".to_owned())];
+        assert_eq!(Point::new(StreamKind::Depth, settings).words(), "depth-codec=quadtree error=10");
+        assert_eq!(Point::new(StreamKind::Depth, vec![]).words(), "default settings");
+    }
+
+    #[test]
+    fn qualities_are_alike_where_they_are_printed_alike() {
+        let of = |psnr_db, max_error_codes| {
+            let max_error_codes = Some(max_error_codes);
+            Quality { psnr_db, min_psnr_db: None, ssim: None, max_error_codes, max_error_m: None }
+        };
+        let inf = f64::INFINITY;
+        assert!(of(inf, 0).is_like(&of(inf, 0)) && of(40.0, 3).is_like(&of(40.004, 3)));
+        assert!(!of(inf, 0).is_like(&of(90.0, 0)) && !of(40.0, 3).is_like(&of(40.0, 4)));
+        assert!(!of(40.0, 3).is_like(&Quality { ssim: Some(1.0), ..of(40.0, 3) }));
     }
 }

@@ -14,14 +14,6 @@ pub struct Run<'a> {
     pub points: Vec<(f64, &'a Measured)>,
 }
 
-impl Run<'_> {
-    /// What the points have in common, for people.
-    pub fn others(&self) -> String {
-        let settings: Vec<String> = self.others.iter().map(|(name, value)| format!("{name}={value}")).collect();
-        if settings.is_empty() { "usual settings".to_owned() } else { settings.join(" ") }
-    }
-}
-
 /// All runs along a knob of a kind of stream with at least `least` different numbers.
 pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usize) -> Vec<Run<'a>> {
     let mut runs: Vec<Run<'a>> = Vec::new();

@@ -7,42 +7,70 @@ use super::study::{Study, Weights};
 /// What takes less than this counts as this much, so that a ratio to it exists.
 const LEAST_SECONDS: f64 = 1e-9;
 
-/// The score of each point: the product of its bytes over the least bytes of all and of its decoding time over the least
-/// time of all, each to the power of its weight. 1 is best in both; less is better. None for a point that was not
-/// measured or whose decoding was not timed.
-///
-/// CALF brings both into the range of 0 to 1 before they are multiplied. With that, a point that is best in one has the
-/// score 0, however bad it is in the other; ratios do not.
-pub fn scores(points: &[Option<&Measured>], weights: Weights) -> Vec<Option<f64>> {
-    let costs: Vec<Option<(f64, f64)>> = points.iter().map(|point| point.and_then(cost)).collect();
-    let least = |of: fn(&(f64, f64)) -> f64| costs.iter().flatten().map(of).fold(f64::INFINITY, f64::min);
-    let (least_bytes, least_seconds) = (least(|cost| cost.0), least(|cost| cost.1));
-    let score = |(bytes, seconds): (f64, f64)| {
-        (bytes / least_bytes).powf(weights.compression) * (seconds / least_seconds).powf(weights.decoding)
-    };
-    costs.into_iter().map(|cost| cost.map(score)).collect()
+/// Points with their scores.
+#[derive(Debug, Clone)]
+pub struct Scored<'a> {
+    /// In the order that they were given in; none where nothing was measured.
+    pub points: Vec<Option<&'a Measured>>,
+    /// Their scores; see [`Scored::new`].
+    pub scores: Vec<Option<f64>>,
+    /// Which has the least score.
+    pub best: Option<usize>,
 }
 
-/// The points of a study, in its order, with their scores, and which is the best.
-pub fn of_study<'a>(
-    results: &'a Results,
-    study: &Study,
-) -> (Vec<Option<&'a Measured>>, Vec<Option<f64>>, Option<usize>) {
-    let points: Vec<Option<&Measured>> = study.points().iter().map(|point| results.of(point)).collect();
-    let scores = scores(&points, results.weights);
-    let best = best(&scores);
-    (points, scores, best)
+impl<'a> Scored<'a> {
+    /// Scores points: a point's bytes and its decoding time, each to the power of its weight, multiplied, in parts of the least
+    /// such product. So 1 is the best of these points, and less is better. None for a point that was not measured or whose
+    /// decoding was not timed.
+    ///
+    /// CALF brings bytes and times into the range of what was captured: the least becomes 0 and the largest 1. In a
+    /// product of such numbers a point that is best in one has the score 0, however bad it is in the other. Products of
+    /// bytes and times as they are have no such points, so scores here are not those of the paper's figures, whose order
+    /// they need not keep. Neither knows anything of quality.
+    pub fn new(points: Vec<Option<&'a Measured>>, weights: Weights) -> Scored<'a> {
+        let products: Vec<Option<f64>> = points.iter().map(|point| product((*point)?, weights)).collect();
+        let best = best(&products);
+        let least = best.and_then(|at| products[at]).unwrap_or(0.0);
+        // As logarithms, so that nothing becomes too large.
+        let scores = products.into_iter().map(|product| product.map(|product| (product - least).exp())).collect();
+        Scored { points, scores, best }
+    }
+
+    /// The points of a study, in its order.
+    pub fn of_study(results: &'a Results, study: &Study) -> Scored<'a> {
+        Scored::new(study.points().iter().map(|point| results.of(point)).collect(), results.weights)
+    }
+
+    /// The point of the least score, where another one has a score, too.
+    pub fn winner(&self) -> Option<&'a Measured> {
+        if self.count() > 1 { self.points[self.best?] } else { None }
+    }
+
+    /// How many points have a score.
+    pub fn count(&self) -> usize {
+        self.scores.iter().flatten().count()
+    }
+
+    /// Whether points with scores differ in their quality, of which scores know nothing.
+    pub fn quality_differs(&self) -> bool {
+        let scored = self.points.iter().zip(&self.scores).filter(|(_, score)| score.is_some());
+        let mut qualities = scored.filter_map(|(point, _)| Some(point.as_ref()?.quality));
+        let first = qualities.next();
+        qualities.any(|quality| first.is_some_and(|first| !first.is_like(&quality)))
+    }
 }
 
-/// The least score, the first of several.
-pub fn best(scores: &[Option<f64>]) -> Option<usize> {
-    let scored = scores.iter().enumerate().filter_map(|(at, score)| Some((at, (*score)?)));
-    scored.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
+/// The least value, the first of several.
+pub fn best(values: &[Option<f64>]) -> Option<usize> {
+    let there = values.iter().enumerate().filter_map(|(at, value)| Some((at, (*value)?)));
+    there.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
 }
 
-fn cost(point: &Measured) -> Option<(f64, f64)> {
-    let seconds = point.decode.median()?;
-    Some((point.sizes.container.max(1) as f64, seconds.max(LEAST_SECONDS)))
+/// The logarithm of the weighted product of bytes and decoding time.
+fn product(point: &Measured, weights: Weights) -> Option<f64> {
+    let seconds = point.decode.median()?.max(LEAST_SECONDS);
+    let bytes = point.sizes.container.max(1) as f64;
+    Some(weights.compression * bytes.ln() + weights.decoding * seconds.ln())
 }
 
 #[cfg(test)]
@@ -50,28 +78,41 @@ mod tests {
     use super::*;
     use crate::report::tradeoff::sample;
 
-    #[test]
-    fn one_is_best_in_both_and_weights_are_powers() {
-        let of = |bytes: u64, seconds: f64| {
-            let mut point = sample::measured(&[], bytes, seconds);
-            point.decode.runs = vec![seconds];
-            point
-        };
-        let points = [of(100, 2.0), of(1600, 2.0), of(100, 32.0)];
+    fn point(bytes: u64, seconds: f64) -> Measured {
+        let mut point = sample::measured(&[], bytes, seconds);
+        point.decode.runs = vec![seconds];
+        point
+    }
+
+    fn check(points: &[Measured], expected: &[f64], best: usize) {
         let points: Vec<Option<&Measured>> = points.iter().map(Some).chain([None]).collect();
-        let found = scores(&points, Weights::default());
-        let expected = [1.0, 2.0, 8.0];
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found.unwrap() - expected).abs() < 1e-12, "{found:?} {expected}");
+        let found = Scored::new(points, Weights::default());
+        for (found, expected) in found.scores.iter().zip(expected) {
+            assert!((found.unwrap() - expected).abs() < 1e-9, "{found:?} {expected}");
         }
-        assert_eq!((found[3], best(&found)), (None, Some(0)));
+        assert_eq!((found.scores[expected.len()], found.best, found.count()), (None, Some(best), expected.len()));
+    }
+
+    #[test]
+    fn the_best_has_1_and_weights_are_powers() {
+        check(&[point(100, 2.0), point(1600, 2.0), point(100, 32.0)], &[1.0, 2.0, 8.0], 0);
+        // None of these is best in both; the best of them has 1 nevertheless.
+        check(&[point(100, 32.0), point(1600, 2.0)], &[4.0, 1.0], 1);
     }
 
     #[test]
     fn no_time_and_no_bytes_are_no_division_by_zero() {
         let points = [sample::measured(&[], 0, 0.0), sample::measured(&[], 10, 1.0)];
-        let points: Vec<Option<&Measured>> = points.iter().map(Some).collect();
-        assert!(scores(&points, Weights::default()).iter().all(|score| score.is_some_and(f64::is_finite)));
-        assert_eq!(best(&scores(&[], Weights::default())), None);
+        let scored = Scored::new(points.iter().map(Some).collect(), Weights::default());
+        assert!(scored.scores.iter().all(|score| score.is_some_and(|score| score > 0.0 && score.is_finite())));
+        assert_eq!(Scored::new(vec![], Weights::default()).best, None);
+        assert!(Scored::new(vec![Some(&points[0])], Weights::default()).winner().is_none());
+    }
+
+    #[test]
+    fn quality_differs_where_a_knob_of_quality_is_swept() {
+        let results = sample::paper();
+        let differs = |at: usize| Scored::of_study(&results, &results.studies[at]).quality_differs();
+        assert_eq!([0, 1, 2, 3].map(differs), [false, true, true, false]);
     }
 }

@@ -38,16 +38,27 @@ pub struct Study {
 impl Study {
     /// All points, the last axis fastest.
     pub fn points(&self) -> Vec<Point> {
-        let mut grid = vec![self.fixed.clone()];
-        for axis in &self.axes {
-            let with = |settings: &Vec<(&'static str, String)>, value: &String| {
-                settings.iter().cloned().chain([(axis.knob, value.clone())]).collect::<Vec<_>>()
-            };
-            grid =
-                grid.iter().flat_map(|settings| axis.values.iter().map(move |value| with(settings, value))).collect();
-        }
+        let grid = product(&self.fixed, &self.axes);
         grid.into_iter().map(|settings| Point::new(self.kind, settings)).collect()
     }
+
+    /// The axes with more than one value.
+    pub fn varied(&self) -> Vec<&Axis> {
+        self.axes.iter().filter(|axis| axis.values.len() > 1).collect()
+    }
+}
+
+/// Some settings with every value of every axis, the last axis fastest.
+pub fn product<'a>(
+    settings: &[(&'static str, String)],
+    axes: impl IntoIterator<Item = &'a Axis>,
+) -> Vec<Vec<(&'static str, String)>> {
+    axes.into_iter().fold(vec![settings.to_vec()], |grid, axis| {
+        let with = |settings: &Vec<(&'static str, String)>, value: &String| {
+            settings.iter().cloned().chain([(axis.knob, value.clone())]).collect::<Vec<_>>()
+        };
+        grid.iter().flat_map(|settings| axis.values.iter().map(move |value| with(settings, value))).collect()
+    })
 }
 
 /// How much size and decoding time count in a score; together 1.
@@ -94,5 +105,26 @@ impl Results {
     /// What was measured of a point.
     pub fn of(&self, point: &Point) -> Option<&Measured> {
         self.measured.iter().find(|measured| measured.point == *point)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_product_has_every_value_with_every_other_the_last_axis_fastest() {
+        let axis =
+            |knob, values: &[&str]| Axis { knob, values: values.iter().map(|value| value.to_string()).collect() };
+        let axes = [axis("error", &["1", "2"]), axis("tiles", &["3", "4"])];
+        let all = product(&[("effort", "fast".to_owned())], &axes);
+        let all: Vec<_> = all.iter().filter_map(|settings| super::super::point::words(settings)).collect();
+        assert_eq!(
+            all.join(", "),
+            "effort=fast error=1 tiles=3, effort=fast error=1 tiles=4, \
+            effort=fast error=2 tiles=3, effort=fast error=2 tiles=4"
+        );
+        assert_eq!(product(&[], &[] as &[Axis]), [vec![]]);
+        assert!(product(&[], &[axis("error", &[])]).is_empty());
     }
 }

@@ -38,9 +38,10 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
     let caption = format!(
         "Time of decoding a frame (all probes and faces), pixels shown in a second and the part of them that was \
          written, by the bound E on the error of every pixel. Points are medians, bars span the shortest and the longest \
-         run; what leaves a chart is cut.{beside}"
+         run; a bar without an end is cut.{beside}"
     );
-    let drawing = sheet(title, &subtitle(results, study, &[]), vec![row]);
+    let measured = points.iter().map(|(_, point)| *point);
+    let drawing = sheet(title, &subtitle(results, study, &[], measured), vec![row]);
     Some(Figure { name: format!("{}-decoding", study.name), caption, drawing })
 }
 

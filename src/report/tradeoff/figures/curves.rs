@@ -1,105 +1,167 @@
-//! Rate and distortion, time and distortion: all points of a kind with their Pareto front, whose points are named (GDC
-//! figure 5).
+//! Rate and distortion, time and distortion, rate and time: all points of a kind with their Pareto front, whose points are
+//! named (GDC figure 5).
 
-use super::{Figure, Mark, sheet};
+use super::{Figure, Mark, sheet, times};
 use crate::dataset::stream::StreamKind;
 use crate::report::plot::axis;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
+use crate::report::tradeoff::knob;
 use crate::report::tradeoff::pareto;
-use crate::report::tradeoff::point::{Measured, Point};
-use crate::report::tradeoff::study::Results;
+use crate::report::tradeoff::point::Measured;
+use crate::report::tradeoff::study::{Results, Study};
 
 /// Size of the charts in pixels, with their legends.
 const CHART: [u32; 2] = [980, 460];
 
-/// What a point costs.
-struct Cost {
-    name: &'static str,
-    title: &'static str,
-    axis: &'static str,
-    of: fn(&Measured) -> Option<f64>,
+/// What is read off an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Measure {
+    Rate,
+    Time,
+    Distortion,
 }
 
-const COSTS: [Cost; 2] = [
-    Cost {
+impl Measure {
+    fn of(self, point: &Measured) -> Option<f64> {
+        match self {
+            Measure::Rate => Some(point.ratio_percent()),
+            Measure::Time => point.decode_ms_per_frame(),
+            Measure::Distortion => Some(point.quality.psnr_db),
+        }
+    }
+
+    fn axis(self, values: &[f64]) -> axis::Axis {
+        let each = values.iter().copied();
+        match self {
+            Measure::Rate => axis::Axis::logarithmic("container (% of raw footage)", each),
+            Measure::Time => axis::Axis::logarithmic("decoding (ms a frame)", each),
+            Measure::Distortion => {
+                let axis = axis::Axis::without_zero("PSNR (dB)", each);
+                if values.contains(&f64::INFINITY) { axis.with_infinite("lossless") } else { axis }
+            }
+        }
+    }
+}
+
+/// A figure.
+struct View {
+    name: &'static str,
+    title: &'static str,
+    /// What is across, of which less is better.
+    across: Measure,
+    up: Measure,
+    /// Where points are better.
+    better: &'static str,
+}
+
+const VIEWS: [View; 3] = [
+    View {
         name: "rate-distortion",
         title: "Rate and distortion",
-        axis: "container (% of raw footage)",
-        of: |point| Some(point.ratio_percent()),
+        across: Measure::Rate,
+        up: Measure::Distortion,
+        better: "to the left and above",
     },
-    Cost {
+    View {
         name: "time-distortion",
         title: "Decoding time and distortion",
-        axis: "decoding (ms a frame)",
-        of: Measured::decode_ms_per_frame,
+        across: Measure::Time,
+        up: Measure::Distortion,
+        better: "to the left and above",
+    },
+    View {
+        name: "rate-time",
+        title: "Rate and decoding time",
+        across: Measure::Rate,
+        up: Measure::Time,
+        better: "to the left and below",
     },
 ];
 
-/// Both figures for each kind with at least two points.
-pub(super) fn figures(results: &Results) -> Vec<Figure> {
-    let kinds = StreamKind::ALL.into_iter();
-    kinds.flat_map(|kind| COSTS.iter().filter_map(move |cost| figure(results, kind, cost))).collect()
+/// A point with its place.
+struct Placed<'a> {
+    point: &'a Measured,
+    x: f64,
+    y: f64,
 }
 
-fn figure(results: &Results, kind: StreamKind, cost: &Cost) -> Option<Figure> {
+/// The figures of each kind with at least two points.
+pub(super) fn figures(results: &Results) -> Vec<Figure> {
+    let kinds = StreamKind::ALL.into_iter();
+    kinds.flat_map(|kind| VIEWS.iter().filter_map(move |view| figure(results, kind, view))).collect()
+}
+
+fn figure(results: &Results, kind: StreamKind, view: &View) -> Option<Figure> {
     let of_kind = results.measured.iter().filter(|point| point.point.kind == kind);
-    let points: Vec<(&Measured, f64, f64)> = of_kind
-        .filter_map(|point| Some((point, (cost.of)(point)?, point.quality.psnr_db)))
-        .filter(|(_, cost, db)| cost.is_finite() && !db.is_nan())
+    let points: Vec<Placed<'_>> = of_kind
+        .filter_map(|point| Some(Placed { point, x: view.across.of(point)?, y: view.up.of(point)? }))
+        .filter(|placed| placed.x.is_finite() && !placed.y.is_nan())
         .collect();
-    if points.len() < 2 {
+    // Where all is lossless there is no distortion to see.
+    if points.len() < 2 || points.iter().all(|placed| placed.y.is_infinite()) {
         return None;
     }
-    let front = pareto::front(&points.iter().map(|(_, cost, db)| (*cost, *db)).collect::<Vec<_>>());
-    let named = |at: usize| front.iter().position(|&on| on == at).map(|rank| (rank + 1).to_string());
+    let quality = |y: f64| if view.up == Measure::Distortion { y } else { -y };
+    let front = pareto::front(&points.iter().map(|placed| (placed.x, quality(placed.y))).collect::<Vec<_>>());
+    let studies: Vec<&Study> = results.studies.iter().filter(|study| study.kind == kind).collect();
 
-    let studies: Vec<_> = results.studies.iter().filter(|study| study.kind == kind).collect();
-    let belongs = |point: &Point| studies.iter().position(|study| study.points().contains(point));
-    let home: Vec<Option<usize>> = points.iter().map(|(point, ..)| belongs(&point.point)).collect();
-    let series: Vec<Series> = studies
-        .iter()
-        .enumerate()
-        .map(|(number, study)| {
-            let own = points.iter().enumerate().filter(|(at, _)| home[*at] == Some(number));
-            let marks = own.map(|(at, (_, cost, db))| Mark { x: *cost, y: *db, spread: None, name: named(at) });
-            Series { name: study.title.clone(), kind: Kind::Points, look: Look::of(number), marks: marks.collect() }
-        })
-        .filter(|series| !series.marks.is_empty())
-        .collect();
-
-    let mut y = axis::Axis::without_zero("PSNR (dB)", points.iter().map(|(.., db)| *db));
-    if points.iter().any(|(.., db)| db.is_infinite()) {
-        y = y.with_infinite("lossless");
-    }
-    let x = axis::Axis::logarithmic(cost.axis, points.iter().map(|(_, cost, _)| *cost));
-    let title = format!("{} of {}", cost.title, kind.name());
+    let values = |of: fn(&Placed<'_>) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+    let (x, y) = (view.across.axis(&values(|placed| placed.x)), view.up.axis(&values(|placed| placed.y)));
+    let key = front.iter().enumerate().map(|(rank, &at)| ((rank + 1).to_string(), points[at].point.point.words()));
     let chart = Chart {
-        series,
+        series: series(&studies, &points, &front),
         legend: "Study".to_owned(),
-        front: front.iter().map(|&at| [points[at].1, points[at].2]).collect(),
-        key: front
-            .iter()
-            .enumerate()
-            .map(|(rank, &at)| ((rank + 1).to_string(), settings(&points[at].0.point)))
-            .collect(),
+        front: front.iter().map(|&at| [points[at].x, points[at].y]).collect(),
+        key: key.collect(),
         key_title: "Pareto front".to_owned(),
         ..Chart::new("", x, y)
     };
+    let lossless = if view.up == Measure::Distortion && points.iter().any(|placed| placed.y.is_infinite()) {
+        " What is lossless has a line of its own, to which the front is dotted: no decibels lie between."
+    } else {
+        ""
+    };
+    let psnr = match (view.up, kind) {
+        (Measure::Distortion, StreamKind::Depth) => " PSNR is that of all samples, in 16-bit logarithmic codes.",
+        (Measure::Distortion, _) => " PSNR is that of all samples.",
+        _ => " Quality is not in this figure.",
+    };
     let caption = format!(
-        "Every point of {} measured, to the left and above is better. The dashed line joins the Pareto front: points that \
-         no other beats in one without losing in the other. {} PSNR is that of all samples{}.",
+        "Every point of {} measured, {} is better. The dashed line joins the Pareto front: points that no other beats in one \
+         without losing in the other. Its points are numbered, and listed beside the chart. Thin lines join the points of a \
+         study of one knob.{lossless}{psnr}",
         kind.name(),
-        "Its points are numbered, and listed beside the chart.",
-        if kind == StreamKind::Depth { ", in 16-bit logarithmic codes" } else { "" }
+        view.better,
     );
-    let subtitle = format!("{}, {} points", results.input, points.len());
-    let drawing = sheet(&title, &subtitle, vec![vec![chart.draw(CHART[0], CHART[1])]]);
-    Some(Figure { name: format!("{}-{}", kind.name(), cost.name), caption, drawing })
+    let shows_time = [view.across, view.up].contains(&Measure::Time);
+    let note = if shows_time { times(points.iter().map(|placed| placed.point)) } else { None };
+    let lines: Vec<String> = [format!("{}, {} points", results.input, points.len())].into_iter().chain(note).collect();
+    let title = format!("{} of {}", view.title, kind.name());
+    let drawing = sheet(&title, &lines, vec![vec![chart.draw(CHART[0], CHART[1])]]);
+    Some(Figure { name: format!("{}-{}", kind.name(), view.name), caption, drawing })
 }
 
-/// A point's settings, as short as they are on the command line.
-fn settings(point: &Point) -> String {
-    let words: Vec<String> = point.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    if words.is_empty() { "usual settings".to_owned() } else { words.join(" ") }
+/// A series for each study; points that belong to several are with the first.
+fn series(studies: &[&Study], points: &[Placed<'_>], front: &[usize]) -> Vec<Series> {
+    let named = |at: usize| front.iter().position(|&on| on == at).map(|rank| (rank + 1).to_string());
+    let members: Vec<_> = studies.iter().map(|study| study.points()).collect();
+    let home = |placed: &Placed<'_>| members.iter().position(|points| points.contains(&placed.point.point));
+    let homes: Vec<Option<usize>> = points.iter().map(home).collect();
+    let of_study = |(number, study): (usize, &&Study)| {
+        let mut own: Vec<usize> = (0..points.len()).filter(|&at| homes[at] == Some(number)).collect();
+        let kind = match study.varied().as_slice() {
+            [axis] if axis.numbers().is_some() => {
+                let value = |at: usize| points[at].point.point.value(axis.knob).and_then(knob::number);
+                own.sort_by(|&a, &b| value(a).partial_cmp(&value(b)).unwrap_or(std::cmp::Ordering::Equal));
+                Kind::Thread
+            }
+            _ => Kind::Points,
+        };
+        let mark = |&at: &usize| Mark { x: points[at].x, y: points[at].y, spread: None, name: named(at) };
+        let marks = own.iter().map(mark).collect();
+        Series { name: study.title.clone(), kind, look: Look::of(number), marks }
+    };
+    let all = studies.iter().enumerate().map(of_study);
+    all.filter(|series| !series.marks.is_empty()).collect()
 }

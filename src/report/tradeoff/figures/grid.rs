@@ -11,8 +11,8 @@ use crate::report::plot::heat::{Cell, HeatMap};
 use crate::report::plot::marker::Look;
 use crate::report::plot::number::{self, Unit};
 use crate::report::tradeoff::point::Measured;
-use crate::report::tradeoff::score;
-use crate::report::tradeoff::study::{Axis, Results, Study};
+use crate::report::tradeoff::score::{self, Scored};
+use crate::report::tradeoff::study::{Axis, Results, Study, product};
 
 /// Sizes of heat maps and of charts in pixels.
 const MAP: [u32; 2] = [410, 340];
@@ -33,14 +33,7 @@ pub(super) fn figures(
     (rows, columns): (&Axis, &Axis),
     others: &[&Axis],
 ) -> Vec<Figure> {
-    let mut combinations: Vec<Vec<(&'static str, String)>> = vec![vec![]];
-    for axis in others {
-        let with = |chosen: &Vec<(&'static str, String)>, value: &String| {
-            chosen.iter().cloned().chain([(axis.knob, value.clone())]).collect::<Vec<_>>()
-        };
-        combinations =
-            combinations.iter().flat_map(|chosen| axis.values.iter().map(move |value| with(chosen, value))).collect();
-    }
+    let combinations = product(&[], others.iter().copied());
     let count = combinations.len();
     let shown = combinations.into_iter().take(super::MOST_OF_A_STUDY);
     shown
@@ -59,66 +52,69 @@ pub(super) fn figures(
                 0 => String::new(),
                 _ => format!(" {left} more combinations are in the table only."),
             };
-            figure(results, study, (rows, columns, points), &chosen).map(|(drawing, caption)| Figure {
-                name,
-                caption: format!("{caption}{note}"),
-                drawing,
-            })
+            let largest = points.iter().flatten().map(|point| point.sizes.container).max()?;
+            let grid = Grid { rows, columns, points, unit: number::bytes_unit(largest as f64) };
+            let (drawing, caption) = grid.figure(results, study, &chosen);
+            Some(Figure { name, caption: format!("{caption}{note}"), drawing })
         })
         .collect()
 }
 
-fn figure(
-    results: &Results,
-    study: &Study,
-    (rows, columns, points): (&Axis, &Axis, Vec<Option<&Measured>>),
-    chosen: &[(&'static str, String)],
-) -> Option<(Drawing, String)> {
-    let largest = points.iter().flatten().map(|point| point.sizes.container).max()?;
-    let grid = Grid { rows, columns, points, unit: number::bytes_unit(largest as f64) };
-    let scores = score::scores(&grid.points, results.weights);
-    let best = score::best(&scores);
-    let weights = results.weights;
-    let score_title =
-        format!("Score: size^{} × time^{}", number::short(weights.compression), number::short(weights.decoding));
-
-    let of = |value: &dyn Fn(&Measured) -> Option<f64>| -> Vec<Option<f64>> {
-        grid.points.iter().map(|point| point.and_then(value)).collect()
-    };
-    let bytes = of(&|point| Some(point.sizes.container as f64 / grid.unit.size));
-    let decode = of(&Measured::decode_ms_per_frame);
-    let size = format!("Container ({})", grid.unit.name);
-    let time = "Decoding (ms a frame)";
-    let least = |values: &[Option<f64>]| score::best(values);
-    let maps = vec![
-        grid.map(&size, &bytes, least(&bytes), grid.unit.name),
-        grid.map(time, &decode, least(&decode), "ms"),
-        grid.map(&score_title, &scores, best, "times the best"),
-    ];
-    let lines = vec![
-        grid.lines(&size, |point, x| {
-            Some(Mark { x, y: point.sizes.container as f64 / grid.unit.size, ..Mark::default() })
-        }),
-        grid.lines(time, |point, x| timed(x, &point.decode, seconds_per_frame_ms(point))),
-    ];
-    let timed_points = scores.iter().flatten().count();
-    let chosen_best = best.map_or_else(String::new, |at| {
-        let (row, column) = (at / columns.values.len(), at % columns.values.len());
-        format!(" The best score has {}={} {}={}.", rows.knob, rows.values[row], columns.knob, columns.values[column])
-    });
-    let caption = format!(
-        "{} and {} against each other, {}: bytes of the container, median time of decoding a frame (all probes and \
-         faces), and a score of both, in which 1 would be best in both of {timed_points} points; less is better in all \
-         three, and the least is framed.{chosen_best} Bars in the lower charts span the shortest and the longest run; what leaves the chart is cut.",
-        capital(&label_of(rows)),
-        label_of(columns),
-        fixed_words(chosen)
-    );
-    let drawing = sheet(&study.title, &subtitle(results, study, chosen), vec![maps, lines]);
-    Some((drawing, caption))
-}
-
 impl Grid<'_> {
+    /// The picture and what is written under it.
+    fn figure(&self, results: &Results, study: &Study, chosen: &[(&'static str, String)]) -> (Drawing, String) {
+        let weights = results.weights;
+        let scored = Scored::new(self.points.clone(), weights);
+        let score_title =
+            format!("Score: size^{} × time^{}", number::short(weights.compression), number::short(weights.decoding));
+        let of = |value: &dyn Fn(&Measured) -> Option<f64>| -> Vec<Option<f64>> {
+            self.points.iter().map(|point| point.and_then(value)).collect()
+        };
+        let bytes = of(&|point| Some(point.sizes.container as f64 / self.unit.size));
+        let decode = of(&Measured::decode_ms_per_frame);
+        let size = format!("Container ({})", self.unit.name);
+        let time = "Decoding (ms a frame)";
+        let maps = vec![
+            self.map(&size, &bytes, score::best(&bytes), self.unit.name),
+            self.map(time, &decode, score::best(&decode), "ms"),
+            self.map(&score_title, &scored.scores, scored.best, "times the best"),
+        ];
+        let lines = vec![
+            self.lines(&size, |point, x| {
+                Some(Mark { x, y: point.sizes.container as f64 / self.unit.size, ..Mark::default() })
+            }),
+            self.lines(time, |point, x| timed(x, &point.decode, seconds_per_frame_ms(point))),
+        ];
+        let caption = format!(
+            "{} and {} against each other, {}: bytes of the container, median time of decoding a frame (all probes and \
+             faces), and a score of both in parts of the best of {} points, which has 1; less is better in all three, and \
+             the least is framed.{} Bars in the lower charts span the shortest and the longest run, and a bar without an end \
+             is cut.",
+            capital(&label_of(self.rows)),
+            label_of(self.columns),
+            fixed_words(chosen),
+            scored.count(),
+            self.least_words(&scored),
+        );
+        let measured = self.points.iter().flatten().copied();
+        let drawing = sheet(&study.title, &subtitle(results, study, chosen, measured), vec![maps, lines]);
+        (drawing, caption)
+    }
+
+    /// Which point has the least score, and what that does not tell.
+    fn least_words(&self, scored: &Scored<'_>) -> String {
+        let Some(at) = scored.best else { return String::new() };
+        let Grid { rows, columns, .. } = self;
+        let (row, column) = (&rows.values[at / columns.values.len()], &columns.values[at % columns.values.len()]);
+        let settings = format!("{}={row} {}={column}", rows.knob, columns.knob);
+        if scored.quality_differs() {
+            format!(
+                " The least bytes and time have {settings}, but points differ in quality, which the score does not know."
+            )
+        } else {
+            format!(" The best score has {settings}.")
+        }
+    }
     fn map(&self, title: &str, values: &[Option<f64>], best: Option<usize>, unit: &str) -> Drawing {
         let cell = |value: &Option<f64>| value.map(|value| Cell { value, text: number::even(value) });
         let map = HeatMap {
@@ -132,9 +128,10 @@ impl Grid<'_> {
         map.draw(MAP[0], MAP[1])
     }
 
-    /// A line for each row, along the columns.
+    /// A line for each row, along the columns; words are no way along which a line could go.
     fn lines(&self, title: &str, mark: impl Fn(&Measured, f64) -> Option<Mark>) -> Drawing {
         let (x, numbers) = axis_of(self.columns);
+        let kind = if self.columns.numbers().is_some() { Kind::Line } else { Kind::Points };
         let width = self.columns.values.len();
         let series: Vec<Series> = self
             .rows
@@ -146,7 +143,7 @@ impl Grid<'_> {
                 // A hole in the grid is a hole in the line.
                 let hole = |x: f64| Mark { x, y: f64::NAN, ..Mark::default() };
                 let marks = points.map(|(point, &x)| point.and_then(|point| mark(point, x)).unwrap_or(hole(x)));
-                Series { name: name.clone(), kind: Kind::Line, look: Look::of(row), marks: marks.collect() }
+                Series { name: name.clone(), kind, look: Look::of(row), marks: marks.collect() }
             })
             .collect();
         let y = axis::Axis::linear(title, extents(series.iter().flat_map(|series| &series.marks)));

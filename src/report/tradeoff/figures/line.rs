@@ -81,10 +81,12 @@ pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Fi
     let drawn: Vec<Drawing> = charts.into_iter().flatten().map(|chart| chart.draw(CHART[0], CHART[1])).collect();
     let rows: Vec<Vec<Drawing>> = drawn.chunks(3).map(<[Drawing]>::to_vec).collect();
     let caption = format!(
-        "{}: bytes, quality and time by {}. Times are medians; bars span the shortest and the longest run; what leaves a chart is cut.",
+        "{}: bytes, quality and time by {}. Encoding includes reading the source; decoding is that of the container, without \
+         LZMA2. Times are medians; bars span the shortest and the longest run, and a bar without an end is cut.",
         study.title,
         label_of(axis)
     );
-    let drawing = sheet(&study.title, &subtitle(results, study, &[]), rows);
+    let measured = points.iter().map(|(_, point)| *point);
+    let drawing = sheet(&study.title, &subtitle(results, study, &[], measured), rows);
     Some(Figure { name: study.name.clone(), caption, drawing })
 }

@@ -7,7 +7,7 @@ mod line;
 mod tiles;
 
 use super::knob;
-use super::point::{Measured, Point};
+use super::point::{self, Measured, Point, Timing};
 use super::study::{Axis, Results, Study};
 use crate::report::plot::Drawing;
 use crate::report::plot::axis;
@@ -33,8 +33,7 @@ pub struct Figure {
 pub fn all(results: &Results) -> Vec<Figure> {
     let mut figures = Vec::new();
     for study in &results.studies {
-        let varied: Vec<&Axis> = study.axes.iter().filter(|axis| axis.values.len() > 1).collect();
-        match varied.as_slice() {
+        match study.varied().as_slice() {
             [] => {}
             [axis] => {
                 figures.extend(line::figure(results, study, axis));
@@ -46,7 +45,7 @@ pub fn all(results: &Results) -> Vec<Figure> {
         }
     }
     figures.extend(curves::figures(results));
-    figures.extend(results.tiles.as_ref().and_then(tiles::figure));
+    figures.extend(results.tiles.as_ref().and_then(|tiles| tiles::figure(tiles, &results.tiles_how)));
     figures
 }
 
@@ -75,17 +74,22 @@ fn point_at(study: &Study, values: impl IntoIterator<Item = (&'static str, Strin
 }
 
 /// A mark with the spread of what was measured several times, in another unit.
-fn timed(x: f64, timing: &super::point::Timing, unit: f64) -> Option<Mark> {
+fn timed(x: f64, timing: &Timing, unit: f64) -> Option<Mark> {
     let (low, high) = timing.spread()?;
     Some(Mark { x, y: timing.median()? / unit, spread: Some((low / unit, high / unit)), name: None })
 }
 
-/// The values that an axis is to show: those of marks, and of their spreads as far as they are less than twice the
-/// largest mark. A run that another program disturbed should not make all others flat.
+/// The values that an axis is to show: those of marks, and of their spreads, from the least on and as far as they are less
+/// than twice the largest mark. A run that another program disturbed should not make all others flat.
 fn extents<'a>(marks: impl Iterator<Item = &'a Mark> + Clone) -> Vec<f64> {
     let finite = marks.clone().map(|mark| mark.y).filter(|y| y.is_finite());
     let most = 2.0 * finite.fold(0.0, f64::max);
-    marks.flat_map(|mark| [mark.y, mark.spread.map_or(mark.y, |spread| spread.1.min(most))]).collect()
+    marks
+        .flat_map(|mark| {
+            let (low, high) = mark.spread.unwrap_or((mark.y, mark.y));
+            [mark.y, low, high.min(most.max(mark.y))]
+        })
+        .collect()
 }
 
 /// Milliseconds of decoding for one point in time, from seconds of a whole run.
@@ -95,28 +99,32 @@ fn seconds_per_frame_ms(point: &Measured) -> f64 {
 
 /// What settings a report's points have besides those of a study's axes.
 fn fixed_words(settings: &[(&'static str, String)]) -> String {
-    if settings.is_empty() {
-        return "other settings as usual".to_owned();
+    match point::words(settings) {
+        Some(words) => format!("with {words}, other settings by default"),
+        None => "other settings by default".to_owned(),
     }
-    let words: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
-    format!("with {}", words.join(" "))
 }
 
-/// Height of the title with the line under it, in pixels.
-const HEAD: f64 = 46.0;
+/// Height of the title, and of each line under it, in pixels.
+const HEAD: f64 = 30.0;
+const LINE: f64 = 16.0;
 
-/// A picture with a title and a line under it, and rows of drawings below; columns are as wide as their widest.
-fn sheet(title: &str, subtitle: &str, rows: Vec<Vec<Drawing>>) -> Drawing {
+/// A picture with a title and lines under it, and rows of drawings below.
+fn sheet(title: &str, lines: &[String], rows: Vec<Vec<Drawing>>) -> Drawing {
+    let head = HEAD + LINE * lines.len() as f64;
     let gap = 8.0;
     let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + gap).sum::<f64>();
     let row_height = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.height)).fold(0.0, f64::max) + gap;
     let width = rows.iter().map(row_width).fold(480.0, f64::max);
-    let height = HEAD + rows.iter().map(row_height).sum::<f64>();
+    let height = head + rows.iter().map(row_height).sum::<f64>();
     let mut all = Drawing::new(width.ceil() as u32, height.ceil() as u32, title);
     let room = width - 24.0;
     all.text([12.0, 24.0], Text::new(title, 17.0).bold().ink(palette::TEXT).fit(room));
-    all.text([12.0, 42.0], Text::new(subtitle, 12.0).ink(palette::FAINT_TEXT).fit(room));
-    let mut y = HEAD;
+    for (at, line) in lines.iter().enumerate() {
+        let baseline = HEAD - 4.0 + LINE * (at + 1) as f64;
+        all.text([12.0, baseline], Text::new(line, 12.0).ink(palette::FAINT_TEXT).fit(room));
+    }
+    let mut y = head;
     for row in rows {
         let below = row_height(&row);
         let mut x = 0.0;
@@ -130,10 +138,22 @@ fn sheet(title: &str, subtitle: &str, rows: Vec<Vec<Drawing>>) -> Drawing {
     all
 }
 
-/// The line under a title: what was measured, on what.
-fn subtitle(results: &Results, study: &Study, others: &[(&'static str, String)]) -> String {
+/// The lines under a title: what was measured, on what, and what its times are.
+fn subtitle<'a>(
+    results: &Results,
+    study: &Study,
+    others: &[(&'static str, String)],
+    points: impl IntoIterator<Item = &'a Measured>,
+) -> Vec<String> {
     let settings: Vec<(&'static str, String)> = study.fixed.iter().chain(others).cloned().collect();
-    format!("{} of {}, {}", study.kind.name(), results.input, fixed_words(&settings))
+    let first = format!("{} of {}, {}", study.kind.name(), results.input, fixed_words(&settings));
+    [first].into_iter().chain(times(points)).collect()
+}
+
+/// What the times of points are; none where none was timed.
+fn times<'a>(points: impl IntoIterator<Item = &'a Measured>) -> Option<String> {
+    let runs = Timing::runs_in_words(points.into_iter().map(|point| &point.decode))?;
+    Some(format!("Times: {runs}. A frame is one moment of the footage (all probes and faces)."))
 }
 
 #[cfg(test)]

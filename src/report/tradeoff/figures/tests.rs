@@ -95,14 +95,24 @@ fn the_papers_figures_are_drawn() {
         "bound-decoding",
         "color-rate-distortion",
         "color-time-distortion",
+        "color-rate-time",
         "depth-rate-distortion",
         "depth-time-distortion",
+        "depth-rate-time",
         "tile-psnr",
     ];
     assert_eq!(names, expected);
+    assert!(figures.iter().all(|figure| !figure.caption.contains("usual")));
+    let cells = &figures[1].caption;
+    assert!(cells.contains("least bytes and time have cell=128 psnr=30, but points differ in quality"), "{cells}");
+    let tiles = figures.last().unwrap();
+    assert!(tiles.caption.contains("effort fast, domain log"), "{}", tiles.caption);
     let boxes = &figures[0];
     assert!(boxes.caption.contains("best score has depth-window=1 max-aabbs=2"), "{}", boxes.caption);
     let svg = save::to_svg(&boxes.drawing).unwrap();
+    for said in ["Times: medians of 3 runs", "(all probes and faces)", "other settings by default", "\n1.00\n"] {
+        assert!(svg.contains(said), "{said}");
+    }
     for said in ["AABB limit", "depth window (frames)", "Container (MB)", "Decoding (ms a frame)", "Score: size^0.25"] {
         assert!(svg.contains(said), "{said}");
     }
@@ -218,10 +228,39 @@ fn odd_results_are_drawn_without_overlaps_and_without_places_that_are_no_numbers
         if name == "holes" {
             assert!(save::to_svg(&figures[0].drawing).unwrap().contains("\nnone\n"));
         }
+        let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
         if name == "lossless" {
+            assert!(names.contains(&"depth-rate-time") && !names.iter().any(|name| name.contains("distortion")));
             assert!(save::to_svg(&figures[0].drawing).unwrap().contains("\nlossless\n"));
         }
     }
+}
+
+/// The series of a figure's chart are seen by their lines: how many lines of a width it has.
+fn lines_of_width(figure: &Figure, width: f64) -> usize {
+    let is = |shape: &&Shape| matches!(shape, Shape::Line { stroke, .. } if stroke.width == width);
+    figure.drawing.shapes.iter().filter(is).count()
+}
+
+#[test]
+fn points_of_one_number_are_joined_thinly_and_words_are_not_joined() {
+    let of = |axes: &[(&str, &[&str])]| {
+        let study = sample::study("joined", StreamKind::Depth, axes);
+        all(&sample::results(vec![study], |point| Some(sample::as_in_the_papers(point))))
+    };
+    let threads = |figures: &[Figure]| lines_of_width(figures.last().unwrap(), 0.9);
+    assert_eq!(threads(&of(&[("error", &["0", "10", "20"])])), 1);
+    assert_eq!(threads(&of(&[("depth-codec", &["quadtree", "aabb"])])), 0);
+    assert_eq!(threads(&of(&[("error", &["0", "10"]), ("tiles", &["1", "2"])])), 0);
+    let grid = |columns: (&str, &[&str])| lines_of_width(&of(&[("error", &["5", "10"]), columns])[0], 1.8);
+    assert!(grid(("tiles", &["1", "2"])) > grid(("depth-domain", &["log", "linear"])));
+}
+
+#[test]
+fn spreads_count_from_their_least_end() {
+    let mark = |y: f64, spread| Mark { y, spread: Some(spread), ..Mark::default() };
+    let marks = [mark(10.0, (7.0, 11.0)), mark(12.0, (11.5, 90.0))];
+    assert_eq!(extents(marks.iter()), [10.0, 7.0, 11.0, 12.0, 11.5, 24.0]);
 }
 
 proptest! {
