@@ -292,6 +292,11 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
         implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
     }
     let (results, failed) = sweep(args, &footage, plan, (&mut store, start), global)?;
+    if input::made_of(input, &footage.source, &fixed)? != footage.input.made_of {
+        return Err(Error::invalid(format!(
+            "{input}: the footage, or this program, changed while it was measured; measure again with --overwrite"
+        )));
+    }
     let rows: Vec<&Row> = results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
     let at_hand: Vec<&Row> = store.rows.iter().filter(|row| kinds.contains(&row.measured.point.kind)).collect();
     let advice = demands.map(|demands| (advise(&at_hand, &demands), unasked(&at_hand, &demands)));

@@ -80,7 +80,8 @@ impl Runner for Children<'_> {
             (status, out.join().unwrap_or_default(), said.join().unwrap_or_default())
         });
         let status = status?;
-        if status.code() == Some(EXIT_INTERRUPTED.into()) {
+        // A signal to all of a terminal's processes may reach a child before it knows what to do with it.
+        if status.code() == Some(EXIT_INTERRUPTED.into()) || was_stopped(status) {
             return Err(Error::Interrupted);
         }
         if !status.success() {
@@ -94,6 +95,21 @@ impl Runner for Children<'_> {
 
     fn now_seconds(&self) -> f64 {
         self.start.elapsed().as_secs_f64()
+    }
+}
+
+/// Whether a process was ended by the signal of Ctrl-C, or by the one that asks it to end.
+fn was_stopped(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    {
+        const INTERRUPT: i32 = 2;
+        const TERMINATE: i32 = 15;
+        matches!(std::os::unix::process::ExitStatusExt::signal(&status), Some(INTERRUPT | TERMINATE))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = status;
+        false
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser};
@@ -12,6 +12,7 @@ use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::ordered::try_map_ordered;
 use crate::report::machine;
 use crate::report::tradeoff::Point;
 use crate::report::tradeoff::commands::{self, Form, Input, into_file};
@@ -104,7 +105,7 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
         path: path.into(),
         form,
         kinds: wanted,
-        made_of: made_of(path, &source, &fixed),
+        made_of: made_of(path, &source, &fixed)?,
         encode: fixed.encode.clone(),
         diff: fixed.diff.clone(),
         decode: fixed.decode.clone(),
@@ -210,6 +211,10 @@ fn parse(words: &[OsString]) -> Result<Cli> {
 
 /// The first sentence of what the parser of command lines says.
 fn refused(error: &clap::Error) -> Error {
+    use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
+    if matches!(error.kind(), DisplayHelp | DisplayVersion) {
+        return Error::Usage("--help and --version are no options of encoding: give them before --".into());
+    }
     let text = error.to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let sentence: Vec<&str> = text.split("\n\n").next().unwrap_or(text).lines().map(str::trim).collect();
@@ -217,8 +222,8 @@ fn refused(error: &clap::Error) -> Error {
 }
 
 /// A mark that changes with the footage, the options of all points, the program and the processor, and with nothing that
-/// another day or a new checkout changes.
-fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
+/// another day or a new checkout changes. All files are read.
+pub fn made_of(path: &str, source: &Source, fixed: &Fixed) -> Result<u32> {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -226,32 +231,35 @@ fn made_of(path: &str, source: &Source, fixed: &Fixed) -> u32 {
     };
     add(env!("CARGO_PKG_VERSION").as_bytes());
     // A program that was built anew may write other bytes.
-    add(&program_crc().unwrap_or_default().to_le_bytes());
+    let program = std::env::current_exe().map_err(|error| Error::io(Path::new("lightfold"), error))?;
+    add(&crc_of(&program)?.to_le_bytes());
     add(machine::processor().as_bytes());
     let full = Path::new(path).canonicalize().unwrap_or_else(|_| path.into());
     add(full.as_os_str().as_encoded_bytes());
     if source.manifest().is_some() {
-        add(&std::fs::read(manifest::manifest_path(&full)).unwrap_or_default());
+        add(&crc_of(&manifest::manifest_path(&full))?.to_le_bytes());
     }
     for word in fixed.encode.iter().chain(&fixed.diff).chain(&fixed.decode) {
         add(word.as_bytes());
     }
-    for group in source.groups() {
-        for file in group.frames.iter().filter_map(|frame| source.file(group, frame).ok()) {
-            add(file.as_os_str().as_encoded_bytes());
-            add(&file.metadata().map_or(0, |meta| meta.len()).to_le_bytes());
-        }
+    let groups = source.groups().iter();
+    let files: Vec<PathBuf> =
+        groups.flat_map(|group| group.frames.iter().filter_map(|frame| source.file(group, frame).ok())).collect();
+    for (file, crc) in files.iter().zip(try_map_ordered(files.iter().collect(), |file: &PathBuf| crc_of(file))?) {
+        add(file.file_name().unwrap_or_default().as_encoded_bytes());
+        add(&crc.to_le_bytes());
     }
-    hasher.finalize()
+    Ok(hasher.finalize())
 }
 
-/// CRC-32 of the bytes of this program.
-fn program_crc() -> std::io::Result<u32> {
-    let mut program = std::fs::File::open(std::env::current_exe()?)?;
+/// CRC-32 of the bytes of a file.
+fn crc_of(path: &Path) -> Result<u32> {
+    let io = |error| Error::io(path, error);
+    let mut file = std::fs::File::open(path).map_err(io)?;
     let mut hasher = crc32fast::Hasher::new();
     let mut bytes = vec![0; 1 << 20];
     loop {
-        match program.read(&mut bytes)? {
+        match file.read(&mut bytes).map_err(io)? {
             0 => return Ok(hasher.finalize()),
             count => hasher.update(&bytes[..count]),
         }

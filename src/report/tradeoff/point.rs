@@ -194,7 +194,7 @@ mod tests {
     fn points_have_a_name_for_people() {
         let settings = vec![("threads", "1".to_owned()), ("error", "50".to_owned())];
         assert_eq!(Point::new(StreamKind::Depth, settings).to_string(), "depth with error=50 threads=1");
-        assert_eq!(Point::new(StreamKind::Color, vec![]).to_string(), "color with usual settings");
+        assert_eq!(Point::new(StreamKind::Color, vec![]).to_string(), "color with default settings");
     }
 
     #[test]

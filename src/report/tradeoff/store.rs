@@ -54,8 +54,8 @@ impl Store {
         let foreign =
             |what: String| Error::invalid(format!("{what}; name another folder, or remove the file")).in_file(&path);
         let heads = reader.headers().map_err(|error| foreign(format!("no CSV of tradeoff: {error}")))?.clone();
-        if heads.iter().all(|head| head != "made_of") {
-            return Err(foreign("no CSV of tradeoff: it has no column made_of".to_owned()));
+        if let Some(missing) = columns().find(|column| heads.iter().all(|head| head != *column)) {
+            return Err(foreign(format!("no CSV of this tradeoff: it has no column {missing}")));
         }
         for (at, record) in reader.records().enumerate() {
             let line = at + 2;
@@ -66,7 +66,11 @@ impl Store {
                 store.dropped += 1;
                 continue;
             }
-            store.rows.push(cells.row().map_err(|error| foreign(format!("row {line}: {error}")))?);
+            let row = cells.row().map_err(|error| foreign(format!("row {line}: {error}")))?;
+            if store.row(&row.measured.point).is_some() {
+                return Err(foreign(format!("row {line}: {} stands in another row, too", row.measured.point)));
+            }
+            store.rows.push(row);
         }
         Ok(store)
     }
@@ -110,9 +114,7 @@ impl Store {
     pub fn text(&self) -> Result<String> {
         let broken = |error: csv::Error| Error::invalid(format!("CSV: {error}"));
         let mut writer = csv::Writer::from_writer(Vec::new());
-        let heads =
-            ["studies", "kind"].into_iter().chain(KNOBS.iter().map(|knob| knob.name)).chain(FIGURES.iter().copied());
-        writer.write_record(heads.chain(["command", "made_of"])).map_err(broken)?;
+        writer.write_record(columns()).map_err(broken)?;
         for row in &self.rows {
             let point = &row.measured.point;
             let mut cells = vec![row.studies.join(BETWEEN), point.kind.name().to_owned()];
@@ -124,6 +126,12 @@ impl Store {
         let bytes = writer.into_inner().map_err(|error| Error::invalid(format!("CSV: {}", error.error())))?;
         String::from_utf8(bytes).map_err(|error| Error::invalid(format!("CSV: {error}")))
     }
+}
+
+/// Names of all columns, in their order.
+fn columns() -> impl Iterator<Item = &'static str> {
+    let knobs = KNOBS.iter().map(|knob| knob.name);
+    ["studies", "kind"].into_iter().chain(knobs).chain(FIGURES.iter().copied()).chain(["command", "made_of"])
 }
 
 /// Figures of a point, by the names that CSV and JSON have for them.
@@ -245,11 +253,32 @@ impl Cells<'_> {
         self.optional(name)?.ok_or_else(|| format!("it has no {name}"))
     }
 
+    /// A number from 0 on, or infinite where that means that nothing differs.
+    fn measured(&self, name: &str, infinite: bool) -> Result<Option<f64>, String> {
+        let found: Option<f64> = self.optional(name)?;
+        match found {
+            Some(number) if number < 0.0 || number.is_nan() || (number.is_infinite() && !infinite) => {
+                Err(format!("{name} is '{}', which nothing measured has", self.text(name)))
+            }
+            found => Ok(found),
+        }
+    }
+
+    /// A count above 0.
+    fn positive(&self, name: &str) -> Result<u64, String> {
+        let count = self.needed(name)?;
+        if count == 0 { Err(format!("{name} is 0, which nothing measured has")) } else { Ok(count) }
+    }
+
     fn timing(&self, name: &str) -> Result<Timing, String> {
         let wrong =
             |_| format!("{name} is '{}', where seconds with {BETWEEN} between them were expected", self.text(name));
         let runs = self.text(name).split(BETWEEN).filter(|run| !run.is_empty());
-        Ok(Timing { runs: runs.map(str::parse).collect::<Result<_, _>>().map_err(wrong)? })
+        let runs: Vec<f64> = runs.map(str::parse).collect::<Result<_, _>>().map_err(wrong)?;
+        if runs.iter().any(|seconds| !seconds.is_finite() || *seconds < 0.0) {
+            return Err(format!("{name} is '{}', where seconds from 0 on were expected", self.text(name)));
+        }
+        Ok(Timing { runs })
     }
 
     fn row(&self) -> Result<Row, String> {
@@ -263,24 +292,24 @@ impl Cells<'_> {
             measured: Measured {
                 point: Point::new(kind, settings),
                 sizes: Sizes {
-                    raw: self.needed("bytes_raw")?,
-                    temporal: self.needed("bytes_temporal")?,
+                    raw: self.positive("bytes_raw")?,
+                    temporal: self.positive("bytes_temporal")?,
                     spatial: self.optional("bytes_spatial")?,
-                    container: self.needed("bytes_container")?,
-                    lzma2: self.needed("bytes_lzma2")?,
+                    container: self.positive("bytes_container")?,
+                    lzma2: self.positive("bytes_lzma2")?,
                 },
                 quality: Quality {
-                    psnr_db: self.needed("psnr_db")?,
-                    min_psnr_db: self.optional("min_psnr_db")?,
-                    ssim: self.optional("ssim")?,
+                    psnr_db: self.measured("psnr_db", true)?.ok_or("it has no psnr_db")?,
+                    min_psnr_db: self.measured("min_psnr_db", true)?,
+                    ssim: self.optional("ssim")?.filter(|ssim: &f64| ssim.is_finite()),
                     max_error_codes: self.optional("max_error_codes")?,
-                    max_error_m: self.optional("max_error_m")?,
+                    max_error_m: self.measured("max_error_m", false)?,
                 },
                 encode: self.timing("encode_runs")?,
                 decode: self.timing("decode_runs")?,
-                frames: self.needed("frames")?,
-                images: self.needed("images")?,
-                pixels: self.needed("pixels")?,
+                frames: self.positive("frames")?,
+                images: self.positive("images")?,
+                pixels: self.positive("pixels")?,
                 updated_pixels: self.needed("updated_pixels")?,
                 decode_passes: self.needed("decode_passes")?,
                 encode_peak_bytes: self.optional("encode_peak_bytes")?,
@@ -326,6 +355,33 @@ mod tests {
     }
 
     #[test]
+    fn figures_that_nothing_measured_has_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let store =
+            Store { path: folder.path().join(FILE_NAME), rows: vec![row(StreamKind::Color, &[0.5, 0.25])], dropped: 0 };
+        let text = store.text().unwrap();
+        let said = |text: &str| {
+            std::fs::write(&store.path, text).unwrap();
+            Store::open(folder.path(), None).map(|store| store.rows.len()).map_err(|error| error.to_string())
+        };
+        assert_eq!(said(&text), Ok(1));
+        let twice = format!("{text}{}\n", text.lines().nth(1).unwrap());
+        for (wrong, word) in [
+            (text.replace("0.5;0.25", "0.5;-0.25"), "encode_runs"),
+            (text.replace("0.5;0.25", "NaN"), "encode_runs"),
+            (text.replace(",inf,40.125,", ",NaN,40.125,"), "psnr_db"),
+            (text.replace(",inf,40.125,", ",inf,-1,"), "min_psnr_db"),
+            (text.replace(",1000,90,80,80,70,", ",0,90,80,80,70,"), "bytes_raw"),
+            (text.replacen(",psnr,", ",psrn,", 1), "psnr"),
+            (twice, "another row"),
+        ] {
+            assert_ne!(wrong, text, "{word}");
+            let error = said(&wrong).unwrap_err();
+            assert!(error.contains(word), "{word}: {error}");
+        }
+    }
+
+    #[test]
     fn rows_come_back_as_they_were() {
         let folder = tempfile::tempdir().unwrap();
         let mut store = Store::open(folder.path(), Some(0x00ab_cdef)).unwrap();
@@ -354,12 +410,17 @@ mod tests {
     fn a_file_of_something_else_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(FILE_NAME);
+        let heads = columns().collect::<Vec<_>>();
+        let line = |of: &[(&str, &str)]| {
+            let cell = |head: &&str| of.iter().find(|(name, _)| name == head).map_or("", |(_, cell)| *cell);
+            format!("{}\n{}\n", heads.join(","), heads.iter().map(cell).collect::<Vec<_>>().join(","))
+        };
         for (text, said) in [
-            ("a,b\n1,2\n", "no column made_of"),
-            ("kind,made_of\nsound,00000001\n", "row 2: 'sound' is no kind of stream"),
-            ("kind,made_of\ndepth,00000001\n", "row 2: it has no bytes_raw"),
-            ("kind,bytes_raw,made_of\ndepth,many,1\n", "bytes_raw is 'many'"),
-            ("kind,made_of\ndepth,1,2\n", "row 2"),
+            ("a,b\n1,2\n".to_owned(), "no column studies"),
+            (line(&[("kind", "sound"), ("made_of", "1")]), "row 2: 'sound' is no kind of stream"),
+            (line(&[("kind", "depth"), ("made_of", "1")]), "row 2: it has no bytes_raw"),
+            (line(&[("kind", "depth"), ("bytes_raw", "many")]), "bytes_raw is 'many'"),
+            (format!("{}depth,1,2\n", line(&[])), "row 2"),
         ] {
             std::fs::write(&path, text).unwrap();
             let error = Store::open(folder.path(), None).unwrap_err().to_string();
