@@ -19,7 +19,7 @@ use crate::video::encode::{DepthCodec, EncodeSettings};
 use crate::video::tile_quality;
 
 /// Length of the longest bar of the histogram.
-const BAR_COLUMNS: u64 = 12;
+const BAR_COLUMNS: u64 = 8;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
