@@ -8,12 +8,12 @@ use crate::dataset::stream::StreamKind;
 pub struct Point {
     /// The kind of stream that is coded, and alone is.
     pub kind: StreamKind,
-    /// Names of knobs and their values as the command line has them, in the order of [`KNOBS`](super::KNOBS).
+    /// Names of knobs and their values as the command line has them, in the order of [`KNOBS`].
     pub settings: Vec<(&'static str, String)>,
 }
 
 impl Point {
-    /// A setting of these knobs, brought into the order of [`KNOBS`](super::KNOBS).
+    /// A setting of these knobs, brought into the order of [`KNOBS`].
     pub fn new(kind: StreamKind, mut settings: Vec<(&'static str, String)>) -> Point {
         let order = |name: &str| KNOBS.iter().position(|knob| knob.name == name);
         settings.sort_by_key(|(name, _)| order(name));
