@@ -1,7 +1,8 @@
 //! Encodes a dataset: reads frames, feeds the unit encoders, writes chunks.
 //!
 //! The order of chunks in the file, and so its bytes, depend on nothing but input and options: frames are read in
-//! batches of a fixed size, units of a batch are coded in parallel and written in order.
+//! batches, units of a batch are coded in parallel, and chunks are written in the order of the frames that closed them,
+//! those of one frame by unit.
 
 mod settings;
 mod unit;
@@ -15,7 +16,7 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use crate::container::index::MAX_SIZE;
-use crate::container::{PackedChunk, ProbeEntry, StreamEntry, Writer};
+use crate::container::{ProbeEntry, StreamEntry, Writer};
 use crate::dataset::source::{Source, SourceGroup};
 use crate::dataset::stream::{Projection, StreamKind};
 use crate::depth::block::MAX_TILE;
@@ -30,7 +31,7 @@ use crate::video::scan;
 pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings};
 use unit::{ColorMemory, GroupCoder, Pace, UnitJob, timed};
 
-/// Frames read and coded together. Fixed, because the file's order depends on it.
+/// Frames read and coded together. The file does not depend on it.
 const BATCH_FRAMES: usize = 16;
 /// Pixels that a batch may hold, so that large faces do not multiply: batches shrink instead.
 const BATCH_PIXELS: usize = 64 << 20;
@@ -190,11 +191,14 @@ impl<W: Write> Job<'_, W> {
                 .par_iter_mut()
                 .map(|job| timed(&coding, || job.push(&pictures, &coder, &pace)))
                 .collect::<Result<Vec<_>>>()?;
-            self.write(packed)?;
+            // By frame, then by unit: the same order whatever fits a batch.
+            let mut packed: Vec<_> = packed.into_iter().flatten().collect();
+            packed.sort_by_key(|(closed_by, _)| *closed_by);
+            packed.iter().try_for_each(|(_, chunk)| self.writer.push(chunk))?;
         }
         let packed =
             units.par_iter_mut().map(|job| timed(&coding, || job.finish(&coder))).collect::<Result<Vec<_>>>()?;
-        self.write(packed)?;
+        packed.iter().flatten().try_for_each(|chunk| self.writer.push(chunk))?;
         self.summary.reading += Duration::from_nanos(reading.into_inner());
         self.summary.coding += Duration::from_nanos(coding.into_inner());
         self.summary.clipped_pixels += coder.clipped.into_inner();
@@ -245,10 +249,6 @@ impl<W: Write> Job<'_, W> {
             streams.push((self.writer.add_stream(entry.clone()), entry));
         }
         Ok(streams)
-    }
-
-    fn write(&mut self, packed: Vec<Vec<PackedChunk>>) -> Result<()> {
-        packed.iter().flatten().try_for_each(|chunk| self.writer.push(chunk))
     }
 }
 

@@ -258,18 +258,20 @@ impl UnitJob {
         Ok(UnitJob { face: face as usize, stream, unit, rect, encoder: coder.unit_encoder(rect, memory)? })
     }
 
-    /// Codes this unit of each picture (by frame, by face); answers the chunks that were closed.
+    /// Codes this unit of each picture (by frame, by face); answers the chunks that were closed, each with the index of
+    /// the picture that closed it.
     pub(super) fn push(
         &mut self,
         pictures: &[Vec<Coded>],
         coder: &GroupCoder<'_>,
         pace: &Pace<'_>,
-    ) -> Result<Vec<PackedChunk>> {
+    ) -> Result<Vec<(usize, PackedChunk)>> {
         let mut packed = Vec::new();
-        for picture in pictures {
+        for (at, picture) in pictures.iter().enumerate() {
             pace.monitor.check()?;
-            let chunk = self.encoder.push(&picture[self.face], self.rect, coder)?;
-            packed.extend(chunk.map(|chunk| self.pack(chunk, coder)).transpose()?);
+            if let Some(chunk) = self.encoder.push(&picture[self.face], self.rect, coder)? {
+                packed.push((at, self.pack(chunk, coder)?));
+            }
             pace.step();
         }
         Ok(packed)
