@@ -14,6 +14,7 @@ pub mod error;
 pub mod gpu;
 pub mod image;
 pub mod math;
+pub mod memory;
 pub mod metrics;
 pub mod monitor;
 pub mod ordered;

@@ -1,5 +1,6 @@
 //! Work on many threads whose error does not depend on which thread came first.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
@@ -42,6 +43,58 @@ pub fn try_map_ordered_with<J: Send, T: Send, S>(
     results.into_iter().flatten().collect()
 }
 
+/// As [`try_map_ordered`], with at most `at_once` jobs at work: one that waits for work of its own on other threads counts,
+/// and no thread begins another for it.
+///
+/// # Errors
+/// Of all jobs that fail, the first in order.
+pub fn try_map_at_once<J: Send, T: Send>(
+    jobs: Vec<J>,
+    at_once: usize,
+    f: impl Fn(J) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
+    try_map_at_once_with(jobs, at_once, || (), |(), job| f(job))
+}
+
+/// As [`try_map_at_once`], with something that successive jobs hand on to each other.
+///
+/// # Errors
+/// Of all jobs that fail, the first in order.
+pub fn try_map_at_once_with<J: Send, T: Send, S>(
+    jobs: Vec<J>,
+    at_once: usize,
+    init: impl Fn() -> S + Sync + Send,
+    f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
+    if at_once >= jobs.len() {
+        return try_map_ordered_with(jobs, init, f);
+    }
+    let failed = AtomicUsize::new(usize::MAX);
+    let left = Mutex::new(jobs.into_iter().enumerate());
+    // A poisoned lock means that a thread has panicked, and that ends all of them.
+    let next = || left.lock().ok().and_then(|mut left| left.next());
+    let mut results: Vec<(usize, Result<T>)> = (0..at_once.max(1))
+        .into_par_iter()
+        .with_max_len(1)
+        .flat_map_iter(|_| {
+            let (mut state, mut done) = (init(), Vec::new());
+            while let Some((order, job)) = next() {
+                if order > failed.load(Ordering::Relaxed) {
+                    break;
+                }
+                let result = f(&mut state, job);
+                if result.is_err() {
+                    failed.fetch_min(order, Ordering::Relaxed);
+                }
+                done.push((order, result));
+            }
+            done
+        })
+        .collect();
+    results.sort_by_key(|(order, _)| *order);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,7 +111,27 @@ mod tests {
                 let error = pool.install(|| try_map_ordered((0..300).collect(), job)).unwrap_err();
                 assert_eq!(error.to_string(), "11");
                 assert_eq!(pool.install(|| try_map_ordered((0..9).collect(), job)).unwrap()[8], 16);
+                let error = pool.install(|| try_map_at_once((0..300).collect(), 3, job)).unwrap_err();
+                assert_eq!(error.to_string(), "11");
+                assert_eq!(pool.install(|| try_map_at_once((0..9).collect(), 2, job)).unwrap()[8], 16);
             }
+        }
+    }
+
+    #[test]
+    fn no_more_jobs_are_at_work_than_allowed_also_where_they_wait_for_work_of_their_own() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
+        for at_once in [1, 3] {
+            let (at_work, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+            let job = |at: u64| {
+                most.fetch_max(at_work.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
+                let sum: u64 = (0..200u64).into_par_iter().map(|n| std::hint::black_box(n * at)).sum();
+                at_work.fetch_sub(1, Ordering::SeqCst);
+                Ok(sum)
+            };
+            let done = pool.install(|| try_map_at_once((0..100).collect(), at_once, job)).unwrap();
+            assert_eq!(done, (0..100).map(|at| 19_900 * at).collect::<Vec<u64>>());
+            assert!((1..=at_once).contains(&most.into_inner()));
         }
     }
 }

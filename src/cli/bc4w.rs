@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::{Map, Value, json};
 
 use crate::cli::encode::{self, Encoded};
-use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, MemoryArgs, OutputArgs, SequenceArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -62,6 +62,9 @@ pub struct Args {
     /// Effort.
     #[command(flatten)]
     pub effort: EffortArgs,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
 }
 
 /// Encodes a sequence as blocks, measures it, or both.
@@ -73,7 +76,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     options.frames = args.frames.frames;
     settings.depth.codec = DepthCodec::Blocks;
     settings.lzma2 = args.lzma2;
-    let output = args.output.as_ref().map(|path| OutputArgs { path: path.clone(), lzma2: args.lzma2, json: args.json });
+    settings.memory = args.memory.get();
+    let output = args.output.as_ref().map(|path| OutputArgs {
+        path: path.clone(),
+        lzma2: args.lzma2,
+        json: args.json,
+        memory: args.memory,
+    });
     match output {
         None if !args.stats => Err(Error::Usage(
             "nothing to do: name the container to write with -o, or measure the tiles with --stats".into(),
@@ -111,6 +120,7 @@ fn measure(
         if let (Some(encoded), Value::Object(report)) = (encoded, &mut report) {
             report.insert("encode".into(), encoded.json());
         }
+        output::add_peak_memory(&mut report);
         output::print_json(&report)?;
     } else {
         if let (Some(encoded), Some(path), false) = (encoded, &args.output, global.quiet) {

@@ -6,23 +6,28 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::json;
 
+use crate::cli::damage;
 use crate::cli::device::{self, DeviceArg, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, SelectionArgs, View};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, SelectionArgs, View};
 use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
-use crate::container::Reader;
 use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
+use crate::memory::Budget;
 use crate::report::tradeoff::Timing;
 use crate::video::decode::Decoder;
-use crate::video::export::{self, DecodeSummary, Destination, FileFormat, ImageSource, OnCpu, Request};
+use crate::video::export::{
+    self, Decoded, Destination, FileFormat, ImageSource, IntactOnCpu, OnCpu, OnDamage, Request,
+};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
+/// Of larger ones only if a good part of them is asked for.
+const LOAD_ANY_BYTES: u64 = 64 << 20;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -33,7 +38,8 @@ const LOAD_BYTES: u64 = 1 << 30;
     lightfold decode film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 --null --stats\n  \
     lightfold decode film.lfold --camera cam.json -o seen\n  \
     lightfold decode film.lfold --device gpu --null\n  \
-    lightfold decode film.lfold --verify\n\n\
+    lightfold decode film.lfold --verify\n  \
+    lightfold decode damaged.lfold --keep-going -o rescued\n\n\
     CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
     A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
@@ -57,6 +63,9 @@ pub struct Args {
     /// Decode everything on a graphics device and on the CPU, and compare; exit code 1 where a word differs
     #[arg(long, conflicts_with = "output")]
     pub verify: bool,
+    /// Of a damaged container, decode every image that is intact; list what is damaged and end with exit code 2
+    #[arg(long, conflicts_with_all = ["verify", "repeat"])]
+    pub keep_going: bool,
     /// Which graphics device.
     #[command(flatten)]
     pub gpu: GpuArgs,
@@ -66,6 +75,9 @@ pub struct Args {
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Kind of files; png holds codes: 8-bit colour, and 16-bit log depth that is for looking at, not for reading back
     #[arg(long, value_enum, default_value_t = FormatArg::Exr)]
     pub format: FormatArg,
@@ -93,19 +105,22 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     }
     let Some(input) = &args.input else { return Err(Error::Usage("name a container to decode".into())) };
     let (choice, gpu) = open_device(args, global)?;
-    let mut reader = Reader::open(input)?;
+    let mut decoder = Decoder::open(input)?;
+    let selection = args.selection.with(args.frames.frames);
+    let memory = args.memory.get();
+    let asked = export::stored_bytes(&decoder, &selection.choose(&decoder)?);
+    let limit = load_limit(decoder.reader().file_bytes(), asked, memory);
     let start = Instant::now();
     // The time of decoding alone is asked for: the file is read before it counts, where memory allows.
-    let in_memory = args.output.is_none() && reader.load(LOAD_BYTES)?;
+    let in_memory = args.output.is_none() && decoder.load(limit)?;
     let reading = start.elapsed();
-    let decoder = Decoder::new(reader)?;
-    let chosen = args.selection.with(args.frames.frames).choose(&decoder)?;
+    let chosen = selection.choose(&decoder)?;
     let view = args.cameras.view(&decoder, &chosen)?;
     let images: u64 = chosen.iter().map(|(_, frames)| frames.count()).sum();
     let passes = args.repeat.map_or(1, |count| u64::from(count) + 1);
     let progress = Progress::start(global, "decoding", images * passes)?;
     let mut runs = Timing::default();
-    let request = Request { chosen: &chosen, filter: view.filter() };
+    let request = Request { chosen: &chosen, filter: view.filter(), memory };
     let mut once = || {
         let start = Instant::now();
         let done = device::or_on_cpu(
@@ -115,22 +130,29 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
                 Some(output) => Ok((write(gpu, &decoder, request, output, args.format, &progress)?, None)),
                 None if args.verify => {
                     let (summary, found) = verify::verify(gpu, &decoder, request, &progress)?;
-                    Ok((summary, Some(found)))
+                    Ok((Decoded { summary, ..Decoded::default() }, Some(found)))
                 }
-                None => Ok((verify::decode_to_nothing(gpu, &decoder, request, &progress)?, None)),
+                None => {
+                    let summary = verify::decode_to_nothing(gpu, &decoder, request, &progress)?;
+                    Ok((Decoded { summary, ..Decoded::default() }, None))
+                }
             },
-            || match &args.output {
-                Some(output) => Ok((write(&OnCpu, &decoder, request, output, args.format, &progress)?, None)),
-                None => Ok((export::decode_to_nothing(&decoder, request, &progress)?, None)),
+            || {
+                let (source, on_damage): (&dyn ImageSource, _) =
+                    if args.keep_going { (&IntactOnCpu, OnDamage::KeepGoing) } else { (&OnCpu, OnDamage::Stop) };
+                match &args.output {
+                    Some(output) => Ok((write(source, &decoder, request, output, args.format, &progress)?, None)),
+                    None => Ok((export::decode_units(&decoder, request, on_damage, &progress)?, None)),
+                }
             },
         )?;
         runs.runs.push(start.elapsed().as_secs_f64());
         Ok(done)
     };
-    let ((mut summary, found), name) = once()?;
+    let ((mut decoded, found), name) = once()?;
     if let Some(repeat) = args.repeat {
         for _ in 0..repeat {
-            summary = once()?.0.0;
+            decoded = once()?.0.0;
         }
         // The first was the warm-up.
         runs.runs.remove(0);
@@ -138,15 +160,60 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     drop(progress);
     let pace =
         Pace { runs, repeated: args.repeat.is_some(), reading_seconds: reading.as_secs_f64(), in_memory, device: name };
-    report(args, (&summary, &view), &pace, found.as_ref(), global)?;
-    Ok(match found {
-        Some(found) if found.mismatched_words > 0 => Outcome::Differs,
-        _ => Outcome::Fine,
+    if args.keep_going && !args.json {
+        output::note(damage::lines(&decoder, &decoded.damaged).trim_end());
+    }
+    let listed = args.keep_going.then_some(&decoder);
+    report(args, (&decoded, listed, &view), &pace, found.as_ref(), global)?;
+    match found {
+        Some(found) if found.mismatched_words > 0 => Ok(Outcome::Differs),
+        _ if !decoded.damaged.is_empty() => Err(verdict(&decoded, images).in_file(input)),
+        _ => Ok(Outcome::Fine),
+    }
+}
+
+/// What is said in the end of a container with damaged chunks.
+fn verdict(decoded: &Decoded, images: u64) -> Error {
+    let (missing, damaged) = (decoded.missing_images(), decoded.damaged.len());
+    let chunks = if damaged == 1 { "a damaged chunk".to_owned() } else { format!("{damaged} damaged chunks") };
+    Error::invalid(if missing == images {
+        format!("none of the {images} images is intact, because of {chunks}; nothing was written")
+    } else {
+        format!("{missing} of {images} images are missing, because of {chunks}; all others are intact")
     })
+}
+
+/// The largest file that is read into memory as a whole, where this one has `file` bytes and `asked` of them are needed.
+fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
+    // A small part of a large file is read as it is decoded.
+    if file > LOAD_ANY_BYTES && asked < file / 8 {
+        return 0;
+    }
+    memory.bytes().map_or(LOAD_BYTES, |bytes| bytes / 4)
 }
 
 /// The choice of a device, and the graphics device that it leads to; comparing takes one.
 fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gpu>)> {
+    if args.memory.memory.is_some()
+        && (args.verify || args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some())
+    {
+        return Err(Error::Usage(
+            "--memory bounds what the CPU's decoder takes, and not what a graphics device takes: leave out one of them"
+                .into(),
+        ));
+    }
+    if args.memory.memory.is_some() && !args.keep_going {
+        return Ok((DeviceArg::Cpu, None));
+    }
+    if args.keep_going {
+        if args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some() {
+            return Err(Error::Usage(
+                "--keep-going decodes on the CPU, which knows which chunk an image needs: leave out --device gpu"
+                    .into(),
+            ));
+        }
+        return Ok((DeviceArg::Cpu, None));
+    }
     let choice = match (args.device, args.verify) {
         (Some(DeviceArg::Cpu), true) => {
             return Err(Error::Usage(
@@ -169,7 +236,7 @@ fn write(
     output: &Path,
     format: FormatArg,
     progress: &Progress,
-) -> Result<DecodeSummary> {
+) -> Result<Decoded> {
     let format = match format {
         FormatArg::Exr => FileFormat::Exr,
         FormatArg::Png => FileFormat::Png,
@@ -185,11 +252,10 @@ fn write(
             ));
         }
         let folder = OutputFolder::create(output)?;
-        let destination = Destination::Dataset(folder.work_path().to_path_buf());
-        let summary = export::decode_to_files(source, decoder, request, &destination, format, progress)
-            .map_err(|error| folder.present(error))?;
-        folder.commit()?;
-        return Ok(summary);
+        return write_into(folder, |folder| {
+            let destination = Destination::Dataset(folder.to_path_buf());
+            export::decode_to_files(source, decoder, request, &destination, format, progress)
+        });
     };
     let images: u64 = request.chosen.iter().map(|(_, frames)| frames.count()).sum();
     if !pattern.has_field() && images != 1 {
@@ -214,11 +280,19 @@ fn write(
     };
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = OutputFolder::create(parent)?;
-    let destination = Destination::Files(pattern.below(folder.work_path()));
-    let summary = export::decode_to_files(source, decoder, request, &destination, format, progress)
-        .map_err(|error| folder.present(error))?;
-    folder.commit()?;
-    Ok(summary)
+    write_into(folder, |folder| {
+        let destination = Destination::Files(pattern.below(folder));
+        export::decode_to_files(source, decoder, request, &destination, format, progress)
+    })
+}
+
+/// Writes into a folder, which appears when there is anything in it.
+fn write_into(folder: OutputFolder, write: impl FnOnce(&Path) -> Result<Decoded>) -> Result<Decoded> {
+    let decoded = write(folder.work_path()).map_err(|error| folder.present(error))?;
+    if decoded.summary.frames > 0 {
+        folder.commit()?;
+    }
+    Ok(decoded)
 }
 
 /// The pattern that an output path is, or none where it names a folder.
@@ -246,11 +320,12 @@ struct Pace {
 
 fn report(
     args: &Args,
-    (summary, view): (&DecodeSummary, &View),
+    (decoded, listed, view): (&Decoded, Option<&Decoder>, &View),
     pace: &Pace,
     found: Option<&Verification>,
     global: &GlobalArgs,
 ) -> Result<()> {
+    let summary = &decoded.summary;
     let seconds = pace.runs.median().unwrap_or_default();
     let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
     let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
@@ -272,6 +347,11 @@ fn report(
         });
         if pace.repeated {
             report["runs_seconds"] = json!(pace.runs.runs);
+        }
+        if let Some(decoder) = listed {
+            report["damaged"] = damage::json(decoder, &decoded.damaged).into();
+            let missing = decoded.missing.iter().map(|missing| export::missing_json(decoder, missing));
+            report["missing"] = missing.collect::<Vec<_>>().into();
         }
         output::add_peak_memory(&mut report);
         view.add_to(&mut report);
@@ -309,5 +389,19 @@ fn report(
             }
             Ok(())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_whole_where_that_is_in_proportion() {
+        let large = 1 << 29;
+        assert_eq!(load_limit(large, large / 2, Budget::UNLIMITED), LOAD_BYTES);
+        assert_eq!(load_limit(large, large / 9, Budget::UNLIMITED), 0);
+        assert_eq!(load_limit(1 << 20, 1, Budget::UNLIMITED), LOAD_BYTES);
+        assert_eq!(load_limit(large, large, Budget::of(400)), 100);
     }
 }

@@ -19,7 +19,7 @@ use crate::video::comparison::Comparison;
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::encode::{self, EncodeSettings, ErrorBound};
 use crate::video::export::{self, Destination, FileFormat, OnCpu, Selection};
-use crate::video::inspect::{self, Check, FrameRows, InspectSettings, Totals};
+use crate::video::inspect::{self, InspectSettings, Totals};
 use crate::video::side::{self, SideOptions};
 
 /// Arguments.
@@ -161,7 +161,7 @@ fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Totals)> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
     let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
-    let settings = InspectSettings { rows: FrameRows::None, check: Check::StopAtFirst };
+    let settings = InspectSettings::default();
     let inspection = inspect::inspect(decoder, &streams, settings, &progress)?;
     let mut rows = Vec::new();
     for kind in StreamKind::ALL.into_iter().filter(|kind| streams.iter().any(|stream| stream.kind == *kind)) {

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::cli::options::{self, FrameArgs, SideArgs};
+use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, diff_text};
@@ -75,6 +75,9 @@ pub struct Args {
     /// Only these faces; also tells the face of a lone sequence
     #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
     pub face: Vec<Face>,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
@@ -106,6 +109,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         coverage: if args.common { Coverage::Common } else { Coverage::Whole },
         measure: if args.exact { Measure::Bits } else { Measure::Codes },
         ssim: args.ssim.into(),
+        memory: args.memory.get(),
     };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
@@ -113,7 +117,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     drop(progress);
     let verdict = Verdict::new(args, &comparison);
     if args.json {
-        output::print_json(&report_json(&sides, &comparison, &verdict))?;
+        let mut report = report_json(&sides, &comparison, &verdict);
+        output::add_peak_memory(&mut report);
+        output::print_json(&report)?;
     } else {
         let rows = if args.streams { diff_text::Rows::All } else { diff_text::Rows::Few };
         output::print_text(&diff_text::report(&sides, &comparison, &verdict, rows))?;

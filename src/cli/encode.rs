@@ -70,6 +70,7 @@ impl Args {
         options.color_channel = self.color_channel.clone();
         self.effort.apply(&mut settings);
         settings.lzma2 = self.output.lzma2;
+        settings.memory = self.output.memory.get();
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }

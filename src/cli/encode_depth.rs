@@ -45,6 +45,7 @@ impl Args {
         options.frames = self.frames.frames;
         self.effort.apply(&mut settings);
         settings.lzma2 = self.output.lzma2;
+        settings.memory = self.output.memory.get();
         Ok((options, settings))
     }
 }

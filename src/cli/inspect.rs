@@ -7,9 +7,9 @@ mod text;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use crate::cli::options::{self, SelectionArgs, SideArgs};
+use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, output};
 use crate::error::{Error, Result};
@@ -57,6 +57,9 @@ pub struct Args {
     /// Write pictures of what each stream is made of into this folder, as PNG
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// With --plot, the frame [default: the first one, and the one that changes most]
     #[arg(long, value_name = "N", requires = "plot")]
     pub frame: Option<u32>,
@@ -93,7 +96,7 @@ struct FrameOut<'a> {
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
-    head: Map<String, Value>,
+    head: Value,
     #[serde(skip_serializing_if = "Option::is_none")]
     frame_rows: Option<Vec<FrameOut<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,6 +116,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             (true, Some(range)) => FrameRows::Range(range),
         },
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
+        memory: args.memory.get(),
     };
     let progress = Progress::start(global, "inspecting", inspect::steps(&decoder, &streams))?;
     let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
@@ -125,7 +129,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     };
     if args.json {
         let frame_rows = args.frames.then(|| report.frame_rows());
-        output::print_json(&Document { head: json::head(&report), frame_rows, plots: plots.as_deref() })?;
+        let mut head = Value::Object(json::head(&report));
+        output::add_peak_memory(&mut head);
+        output::print_json(&Document { head, frame_rows, plots: plots.as_deref() })?;
     } else if args.csv {
         output::print_text(&if args.frames {
             report::csv::of_rows(&report.frame_rows())?

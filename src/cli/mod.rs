@@ -2,6 +2,7 @@
 
 pub mod bc4w;
 pub mod completions;
+mod damage;
 pub mod decode;
 pub mod demo;
 pub mod device;

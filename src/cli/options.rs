@@ -16,6 +16,7 @@ use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
+use crate::memory::Budget;
 use crate::video::encode::EncodeSettings;
 use crate::video::export::Selection;
 
@@ -121,6 +122,30 @@ pub struct OutputArgs {
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+}
+
+/// How much memory a command may take.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct MemoryArgs {
+    /// The most that pictures, chunks and tables may take together, such as 512M, 2G or 1.5GiB; the result does not
+    /// depend on it, and what cannot be done with it is refused [default: limits of its own]
+    #[arg(long, value_name = "SIZE", value_parser = parse_memory)]
+    pub memory: Option<Budget>,
+}
+
+impl MemoryArgs {
+    /// The budget.
+    pub fn get(self) -> Budget {
+        self.memory.unwrap_or(Budget::UNLIMITED)
+    }
+}
+
+/// Parses a size.
+pub fn parse_memory(text: &str) -> Result<Budget, String> {
+    text.parse::<Budget>().map_err(|error: Error| error.to_string())
 }
 
 impl OutputArgs {

@@ -69,7 +69,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         effort: args.effort.get(),
         min_children: args.model.min_children,
     });
-    let settings = PackSettings { repack, flatten };
+    let settings = PackSettings { repack, flatten, memory: args.output.memory.get() };
     let chunks = inputs.iter().map(|reader| reader.index().chunks.len() as u64).sum();
     let progress = Progress::start(global, "packing", chunks)?;
     let path = &args.output.path;
@@ -81,7 +81,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
     let PackSummary { bytes, raw_bytes, frames, streams, flattened_streams, chunks } = summary;
     if args.output.json {
-        output::print_json(&json!({
+        let mut report = json!({
             "seconds": start.elapsed().as_secs_f64(),
             "bytes": bytes,
             "raw_bytes": raw_bytes,
@@ -90,7 +90,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             "streams": streams,
             "flattened_streams": flattened_streams,
             "chunks": chunks,
-        }))?;
+        });
+        output::add_peak_memory(&mut report);
+        output::print_json(&report)?;
     } else if !global.quiet {
         let (from, to) = (human_bytes(input_bytes), human_bytes(bytes));
         output::note(format_args!("{}: {streams} streams, {from} became {to}", path.display()));

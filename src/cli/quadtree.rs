@@ -60,6 +60,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     settings.depth.codec = DepthCodec::Tree;
     settings.depth.error = ErrorBound::Codes(args.max_error);
     settings.lzma2 = args.output.lzma2;
+    settings.memory = args.output.memory.get();
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
     encode_to(&source, &settings, &args.output, global)
 }

@@ -136,6 +136,14 @@ impl Reader {
         self.file_bytes
     }
 
+    /// Bytes of the file that lie in memory: all or none.
+    pub fn bytes_in_memory(&self) -> u64 {
+        match self.bytes {
+            Bytes::File(_) => 0,
+            Bytes::Memory(_) => self.file_bytes,
+        }
+    }
+
     /// Bytes of head, index and foot.
     pub fn overhead_bytes(&self) -> u64 {
         (HEAD_BYTES + FOOT_BYTES) as u64 + self.index_bytes
@@ -172,11 +180,15 @@ impl Reader {
 
     /// A chunk's payload in memory that is no longer needed: fresh memory costs more than reading into it.
     pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
-        let blamed = |error| self.blame(chunk, error);
-        let stored = self.load_stored_into(chunk, spare).map_err(blamed)?;
+        self.load_into(chunk, spare).map_err(|error| self.blame(chunk, error))
+    }
+
+    /// As [`Self::fetch_into`], for callers that say themselves which chunk an error came from.
+    pub fn load_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
+        let stored = self.load_stored_into(chunk, spare)?;
         match chunk.storage {
             Storage::Raw => Ok(stored),
-            Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map(Payload::from).map_err(blamed),
+            Storage::Lzma2 => lzma2::decompress(&stored, chunk.raw_bytes).map(Payload::from),
         }
     }
 

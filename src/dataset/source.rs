@@ -432,6 +432,11 @@ impl Source {
         &self.probes
     }
 
+    /// Pixels of one file.
+    pub fn file_pixels(&self) -> u64 {
+        u64::from(self.file_size.0) * u64::from(self.file_size.1)
+    }
+
     /// What can be read: colour, depth, material; within a kind by probe, then by face.
     pub fn groups(&self) -> &[SourceGroup] {
         &self.groups

@@ -101,7 +101,7 @@ impl Verification {
 fn decode_group(
     gpu: &Gpu,
     decoder: &Decoder,
-    Request { chosen: group, filter }: Request<'_>,
+    Request { chosen: group, filter, .. }: Request<'_>,
     monitor: &dyn Monitor,
     mut seen: impl FnMut(&mut GpuDecoder<'_>, &[usize], u32) -> Result<()>,
 ) -> Result<DecodeSummary> {

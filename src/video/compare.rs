@@ -4,21 +4,27 @@
 //! a transfer function or half floats, as the side that is a container codes them. One frame of each stream is in
 //! memory at a time; streams are compared in parallel, and the result does not depend on how many at once.
 
+use std::collections::HashMap;
+
 use crate::color::quality::Pu21;
 use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
+use crate::memory::{Budget, Need};
 use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use crate::ordered::try_map_at_once;
 use crate::video::codec::ColorFormat;
 use crate::video::comparison::{Comparison, Measured, Missing, StreamReport};
 use crate::video::difference::{BitErrors, DepthErrors, SampleErrors, half_levels, half_peak};
 use crate::video::domain::{Converted, Converter, Domain, Origin, Values};
 use crate::video::scan;
-use crate::video::side::{Coding, Image, Side, SideForm, SideReader, SideStream, StreamId};
+use crate::video::side::{Coding, Image, Side, SideForm, SideReader, SideStream};
+
+/// Bytes for each pixel of a pair of images: as read, as converted, and while they are measured.
+const COMPARING_BYTES: u64 = 64;
 
 /// What becomes of streams and frames that only one side has.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -61,6 +67,8 @@ pub struct CompareSettings {
     pub measure: Measure,
     /// SSIM.
     pub ssim: SsimFrames,
+    /// Memory that images and decoders may take.
+    pub memory: Budget,
 }
 
 /// Two streams that are compared.
@@ -89,12 +97,11 @@ impl<'a> Pairing<'a> {
     /// When nothing belongs together, or what does cannot be compared: sizes differ, or what depth measures.
     pub fn new(sides: &'a [Side; 2], coverage: Coverage) -> Result<Pairing<'a>> {
         let [a, b] = sides;
-        let mut matches: Vec<[Option<&SideStream>; 2]> = Vec::new();
-        for stream in &a.streams {
-            matches.push([Some(stream), b.streams.iter().find(|other| other.id == stream.id)]);
-        }
-        let known = |id: &StreamId| a.streams.iter().any(|stream| stream.id == *id);
-        matches.extend(b.streams.iter().filter(|stream| !known(&stream.id)).map(|stream| [None, Some(stream)]));
+        let by_id = |side: &'a Side| side.streams.iter().map(|stream| (&stream.id, stream)).collect::<HashMap<_, _>>();
+        let (of_a, of_b) = (by_id(a), by_id(b));
+        let mut matches: Vec<[Option<&SideStream>; 2]> =
+            a.streams.iter().map(|stream| [Some(stream), of_b.get(&stream.id).copied()]).collect();
+        matches.extend(b.streams.iter().filter(|stream| !of_a.contains_key(&stream.id)).map(|b| [None, Some(b)]));
         for kind in StreamKind::ALL {
             let only = |side: &'a Side| {
                 let mut of_kind = side.streams.iter().filter(|stream| stream.id.kind == kind);
@@ -196,12 +203,29 @@ fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange>
 /// # Errors
 /// When an image cannot be read or decoded.
 pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
-    let domains = domains(pairing, monitor)?;
+    let at_once = streams_at_once(pairing, settings.memory)?;
+    let domains = domains(pairing, at_once, monitor)?;
     let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
     let job = Job { sides: pairing.sides, settings, monitor };
     let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
-    let reports = try_map_ordered(jobs, |pairs| job.run(pairs))?;
+    let reports = try_map_at_once(jobs, at_once, |pairs| job.run(pairs))?;
     Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
+}
+
+/// How many runs of pairs that share files may be compared at once.
+fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
+    if memory.bytes().is_none() {
+        return Ok(usize::MAX);
+    }
+    let of_pair = |pair: &Pair<'_>| {
+        let pixels = u64::from(pair.streams[0].size[0]) * u64::from(pair.streams[0].size[1]);
+        let decoding: u64 = pairing.sides.iter().zip(pair.streams).map(|(side, of)| side.stream_bytes(of)).sum();
+        decoding + pixels * COMPARING_BYTES
+    };
+    let runs = pairing.pairs.chunk_by(Pair::shares_files);
+    let each = runs.map(|pairs| pairs.iter().map(of_pair).sum()).max().unwrap_or(0);
+    let fixed = pairing.sides.iter().map(Side::open_bytes).sum();
+    memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
 }
 
 impl<'a> Pair<'a> {
@@ -248,12 +272,12 @@ fn visit(
 }
 
 /// The domain of each pair; ranges of depth that nobody knows are found by reading both sides.
-fn domains(pairing: &Pairing<'_>, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
+fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
     let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
     let unknown: Vec<Pair<'_>> =
         pairing.pairs.iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
     let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();
-    let extents = try_map_ordered(chunks, |pairs| {
+    let extents = try_map_at_once(chunks, at_once, |pairs| {
         let mut extents = vec![None; pairs.len()];
         visit(pairing.sides, pairs, monitor, |at, _, images| {
             for image in &images {

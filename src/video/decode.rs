@@ -17,6 +17,7 @@ use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, MaterialHeader};
+use crate::video::damage::DamagedChunk;
 use crate::video::depth_chunk::DepthChunk;
 use crate::video::material_chunk::MaterialChunk;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
@@ -123,6 +124,11 @@ impl Decoder {
         &self.reader
     }
 
+    /// As [`Reader::load`].
+    pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
+        self.reader.load(limit_bytes)
+    }
+
     /// The probe of a stream.
     pub fn probe(&self, stream: &StreamInfo) -> &ProbeEntry {
         &self.reader.index().probes[stream.probe]
@@ -146,7 +152,8 @@ impl Decoder {
             CodecHeader::Color(header) => State::ColorHalf(CellState::new(header.cell_of_halves(size))),
         };
         let chunks = self.reader.index().unit_chunks(stream.index, unit);
-        let source = ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare };
+        let source =
+            ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare, damaged: Vec::new() };
         UnitDecoder { source, frames: stream.frames, rect: stream.entry.unit_rect(unit), state }
     }
 
@@ -165,6 +172,8 @@ struct ChunkSource<'a> {
     cost: DecodeCost,
     /// Memory of a chunk that is no longer needed.
     spare: Vec<u8>,
+    /// Chunks that could not be used; they are not read again.
+    damaged: Vec<DamagedChunk>,
 }
 
 impl ChunkSource<'_> {
@@ -178,12 +187,26 @@ impl ChunkSource<'_> {
     }
 
     fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
+        if let Some(known) = self.damaged.iter().find(|known| known.chunk.key == chunk.key) {
+            return Err(self.reader.blame(chunk, Error::invalid(known.reason.clone())));
+        }
         let start = Instant::now();
-        let payload = self.reader.fetch_into(chunk, std::mem::take(&mut self.spare))?;
-        let parsed = parse(payload).map_err(|error| self.reader.blame(chunk, error))?;
+        let spare = std::mem::take(&mut self.spare);
+        let parsed = match self.reader.load_into(chunk, spare).and_then(parse) {
+            Ok(parsed) => parsed,
+            Err(error) => return Err(self.condemn(chunk, error)),
+        };
         self.cost.fetching += start.elapsed();
         self.cost.bytes_read += u64::from(chunk.stored_bytes);
         Ok(parsed)
+    }
+
+    /// Lists a chunk as damaged; answers the error that says so.
+    fn condemn(&mut self, chunk: &ChunkEntry, error: Error) -> Error {
+        if self.damaged.iter().all(|known| known.chunk.key != chunk.key) {
+            self.damaged.push(DamagedChunk::new(chunk, &error));
+        }
+        self.reader.blame(chunk, error)
     }
 }
 
@@ -223,6 +246,11 @@ impl UnitDecoder<'_> {
     /// What all calls of [`Self::decode`] cost.
     pub fn cost(&self) -> DecodeCost {
         self.source.cost
+    }
+
+    /// The chunks that were needed and could not be used. What needs none of them is decoded all the same.
+    pub fn damaged(&self) -> &[DamagedChunk] {
+        &self.source.damaged
     }
 
     /// The memory of its last chunk, for another unit.
@@ -425,8 +453,11 @@ impl<S: Sample> CellState<S> {
             |chunk: &Option<(usize, CellChunk<S>)>| chunk.as_ref().is_some_and(|(held, _)| *held == chunk_index);
         if !holds(&self.chunk) && !holds(&self.next_chunk) {
             let Some(&entry) = source.chunks.get(chunk_index) else {
-                return Err(Error::invalid("a cell's last chunk leads to a next one, and there is none")
-                    .in_file(source.reader.path()));
+                let error = Error::invalid("a cell's last chunk leads to a next one, and there is none");
+                return Err(match source.chunks.last() {
+                    Some(last) => source.condemn(last, error),
+                    None => error.in_file(source.reader.path()),
+                });
             };
             self.next_chunk = Some((chunk_index, self.parse(source, &entry)?));
         }
@@ -461,40 +492,36 @@ impl FaceDecoder<'_> {
     /// It does not depend on what was wanted in other frames.
     pub fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
         let stream = self.stream;
-        let wanted: Vec<_> =
-            (0..).zip(&mut self.units).filter(|(unit, _)| filter.wants(stream, *unit, frame)).collect();
-        let units = try_map_ordered(wanted, |(_, unit)| {
+        let units = try_map_ordered(wanted(stream, &mut self.units, frame, filter), |unit| {
             unit.decode(frame)?;
             Ok(&*unit)
         })?;
         self.wanted_pixels += units.iter().map(|unit| unit.pixels()).sum::<u64>();
-        let size = [stream.entry.width, stream.entry.height];
-        Ok(match stream.header {
-            CodecHeader::Depth(_) => {
-                Picture::Depth(assemble(size, BACKGROUND_CODE, &units, |unit| match &unit.state {
-                    State::Depth(state) => &state.picture,
-                    _ => &[],
-                }))
-            }
-            CodecHeader::Material(_) => Picture::Material(assemble(size, [0; 3], &units, |unit| match &unit.state {
-                State::Material(state) => &state.picture,
-                _ => &[],
-            })),
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Picture::Color8(assemble(size, [0; 3], &units, |unit| match &unit.state {
-                    State::Color8(state) => state.shown.as_chunks().0,
-                    _ => &[],
-                }))
-            }
-            CodecHeader::Color(_) => {
-                let black = [HalfKey::from_bits(f16::ZERO.to_bits()); 3];
-                let keys = assemble(size, black, &units, |unit| match &unit.state {
-                    State::ColorHalf(state) => state.shown.as_chunks::<3>().0,
-                    _ => &[],
-                });
-                Picture::ColorHalf(keys.map(|pixel| pixel.map(HalfKey::to_half)))
-            }
-        })
+        Ok(picture(stream, &units))
+    }
+
+    /// As [`Self::decode_wanted`], but none where a wanted unit needs a damaged chunk, which [`Self::damaged`] then
+    /// lists. All units are tried.
+    ///
+    /// # Errors
+    /// The stream does not have the frame.
+    pub fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        let stream = self.stream;
+        let units = try_map_ordered(wanted(stream, &mut self.units, frame, filter), |unit| match unit.decode(frame) {
+            Err(error) if unit.damaged().is_empty() => Err(error),
+            Err(_) => Ok(None),
+            Ok(_) => Ok(Some(&*unit)),
+        })?;
+        let Some(units) = units.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+        self.wanted_pixels += units.iter().map(|unit| unit.pixels()).sum::<u64>();
+        Ok(Some(picture(stream, &units)))
+    }
+
+    /// Chunks of all units that could not be used, by unit and frame.
+    pub fn damaged(&self) -> Vec<DamagedChunk> {
+        let mut damaged: Vec<_> = self.units.iter().flat_map(UnitDecoder::damaged).cloned().collect();
+        damaged.sort_by_key(|damaged| damaged.chunk.key);
+        damaged
     }
 
     /// What decoding cost so far.
@@ -505,6 +532,46 @@ impl FaceDecoder<'_> {
     /// Pixels of the units that were wanted, over all frames so far.
     pub fn wanted_pixels(&self) -> u64 {
         self.wanted_pixels
+    }
+}
+
+/// Those of a stream's units that are wanted in a frame.
+fn wanted<'d, 'a>(
+    stream: &StreamInfo,
+    units: &'d mut [UnitDecoder<'a>],
+    frame: u32,
+    filter: &dyn UnitFilter,
+) -> Vec<&'d mut UnitDecoder<'a>> {
+    let all = (0..).zip(units);
+    all.filter(|(unit, _)| filter.wants(stream, *unit, frame)).map(|(_, unit)| unit).collect()
+}
+
+/// The image that units show.
+fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Picture {
+    let size = [stream.entry.width, stream.entry.height];
+    match stream.header {
+        CodecHeader::Depth(_) => Picture::Depth(assemble(size, BACKGROUND_CODE, units, |unit| match &unit.state {
+            State::Depth(state) => &state.picture,
+            _ => &[],
+        })),
+        CodecHeader::Material(_) => Picture::Material(assemble(size, [0; 3], units, |unit| match &unit.state {
+            State::Material(state) => &state.picture,
+            _ => &[],
+        })),
+        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+            Picture::Color8(assemble(size, [0; 3], units, |unit| match &unit.state {
+                State::Color8(state) => state.shown.as_chunks().0,
+                _ => &[],
+            }))
+        }
+        CodecHeader::Color(_) => {
+            let black = [HalfKey::from_bits(f16::ZERO.to_bits()); 3];
+            let keys = assemble(size, black, units, |unit| match &unit.state {
+                State::ColorHalf(state) => state.shown.as_chunks::<3>().0,
+                _ => &[],
+            });
+            Picture::ColorHalf(keys.map(|pixel| pixel.map(HalfKey::to_half)))
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! batches, units of a batch are coded in parallel, and chunks are written in the order of the frames that closed them,
 //! those of one frame by unit.
 
+mod memory;
 mod settings;
 mod unit;
 
@@ -90,6 +91,7 @@ pub fn encode<W: Write>(
     if groups.is_empty() {
         return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
     }
+    memory::check(source, settings, &groups)?;
     let projection = u8::from(source.projection() == Projection::Perspective);
     let mut writer = Writer::new(out, source.name(), source.fps(), projection)?;
     for probe in source.probes() {
@@ -168,16 +170,15 @@ impl<W: Write> Job<'_, W> {
         let group = coder.group;
         let streams = self.declare_streams(&coder)?;
         let unit_count = streams.iter().map(|(_, entry)| entry.unit_count()).sum();
-        let memory = ColorMemory::new(group, &coder.header, self.settings.search, unit_count);
+        let color_memory = ColorMemory::new(group, &coder.header, self.settings.search, unit_count);
         let mut units = Vec::new();
         for (face, (stream, entry)) in streams.iter().enumerate() {
             for unit in 0..entry.unit_count() {
                 let rect = entry.unit_rect(unit);
-                units.push(UnitJob::new(&coder, &memory, [face as u32, *stream, unit], rect)?);
+                units.push(UnitJob::new(&coder, &color_memory, [face as u32, *stream, unit], rect)?);
             }
         }
-        let face_pixels = group.width as usize * group.height as usize * group.faces.len();
-        let batch = (BATCH_PIXELS / face_pixels.max(1)).clamp(1, BATCH_FRAMES);
+        let batch = memory::batch_frames(self.source, self.settings, group)?;
         let frames: Vec<u32> = group.frames.iter().collect();
         let (reading, coding) = (AtomicU64::new(0), AtomicU64::new(0));
         let pace = Pace::new(self.monitor, units.len(), group.faces.len());
@@ -280,7 +281,7 @@ pub(super) fn depth_of_probe(
         let (range, kept) = (DepthRange::new(near, far)?, HashMap::new());
         return Ok(ProbeDepth { range, kept, reading: Duration::ZERO, scanning: Duration::ZERO });
     }
-    let found = scan::scan_probe(source, groups, monitor)?;
+    let found = scan::scan_probe(source, groups, memory::scan_limits(source, settings, groups)?, monitor)?;
     let probe = groups.first().map_or("", |(_, group)| source.probes()[group.probe].name.as_str());
     let range = found_range(probe, [near, far], &found)?;
     Ok(ProbeDepth { range, kept: found.kept, reading: found.reading, scanning: found.scanning })

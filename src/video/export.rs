@@ -1,24 +1,31 @@
 //! Decodes streams into image files, or into nothing to measure the decoding alone.
 
+mod dataset;
+
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::json;
 
-use crate::dataset::manifest::{self, Manifest};
+use crate::dataset::manifest;
 use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::sequence::{FrameRange, Pattern};
-use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
 use crate::image::{exr, png};
+use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
-use crate::ordered::{try_map_ordered, try_map_ordered_with};
+use crate::ordered::{try_map_at_once, try_map_at_once_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
+use crate::video::damage::{DamagedChunk, MissingImages};
 use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
+use crate::video::footprint;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
+use dataset::{file_pattern, manifest_of};
 
 /// Which streams and frames. Empty lists and `None` mean all.
 #[derive(Debug, Clone, Default)]
@@ -88,12 +95,14 @@ pub struct Request<'a> {
     pub chosen: &'a [Chosen<'a>],
     /// Units.
     pub filter: &'a dyn UnitFilter,
+    /// Memory that the CPU's decoders may take.
+    pub memory: Budget,
 }
 
 impl<'a> Request<'a> {
     /// All units of streams and frames.
     pub fn all(chosen: &'a [Chosen<'a>]) -> Request<'a> {
-        Request { chosen, filter: &AllUnits }
+        Request { chosen, filter: &AllUnits, memory: Budget::UNLIMITED }
     }
 }
 
@@ -167,41 +176,114 @@ pub fn stored_bytes(decoder: &Decoder, chosen: &[Chosen<'_>]) -> u64 {
     chosen.iter().map(of_stream).sum()
 }
 
+/// What became of images that were asked for.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Decoded {
+    /// What was decoded.
+    pub summary: DecodeSummary,
+    /// Chunks that could not be used, by stream, unit and frame.
+    pub damaged: Vec<DamagedChunk>,
+    /// Images that these are needed for, by stream.
+    pub missing: Vec<MissingImages>,
+}
+
+/// What becomes of damaged chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OnDamage {
+    /// The first one is an error.
+    #[default]
+    Stop,
+    /// All are listed, and images that need none of them are decoded.
+    KeepGoing,
+}
+
 /// Decodes what the filter wants of everything chosen, frame by frame, and drops it. The monitor advances by one for
 /// every image.
-pub fn decode_to_nothing(
+///
+/// # Errors
+/// Of all damaged chunks, the first.
+pub fn decode_to_nothing(decoder: &Decoder, request: Request<'_>, monitor: &dyn Monitor) -> Result<DecodeSummary> {
+    Ok(decode_units(decoder, request, OnDamage::Stop, monitor)?.summary)
+}
+
+/// As [`decode_to_nothing`], with a choice of what becomes of damaged chunks.
+///
+/// # Errors
+/// The monitor stops the work, or a chunk is damaged and that is to be an error.
+pub fn decode_units(
     decoder: &Decoder,
-    Request { chosen, filter }: Request<'_>,
+    Request { chosen, filter, memory }: Request<'_>,
+    on_damage: OnDamage,
     monitor: &dyn Monitor,
-) -> Result<DecodeSummary> {
+) -> Result<Decoded> {
     let jobs: Vec<_> = chosen
         .iter()
         .flat_map(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
         .collect();
-    let summaries = try_map_ordered_with(jobs, Vec::new, |spare, (stream, frames, unit)| {
+    let each = |(stream, _, unit): &(&StreamInfo, FrameRange, u32)| footprint::unit_bytes(decoder, stream, *unit);
+    let at_once = at_once(decoder, memory, || jobs.iter().map(each).max())?;
+    let units = try_map_at_once_with(jobs, at_once, Vec::new, |spare, (stream, frames, unit)| {
         let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
-        let mut wanted = 0;
+        let (mut wanted, mut missing) = (0, Vec::new());
         for frame in frames.iter() {
             monitor.check()?;
-            if filter.wants(stream, unit, frame) {
-                decoder.decode(frame)?;
-                wanted += 1;
+            if !filter.wants(stream, unit, frame) {
+                continue;
+            }
+            match decoder.decode(frame) {
+                Ok(_) => wanted += 1,
+                Err(_) if on_damage == OnDamage::KeepGoing && !decoder.damaged().is_empty() => missing.push(frame),
+                Err(error) => return Err(error),
             }
         }
         let first = unit == 0;
         if first {
             monitor.advance(frames.count());
         }
-        let (cost, unit_pixels) = (decoder.cost(), decoder.pixels());
+        let (cost, unit_pixels, damaged) = (decoder.cost(), decoder.pixels(), decoder.damaged().to_vec());
         *spare = decoder.into_spare();
-        Ok(DecodeSummary {
+        let summary = DecodeSummary {
             frames: if first { frames.count() } else { 0 },
             pixels: wanted * unit_pixels,
             bytes_out: cost.updated_pixels * decoded_pixel_bytes(&stream.header),
             cost,
-        })
+        };
+        Ok((stream.index, summary, damaged, missing))
     })?;
-    Ok(summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus))
+    let mut decoded = Decoded::default();
+    let mut frames: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (stream, summary, damaged, missing) in units {
+        decoded.summary = decoded.summary.plus(summary);
+        decoded.damaged.extend(damaged);
+        frames.entry(stream).or_default().extend(missing);
+    }
+    decoded.finish(frames);
+    // Streams were counted whole.
+    decoded.summary.frames -= decoded.missing_images();
+    Ok(decoded)
+}
+
+/// How many jobs of the size of the largest may run at once.
+fn at_once(decoder: &Decoder, memory: Budget, largest: impl FnOnce() -> Option<u64>) -> Result<usize> {
+    if memory.bytes().is_none() {
+        return Ok(usize::MAX);
+    }
+    let fixed = footprint::container_bytes(decoder.reader());
+    let each = largest().unwrap_or(0);
+    memory.at_once(&Need { what: "decoding", fixed, each, instead: "" }, rayon::current_num_threads())
+}
+
+impl Decoded {
+    /// How many images are not there.
+    pub fn missing_images(&self) -> u64 {
+        self.missing.iter().map(MissingImages::count).sum()
+    }
+
+    /// Puts what is damaged in order, and lists the frames of each stream that are missing for it.
+    fn finish(&mut self, frames: BTreeMap<u32, Vec<u32>>) {
+        self.damaged.sort_by_key(|damaged| damaged.chunk.key);
+        self.missing = frames.into_iter().filter_map(|(stream, frames)| MissingImages::new(stream, frames)).collect();
+    }
 }
 
 /// Decodes the images of one stream.
@@ -211,6 +293,19 @@ pub trait Images {
     /// # Errors
     /// The stream does not have the frame, a chunk is damaged, or the device that decodes fails.
     fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
+
+    /// As [`Self::decode_wanted`]; none where the image needs a chunk that [`Self::damaged`] lists.
+    ///
+    /// # Errors
+    /// Where this does not list damaged chunks, they are errors.
+    fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        self.decode_wanted(frame, filter).map(Some)
+    }
+
+    /// Chunks that could not be used so far.
+    fn damaged(&self) -> Vec<DamagedChunk> {
+        Vec::new()
+    }
 
     /// Pixels of the units that were wanted, over all frames so far.
     fn wanted_pixels(&self) -> u64;
@@ -252,6 +347,40 @@ impl Images for FaceDecoder<'_> {
     }
 }
 
+/// Images are decoded on the CPU, those that need no damaged chunk.
+#[derive(Debug, Clone, Copy)]
+pub struct IntactOnCpu;
+
+struct IntactImages<'a>(FaceDecoder<'a>);
+
+impl ImageSource for IntactOnCpu {
+    fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>> {
+        Ok(Box::new(IntactImages(decoder.face(stream))))
+    }
+}
+
+impl Images for IntactImages<'_> {
+    fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        self.0.decode_wanted(frame, filter)
+    }
+
+    fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        self.0.decode_intact(frame, filter)
+    }
+
+    fn damaged(&self) -> Vec<DamagedChunk> {
+        self.0.damaged()
+    }
+
+    fn wanted_pixels(&self) -> u64 {
+        self.0.wanted_pixels()
+    }
+
+    fn cost(&self) -> DecodeCost {
+        self.0.cost()
+    }
+}
+
 /// Where images go.
 #[derive(Debug, Clone)]
 pub enum Destination {
@@ -262,21 +391,33 @@ pub enum Destination {
 }
 
 /// Decodes what the filter wants of everything chosen into files; the rest of an image is background where it is
-/// depth, else 0. The monitor advances by one for every image.
+/// depth, else 0. The monitor advances by one for every image. Of images that are missing there is no file, and the
+/// manifest's `extra` tells which those are.
+///
+/// # Errors
+/// A chunk is damaged and `source` does not list it, a file cannot be written, or the monitor stops the work.
 pub fn decode_to_files(
     source: &dyn ImageSource,
     decoder: &Decoder,
-    Request { chosen, filter }: Request<'_>,
+    Request { chosen, filter, memory }: Request<'_>,
     destination: &Destination,
     format: FileFormat,
     monitor: &dyn Monitor,
-) -> Result<DecodeSummary> {
+) -> Result<Decoded> {
     let written = AtomicU64::new(0);
-    let summaries = try_map_ordered(chosen.to_vec(), |(stream, frames)| {
+    let each = |(stream, _): &Chosen<'_>| footprint::stream_bytes(decoder, stream) + footprint::image_bytes(stream);
+    let at_once = at_once(decoder, memory, || chosen.iter().map(each).max())?;
+    let streams = try_map_at_once(chosen.to_vec(), at_once, |(stream, frames)| {
         let writer = ImageWriter::new(stream, format);
         let mut face = source.open(decoder, stream)?;
+        let mut missing = Vec::new();
         for frame in frames.iter() {
             monitor.check()?;
+            let Some(picture) = face.decode_intact(frame, filter)? else {
+                missing.push(frame);
+                monitor.advance(1);
+                continue;
+            };
             let path = match destination {
                 Destination::Files(pattern) => pattern.path(frame),
                 Destination::Dataset(folder) => {
@@ -289,23 +430,47 @@ pub fn decode_to_files(
             if let Some(parent) = path.parent() {
                 std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
-            writer.write(&path, face.decode_wanted(frame, filter)?).map_err(|error| error.in_file(&path))?;
+            writer.write(&path, picture).map_err(|error| error.in_file(&path))?;
             let bytes = std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
             written.fetch_add(bytes, Ordering::Relaxed);
             monitor.advance(1);
         }
-        let pixels = face.wanted_pixels();
-        Ok(DecodeSummary { frames: frames.count(), pixels, bytes_out: 0, cost: face.cost() })
+        let (pixels, images) = (face.wanted_pixels(), frames.count() - missing.len() as u64);
+        let summary = DecodeSummary { frames: images, pixels, bytes_out: 0, cost: face.cost() };
+        Ok((stream.index, summary, face.damaged(), missing))
     })?;
-    let mut summary = summaries.into_iter().fold(DecodeSummary::default(), DecodeSummary::plus);
+    let mut decoded = Decoded::default();
+    let mut frames: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for (stream, summary, damaged, missing) in streams {
+        decoded.summary = decoded.summary.plus(summary);
+        decoded.damaged.extend(damaged);
+        frames.insert(stream, missing);
+    }
+    decoded.finish(frames);
+    decoded.summary.bytes_out = written.into_inner();
     if let Destination::Dataset(folder) = destination
-        && let Some(manifest) = manifest_of(decoder, chosen, format)
+        && decoded.summary.frames > 0
+        && let Some(mut manifest) = manifest_of(decoder, chosen, format)
     {
+        if !decoded.missing.is_empty() {
+            let list = decoded.missing.iter().map(|missing| missing_json(decoder, missing)).collect();
+            manifest.extra.get_or_insert_with(|| json!({}))["missing"] = serde_json::Value::Array(list);
+        }
         let path = folder.join(manifest::MANIFEST_NAME);
         std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
     }
-    summary.bytes_out = written.into_inner();
-    Ok(summary)
+    Ok(decoded)
+}
+
+/// Images that are not there, as a manifest's `extra` and reports tell it.
+pub fn missing_json(decoder: &Decoder, missing: &MissingImages) -> serde_json::Value {
+    let stream = &decoder.streams()[missing.stream as usize];
+    json!({
+        "kind": stream.kind.name(),
+        "probe": decoder.probe(stream).name,
+        "face": stream.face.name(),
+        "frames": missing.frames.iter().map(|range| [range.first, range.last]).collect::<Vec<_>>(),
+    })
 }
 
 /// Turns pictures into files.
@@ -357,120 +522,3 @@ impl ImageWriter {
 
 /// Channels of the material files that are written.
 const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
-
-fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> String {
-    let face = if decoder.reader().index().projection == 0 { "/face_{face}" } else { "" };
-    format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
-}
-
-/// The manifest of what was decoded, so that the folder is a dataset again. `extra` tells how the streams were coded,
-/// so that a later comparison can use the same codes. None where PNG files hold codes that a manifest cannot explain,
-/// where streams differ in size, or where faces of a cube are no squares.
-fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> Option<Manifest> {
-    let index = decoder.reader().index();
-    let (first, _) = chosen.first()?;
-    let size = [first.entry.width, first.entry.height];
-    let cube = index.projection == 0;
-    if chosen.iter().any(|(stream, _)| [stream.entry.width, stream.entry.height] != size) || cube && size[0] != size[1]
-    {
-        return None;
-    }
-    let mut files = manifest::Files::default();
-    let (mut depth, mut color, mut material) = (None, None, None);
-    let mut coding = serde_json::Map::new();
-    let mut ranges = serde_json::Map::new();
-    for (stream, _) in chosen {
-        let pattern = Some(file_pattern(decoder, stream.kind, format));
-        match (stream.header, format) {
-            (CodecHeader::Depth(header), _) => {
-                let (near, far) = (header.range.near_m(), header.range.far_m());
-                let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());
-                ranges.insert(name, json!({ "near_m": near, "far_m": far }));
-                if format == FileFormat::Exr {
-                    files.depth = pattern;
-                    let background = match header.background {
-                        f32::INFINITY => manifest::Background::default(),
-                        value => manifest::Background::Value(f64::from(value)),
-                    };
-                    depth = Some(manifest::DepthInfo { kind: header.kind, background, ..Default::default() });
-                }
-            }
-            (CodecHeader::Color(header), _) => {
-                let srgb = header.format == ColorFormat::EightBit(ToneMap::default());
-                coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
-                let space = match format {
-                    FileFormat::Exr => manifest::ManifestColorSpace::LinearRec709,
-                    FileFormat::Png if srgb => manifest::ManifestColorSpace::Srgb,
-                    FileFormat::Png => continue,
-                };
-                files.color = pattern;
-                color = Some(manifest::ColorInfo { space });
-            }
-            (CodecHeader::Material(_), FileFormat::Exr) => {
-                files.material = pattern;
-                material = Some(manifest::MaterialInfo { channels: manifest::MaterialChannels::default() });
-            }
-            (CodecHeader::Material(_), FileFormat::Png) => {}
-        }
-    }
-    if files == manifest::Files::default() {
-        return None;
-    }
-    if !ranges.is_empty() {
-        coding.insert("depth".into(), ranges.into());
-    }
-    let frames = chosen.iter().map(|(_, frames)| *frames);
-    let all = frames.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) })?;
-    let present: Vec<Face> =
-        Face::CUBE.into_iter().filter(|face| chosen.iter().any(|(s, _)| s.face == *face)).collect();
-    let mut probes = Vec::new();
-    for (at, probe) in index.probes.iter().enumerate() {
-        let of = chosen.iter().filter(|(stream, _)| stream.probe == at).map(|(_, frames)| *frames);
-        let Some(frames) = of.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) })
-        else {
-            continue;
-        };
-        let known = probe.intrinsics.iter().any(|&value| value != 0.0);
-        probes.push(manifest::Probe {
-            name: probe.name.clone(),
-            position: probe.position,
-            frames: (frames != all).then_some([frames.first, frames.last]),
-            orientation: (probe.orientation != [0.0, 0.0, 0.0, 1.0]).then_some(probe.orientation),
-            fov_y_deg: None,
-            intrinsics: known.then_some(probe.intrinsics),
-            extra: None,
-        });
-    }
-    Some(Manifest {
-        lightfield: manifest::MANIFEST_VERSION,
-        name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
-        fps: index.fps,
-        frames: [all.first, all.last],
-        projection: if cube {
-            crate::dataset::stream::Projection::Cubemap
-        } else {
-            crate::dataset::stream::Projection::Perspective
-        },
-        size,
-        faces: cube.then_some(manifest::FaceFiles::Six),
-        faces_present: (cube && present.len() < 6).then(|| present.iter().map(|face| face.name().to_owned()).collect()),
-        depth,
-        color,
-        material,
-        files,
-        probes,
-        extra: Some(json!({ "lightfold": coding })),
-    })
-}
-
-fn color_coding(format: &ColorFormat, cell: u32) -> serde_json::Value {
-    match format {
-        ColorFormat::EightBit(tone) => json!({
-            "format": "8bit",
-            "transfer": if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
-            "exposure_ev": tone.exposure_ev,
-            "cell": cell,
-        }),
-        ColorFormat::Half { white_cd_m2 } => json!({ "format": "half", "white_cd_m2": white_cd_m2, "cell": cell }),
-    }
-}

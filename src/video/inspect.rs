@@ -5,16 +5,18 @@
 
 mod counts;
 
-use rayon::prelude::*;
-
 use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::dataset::stream::StreamKind;
 use crate::depth::census::NodeCensus;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
+use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::video::damage::DamagedChunk;
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::encode::raw_pixel_bytes;
+use crate::video::footprint;
 
 pub use counts::{BlockCount, FrameCost};
 use counts::{ChunkMeasure, Event, count_chunk};
@@ -51,6 +53,8 @@ pub struct InspectSettings {
     pub rows: FrameRows,
     /// Damaged chunks.
     pub check: Check,
+    /// Memory that chunks may take.
+    pub memory: Budget,
 }
 
 /// How much the chunks of a stream hold. Chunks that share their place in the file count for the first stream that
@@ -128,15 +132,6 @@ pub struct FrameRow<'a> {
     pub frame: u32,
     /// What it holds and changes.
     pub cost: FrameCost,
-}
-
-/// A chunk that cannot be decoded.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DamagedChunk {
-    /// Its row of the chunk table.
-    pub chunk: ChunkEntry,
-    /// What is wrong with it.
-    pub reason: String,
 }
 
 /// A container, measured.
@@ -220,25 +215,37 @@ pub fn inspect<'a>(
             "{row_count} rows of frames, more than {MAX_ROWS}: choose fewer frames or streams"
         )));
     }
+    // Where fewer chunks fit than there are threads, streams are taken one by one.
+    let threads = rayon::current_num_threads();
+    let at_once = chunks_at_once(decoder, streams, settings.memory, threads)?;
+    let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
     let (storage, unreferenced_bytes) = storage_of(decoder.reader());
-    let measured = streams
-        .par_iter()
-        .map(|&stream| {
-            let watch = Watch { reader: decoder.reader(), stream, settings, monitor };
-            let units = (0..stream.entry.unit_count()).into_par_iter().map(|unit| watch.unit(unit));
-            // Collected before the first error is looked for, so that it is always the same one.
-            let units = units.collect::<Vec<_>>().into_iter().collect::<Result<Vec<_>>>()?;
-            Ok(StreamMeasure::new(stream, listed(stream), storage[stream.index as usize], units))
-        })
-        .collect::<Vec<_>>();
+    let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
+        let watch = Watch { reader: decoder.reader(), stream, settings, monitor };
+        let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| watch.unit(unit))?;
+        Ok(StreamMeasure::new(stream, listed(stream), storage[stream.index as usize], units))
+    })?;
     let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
-    for stream in measured {
-        let StreamMeasure { stats, rows, damaged } = stream?;
+    for StreamMeasure { stats, rows, damaged } in measured {
         inspection.streams.push(stats);
         inspection.rows.extend(rows);
         inspection.damaged.extend(damaged);
     }
     Ok(inspection)
+}
+
+/// How many chunks may be counted at once.
+fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, threads: usize) -> Result<usize> {
+    if memory.bytes().is_none() {
+        return Ok(usize::MAX);
+    }
+    let of_stream = |stream: &&StreamInfo| {
+        let chunks = decoder.reader().index().stream_chunks(stream.index);
+        chunks.iter().map(|chunk| footprint::chunk_bytes(&stream.header, chunk)).max()
+    };
+    let each = streams.iter().filter_map(of_stream).max().unwrap_or(0);
+    let fixed = footprint::container_bytes(decoder.reader());
+    memory.at_once(&Need { what: "inspecting", fixed, each, instead: "" }, threads)
 }
 
 /// Bytes of all streams, and bytes that belong to none.
@@ -321,7 +328,7 @@ impl Watch<'_> {
                 (Ok(counted), _) => measure.add(counted, self.settings.rows),
                 (Err(error), Check::StopAtFirst) => return Err(self.reader.blame(chunk, error)),
                 (Err(error), Check::ListAll) => {
-                    measure.damaged.push(DamagedChunk { chunk: *chunk, reason: reason_of(&error) });
+                    measure.damaged.push(DamagedChunk::new(chunk, &error));
                 }
             }
         }
@@ -348,14 +355,6 @@ impl Watch<'_> {
         }
         counted.events.iter_mut().for_each(|event| event.frame += chunk.key.first_frame);
         Ok(counted)
-    }
-}
-
-/// The error's sentence; which file and chunk it speaks of is said elsewhere.
-fn reason_of(error: &Error) -> String {
-    match error {
-        Error::Io { source, .. } => source.to_string(),
-        other => other.to_string(),
     }
 }
 

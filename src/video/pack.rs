@@ -1,20 +1,25 @@
 //! Joins the streams of several containers into one, without decoding them; trees are packed where a bound is given.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::Write;
 
 use crate::container::{
-    ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
+    ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
 };
 use crate::error::{Error, Result};
+use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use crate::ordered::try_map_at_once;
 use crate::video::codec::CodecHeader;
 use crate::video::encode::raw_pixel_bytes;
 use crate::video::flatten::{self, FlattenSettings, Flattener};
+use crate::video::footprint;
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
+
+/// Bytes for each pixel of a tile whose tree is packed.
+const PACKING_BYTES: u64 = 64;
 
 /// How chunks are stored in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,6 +40,8 @@ pub struct PackSettings {
     pub repack: Repack,
     /// How trees are packed; without it they are copied as any other stream.
     pub flatten: Option<FlattenSettings>,
+    /// Memory that chunks may take; the result does not depend on it.
+    pub memory: Budget,
 }
 
 /// What a pack did.
@@ -74,10 +81,11 @@ pub fn pack<W: Write>(
                 .into(),
         ));
     }
+    let (chunks_at_once, batch_bytes) = limits(inputs, settings)?;
     let mut summary = PackSummary::default();
     let mut writer = Writer::new(out, &head.name, head.fps, head.projection)?;
-    let mut merged = Index::default();
-    let mut known = HashMap::new();
+    let mut probes = Vec::new();
+    let (mut known, mut taken) = (HashMap::new(), HashSet::new());
     for (reader, flatteners) in inputs.iter().zip(&flatteners) {
         let index = reader.index();
         if index.projection != head.projection {
@@ -94,7 +102,7 @@ pub fn pack<W: Write>(
         }
         let mut probe_of = Vec::new();
         for probe in &index.probes {
-            probe_of.push(merge_probe(&mut merged.probes, &mut known, probe).map_err(|e| e.in_file(reader.path()))?);
+            probe_of.push(merge_probe(&mut probes, &mut known, probe).map_err(|e| e.in_file(reader.path()))?);
         }
         let mut stream_of = Vec::new();
         for (stream, flattener) in index.streams.iter().zip(flatteners) {
@@ -102,10 +110,7 @@ pub fn pack<W: Write>(
             summary.count(&stream);
             summary.flattened_streams += u64::from(flattener.is_some());
             stream.probe = probe_of[usize::from(stream.probe)];
-            let twice = |other: &&crate::container::StreamEntry| {
-                (other.kind, other.probe, other.face) == (stream.kind, stream.probe, stream.face)
-            };
-            if merged.streams.iter().find(twice).is_some() {
+            if !taken.insert((stream.kind, stream.probe, stream.face)) {
                 let message = format!(
                     "stream {} has the kind, probe and face of one in an earlier input: give one of them another \
                      --probe or --face when encoding",
@@ -113,15 +118,14 @@ pub fn pack<W: Write>(
                 );
                 return Err(Error::invalid(message).in_file(reader.path()));
             }
-            merged.streams.push(stream.clone());
             stream_of.push(writer.add_stream(stream));
         }
         let mut left = index.chunks.as_slice();
         while !left.is_empty() {
-            let (batch, rest) = left.split_at(batch_length(left, BATCH_BYTES));
+            let (batch, rest) = left.split_at(batch_length(left, batch_bytes));
             left = rest;
             let carrier = Carrier { reader, repack: settings.repack, monitor };
-            let packed = try_map_ordered(batch.iter().collect(), |chunk| {
+            let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |chunk| {
                 monitor.check()?;
                 let stream = stream_of[chunk.key.stream as usize];
                 match &flatteners[chunk.key.stream as usize] {
@@ -136,11 +140,43 @@ pub fn pack<W: Write>(
             }
         }
     }
-    for probe in merged.probes {
+    for probe in probes {
         writer.add_probe(probe)?;
     }
     let (out, bytes) = writer.finish()?;
     Ok((out, PackSummary { bytes, ..summary }))
+}
+
+/// How many chunks are worked on at once, and how many bytes of chunks make a batch.
+fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
+    let Some(bytes) = settings.memory.bytes() else { return Ok((usize::MAX, BATCH_BYTES)) };
+    let of_chunk = |reader: &Reader, chunk: &ChunkEntry| {
+        let stream = &reader.index().streams[chunk.key.stream as usize];
+        let raw = u64::from(chunk.raw_bytes);
+        let reading = match CodecHeader::read(stream) {
+            Ok(header) if settings.flatten.is_some() => footprint::chunk_bytes(&header, chunk),
+            _ => 3 * raw + u64::from(chunk.stored_bytes),
+        };
+        // Packing a tree takes its pictures, and what comes out may be as large as what went in.
+        let packing = match &settings.flatten {
+            Some(_) if flatten::is_tree(stream) => {
+                let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
+                raw + PACKING_BYTES * u64::from(width) * u64::from(height)
+            }
+            _ => raw,
+        };
+        let compresses = matches!(settings.repack, Repack::Lzma2(_)) || chunk.storage == Storage::Lzma2;
+        reading + packing + if compresses { footprint::compressing_bytes(raw) } else { 0 }
+    };
+    let chunks =
+        inputs.iter().flat_map(|reader| reader.index().chunks.iter().map(move |chunk| of_chunk(reader, chunk)));
+    let each = chunks.max().unwrap_or(0);
+    // The new index is built while those of the inputs are open.
+    let fixed = inputs.iter().map(|reader| 2 * footprint::container_bytes(reader)).sum::<u64>();
+    // What a batch came to waits until all of it is there.
+    let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(BATCH_BYTES);
+    let need = Need { what: "packing", fixed: fixed + batch_bytes, each, instead: "" };
+    Ok((settings.memory.at_once(&need, rayon::current_num_threads())?, batch_bytes))
 }
 
 impl PackSummary {

@@ -9,10 +9,25 @@ use crate::depth::quantise::DepthRange;
 use crate::error::Result;
 use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
-use crate::ordered::try_map_ordered;
+use crate::ordered::try_map_at_once;
 
-/// Frames that the scan may keep so that encoding need not read them again.
-const KEEP_BYTES: u64 = 512 << 20;
+/// Frames that a scan usually keeps so that encoding need not read them again.
+pub const KEEP_BYTES: u64 = 512 << 20;
+
+/// How much of a probe a scan holds.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanLimits {
+    /// Bytes of images that are kept.
+    pub keep_bytes: u64,
+    /// Frames that are read at once.
+    pub frames_at_once: usize,
+}
+
+impl Default for ScanLimits {
+    fn default() -> Self {
+        ScanLimits { keep_bytes: KEEP_BYTES, frames_at_once: usize::MAX }
+    }
+}
 
 /// What a scan found.
 #[derive(Debug)]
@@ -34,18 +49,23 @@ pub struct ProbeScan {
 /// # Errors
 /// Of all images that cannot be read, the first in the order of groups and frames is named, whichever thread came
 /// upon one first.
-pub fn scan_probe(source: &Source, groups: &[(usize, &SourceGroup)], monitor: &dyn Monitor) -> Result<ProbeScan> {
+pub fn scan_probe(
+    source: &Source,
+    groups: &[(usize, &SourceGroup)],
+    limits: ScanLimits,
+    monitor: &dyn Monitor,
+) -> Result<ProbeScan> {
     let budget = AtomicU64::new(0);
     let jobs: Vec<_> =
         groups.iter().flat_map(|&(at, group)| group.frames.iter().map(move |frame| (at, group, frame))).collect();
-    let scanned = try_map_ordered(jobs, |(at, group, frame)| {
+    let scanned = try_map_at_once(jobs, limits.frames_at_once, |(at, group, frame)| {
         monitor.check()?;
         let start = std::time::Instant::now();
         let planes = source.read_depth(group, frame)?;
         let reading = start.elapsed();
         let extent = planes.iter().filter_map(extent).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
-        let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= KEEP_BYTES;
+        let keep = budget.fetch_add(bytes, Ordering::Relaxed) + bytes <= limits.keep_bytes;
         let taken_as_near = planes.iter().any(|plane| plane.data().contains(&0.0));
         Ok(Scanned { extent, taken_as_near, reading, kept: keep.then_some(((at, frame), planes)) })
     })?;
@@ -101,9 +121,10 @@ mod tests {
         let spec = folder.path().join("z.%d.exr");
         let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
         let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
+        let limits = ScanLimits::default();
         for threads in [1, 2, 8, 8, 8, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let error = pool.install(|| scan_probe(&source, &[(0, &source.groups()[0])], &Silent)).unwrap_err();
+            let error = pool.install(|| scan_probe(&source, &[(0, &source.groups()[0])], limits, &Silent)).unwrap_err();
             assert!(error.to_string().contains("z.11.exr"), "{error}");
         }
     }

@@ -21,9 +21,10 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::decode::{Decoder, FaceDecoder, Picture};
 use crate::video::export::Selection;
+use crate::video::footprint;
 
 /// What a stream is called.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct StreamId {
     /// What its pixels are.
     pub kind: StreamKind,
@@ -399,6 +400,28 @@ fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCodi
         }
     }
     Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(Box::new(source)) })
+}
+
+impl Side {
+    /// Bytes of memory that reading a stream of this side takes, but for its images.
+    pub fn stream_bytes(&self, stream: &SideStream) -> u64 {
+        match (&self.content, stream.place) {
+            (Content::Container(decoder), Place::Stream(at)) => {
+                decoder.streams().get(at).map_or(0, |stream| footprint::stream_bytes(decoder, stream))
+            }
+            // The file that an image is cut from.
+            (Content::Files(source), _) => source.file_pixels() * 16,
+            _ => 0,
+        }
+    }
+
+    /// Bytes of memory that it takes as long as it is open.
+    pub fn open_bytes(&self) -> u64 {
+        match &self.content {
+            Content::Container(decoder) => footprint::container_bytes(decoder.reader()),
+            Content::Files(_) => 0,
+        }
+    }
 }
 
 /// What `extra.lightfold` of a decoded dataset's manifest tells.

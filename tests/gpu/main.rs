@@ -86,7 +86,7 @@ fn vectors() -> Result<(), Failed> {
             let decoder = Decoder::open(&path).map_err(|error| error.to_string())?;
             let Ok(chosen) = Selection::default().choose(&decoder) else { continue };
             for filter in [&AllUnits as &dyn UnitFilter, &TwoOfThree] {
-                let request = Request { chosen: &chosen, filter };
+                let request = Request { filter, ..Request::all(&chosen) };
                 let (_, found) = verify::verify(gpu, &decoder, request, &Silent).map_err(|error| error.to_string())?;
                 if found.mismatched_words > 0 {
                     return Err(format!("{}: {found:?}", path.display()).into());

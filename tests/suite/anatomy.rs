@@ -12,7 +12,7 @@ use lightfold::video::compare::{CompareSettings, Coverage, Pairing, compare};
 use lightfold::video::comparison::Measured;
 use lightfold::video::decode::StreamInfo;
 use lightfold::video::error_map::error_map;
-use lightfold::video::inspect::{Check, FrameRows, InspectSettings, inspect};
+use lightfold::video::inspect::{FrameRows, InspectSettings, inspect};
 use lightfold::video::side::{SideOptions, open_both};
 use lightfold::video::{Decoder, Picture};
 use serde_json::Value;
@@ -115,7 +115,7 @@ fn rectangles_are_the_pixels_that_a_decoder_writes() {
 
 #[test]
 fn surveys_agree_with_counts_of_all_frames() {
-    let settings = InspectSettings { rows: FrameRows::All, check: Check::StopAtFirst };
+    let settings = InspectSettings { rows: FrameRows::All, ..InspectSettings::default() };
     for path in vectors("valid") {
         let decoder = Decoder::open(&path).unwrap();
         let streams: Vec<_> = decoder.streams().iter().collect();

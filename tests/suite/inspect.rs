@@ -11,6 +11,7 @@ use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, Materia
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
 use lightfold::depth::TemporalSettings;
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
+use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::video::encode::DepthCodec;
 use lightfold::video::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
@@ -124,8 +125,10 @@ fn inspected(decoder: &Decoder, settings: InspectSettings) -> lightfold::Result<
     inspect(decoder, &decoder.streams().iter().collect::<Vec<_>>(), settings, &Silent)
 }
 
-const ALL_ROWS: InspectSettings = InspectSettings { rows: FrameRows::All, check: Check::StopAtFirst };
-const LIST_ALL: InspectSettings = InspectSettings { rows: FrameRows::None, check: Check::ListAll };
+const ALL_ROWS: InspectSettings =
+    InspectSettings { rows: FrameRows::All, check: Check::StopAtFirst, memory: Budget::UNLIMITED };
+const LIST_ALL: InspectSettings =
+    InspectSettings { rows: FrameRows::None, check: Check::ListAll, memory: Budget::UNLIMITED };
 
 fn same_inside(a: &Picture, b: &Picture, [left, top, width, height]: [u32; 4]) -> bool {
     fn same<T: Copy + PartialEq>(a: &Plane<T>, b: &Plane<T>, columns: [u32; 2], rows: [u32; 2]) -> bool {

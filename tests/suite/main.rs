@@ -14,6 +14,8 @@ mod hard_cases;
 mod house;
 mod input;
 mod inspect;
+mod keep_going;
+mod memory;
 mod quadtree;
 mod quality;
 mod roundtrip;

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::{Report, percent};
+use crate::cli::damage;
 use crate::cli::output::json_number;
 use crate::container::header::VERSION_MAJOR;
 use crate::dataset::stream::{DepthKind, StreamKind};
@@ -129,25 +130,7 @@ fn kinds(report: &Report<'_>) -> Value {
 }
 
 fn verdict(report: &Report<'_>) -> Value {
-    let damaged: Vec<Value> = report
-        .inspection
-        .damaged
-        .iter()
-        .map(|damaged| {
-            let key = damaged.chunk.key;
-            let stream = &report.decoder.streams()[key.stream as usize];
-            json!({
-                "stream": key.stream,
-                "kind": stream.kind.name(),
-                "probe": report.probe_name(stream),
-                "face": stream.face.name(),
-                "unit": key.unit,
-                "frames": [key.first_frame, key.first_frame + (key.frame_count - 1)],
-                "offset": damaged.chunk.offset,
-                "reason": damaged.reason,
-            })
-        })
-        .collect();
+    let damaged = damage::json(report.decoder, &report.inspection.damaged);
     let all = report.inspection.totals(None);
     json!({ "chunks": all.chunks, "lzma2_chunks": all.lzma2_chunks, "damaged": damaged })
 }

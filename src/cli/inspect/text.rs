@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use super::json::{depth_kind_name, projection_name, transfer_name};
 use super::{Report, percent};
+use crate::cli::damage;
 use crate::cli::output::human_bytes;
 use crate::dataset::stream::StreamKind;
 use crate::depth::block::side_of;
@@ -409,23 +410,7 @@ pub fn verdict(report: &Report<'_>) -> String {
         );
     }
     let mut out = format!("{} of {} damaged:\n", inspection.damaged.len(), counted(all.chunks, "chunk"));
-    for damaged in &inspection.damaged {
-        let key = damaged.chunk.key;
-        let stream = &report.decoder.streams()[key.stream as usize];
-        let _ = writeln!(
-            out,
-            "  stream {} ({} of probe {} face {}), unit {}, frames {}-{}, at byte {}: {}",
-            key.stream,
-            stream.kind.name(),
-            report.probe_name(stream),
-            stream.face.name(),
-            key.unit,
-            key.first_frame,
-            key.first_frame + (key.frame_count - 1),
-            damaged.chunk.offset,
-            damaged.reason
-        );
-    }
+    out.push_str(&damage::lines(report.decoder, &inspection.damaged));
     let _ = writeln!(out, "{} belong to no chunk", human_bytes(inspection.unreferenced_bytes));
     out
 }

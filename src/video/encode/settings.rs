@@ -10,6 +10,7 @@ use crate::depth::quantise::{DepthRange, FAR_CODE};
 use crate::depth::temporal::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::memory::Budget;
 use crate::video::codec::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
 
 /// How depth is stored.
@@ -142,6 +143,8 @@ pub struct EncodeSettings {
     pub lzma2: Option<u32>,
     /// Kinds of streams to encode.
     pub kinds: Vec<StreamKind>,
+    /// Memory that frames and encoders may take; the file does not depend on it.
+    pub memory: Budget,
 }
 
 impl Default for EncodeSettings {
@@ -159,6 +162,7 @@ impl Default for EncodeSettings {
             color_blocks: None,
             lzma2: None,
             kinds: StreamKind::ALL.to_vec(),
+            memory: Budget::UNLIMITED,
         }
     }
 }

@@ -85,6 +85,16 @@ impl ColorMemory {
         ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
     }
 
+    /// Distinct pictures that may wait for their next keyframe.
+    pub(super) fn reach(&self) -> u32 {
+        self.search.reach
+    }
+
+    /// Where the chunk of a cell is closed.
+    pub(super) fn close_at_bytes(&self) -> usize {
+        self.close_at_bytes
+    }
+
     /// The encoder of a cell; with blocks, frames then reach `final_psnr_db`.
     fn encoder<S: Sample>(&self, CellFormat { size, blocks }: CellFormat<S>, final_psnr_db: f64) -> CellEncoder<S> {
         let encoder = CellEncoder::new(self.search, self.close_at_bytes);

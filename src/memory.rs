@@ -1,0 +1,153 @@
+//! How much memory work may take: a budget, and how many jobs of a size fit into it at once.
+//!
+//! A budget counts what grows with the footage: pictures, chunks and tables. What every process takes anyway, its code
+//! and the stacks of its threads, is not in it.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::error::{Error, Result};
+
+/// The most that pictures, chunks and tables may take together.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Budget {
+    bytes: Option<u64>,
+}
+
+/// What some work takes.
+#[derive(Debug, Clone, Copy)]
+pub struct Need<'a> {
+    /// The work, for the error: `encoding the color of probe 00`.
+    pub what: &'a str,
+    /// Bytes that are taken however many jobs run.
+    pub fixed: u64,
+    /// Bytes of each job.
+    pub each: u64,
+    /// What else would help than more memory, such as `a smaller --keyframe-reach`; may be empty.
+    pub instead: &'a str,
+}
+
+impl Budget {
+    /// No limit: each command keeps to its own.
+    pub const UNLIMITED: Budget = Budget { bytes: None };
+
+    /// At most so many bytes.
+    pub fn of(bytes: u64) -> Budget {
+        Budget { bytes: Some(bytes) }
+    }
+
+    /// The limit, if there is one.
+    pub fn bytes(self) -> Option<u64> {
+        self.bytes
+    }
+
+    /// What is left of it when so many bytes are taken; nothing where they are more than it has.
+    #[must_use]
+    pub fn less(self, taken: u64) -> Budget {
+        Budget { bytes: self.bytes.map(|bytes| bytes.saturating_sub(taken)) }
+    }
+
+    /// The budget, or `usual` bytes where that is less or there is no budget.
+    pub fn at_most(self, usual: u64) -> u64 {
+        self.bytes.map_or(usual, |bytes| bytes.min(usual))
+    }
+
+    /// How many jobs may run at once: at least one, at most `most`.
+    ///
+    /// # Errors
+    /// When not even one fits. The sentence says how much it takes, and what helps.
+    pub fn at_once(self, need: &Need<'_>, most: usize) -> Result<usize> {
+        let Some(bytes) = self.bytes else { return Ok(most.max(1)) };
+        let least = need.fixed.saturating_add(need.each);
+        if least > bytes {
+            let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
+            return Err(Error::Usage(format!(
+                "--memory {self}: {} may take {} MB; give it that much{instead}",
+                need.what,
+                least.div_ceil(1_000_000)
+            )));
+        }
+        let fit = (bytes - need.fixed) / need.each.max(1);
+        Ok(usize::try_from(fit).unwrap_or(usize::MAX).clamp(1, most.max(1)))
+    }
+}
+
+impl fmt::Display for Budget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.bytes {
+            None => f.write_str("unlimited"),
+            Some(bytes) if bytes >= 1_000_000 => write!(f, "{}M", bytes / 1_000_000),
+            Some(bytes) => write!(f, "{bytes}"),
+        }
+    }
+}
+
+impl FromStr for Budget {
+    type Err = Error;
+
+    /// Bytes, with a unit or without: `k M G T`, also with a `B`, are powers of 1000, `KiB MiB GiB TiB` powers of
+    /// 1024. Fractions are fine: `1.5GiB`.
+    fn from_str(text: &str) -> Result<Budget> {
+        let wrong = || Error::Usage(format!("\"{text}\" is no size: write it as 512M, 2G, 1.5GiB, or bytes"));
+        let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+        let number: f64 = text[..end].parse().map_err(|_| wrong())?;
+        let unit = text[end..].trim().to_ascii_lowercase();
+        let power = |letter: char| "kmgt".find(letter).map(|at| at as i32 + 1);
+        let scale = match (unit.as_bytes(), unit.chars().next().and_then(power)) {
+            ([] | b"b", _) => 1.0,
+            ([_] | [_, b'b'], Some(power)) => 1000f64.powi(power),
+            ([_, b'i', b'b'], Some(power)) => 1024f64.powi(power),
+            _ => return Err(wrong()),
+        };
+        let bytes = number * scale;
+        if bytes < 1.0 || bytes >= u64::MAX as f64 {
+            return Err(wrong());
+        }
+        Ok(Budget::of(bytes as u64))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_and_without_units() {
+        let bytes = |text: &str| text.parse::<Budget>().ok().and_then(Budget::bytes);
+        for (text, expected) in [
+            ("1", 1),
+            ("4096", 4096),
+            ("7B", 7),
+            ("512M", 512_000_000),
+            ("512mb", 512_000_000),
+            ("2 G", 2_000_000_000),
+            ("1.5GiB", 3 << 29),
+            ("3KiB", 3072),
+            ("2k", 2000),
+            ("0.5T", 500_000_000_000),
+            ("1TiB", 1 << 40),
+        ] {
+            assert_eq!(bytes(text), Some(expected), "{text}");
+        }
+        for text in ["", "M", "-1", "1X", "1Gi", "1MBB", "1.2.3G", "0", "0.2", "inf", "nan", "99999999T", "1e9", "1é"]
+        {
+            assert_eq!(bytes(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn as_many_jobs_run_as_fit() {
+        let need = |fixed, each| Need { what: "the work", fixed, each, instead: "a smaller --tile" };
+        let budget = Budget::of(100_000_000);
+        assert_eq!(budget.at_once(&need(10_000_000, 30_000_000), 16).unwrap(), 3);
+        assert_eq!(budget.at_once(&need(10_000_000, 30_000_000), 2).unwrap(), 2);
+        assert_eq!(budget.at_once(&need(0, 0), 5).unwrap(), 5);
+        assert_eq!(budget.at_once(&need(70_000_000, 30_000_000), 9).unwrap(), 1);
+        let refused = budget.at_once(&need(70_000_000, 30_000_001), 9).unwrap_err().to_string();
+        assert_eq!(refused, "--memory 100M: the work may take 101 MB; give it that much, or a smaller --tile");
+        assert!(budget.at_once(&need(u64::MAX, 9), 9).is_err());
+        assert_eq!(Budget::UNLIMITED.at_once(&need(u64::MAX, 1), 7).unwrap(), 7);
+        assert_eq!(budget.less(99_999_000).to_string(), "1000");
+        assert_eq!([budget.at_most(5), budget.at_most(1 << 40), Budget::default().at_most(8)], [5, 100_000_000, 8]);
+    }
+}

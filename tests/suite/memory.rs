@@ -1,0 +1,261 @@
+//! What commands take of memory: `--memory` is kept, long sequences stream, and nothing grows.
+//!
+//! A process's peak is what `--json` reports as `peak_memory_bytes`, so every command runs as a child.
+
+use std::path::Path;
+use std::process::Command;
+
+use half::f16;
+use lightfold::container::{ChunkKey, PackedChunk, Reader, Writer};
+use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::depth::TemporalSettings;
+use lightfold::image::{Face, Plane};
+use lightfold::monitor::Silent;
+use lightfold::video::decode::Decoder;
+use lightfold::video::encode::{self, EncodeSettings};
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::footage::Footage;
+use crate::samples::{self, Shape};
+
+/// What a process takes beside its budget: code, stacks of threads, and what allocators hold back.
+const BASE_BYTES: u64 = 48 << 20;
+
+/// Writes a dataset of one face whose frames from `distinct` on are links to the earlier ones, in turns.
+fn footage(folder: &Path, size: u32, distinct: u32, frames: u32, depth_keys: &str) {
+    let depth = |_: Face, frame: u32| {
+        Plane::from_fn(size, size, |x, y| {
+            let moves = if x / 16 == frame % 8 && y / 16 == 3 { 0.5 } else { 0.0 };
+            2.0 + (x * 3 + y * 5) as f32 / size as f32 - moves
+        })
+    };
+    let color = |_: Face, frame: u32| {
+        Plane::from_fn(size, size, |x, y| {
+            let noise = ((x * 7919 + y * 104_729 + frame * 6151) % 256) as f32 / 512.0;
+            [noise, (x + y) as f32 / (4 * size) as f32, 0.25].map(f16::from_f32)
+        })
+    };
+    let material = |_: Face, frame: u32| {
+        Plane::from_fn(size, size, |x, y| [if (x / 8 + y / 8 + frame).is_multiple_of(5) { 1.0 } else { 0.0 }, 0.5, 1.5])
+    };
+    Footage {
+        frames: [0, distinct - 1],
+        depth: Some(&depth),
+        color: Some(&color),
+        material: Some(&material),
+        depth_keys,
+        ..Footage::new(size, size)
+    }
+    .write(folder);
+    for kind in ["depth", "color", "material"] {
+        let of = |frame: u32| folder.join(format!("probe_00/face_px/{kind}.{frame:04}.exr"));
+        for frame in distinct..frames {
+            std::fs::hard_link(of(frame % distinct), of(frame)).unwrap();
+        }
+    }
+    let path = folder.join("lightfield.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (old, new) = (format!("\"frames\": [0, {}]", distinct - 1), format!("\"frames\": [0, {}]", frames - 1));
+    assert!(text.contains(&old));
+    std::fs::write(path, text.replace(&old, &new)).unwrap();
+}
+
+/// What a command line came to.
+struct Ran {
+    code: i32,
+    report: Value,
+    said: String,
+}
+
+fn run(line: &str, folder: &Path) -> Ran {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    command.args(line.split(' ')).args(["--json", "--quiet"]).current_dir(folder);
+    let output = command.output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    let report = serde_json::from_slice(&output.stdout).unwrap_or(Value::Null);
+    Ran { code: output.status.code().unwrap(), report, said }
+}
+
+/// The peak of a command that must do; `diff` may find differences.
+#[track_caller]
+fn peak(line: &str, folder: &Path) -> u64 {
+    let ran = run(line, folder);
+    assert!(ran.code == 0 || line.starts_with("diff") && ran.code == 1, "{line}: {}", ran.said);
+    ran.report["peak_memory_bytes"].as_u64().unwrap()
+}
+
+/// Runs a command line under budgets: each is refused before anything is written, or kept, with the same result.
+#[cfg(target_os = "linux")]
+fn check_budgets(line: &str, output: Option<&str>, folder: &Path) {
+    let result = |name: &str| std::fs::read(folder.join(name)).ok();
+    assert_eq!(run(line, folder).code, 0, "{line}");
+    let expected = output.map(|name| result(name).unwrap());
+    let (mut refused, mut kept) = (0, 0);
+    for budget in [1u64, 8, 24, 48, 96, 192, 384] {
+        if let Some(name) = output {
+            std::fs::remove_file(folder.join(name)).ok();
+        }
+        let ran = run(&format!("{line} --memory {budget}MiB --threads 4"), folder);
+        if ran.code == 2 {
+            assert!(ran.said.contains("--memory") && ran.said.contains("give it that much"), "{line}: {}", ran.said);
+            assert_eq!(ran.said.lines().count(), 1, "{}", ran.said);
+            assert!(output.is_none_or(|name| result(name).is_none()), "{line}: something was written");
+            assert_eq!(kept, 0, "{line}: {budget} MiB are refused, and less was not");
+            refused += 1;
+            continue;
+        }
+        assert_eq!(ran.code, 0, "{line}: {}", ran.said);
+        let peak = ran.report["peak_memory_bytes"].as_u64().unwrap();
+        assert!(peak <= (budget << 20) + BASE_BYTES, "{line}: {peak} bytes with a budget of {budget} MiB");
+        assert_eq!(output.map(|name| result(name).unwrap()), expected, "{line}: another result");
+        kept += 1;
+    }
+    assert!(refused > 0 && kept > 0, "{line}: {refused} refused, {kept} kept");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_budget_is_kept_or_refused_by_every_command() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    footage(at, 384, 4, 40, "");
+    for (kind, options) in [
+        ("color", "--keyframe-reach 16"),
+        ("depth", "--depth-codec aabb"),
+        ("depth", "--depth-codec quadtree --effort fast --error 2000"),
+        ("material", "--keyframe-interval 8"),
+    ] {
+        check_budgets(&format!("encode . -o a.lfold --stream {kind} {options}"), Some("a.lfold"), at);
+    }
+    let sequence = "probe_00/face_px/depth.%04d.exr --frames 0-7";
+    check_budgets(&format!("bc4w {sequence} --effort fast -o b.lfold"), Some("b.lfold"), at);
+    check_budgets(&format!("quadtree {sequence} --effort fast -o t.lfold"), Some("t.lfold"), at);
+    check_budgets("pack t.lfold --error 500 --effort fast -o p.lfold", Some("p.lfold"), at);
+    run("encode . -o all.lfold --depth-codec aabb --keyframe-reach 16", at);
+    check_budgets("pack all.lfold --lzma2=1 -o q.lfold", Some("q.lfold"), at);
+    check_budgets("inspect q.lfold --verify", None, at);
+    check_budgets("decode q.lfold --null", None, at);
+    check_budgets("decode q.lfold --frames 0-3 -o frames", None, at);
+    check_budgets("diff . q.lfold --frames 0-9 --ssim none", None, at);
+    let refused = run("decode q.lfold --null --memory 64M --device gpu", at);
+    assert_eq!(refused.code, 2, "{}", refused.said);
+    assert_eq!(run("encode . -o a.lfold --memory lots", at).code, 2);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
+    // A hundred frames fill everything that is bounded: reach, keyframe interval, batches.
+    let [short, long] = [100u32, 1000].map(|frames| {
+        let folder = TempDir::new().unwrap();
+        footage(folder.path(), 64, 5, frames, ", \"near\": 1, \"far\": 12");
+        folder
+    });
+    let sequence = "probe_00/face_px/depth.%04d.exr --near 1 --far 12 --effort fast";
+    let lines = [
+        "encode . --stream color -o color.lfold".to_owned(),
+        "encode . --stream depth --depth-codec aabb -o depth.lfold".to_owned(),
+        "encode . --stream material -o material.lfold".to_owned(),
+        format!("encode-depth {sequence} -o nodes.lfold"),
+        format!("quadtree {sequence} -o tree.lfold"),
+        format!("bc4w {sequence} -o bc4w.lfold"),
+        "pack color.lfold depth.lfold material.lfold --lzma2=1 -o all.lfold".to_owned(),
+        "pack tree.lfold --error 500 -o packed.lfold".to_owned(),
+        "inspect all.lfold".to_owned(),
+        "decode all.lfold --memory 8M --null".to_owned(),
+        "decode all.lfold -o frames".to_owned(),
+        "diff . all.lfold --ssim none".to_owned(),
+    ];
+    for line in lines {
+        let [few, many] = [&short, &long].map(|folder| peak(&line, folder.path()));
+        // All images of one kind are 15 to 40 MB in memory; allocators and rows of the index may differ by a little.
+        assert!(many <= few + (6 << 20), "{line}: {few} bytes for 100 frames, {many} for 1000");
+    }
+}
+
+/// A container of so many probes of six faces, each with one image of depth.
+fn many_probes(count: u16) -> Vec<u8> {
+    let settings = TemporalSettings::default();
+    let shape = Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 0, frame_count: 1 };
+    let mut writer = Writer::new(Vec::new(), "many", 24.0, 0).unwrap();
+    for probe in 0..count {
+        writer.add_probe(samples::probe(&format!("p{probe}"), 0)).unwrap();
+        for face in 0..6 {
+            let codes = (0..64).map(|at| at + probe * 6 + u16::from(face)).collect();
+            let mut stream = samples::depth(Shape { face, ..shape }, [0.5, 8.0], &[codes], settings);
+            stream.entry.probe = probe;
+            let index = writer.add_stream(stream.entry);
+            for (unit, chunk) in stream.chunks {
+                let key = ChunkKey { stream: index, unit, first_frame: 0, frame_count: 1 };
+                writer.push(&PackedChunk::new(key, chunk.payload, None).unwrap()).unwrap();
+            }
+        }
+    }
+    writer.finish().unwrap().0
+}
+
+#[test]
+fn one_probe_of_720_costs_what_it_holds() {
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("many.lfold"), many_probes(720)).unwrap();
+    let one = run("decode many.lfold --probe p700 --null", folder.path());
+    assert_eq!((one.code, one.report["frames"].as_u64()), (0, Some(6)), "{}", one.said);
+    let all = run("decode many.lfold --null", folder.path());
+    assert_eq!(all.report["frames"], 720 * 6);
+    let bytes = |ran: &Ran| ran.report["bytes_read"].as_u64().unwrap();
+    assert_eq!(bytes(&one) * 720, bytes(&all));
+    // What is made of all is a dataset of as many probes, and compares with where it came from.
+    assert_eq!(run("decode many.lfold -o frames", folder.path()).code, 0);
+    let compared = run("diff frames many.lfold --max-error 0", folder.path());
+    assert_eq!(compared.code, 0, "{}", compared.said);
+    let source = Source::open(&folder.path().join("frames"), &SourceOptions::default()).unwrap();
+    assert_eq!((source.probes().len(), source.groups().len()), (720, 720 * 6));
+}
+
+/// Resident memory of this process.
+fn resident_bytes() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = text.lines().find(|line| line.starts_with("VmRSS:")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse::<u64>().unwrap() * 1024
+}
+
+const SOAK_CYCLES: usize = 400;
+const SOAK_SLACK_BYTES: u64 = 3 << 20;
+
+/// Runs alone in a process that `encoding_and_decoding_again_and_again_does_not_grow` starts.
+#[test]
+#[ignore = "run by another test, in a process of its own"]
+fn soak_child() {
+    let folder = TempDir::new().unwrap();
+    footage(folder.path(), 48, 3, 6, "");
+    let mut settings = EncodeSettings { cell: 16, lzma2: Some(1), ..EncodeSettings::default() };
+    settings.depth.effort = lightfold::effort::Effort::Fast;
+    let mut settled = 0;
+    for cycle in 0..SOAK_CYCLES {
+        let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+        let (file, _) = encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
+        let decoder = Decoder::new(Reader::from_memory(file.clone()).unwrap()).unwrap();
+        assert_eq!(decoder.streams().len(), 3);
+        assert!(samples::decode_all(file).unwrap().iter().all(|images| images.len() == 6));
+        if cycle == SOAK_CYCLES / 4 {
+            settled = resident_bytes();
+        }
+    }
+    println!("soak: {settled} bytes settled, {} in the end", resident_bytes());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn encoding_and_decoding_again_and_again_does_not_grow() {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "memory::soak_child", "--ignored", "--nocapture", "--test-threads", "1"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{said}{}", String::from_utf8_lossy(&output.stderr));
+    let line = said.lines().find(|line| line.contains("soak: ")).unwrap();
+    let figures: Vec<u64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [settled, end] = figures[..] else { panic!("{line}") };
+    assert!(settled > 1 << 20 && end <= settled + SOAK_SLACK_BYTES, "{line}");
+}
