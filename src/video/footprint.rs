@@ -11,14 +11,25 @@ const LZMA2_ENCODER_RATIO: u64 = 12;
 
 /// Bytes that a chunk takes while it is read, decompressed and checked, and afterwards, ready to be shown.
 pub fn chunk_bytes(header: &CodecHeader, chunk: &ChunkEntry) -> u64 {
-    let raw = u64::from(chunk.raw_bytes);
-    let decompressing = match chunk.storage {
+    reading_bytes(chunk) + ready_bytes(header, chunk)
+}
+
+/// Bytes that are given back when a chunk has been read and decompressed.
+fn reading_bytes(chunk: &ChunkEntry) -> u64 {
+    match chunk.storage {
         Storage::Raw => 0,
-        Storage::Lzma2 => u64::from(chunk.stored_bytes) + raw + u64::from(lzma2::dictionary_bytes(chunk.raw_bytes)),
-    };
+        Storage::Lzma2 => u64::from(chunk.stored_bytes) + u64::from(lzma2::dictionary_bytes(chunk.raw_bytes)),
+    }
+}
+
+/// Bytes of a chunk that is ready to be shown.
+fn ready_bytes(header: &CodecHeader, chunk: &ChunkEntry) -> u64 {
+    let raw = u64::from(chunk.raw_bytes);
     let nodes = matches!(header, CodecHeader::Depth(depth)
         if matches!(depth.coding, DepthCoding::Nodes(_) | DepthCoding::Tree(_)));
-    raw + decompressing + if nodes { NODE_RATIO * raw } else { raw }
+    // What is decompressed grows by doubling.
+    let payload = if chunk.storage == Storage::Lzma2 { 2 * raw } else { raw };
+    payload + if nodes { NODE_RATIO * raw } else { raw / 8 }
 }
 
 /// Bytes that LZMA2 takes to compress a payload, the result included.
@@ -29,10 +40,19 @@ pub fn compressing_bytes(raw_bytes: u64) -> u64 {
 
 /// Bytes that decoding one unit takes: what it shows, and its largest chunks.
 pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
+    held_bytes(decoder, stream, unit) + unit_reading_bytes(decoder, stream, unit)
+}
+
+fn unit_reading_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
+    decoder.reader().index().unit_chunks(stream.index, unit).iter().map(reading_bytes).max().unwrap_or(0)
+}
+
+/// Bytes of a unit between one frame and the next.
+fn held_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let [_, _, width, height] = stream.entry.unit_rect(unit);
     let pixels = u64::from(width) * u64::from(height);
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
-    let chunk = chunks.iter().map(|chunk| chunk_bytes(&stream.header, chunk)).max().unwrap_or(0);
+    let chunk = chunks.iter().map(|chunk| ready_bytes(&stream.header, chunk)).max().unwrap_or(0);
     match stream.header {
         CodecHeader::Depth(_) => 2 * pixels + chunk,
         CodecHeader::Material(_) => 3 * pixels + chunk,
@@ -43,7 +63,11 @@ pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
 
 /// Bytes that decoding images of a stream takes, without the images.
 pub fn stream_bytes(decoder: &Decoder, stream: &StreamInfo) -> u64 {
-    (0..stream.entry.unit_count()).map(|unit| unit_bytes(decoder, stream, unit)).sum()
+    let units = || 0..stream.entry.unit_count();
+    let held: u64 = units().map(|unit| held_bytes(decoder, stream, unit)).sum();
+    // Each thread reads one chunk at a time.
+    let reading = units().map(|unit| unit_reading_bytes(decoder, stream, unit)).max().unwrap_or(0);
+    held + reading * rayon::current_num_threads() as u64
 }
 
 /// Bytes of an image of a stream: as it is decoded, as metres or light, and while it is written into a file.

@@ -273,6 +273,17 @@ pub fn color8(shape: Shape, images: &[Vec<[u8; 3]>], search: SearchSettings) -> 
     cells(entry, images, &EightBit, |size| cell_encoder(search, format(size), 0.0))
 }
 
+/// 8-bit colour whose chunks are closed at the first keyframe after so many bytes.
+pub fn color8_in_chunks(
+    shape: Shape,
+    images: &[Vec<[u8; 3]>],
+    search: SearchSettings,
+    close_at_bytes: usize,
+) -> Stream {
+    let entry = entry(shape, &color8_header(&search));
+    cells(entry, images, &EightBit, |_| CellEncoder::new(search, close_at_bytes))
+}
+
 pub fn color_half(shape: Shape, images: &[Vec<[f16; 3]>], search: SearchSettings) -> Stream {
     let entry = entry(shape, &half_header(&search));
     let format = |[width, height]: [u32; 2]| CellFormat::of_samples(width as usize, height as usize);
