@@ -12,9 +12,12 @@ use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
-use crate::hard_cases::{self, CaseReport, Clip, family_rows};
+use crate::hard_cases::{self, CaseReport, Clip, Family, family_rows};
 use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
+
+/// Words for families of hard cases.
+const FAMILIES: [&str; 6] = Family::NAMES;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -28,6 +31,9 @@ pub struct Args {
     /// Hard cases alone: on the CPU, and on graphics devices where there are any
     #[arg(long)]
     pub hard_cases: bool,
+    /// Of the hard cases only this family; may be given several times
+    #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = FAMILIES)]
+    pub family: Vec<String>,
     /// Random streams of all codecs that both decoders show, in any order of frames
     #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "hard_cases")]
     pub streams: u64,
@@ -71,7 +77,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     if picks.is_empty() && !args.hard_cases {
         return Err(Error::unsupported("no graphics device was found: install a Vulkan driver to test one"));
     }
-    let cases = hard_cases::table();
+    let mut cases = hard_cases::table();
+    cases.retain(|case| args.family.is_empty() || args.family.iter().any(|name| name == case.family.name()));
     let progress = Progress::start(global, "hard cases", cases.len() as u64)?;
     let (cases, clips): (Vec<CaseReport>, Vec<Vec<Clip>>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
     drop(progress);
@@ -183,6 +190,7 @@ fn print_json(all: &[Tested], cases: &[CaseReport], failed: bool) -> Result<()> 
     output::print_json(&json!({
         "devices": all.iter().map(|tested| device::to_json(&tested.info)).collect::<Vec<_>>(),
         "kernels": all.iter().flat_map(|t| t.kernels.iter().map(move |k| kernel(t, k))).collect::<Vec<_>>(),
+        "device_tested": !all.is_empty(),
         "hard_cases": cases_json(all, cases),
         "families": families_json(cases),
         "streams": all.iter().filter_map(streams).collect::<Vec<_>>(),

@@ -167,8 +167,10 @@ fn palette_error(eight: bool) -> Measured {
             let palette = Pair { e0, e1 }.palette();
             for (index, &code) in palette.iter().enumerate().take(last) {
                 let place = if index < 2 { index as f64 * steps } else { index as f64 - 1.0 };
-                let exact = a + (b - a) * place / steps;
-                worst.see((f64::from(code) - exact).abs(), || format!("index {index} of {e0} and {e1}"));
+                // Whole numbers of sevenths or fifths, and so exact.
+                let exact = (steps - place) * a + place * b;
+                worst
+                    .see((f64::from(code) * steps - exact).abs() / steps, || format!("index {index} of {e0} and {e1}"));
             }
         }
     }

@@ -50,16 +50,12 @@ impl Family {
     pub const ALL: [Family; 6] =
         [Family::Quantisation, Family::Temporal, Family::Fits, Family::Blocks, Family::Color, Family::Geometry];
 
+    /// The words for them, in the same order.
+    pub const NAMES: [&str; 6] = ["quantisation", "temporal", "fits", "blocks", "colour", "geometry"];
+
     /// The word for it.
     pub fn name(self) -> &'static str {
-        match self {
-            Family::Quantisation => "quantisation",
-            Family::Temporal => "temporal",
-            Family::Fits => "fits",
-            Family::Blocks => "blocks",
-            Family::Color => "colour",
-            Family::Geometry => "geometry",
-        }
+        Family::NAMES[self as usize]
     }
 }
 

@@ -141,6 +141,8 @@ mod tests {
         let rows = family_rows(&reports);
         assert_eq!((rows.len(), rows[0].cases, rows[0].failed, rows[0].worst.name.as_str()), (1, 3, 0, "b"));
         let broken = [reports[1].clone(), report("d", Bound::AtMost(0.0), 1.0)];
+        let said = broken[1].sentence();
+        assert!(said.starts_with("fits: d (p)") && said.contains("1 codes, <= 0 FAILED"), "{said}");
         assert_eq!((family_rows(&broken)[0].failed, family_rows(&broken)[0].worst.name.as_str()), (1, "d"));
     }
 }
