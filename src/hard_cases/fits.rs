@@ -112,9 +112,9 @@ fn condition_of(mut m: Matrix) -> f64 {
                 for row in &mut m {
                     (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
                 }
-                for k in 0..6 {
-                    (m[p][k], m[q][k]) = (c * m[p][k] - s * m[q][k], s * m[p][k] + c * m[q][k]);
-                }
+                let (above, below) = (m[p], m[q]);
+                m[p] = std::array::from_fn(|k| c * above[k] - s * below[k]);
+                m[q] = std::array::from_fn(|k| s * above[k] + c * below[k]);
             }
         }
     }

@@ -143,7 +143,7 @@ impl Setup {
 }
 
 fn missed(place: Place) -> Result<Measured> {
-    let (mut wrong, mut first, mut seen) = (0, None, 0u64);
+    let (mut wrong, mut first, mut seen) = (0u32, None, 0u64);
     for seed in 0..CAMERAS {
         let mut random = Random::new(seed);
         let setup = Setup::random(&mut random);
@@ -189,7 +189,7 @@ fn missed(place: Place) -> Result<Measured> {
     }
     // Cameras of which few see anything prove nothing.
     let enough = seen > CAMERAS / 8;
-    let figure = if enough { wrong as f64 } else { f64::NAN };
+    let figure = if enough { f64::from(wrong) } else { f64::NAN };
     let note = format!("{seen} points seen");
     Ok(Measured { figure, place: first, note: Some(note), clips: Vec::new() })
 }
