@@ -12,6 +12,7 @@ pub mod depth;
 pub mod effort;
 pub mod error;
 pub mod gpu;
+pub mod hard_cases;
 pub mod image;
 pub mod math;
 pub mod memory;

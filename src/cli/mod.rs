@@ -86,7 +86,7 @@ pub enum Command {
     Diff(diff::Args),
     /// Show what settings cost in bytes, time and quality on footage of your own
     Tradeoff(tradeoff::Args),
-    /// Test whether this machine's graphics devices decode what its CPU decodes
+    /// Test graphics devices against the CPU, and hard cases against their bounds
     Selftest(selftest::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),

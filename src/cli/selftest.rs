@@ -1,30 +1,44 @@
-//! `lightfold selftest`: whether this machine's graphics devices decode what its CPU decodes.
+//! `lightfold selftest`: whether this machine's graphics devices decode what its CPU decodes, and whether hard cases keep
+//! their bounds on both.
 
 use serde_json::json;
 
 use crate::cli::device::{self, GpuArgs};
-use crate::cli::output;
+use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::error::{Error, Result};
 use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
-use crate::gpu::selftest::hard_cases::{HardCaseReport, test_hard_cases};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
+use crate::hard_cases::device::DeviceFigures;
+use crate::hard_cases::{self, CaseReport, Clip, Family, family_rows};
 use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
 
+/// Words for families of hard cases.
+const FAMILIES: [&str; 6] = Family::NAMES;
+
 /// Arguments.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Exit code 1 where a word differs, 2 where there is no graphics device.\n\nExamples:\n  \
-    lightfold selftest\n  lightfold selftest --list-devices\n  \
-    lightfold selftest --streams 10000 --seed 7 --json")]
+#[command(
+    after_help = "Exit code 1 where a word differs or a hard case breaks its bound, 2 where there is no graphics device;\n\
+    --hard-cases does without one, and says so.\n\nExamples:\n  \
+    lightfold selftest\n  lightfold selftest --hard-cases --json\n  lightfold selftest --list-devices\n  \
+    lightfold selftest --streams 10000 --seed 7 --json"
+)]
 pub struct Args {
+    /// Hard cases alone: on the CPU, and on graphics devices where there are any
+    #[arg(long)]
+    pub hard_cases: bool,
+    /// Of the hard cases only this family; may be given several times
+    #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = FAMILIES)]
+    pub family: Vec<String>,
     /// Random streams of all codecs that both decoders show, in any order of frames
-    #[arg(long, value_name = "N", default_value_t = 500)]
+    #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "hard_cases")]
     pub streams: u64,
     /// Other random inputs
-    #[arg(long, value_name = "N", default_value_t = SEED)]
+    #[arg(long, value_name = "N", default_value_t = SEED, conflicts_with = "hard_cases")]
     pub seed: u64,
     /// Device; without an option, all of them are tested.
     #[command(flatten)]
@@ -38,15 +52,16 @@ pub struct Args {
 struct Tested {
     info: DeviceInfo,
     kernels: Vec<KernelReport>,
-    hard_cases: Vec<HardCaseReport>,
-    streams: StreamsReport,
+    /// One for each hard case.
+    hard_cases: Vec<DeviceFigures>,
+    streams: Option<StreamsReport>,
 }
 
 impl Tested {
     fn failed(&self) -> bool {
         self.kernels.iter().any(|kernel| kernel.mismatches > 0)
-            || self.hard_cases.iter().any(|case| !case.passed())
-            || self.streams.verification.mismatched_words > 0
+            || self.hard_cases.iter().any(|case| case.mismatched_words > 0)
+            || self.streams.as_ref().is_some_and(|streams| streams.verification.mismatched_words > 0)
     }
 }
 
@@ -59,33 +74,99 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         Pick::Best => list().iter().map(|info| Pick::Index(info.index)).collect(),
         pick => vec![pick],
     };
-    if picks.is_empty() {
+    if picks.is_empty() && !args.hard_cases {
         return Err(Error::unsupported("no graphics device was found: install a Vulkan driver to test one"));
     }
+    let mut cases = hard_cases::table();
+    cases.retain(|case| args.family.is_empty() || args.family.iter().any(|name| name == case.family.name()));
+    let progress = Progress::start(global, "hard cases", cases.len() as u64)?;
+    let (cases, clips): (Vec<CaseReport>, Vec<Vec<Clip>>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
+    drop(progress);
     let mut all = Vec::new();
     for pick in &picks {
-        let gpu = Gpu::open(pick)?;
-        let progress = Progress::start(global, "testing", ROWS.len() as u64 + args.streams)?;
-        let kernel = |row| {
-            progress.check()?;
-            progress.advance(1);
-            test_kernel(&gpu, row, args.seed)
-        };
-        let kernels = ROWS.iter().map(kernel).collect::<Result<Vec<_>>>()?;
-        let hard_cases = test_hard_cases(&gpu, &progress)?;
-        let streams = test_streams(&gpu, args.streams, args.seed, &progress)?;
-        all.push(Tested { info: gpu.info.clone(), kernels, hard_cases, streams });
+        all.push(test_device(&Gpu::open(pick)?, args, &clips, global)?);
     }
-    let failed = all.iter().any(Tested::failed);
+    let failed = all.iter().any(Tested::failed) || cases.iter().any(|case| !case.passed());
     if args.json {
-        print_json(&all, failed)?
+        print_json(&all, &cases, failed)?
     } else {
-        output::print_text(&text(&all))?
+        output::print_text(&text(&all, &cases))?
     }
     Ok(if failed { Outcome::Differs } else { Outcome::Fine })
 }
 
-fn print_json(all: &[Tested], failed: bool) -> Result<()> {
+fn test_device(gpu: &Gpu, args: &Args, clips: &[Vec<Clip>], global: &GlobalArgs) -> Result<Tested> {
+    let count = clips.iter().map(Vec::len).sum::<usize>() as u64;
+    let more = if args.hard_cases { 0 } else { ROWS.len() as u64 + args.streams };
+    let progress = Progress::start(global, "testing", count + more)?;
+    let hard_cases = hard_cases::device::compare(gpu, clips, &progress)?;
+    let (mut kernels, mut streams) = (Vec::new(), None);
+    if !args.hard_cases {
+        let kernel = |row| {
+            progress.check()?;
+            progress.advance(1);
+            test_kernel(gpu, row, args.seed)
+        };
+        kernels = ROWS.iter().map(kernel).collect::<Result<Vec<_>>>()?;
+        streams = Some(test_streams(gpu, args.streams, args.seed, &progress)?);
+    }
+    Ok(Tested { info: gpu.info.clone(), kernels, hard_cases, streams })
+}
+
+/// A case as measured on the CPU and, where it made streams, shown on a device.
+fn case_json(case: &CaseReport, on_device: Option<(&DeviceInfo, &DeviceFigures)>) -> serde_json::Value {
+    let differs = on_device.is_some_and(|(_, figures)| figures.mismatched_words > 0);
+    json!({
+        "name": case.name,
+        "family": case.family.name(),
+        "pipeline": case.pipeline,
+        "unit": case.unit,
+        "must_be": match case.bound {
+            hard_cases::Bound::AtMost(_) => "at most",
+            hard_cases::Bound::AtLeast(_) => "at least",
+        },
+        "bound": json_number(case.bound.value()),
+        "measured": json_number(case.measured),
+        "place": case.place,
+        "note": case.note,
+        "streams": case.streams,
+        "seconds": case.seconds,
+        "device": on_device.map(|(info, _)| &info.name),
+        "mismatched_words": on_device.map(|(_, figures)| figures.mismatched_words),
+        "passed": case.passed() && !differs,
+    })
+}
+
+/// Each case once, or once for each device that showed streams of it.
+fn cases_json(all: &[Tested], cases: &[CaseReport]) -> Vec<serde_json::Value> {
+    let mut rows = Vec::new();
+    for (at, case) in cases.iter().enumerate() {
+        if case.streams == 0 || all.is_empty() {
+            rows.push(case_json(case, None));
+        } else {
+            rows.extend(all.iter().map(|tested| case_json(case, Some((&tested.info, &tested.hard_cases[at])))));
+        }
+    }
+    rows
+}
+
+fn families_json(cases: &[CaseReport]) -> Vec<serde_json::Value> {
+    let row = |row: hard_cases::FamilyRow<'_>| {
+        json!({
+            "family": row.worst.family.name(),
+            "pipeline": row.worst.pipeline,
+            "cases": row.cases,
+            "failed": row.failed,
+            "worst": row.worst.name,
+            "bound": row.worst.bound.to_string(),
+            "measured": hard_cases::number(row.worst.measured),
+            "unit": row.worst.unit,
+        })
+    };
+    family_rows(cases).into_iter().map(row).collect()
+}
+
+fn print_json(all: &[Tested], cases: &[CaseReport], failed: bool) -> Result<()> {
     let kernel = |tested: &Tested, kernel: &KernelReport| {
         json!({
             "name": kernel.name,
@@ -96,38 +177,56 @@ fn print_json(all: &[Tested], failed: bool) -> Result<()> {
             "megapixels_per_second": kernel.megapixels_per_second,
         })
     };
-    let hard_case = |tested: &Tested, case: &HardCaseReport| {
-        json!({
-            "name": case.name,
-            "device": tested.info.name,
-            "bound": case.bound,
-            "measured": case.measured,
-            "mismatched_words": case.mismatched_words,
-            "passed": case.passed(),
-        })
-    };
     let streams = |tested: &Tested| {
-        json!({
+        let streams = tested.streams.as_ref()?;
+        Some(json!({
             "device": tested.info.name,
-            "streams": tested.streams.streams,
-            "images": tested.streams.images,
-            "mismatched_words": tested.streams.verification.mismatched_words,
-            "first_mismatch": tested.streams.verification.first,
-        })
+            "streams": streams.streams,
+            "images": streams.images,
+            "mismatched_words": streams.verification.mismatched_words,
+            "first_mismatch": streams.verification.first,
+        }))
     };
     output::print_json(&json!({
         "devices": all.iter().map(|tested| device::to_json(&tested.info)).collect::<Vec<_>>(),
         "kernels": all.iter().flat_map(|t| t.kernels.iter().map(move |k| kernel(t, k))).collect::<Vec<_>>(),
-        "hard_cases": all.iter().flat_map(|t| t.hard_cases.iter().map(move |c| hard_case(t, c))).collect::<Vec<_>>(),
-        "streams": all.iter().map(streams).collect::<Vec<_>>(),
+        "device_tested": !all.is_empty(),
+        "hard_cases": cases_json(all, cases),
+        "families": families_json(cases),
+        "streams": all.iter().filter_map(streams).collect::<Vec<_>>(),
         "failed": failed,
     }))
 }
 
-fn text(all: &[Tested]) -> String {
-    let mut out = String::new();
-    for Tested { info, kernels, hard_cases, streams } in all {
-        out += &format!("{} ({}, {}, {})\n\n", info.name, info.kind, info.backend, info.driver);
+fn text(all: &[Tested], cases: &[CaseReport]) -> String {
+    let mut table = Table::new(&[
+        Column::Left("Family"),
+        Column::Left("Through"),
+        Column::Right("Cases"),
+        Column::Left("Bound"),
+        Column::Right("Worst"),
+        Column::Left("Unit"),
+    ]);
+    for row in family_rows(cases) {
+        let worst = row.worst;
+        let measured = hard_cases::number(worst.measured);
+        let cells = [worst.family.name().to_owned(), worst.pipeline.clone(), row.cases.to_string()];
+        table.row(cells.into_iter().chain([worst.bound.to_string(), measured, worst.unit.to_owned()]));
+    }
+    let failed = cases.iter().filter(|case| !case.passed());
+    let mut out = format!("{table}\n{} hard cases, {} failed\n", cases.len(), failed.clone().count());
+    failed.for_each(|case| out += &format!("{}\n", case.sentence()));
+    if all.is_empty() {
+        out += "no graphics device was found: all of this is the CPU's\n";
+    }
+    all.iter().for_each(|tested| out += &device_text(tested, cases));
+    out
+}
+
+fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
+    let Tested { info, kernels, hard_cases, streams } = tested;
+    let mut out = format!("\n{} ({}, {}, {})\n\n", info.name, info.kind, info.backend, info.driver);
+    if !kernels.is_empty() {
         let mut table = Table::new(&[
             Column::Left("Kernel"),
             Column::Right("Inputs"),
@@ -138,17 +237,23 @@ fn text(all: &[Tested]) -> String {
             let speed = format!("{:.0}", kernel.megapixels_per_second);
             table.row([kernel.name.to_owned(), kernel.inputs.to_string(), kernel.mismatches.to_string(), speed]);
         }
-        let words = streams.verification.mismatched_words;
-        let worst = hard_cases.iter().map(|case| case.measured).max().unwrap_or(0);
-        let failed = hard_cases.iter().filter(|case| !case.passed());
-        let count = failed.clone().count();
-        out += &format!("{table}\n{} hard cases, {count} failed, {worst} codes off at most\n", hard_cases.len());
-        out += &format!("{} streams, {} images, {words} words differ\n", streams.streams, streams.images);
-        failed.for_each(|case| out += &format!("failed: {case:?}\n"));
-        let first = kernels.iter().filter_map(|kernel| Some(format!("{}: {}", kernel.name, kernel.first.as_ref()?)));
-        for line in first.chain(streams.verification.first.clone()) {
-            out += &format!("first: {line}\n");
-        }
+        out += &format!("{table}\n");
     }
+    let words: u64 = hard_cases.iter().map(|case| case.mismatched_words).sum();
+    let pictures: u64 = hard_cases.iter().map(|case| case.pictures).sum();
+    let count = hard_cases.iter().filter(|case| case.pictures > 0).count();
+    out += &format!("{count} hard cases with streams, {pictures} images, {words} words differ\n");
+    for (case, figures) in cases.iter().zip(hard_cases).filter(|(_, figures)| figures.mismatched_words > 0) {
+        let first = figures.first.as_deref().unwrap_or_default();
+        out += &format!("differs: {} ({}), {} words, {first}\n", case.name, case.pipeline, figures.mismatched_words);
+    }
+    let first = kernels.iter().filter_map(|kernel| Some(format!("{}: {}", kernel.name, kernel.first.as_ref()?)));
+    let mut firsts: Vec<String> = first.collect();
+    if let Some(streams) = streams {
+        let words = streams.verification.mismatched_words;
+        out += &format!("{} streams, {} images, {words} words differ\n", streams.streams, streams.images);
+        firsts.extend(streams.verification.first.clone());
+    }
+    firsts.iter().for_each(|line| out += &format!("first: {line}\n"));
     out
 }

@@ -7,6 +7,7 @@ pub mod source;
 pub mod stream;
 
 pub use manifest::Manifest;
+pub(crate) use pixels::{Geometry, planar_to_distance};
 pub use source::{
     Arrangement, InvalidColor, InvalidDepth, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
 };

@@ -60,7 +60,7 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
 
 /// Where planar depth is to be converted.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Geometry {
+pub(crate) enum Geometry {
     /// The plane of a cube face.
     Cube,
     /// A pinhole camera.
@@ -68,7 +68,7 @@ pub(super) enum Geometry {
 }
 
 /// Turns planar depth into distance; +inf and 0.0 stay.
-pub(super) fn planar_to_distance(plane: &mut DepthPlane, geometry: Geometry) {
+pub(crate) fn planar_to_distance(plane: &mut DepthPlane, geometry: Geometry) {
     let (width, height) = (plane.width(), plane.height());
     for row in 0..height {
         for (col, value) in plane.row_mut(row).iter_mut().enumerate() {

@@ -55,8 +55,9 @@ impl Frame {
         [(x as f64 - self.centre[0]) * self.scale[0], (y as f64 - self.centre[1]) * self.scale[1]]
     }
 
+    /// The functions whose coefficients are [`Terms`].
     #[inline]
-    fn basis(&self, [x, y]: [f64; 2]) -> Terms {
+    pub fn basis(&self, [x, y]: [f64; 2]) -> Terms {
         [1.0, x, y, x * y, x * x - self.mean_square[0], y * y - self.mean_square[1]]
     }
 

@@ -12,7 +12,7 @@ pub mod boxes;
 pub mod census;
 mod coefficients;
 pub mod domain;
-mod least_squares;
+pub(crate) mod least_squares;
 pub mod limit;
 mod line;
 pub mod mode_decision;

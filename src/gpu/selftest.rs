@@ -3,7 +3,6 @@
 mod blocks;
 mod boxes;
 mod cells;
-pub mod hard_cases;
 mod nodes;
 mod plans;
 pub mod streams;

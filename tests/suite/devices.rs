@@ -46,6 +46,31 @@ fn without_a_device_gpu_is_refused_and_auto_takes_the_cpu() {
 }
 
 #[test]
+fn hard_cases_are_tested_without_a_device_which_is_said() {
+    let only = ["selftest", "--hard-cases", "--family", "geometry"];
+    let (code, report, words) = without_drivers(&[only.as_slice(), &["--json"]].concat());
+    assert_eq!(code, Some(0), "{words}");
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!((&report["device_tested"], &report["failed"]), (&false.into(), &false.into()));
+    assert_eq!(report["devices"].as_array().map(Vec::len), Some(0));
+    let cases = report["hard_cases"].as_array().unwrap();
+    assert!(cases.len() > 20, "{}", cases.len());
+    for case in cases {
+        assert_eq!((case["family"].as_str(), &case["passed"]), (Some("geometry"), &true.into()), "{case}");
+        for key in ["name", "pipeline", "unit", "bound", "measured"] {
+            assert!(!case[key].is_null(), "{key} of {case}");
+        }
+        assert!(case["device"].is_null() && case["mismatched_words"].is_null(), "{case}");
+    }
+    let (code, text, words) = without_drivers(&only);
+    assert_eq!(code, Some(0), "{words}");
+    assert!(text.contains(" 0 failed") && text.contains("no graphics device was found"), "{text}");
+    assert_eq!(without_drivers(&["selftest", "--hard-cases", "--streams", "5"]).0, Some(2));
+    assert_eq!(without_drivers(&["selftest", "--family", "geometry"]).0, Some(2));
+    assert_eq!(without_drivers(&["selftest", "--hard-cases", "--family", "color"]).0, Some(2));
+}
+
+#[test]
 fn options_that_contradict_each_other_are_refused() {
     let input = vector();
     let (code, _, words) = without_drivers(&["decode", &input, "--verify", "--device", "cpu"]);

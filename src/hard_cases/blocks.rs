@@ -1,0 +1,335 @@
+//! Blocks of texture formats and BC4w where they are hard (depth.md 8; blocks.md): markers, endpoints, modes, and another
+//! decoder beside ours.
+
+use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
+
+use crate::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
+use crate::depth::BACKGROUND_CODE;
+use crate::depth::bc4w::{self, Bc4w, MAX_ENDPOINT, Pair, lines::bipartitions};
+use crate::depth::block::Block;
+use crate::depth::domain::Domain;
+use crate::depth::nodes::{Function, function_of};
+use crate::depth::platelet::Platelet;
+use crate::depth::temporal::TemporalSettings;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::gpu::random::Random;
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
+use crate::hard_cases::pictures::{HardPicture, PICTURES};
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use half::f16;
+
+/// Blocks of each mode that two decoders show.
+const EACH: usize = 4096;
+/// BC4w blocks along each side of a picture with a code for each.
+const COLUMNS: u32 = 40;
+/// Modes of BC6H: the low bits of a block that choose it, and how many.
+const BC6H_MODES: [(u128, u32); 14] = [
+    (0, 2),
+    (1, 2),
+    (2, 5),
+    (3, 5),
+    (6, 5),
+    (7, 5),
+    (10, 5),
+    (11, 5),
+    (14, 5),
+    (15, 5),
+    (18, 5),
+    (22, 5),
+    (26, 5),
+    (30, 5),
+];
+
+/// All cases.
+pub(super) fn cases() -> Vec<HardCase> {
+    let shelf = |pipeline: &str, unit| Shelf::new(Family::Blocks, pipeline, unit);
+    let mut cases = Vec::new();
+    let background = shelf("DB4W", "background mixed up");
+    for picture in PICTURES {
+        cases.push(background.case(picture.name, Bound::AtMost(0.0), move || background_of(picture)));
+    }
+    // 13 bits stand for codes 8 or 9 apart; the last, 65535, is the background's, so that surfaces end at 65527.
+    let one = shelf("DB4W, one code a block", "codes");
+    let two = shelf("DB4W, one code and the background in a block", "codes");
+    let spans: [(&str, u16, u16, f64); 4] = [
+        ("0 to 1599", 0, 1, 4.0),
+        ("every 40th", 0, 40, 4.0),
+        ("the last that endpoints reach: 63928 to 65527", 63_928, 1, 4.0),
+        ("those beyond: 65528 to 65534", 65_528, 1, 7.0),
+    ];
+    for (name, first, step, most) in spans {
+        let last = if first == 65_528 { 65_534 } else { 65_527 };
+        cases.push(one.case(name, Bound::AtMost(most), move || codes_of_blocks([first, step, last], |_, _| false)));
+        cases.push(
+            two.case(name, Bound::AtMost(most), move || codes_of_blocks([first, step, last], |x, y| (x + y) % 3 == 0)),
+        );
+    }
+    let palette = shelf("BC4w palettes against binary64", "codes");
+    // Sevenths and fifths, to nearest.
+    cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(true))));
+    cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(false))));
+    cases.push(palette.case("equal endpoints, all of them", Bound::AtMost(0.0), || Ok(equal_endpoints())));
+    // 8 e + e / 1024 rounded down for 65535 / 8191 e: both end at the same code, and between they are less than 1 apart.
+    cases.push(palette.case("endpoints of 13 bits", Bound::AtMost(1.0), || Ok(endpoint_error())));
+    let marker = shelf("blocks and platelets of 8x8 pixels parted by every third line", "taken for another function");
+    cases.push(marker.case("codes that fill endpoints with ones", Bound::AtMost(0.0), marker_collisions));
+    let temporal = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
+    for epsilon in [0, 100] {
+        let boxes = shelf(&format!("DAB5, epsilon = {epsilon}"), "codes");
+        for picture in PICTURES {
+            cases.push(boxes.case(picture.name, Bound::AtMost(f64::from(epsilon)), move || {
+                let source = picture.moving();
+                let clip = Clip::codes_in_blocks(&source, temporal(epsilon))?;
+                measured(source.error(&clip)?, clip)
+            }));
+        }
+    }
+    for epsilon in [0, 8, 60] {
+        let boxes = shelf(&format!("MAB1, epsilon = {epsilon}"), "of 255");
+        for (name, pixel) in MATERIALS {
+            cases.push(boxes.case(name, Bound::AtMost(f64::from(epsilon)), move || {
+                let source = Sequence::new([22, 17], 4, pixel);
+                let clip = Clip::material(&source, temporal(epsilon), true)?;
+                measured(source.error(&clip)?, clip)
+            }));
+        }
+    }
+    cases.extend(decoders());
+    cases
+}
+
+fn measured((error, place): (f64, String), clip: Clip) -> Result<Measured> {
+    let mut worst = Worst::greatest();
+    worst.see(error, || place);
+    Ok(worst.measured().with_clips(vec![clip]))
+}
+
+/// What BC1 finds hard: its mode of three colours, equal endpoints, channels that do not go together.
+type Material = (&'static str, fn(u32, u32, u32) -> [u8; 3]);
+
+const MATERIALS: [Material; 6] = [
+    ("black and two colours: the mode of three", |_, x, y| match (x + 2 * y) % 3 {
+        0 => [0; 3],
+        1 => [255, 200, 9],
+        _ => [40, 250, 255],
+    }),
+    ("one colour a block: equal endpoints", |frame, x, y| {
+        [0, 1, 2].map(|c| (37 * (x / 4) + 91 * (y / 4) + 50 * c + frame) as u8)
+    }),
+    ("between two steps of 5 and 6 bits", |_, x, y| [4 + (x % 2) as u8, 2 + (y % 2) as u8, 251]),
+    ("channels that do not go together", |frame, x, y| [(x * 60) as u8, (y * 60) as u8, ((x + y + frame) * 90) as u8]),
+    ("pure colours", |frame, x, y| [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]][((x + y + frame) % 4) as usize]),
+    ("noise", |frame, x, y| {
+        let mut random = Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y));
+        [(); 3].map(|()| random.below(256) as u8)
+    }),
+];
+
+fn background_of(picture: &HardPicture) -> Result<Measured> {
+    let source = picture.still();
+    let (mut wrong, mut first, mut clips) = (0, None, Vec::new());
+    let small = picture.size[0] * picture.size[1] <= 64 * 77;
+    for effort in [Effort::Fast, Effort::Normal].into_iter().filter(|&effort| small || effort == EFFORT) {
+        let clip = Clip::blocks(&source, effort, 1)?;
+        let (error, place) = source.error(&clip)?;
+        if error.is_infinite() {
+            wrong += 1;
+            first.get_or_insert(place);
+        }
+        clips.push(clip);
+    }
+    Ok(Measured::count(wrong, first).with_clips(clips))
+}
+
+/// A block of 8x8 pixels for each code from `first` in steps, up to `last`; some of its pixels are background.
+fn codes_of_blocks([first, step, last]: [u16; 3], background: fn(u32, u32) -> bool) -> Result<Measured> {
+    let source = Sequence::new([8 * COLUMNS; 2], 1, |_, x, y| {
+        let at = x / 8 + y / 8 * COLUMNS;
+        let code = (u32::from(first) + at * u32::from(step)).min(u32::from(last)) as u16;
+        if background(x, y) { BACKGROUND_CODE } else { code }
+    });
+    let clip = Clip::blocks(&source, EFFORT, 1)?;
+    measured(source.error(&clip)?, clip)
+}
+
+/// Codes between two endpoints, in one mode, against the real ones.
+fn palette_error(eight: bool) -> Measured {
+    let mut random = Random::new(8);
+    let mut worst = Worst::greatest();
+    for e0 in 0..=MAX_ENDPOINT {
+        let others = [0, 1, e0.saturating_sub(1), e0, (e0 + 1).min(MAX_ENDPOINT), MAX_ENDPOINT];
+        let more = [(); 26].map(|()| random.below(u32::from(MAX_ENDPOINT) + 1) as u16);
+        for e1 in others.into_iter().chain(more).filter(|&e1| (e0 > e1) == eight) {
+            let [a, b] = [e0, e1].map(|endpoint| f64::from(Pair::code(endpoint)));
+            let steps = if eight { 7.0 } else { 5.0 };
+            let last = if eight { 8 } else { 6 };
+            let palette = Pair { e0, e1 }.palette();
+            for (index, &code) in palette.iter().enumerate().take(last) {
+                let place = if index < 2 { index as f64 * steps } else { index as f64 - 1.0 };
+                // Whole numbers of sevenths or fifths, and so exact.
+                let exact = (steps - place) * a + place * b;
+                worst
+                    .see((f64::from(code) * steps - exact).abs() / steps, || format!("index {index} of {e0} and {e1}"));
+            }
+        }
+    }
+    worst.measured()
+}
+
+fn equal_endpoints() -> Measured {
+    let mut worst = Worst::greatest();
+    for endpoint in 0..=MAX_ENDPOINT {
+        let palette = Pair { e0: endpoint, e1: endpoint }.palette();
+        let code = Pair::code(endpoint);
+        let expected = [code, code, code, code, code, code, 0, BACKGROUND_CODE];
+        let off = palette.iter().zip(expected).map(|(found, code)| found.abs_diff(code)).max().unwrap_or(u16::MAX);
+        worst.see(f64::from(off), || format!("endpoint {endpoint}"));
+    }
+    worst.measured()
+}
+
+fn endpoint_error() -> Measured {
+    let mut worst = Worst::greatest();
+    for endpoint in 0..=MAX_ENDPOINT {
+        let exact = f64::from(endpoint) * 65535.0 / f64::from(MAX_ENDPOINT);
+        worst.see((f64::from(Pair::code(endpoint)) - exact).abs(), || format!("endpoint {endpoint}"));
+    }
+    worst.measured()
+}
+
+/// Blocks and platelets whose last bytes are those of another function, or that do not decode to what was measured.
+fn marker_collisions() -> Result<Measured> {
+    let (mut wrong, mut first) = (0, None);
+    let codes = [BACKGROUND_CODE, 65_534, 65_527, 0];
+    for parted in bipartitions().iter().step_by(3) {
+        for (a, b) in codes.into_iter().flat_map(|a| codes.map(|b| (a, b))) {
+            let picture: Vec<u16> = (0..64).map(|pixel| if parted.side_b >> pixel & 1 == 0 { a } else { b }).collect();
+            let block = Block::of(&picture, 8, 1, [0, 0]);
+            let (found, _) = bc4w::encode(&block, EFFORT);
+            let mut said = Vec::new();
+            if function_of(1, found.as_bytes()) != Function::Bc4w || Bc4w::from_bytes(*found.as_bytes()).is_none() {
+                said.push(format!("a block of {a} and {b}"));
+            }
+            let platelet = Platelet::fit(&block, &Domain::log(), 0).map(|(platelet, _)| platelet.to_bytes());
+            if platelet.is_some_and(|bytes| function_of(1, &bytes) != Function::Platelet) {
+                said.push(format!("a platelet of {a} and {b}"));
+            }
+            wrong += said.len() as u64;
+            first = first.or(said.into_iter().next());
+        }
+    }
+    Ok(Measured::count(wrong, first))
+}
+
+/// Our decoders beside those of the library that encodes BC4 and BC5.
+fn decoders() -> Vec<HardCase> {
+    let mut cases = Vec::new();
+    // BC1, BC4 and BC5 leave the rounding of thirds, fifths and sevenths to decoders: one step of 8 bits.
+    let near = Shelf::new(Family::Blocks, "our decoder beside that of dds", "of 255");
+    let bytes = |name: &str, most: f64, run: fn() -> Result<Measured>| near.case(name, Bound::AtMost(most), run);
+    cases.push(bytes("BC1, both orders of endpoints", 1.0, || {
+        let ours = |block: &[u8; 8]| bc1::decode(block).as_flattened().to_vec();
+        beside(&any_blocks(3), (Format::BC1_UNORM, ColorFormat::RGB_U8), ours)
+    }));
+    cases.push(bytes("BC4, both modes", 1.0, || {
+        beside(&any_blocks(5), (Format::BC4_UNORM, ColorFormat::GRAYSCALE_U8), |block: &[u8; 8]| {
+            bc4::decode(block).to_vec()
+        })
+    }));
+    cases.push(bytes("BC5, both modes", 1.0, || {
+        let ours = |block: &[u8; 16]| bc5::decode(block).iter().flat_map(|&[r, g]| [r, g, 0]).collect();
+        let without_blue = |block: &[u8; 16]| -> Vec<u8> { ours(block) };
+        beside_of(&any_blocks(7), (Format::BC5_UNORM, ColorFormat::RGB_U8), without_blue, |at| at % 3 < 2)
+    }));
+    // BC7 is defined to the bit.
+    for mode in 0..8u32 {
+        cases.push(near.case(format!("BC7, mode {mode}"), Bound::AtMost(0.0), move || {
+            let ours = |block: &[u8; 16]| bc7::decode(block).iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            beside(&blocks_of(1 << mode, mode + 1), (Format::BC7_UNORM, ColorFormat::RGB_U8), ours)
+        }));
+    }
+    let exact = Shelf::new(Family::Blocks, "our decoder beside that of dds", "half floats that differ");
+    for (code, count) in BC6H_MODES {
+        let name = format!("BC6H, mode {code} of {count} bits");
+        cases.push(exact.case(name, Bound::AtMost(0.0), move || halves_beside(&blocks_of(code, count))));
+    }
+    cases
+}
+
+/// Blocks of random bits, often the same byte from some place on, with `low` in their lowest `count` bits.
+fn blocks_of<const BYTES: usize>(low: u128, count: u32) -> Vec<[u8; BYTES]> {
+    let mut random = Random::new((low as u64) << 8 | u64::from(count));
+    let block = |_| {
+        let mut bytes = [0; BYTES];
+        random.fill(&mut bytes);
+        if random.one_in(4) {
+            let same = [0, 255, random.word() as u8][random.below(3) as usize];
+            bytes[random.below(BYTES as u32) as usize..].fill(same);
+        }
+        let mut word = [0; 16];
+        word[..BYTES].copy_from_slice(&bytes);
+        let word = u128::from_le_bytes(word) >> count << count | low;
+        bytes.copy_from_slice(&word.to_le_bytes()[..BYTES]);
+        bytes
+    };
+    (0..EACH).map(block).collect()
+}
+
+fn any_blocks<const BYTES: usize>(seed: u128) -> Vec<[u8; BYTES]> {
+    let mut blocks = blocks_of(seed, 0);
+    // Equal endpoints, of one byte and of two.
+    for block in blocks.iter_mut().step_by(16) {
+        (block[1], block[2], block[3]) = (block[0], block[0], block[0]);
+    }
+    blocks
+}
+
+/// What the library shows of blocks, a column of them.
+fn shown_by_dds(blocks: &[u8], count: usize, (format, color): (Format, ColorFormat)) -> Result<Vec<u8>> {
+    let size = Size::new(SIDE as u32, (count * SIDE) as u32);
+    let mut shown = vec![0; TEXELS * count * usize::from(color.bytes_per_pixel())];
+    let image = ImageViewMut::new(&mut shown, size, color).ok_or_else(|| Error::invalid("an image of another size"))?;
+    let refused = |error| Error::invalid(format!("dds does not decode its own format: {error}"));
+    dds::decode(&mut &*blocks, image, format, &DecodeOptions::default()).map_err(refused)?;
+    Ok(shown)
+}
+
+fn beside<const BYTES: usize>(
+    blocks: &[[u8; BYTES]],
+    format: (Format, ColorFormat),
+    ours: impl Fn(&[u8; BYTES]) -> Vec<u8>,
+) -> Result<Measured> {
+    beside_of(blocks, format, ours, |_| true)
+}
+
+/// The greatest difference of the samples of which `counts` says so.
+fn beside_of<const BYTES: usize>(
+    blocks: &[[u8; BYTES]],
+    format: (Format, ColorFormat),
+    ours: impl Fn(&[u8; BYTES]) -> Vec<u8>,
+    counts: impl Fn(usize) -> bool,
+) -> Result<Measured> {
+    let theirs = shown_by_dds(blocks.as_flattened(), blocks.len(), format)?;
+    let mut worst = Worst::greatest();
+    for (block, theirs) in blocks.iter().zip(theirs.chunks_exact(theirs.len() / blocks.len())) {
+        for (at, (a, b)) in ours(block).iter().zip(theirs).enumerate().filter(|&(at, _)| counts(at)) {
+            worst.see(f64::from(a.abs_diff(*b)), || format!("sample {at} of {block:02x?}"));
+        }
+    }
+    Ok(worst.measured())
+}
+
+fn halves_beside(blocks: &[[u8; 16]]) -> Result<Measured> {
+    let theirs = shown_by_dds(blocks.as_flattened(), blocks.len(), (Format::BC6H_UF16, ColorFormat::RGB_F32))?;
+    let (mut wrong, mut first) = (0, None);
+    for (block, theirs) in blocks.iter().zip(theirs.chunks_exact(12 * TEXELS)) {
+        for (ours, theirs) in bc6h::decode(block).as_flattened().iter().zip(theirs.as_chunks::<4>().0) {
+            if f16::from_bits(*ours).to_f32() != f32::from_ne_bytes(*theirs) {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{block:02x?}"));
+            }
+        }
+    }
+    Ok(Measured::count(wrong, first))
+}

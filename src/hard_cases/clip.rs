@@ -1,0 +1,288 @@
+//! Streams of one unit, made by the encoders and shown by way of a container.
+
+use std::ops::Range;
+
+use crate::container::index::{ProbeEntry, StreamEntry};
+use crate::container::writer::Writer;
+use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
+use crate::dataset::stream::DepthKind;
+use crate::depth::block_chunk::BlockEncoder;
+use crate::depth::domain::Domain;
+use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
+use crate::depth::nodes::Grid;
+use crate::depth::temporal::{Held, TemporalEncoder, TemporalSettings};
+use crate::depth::tree_chunk::TreeEncoder;
+use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::gpu::pictures::mismatched_words;
+use crate::video::codec::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
+use crate::video::decode::{Decoder, Picture};
+
+/// Effort of all searches: bounds hold with any, and this one takes the least time.
+pub(super) const EFFORT: Effort = Effort::Fast;
+
+/// A stream of one unit.
+#[derive(Debug, Clone)]
+pub struct Clip {
+    /// What it was made with.
+    pub what: String,
+    /// Its codec.
+    pub header: CodecHeader,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Its frames.
+    pub frame_count: u32,
+    chunks: Vec<EncodedChunk>,
+}
+
+/// A sequence of depth.
+#[derive(Debug, Clone)]
+pub(super) struct Sequence<T> {
+    pub size: [u32; 2],
+    pub frames: Vec<Vec<T>>,
+}
+
+/// The range of streams whose metres do not matter.
+pub(super) fn any_range() -> Result<DepthRange> {
+    DepthRange::new(0.5, 900.0)
+}
+
+fn depth_header(range: DepthRange, coding: DepthCoding) -> CodecHeader {
+    CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Distance, coding })
+}
+
+fn boxes<T: Texel, H: Held<T>>(mut encoder: TemporalEncoder<T, H>, frames: &[Vec<T>]) -> Result<Vec<EncodedChunk>> {
+    let mut chunks = Vec::new();
+    for frame in frames {
+        chunks.extend(encoder.push(frame)?);
+    }
+    chunks.extend(encoder.finish()?);
+    Ok(chunks)
+}
+
+impl Clip {
+    /// A stream of these chunks.
+    pub(super) fn new(
+        what: impl Into<String>,
+        header: CodecHeader,
+        (size, frames): ([u32; 2], usize),
+        chunks: Vec<EncodedChunk>,
+    ) -> Clip {
+        Clip { what: what.into(), header, size, frame_count: frames as u32, chunks }
+    }
+
+    /// Packed nodes (`DQPN`) of a domain.
+    pub(super) fn nodes(
+        source: &Sequence<u16>,
+        (range, domain): (DepthRange, &Domain),
+        settings: NodeSettings,
+    ) -> Result<Clip> {
+        settings.check()?;
+        let mut encoder = NodeEncoder::new(source.grid(), domain.clone(), settings);
+        let mut chunks = Vec::new();
+        for frame in &source.frames {
+            chunks.extend(encoder.push(frame, None)?);
+        }
+        chunks.extend(encoder.finish()?);
+        let header = depth_header(range, DepthCoding::Nodes(node_header(domain, settings)));
+        let what = format!("{} domain, {:?}", domain.kind().name(), settings.decide);
+        Ok(Clip::new(what, header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// The quadtree itself (`DQTR`), which loses nothing.
+    pub(super) fn tree(source: &Sequence<u16>, settings: NodeSettings) -> Result<Clip> {
+        let settings = NodeSettings { window: 1, epsilon: 0, ..settings };
+        let mut encoder = TreeEncoder::new(source.grid(), Domain::log(), settings);
+        let mut chunks = Vec::new();
+        for frame in &source.frames {
+            chunks.extend(encoder.push(frame)?);
+        }
+        chunks.extend(encoder.finish()?);
+        let header = depth_header(any_range()?, DepthCoding::Tree(node_header(&Domain::log(), settings)));
+        Ok(Clip::new("DQTR", header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// BC4w blocks (`DB4W`).
+    pub(super) fn blocks(source: &Sequence<u16>, effort: Effort, interval: u32) -> Result<Clip> {
+        let mut encoder = BlockEncoder::new(source.grid(), effort, interval);
+        let mut chunks: Vec<_> = source.frames.iter().filter_map(|frame| encoder.push(frame)).collect();
+        chunks.extend(encoder.finish());
+        let header = depth_header(any_range()?, DepthCoding::Blocks);
+        Ok(Clip::new(format!("{effort:?}"), header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Codes in boxes (`DAAB`).
+    pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings) -> Result<Clip> {
+        settings.check()?;
+        let chunks = boxes(TemporalEncoder::new(source.size[0], settings), &source.frames)?;
+        let header = depth_header(any_range()?, DepthCoding::Boxes(settings));
+        Ok(Clip::new("DAAB", header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Codes in boxes, pieces of them in BC5 (`DAB5`).
+    pub(super) fn codes_in_blocks(source: &Sequence<u16>, settings: TemporalSettings) -> Result<Clip> {
+        settings.check()?;
+        let chunks = boxes(TemporalEncoder::in_blocks(source.size, settings, EFFORT), &source.frames)?;
+        let header = depth_header(any_range()?, DepthCoding::BoxesInBlocks(settings));
+        Ok(Clip::new("DAB5", header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Material in boxes, as it is (`MAAB`) or with pieces in BC1 (`MAB1`).
+    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, in_blocks: bool) -> Result<Clip> {
+        temporal.check()?;
+        let chunks = if in_blocks {
+            boxes(TemporalEncoder::in_blocks(source.size, temporal, EFFORT), &source.frames)?
+        } else {
+            boxes(TemporalEncoder::new(source.size[0], temporal), &source.frames)?
+        };
+        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks });
+        let what = if in_blocks { "MAB1" } else { "MAAB" };
+        Ok(Clip::new(what, header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Pixels of all frames together.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(self.frame_count)
+    }
+
+    /// Shows all frames in order.
+    pub(super) fn show(&self, mut see: impl FnMut(usize, &Picture) -> Result<()>) -> Result<()> {
+        let decoder = open(std::slice::from_ref(self))?;
+        let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
+        let mut face = decoder.face(stream);
+        (0..self.frame_count).try_for_each(|frame| see(frame as usize, &face.decode(frame)?))
+    }
+
+    /// Enters at frames and steps on by every legal number of frames; answers how many of these pictures are not those
+    /// that are shown in order, with the first of them. `starts` are the frames to enter at.
+    ///
+    /// A legal path is made of steps of 1 to W frames, so pictures that are right after each single step are right on
+    /// every path.
+    pub(super) fn paths(&self, starts: Range<u32>, every: usize) -> Result<(u64, Option<String>)> {
+        let window = match self.header {
+            CodecHeader::Depth(header) => u32::from(header.window()),
+            CodecHeader::Material(header) => u32::from(header.temporal.window),
+            CodecHeader::Color(_) => 1,
+        };
+        let mut shown = Vec::new();
+        self.show(|_, picture| {
+            shown.push(picture.clone());
+            Ok(())
+        })?;
+        let decoder = open(std::slice::from_ref(self))?;
+        let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
+        let mut face = decoder.face(stream);
+        let (mut wrong, mut first) = (0, None);
+        for start in starts.step_by(every) {
+            // One step more than a decoder may take at once: it has to take two.
+            for step in 1..=window + 1 {
+                for frame in [start, start + step].into_iter().filter(|&frame| frame < self.frame_count) {
+                    if mismatched_words(&face.decode(frame)?, &shown[frame as usize]) > 0 {
+                        wrong += 1;
+                        first.get_or_insert_with(|| format!("frame {frame}, entered at {start}, step {step}"));
+                    }
+                }
+                if start + step >= self.frame_count {
+                    break;
+                }
+            }
+        }
+        Ok((wrong, first))
+    }
+}
+
+impl<T> Sequence<T> {
+    /// Frames from a function of frame, column and row.
+    pub(super) fn new(size: [u32; 2], frames: u32, pixel: impl Fn(u32, u32, u32) -> T) -> Sequence<T> {
+        let [width, height] = size;
+        let frame = |frame| (0..width * height).map(|at| pixel(frame, at % width, at / width)).collect();
+        Sequence { size, frames: (0..frames).map(frame).collect() }
+    }
+}
+
+impl Sequence<u16> {
+    pub(super) fn grid(&self) -> Grid {
+        Grid { width: self.size[0], height: self.size[1] }
+    }
+
+    /// The largest error of what a clip shows, in codes; infinite where background and surface are mixed up.
+    pub(super) fn error(&self, clip: &Clip) -> Result<(f64, String)> {
+        let (mut worst, mut place) = (0.0, "everywhere alike".to_owned());
+        clip.show(|frame, picture| {
+            let Picture::Depth(shown) = picture else { return Err(Error::invalid("depth was expected")) };
+            for (at, (&shown, &source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
+                let mixed = (shown == BACKGROUND_CODE) != (source == BACKGROUND_CODE);
+                let error = if mixed { f64::INFINITY } else { f64::from(shown.abs_diff(source)) };
+                if error > worst {
+                    let (x, y) = (at % self.size[0] as usize, at / self.size[0] as usize);
+                    place = format!("{}, frame {frame}, pixel ({x}, {y}): {source} became {shown}", clip.what);
+                    worst = error;
+                }
+            }
+            Ok(())
+        })?;
+        Ok((worst, place))
+    }
+}
+
+impl Sequence<[u8; 3]> {
+    /// The largest error of any byte of what a clip shows.
+    pub(super) fn error(&self, clip: &Clip) -> Result<(f64, String)> {
+        let (mut worst, mut place) = (0.0, "everywhere alike".to_owned());
+        clip.show(|frame, picture| {
+            let Picture::Material(shown) = picture else { return Err(Error::invalid("material was expected")) };
+            for (at, (shown, source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
+                let error = shown.iter().zip(source).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+                if f64::from(error) > worst {
+                    place = format!("{}, frame {frame}, pixel {at}: {source:?} became {shown:?}", clip.what);
+                    worst = f64::from(error);
+                }
+            }
+            Ok(())
+        })?;
+        Ok((worst, place))
+    }
+}
+
+fn node_header(domain: &Domain, settings: NodeSettings) -> NodeHeader {
+    let NodeSettings { window, epsilon, keyframe_interval, bound, .. } = settings;
+    NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() }
+}
+
+/// A container with a probe for each clip, opened.
+pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
+    let mut writer = Writer::new(Vec::new(), "hard cases", 24.0, 0)?;
+    for (at, clip) in clips.iter().enumerate() {
+        let probe = writer.add_probe(ProbeEntry {
+            name: format!("{at}"),
+            position: [0.0; 3],
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            frames: [0, clip.frame_count - 1],
+            intrinsics: [0.0; 4],
+        })?;
+        let [width, height] = clip.size;
+        // Units in blocks have sides of whole blocks, and are cut off at the edge of the image.
+        let unit = |side: u32| if clip.header.in_blocks() { side.next_multiple_of(4) } else { side };
+        writer.add_stream(StreamEntry {
+            kind: clip.header.kind() as u8,
+            face: 0,
+            probe,
+            codec: clip.header.codec(),
+            width,
+            height,
+            first_frame: 0,
+            frame_count: clip.frame_count,
+            unit_width: unit(width),
+            unit_height: unit(height),
+            codec_header: clip.header.write(),
+        });
+    }
+    for (stream, clip) in (0u32..).zip(clips) {
+        for EncodedChunk { first_frame, frame_count, payload } in &clip.chunks {
+            let key = ChunkKey { stream, unit: 0, first_frame: *first_frame, frame_count: *frame_count };
+            writer.push(&PackedChunk::new(key, payload.clone(), None)?)?;
+        }
+    }
+    Decoder::new(Reader::from_memory(writer.finish()?.0)?)
+}

@@ -1,0 +1,193 @@
+//! Cells of colour that are hard (CALF 5.1; color.md): every frame must reach its decibels.
+
+use half::f16;
+
+use crate::color::blend::{HalfKey, Sample};
+use crate::color::cells::CellFormat;
+use crate::color::keyframes::SearchSettings;
+use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
+use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
+use crate::container::EncodedChunk;
+use crate::error::{Error, Result};
+use crate::gpu::random::Random;
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::image::transfer::ToneMap;
+use crate::metrics::psnr::U8_PEAK;
+use crate::metrics::pu21::PU21_PEAK;
+use crate::video::codec::{CodecHeader, ColorBlocks, ColorFormat, ColorHeader};
+use crate::video::decode::Picture;
+
+/// Luminance of 1.0 in the half-float cases, in cd/m².
+const WHITE_CD_M2: f64 = 100.0;
+
+/// A sequence of a cell: size, frames, and a pixel of each.
+type Cell<T> = (&'static str, [u32; 2], u32, fn(u32, u32, u32) -> [T; 3]);
+
+/// A number below `n` that depends on frame and place alone.
+fn noise([frame, x, y]: [u32; 3], n: u32) -> u32 {
+    Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y)).below(n)
+}
+
+const BYTES: [Cell<u8>; 14] = [
+    ("black", [12, 12], 20, |_, _, _| [0; 3]),
+    ("saturated", [12, 12], 20, |_, _, _| [255; 3]),
+    ("black and saturated in turn", [12, 12], 30, |frame, _, _| [[0; 3], [255; 3]][frame as usize % 2]),
+    ("pure colours, checkerboard", [12, 12], 20, |frame, x, y| match (frame / 4 + x + y) % 4 {
+        0 => [255, 0, 0],
+        1 => [0, 255, 0],
+        2 => [0, 0, 255],
+        _ => [0; 3],
+    }),
+    ("a still picture: no error at all", [16, 16], 60, |_, x, y| [(x * 16) as u8, (y * 16) as u8, 128]),
+    ("equal keyframes with another picture between", [12, 12], 31, |frame, x, y| {
+        if frame % 10 == 5 { [200, (x * 9) as u8, 10] } else { [20, (y * 9) as u8, 100] }
+    }),
+    ("equal keyframes with noise between", [12, 12], 31, |frame, x, y| {
+        if frame % 10 == 0 { [90, 90, 90] } else { [(noise([frame, x, y], 256)) as u8, 90, 90] }
+    }),
+    ("a fade of one code over 500 frames", [8, 8], 500, |frame, x, y| {
+        // Pixels take their step at frames of their own.
+        [100 + u8::from(frame > 7 * (x + 8 * y)), 50, 200 - u8::from(frame > 499 - 7 * (x + 8 * y))]
+    }),
+    ("a fade from black to saturated, 500 frames", [8, 8], 500, |frame, _, _| [(frame * 255 / 499) as u8; 3]),
+    ("a cut in every frame", [12, 12], 40, |frame, x, y| [0, 1, 2].map(|c| noise([frame * 3 + c, x, y], 256) as u8)),
+    ("one pixel, any colour in every frame", [1, 1], 40, |frame, _, _| {
+        [0, 1, 2].map(|c| noise([frame, c, 7], 256) as u8)
+    }),
+    ("one row", [37, 1], 12, |frame, x, _| [(x * 7 + frame) as u8, (x * 3) as u8, 255 - (x + frame) as u8]),
+    ("one sample of one pixel flickers", [16, 16], 60, |frame, x, y| {
+        [100, if (x, y) == (3, 11) && frame % 2 == 1 { 255 } else { 100 }, 100]
+    }),
+    ("two clusters in every block, all but black", [16, 16], 16, |frame, x, y| {
+        if (x * 5 + y * 3 + frame) % 7 < 3 { [1, 0, 1] } else { [254, 255, 3 * (x % 4) as u8] }
+    }),
+];
+
+fn half(value: f64) -> f16 {
+    f16::from_f64(value)
+}
+
+const HALVES: [Cell<f16>; 11] = [
+    ("black", [12, 12], 20, |_, _, _| [f16::ZERO; 3]),
+    ("65504 everywhere", [12, 12], 20, |_, _, _| [f16::MAX; 3]),
+    ("6e-8 to 65504 across", [24, 12], 16, |frame, x, y| {
+        let value = 6e-8 * (65_504.0 / 6e-8f64).powf(f64::from(x) / 23.0);
+        [value, value / f64::from(1 + y), value / f64::from(1 + frame)].map(half)
+    }),
+    ("6e-8 to 65504 in time", [8, 8], 60, |frame, x, _| {
+        let value = 6e-8 * (65_504.0 / 6e-8f64).powf(f64::from(frame) / 59.0);
+        [value, value * 0.5, (value * f64::from(1 + x)).min(65_504.0)].map(half)
+    }),
+    ("0 and 65504 in turn", [12, 12], 30, |frame, _, _| [[f16::ZERO; 3], [f16::MAX; 3]][frame as usize % 2]),
+    ("0 and 65504, checkerboard", [12, 12], 12, |frame, x, y| {
+        [[f16::ZERO; 3], [f16::MAX; 3]][(frame + x + y) as usize % 2]
+    }),
+    ("negative light", [12, 12], 20, |frame, x, y| {
+        [-0.5 - f64::from(x), f64::from(y) - 5.5, -65_504.0 * f64::from(frame % 2)].map(half)
+    }),
+    ("NaN beside light, in space and in time", [12, 12], 30, |frame, x, y| match (x + y + frame) % 5 {
+        0 => [f16::NAN; 3],
+        1 => [half(1.0), f16::NAN, half(65_504.0)],
+        _ => [half(0.2 + 0.01 * f64::from(frame)); 3],
+    }),
+    ("both infinities", [12, 12], 20, |frame, x, _| match (x + frame) % 4 {
+        0 => [f16::INFINITY; 3],
+        1 => [f16::NEG_INFINITY; 3],
+        _ => [half(3.0); 3],
+    }),
+    ("denormal halves and both zeros", [12, 12], 20, |frame, x, y| {
+        [f16::from_bits((x + 12 * y + frame) as u16), f16::from_bits(0x8000 | (x * frame) as u16), f16::NEG_ZERO]
+    }),
+    ("one pixel, any bits in every frame", [1, 1], 60, |frame, _, _| {
+        [0, 1, 2].map(|c| f16::from_bits(noise([frame, c, 3], 65_536) as u16))
+    }),
+];
+
+/// All cases.
+pub(super) fn cases() -> Vec<HardCase> {
+    let mut cases = Vec::new();
+    let formats = [
+        ("CCL8", None, 50.0, "dB"),
+        ("CCB1", Some(ColorBlocks::Bc1), 30.0, "dB"),
+        ("CCB7", Some(ColorBlocks::Bc7), 40.0, "dB"),
+    ];
+    for (codec, blocks, min_psnr_db, unit) in formats {
+        let shelf = Shelf::new(Family::Color, codec, unit);
+        let format = ColorFormat::EightBit(ToneMap::default());
+        let header = ColorHeader { format, blocks, min_psnr_db };
+        for cell in BYTES {
+            cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
+        }
+    }
+    for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
+        let shelf = Shelf::new(Family::Color, codec, "dB of PU21");
+        let header = ColorHeader { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
+        for cell in HALVES {
+            cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
+        }
+    }
+    cases
+}
+
+/// Decibels of a sum of squares.
+fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
+    if sum == 0.0 { f64::INFINITY } else { 10.0 * (peak * peak * samples as f64 / sum).log10() }
+}
+
+fn encode<S: Sample, Q: Quality<S>>(
+    frames: impl Iterator<Item = Vec<S>>,
+    format: CellFormat<S>,
+    quality: &Q,
+    final_psnr_db: f64,
+) -> Result<Vec<EncodedChunk>> {
+    let search = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
+    let encoder = CellEncoder::new(search, CLOSE_AT_BYTES);
+    let CellFormat { size, blocks } = format;
+    let mut encoder = match blocks {
+        Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
+        None => encoder,
+    };
+    let mut chunks = Vec::new();
+    for frame in frames {
+        chunks.extend(encoder.push(&frame, quality)?);
+    }
+    chunks.extend(encoder.finish(quality)?);
+    Ok(chunks)
+}
+
+fn bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<Measured> {
+    let source = Sequence::new(size, count, pixel);
+    let frames = source.frames.iter().map(|frame| frame.as_flattened().to_vec());
+    let chunks = encode(frames, header.cell_of_bytes(size), &EightBit, header.min_psnr_db)?;
+    let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
+    let mut worst = Worst::least();
+    clip.show(|frame, picture| {
+        let Picture::Color8(shown) = picture else { return Err(Error::invalid("8-bit colour was expected")) };
+        let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
+        let squares = shown.iter().zip(source).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
+        worst.see(decibels(squares.sum(), source.len(), U8_PEAK), || format!("frame {frame}"));
+        Ok(())
+    })?;
+    Ok(worst.measured().with_clips(vec![clip]))
+}
+
+fn halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<Measured> {
+    let source = Sequence::new(size, count, pixel);
+    let pu21 = Pu21::new(WHITE_CD_M2)?;
+    let keys = |frame: &Vec<[f16; 3]>| -> Vec<HalfKey> {
+        frame.as_flattened().iter().map(|value| HalfKey::from_bits(value.to_bits())).collect()
+    };
+    let chunks = encode(source.frames.iter().map(keys), header.cell_of_halves(size), &pu21, header.min_psnr_db)?;
+    let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
+    let mut worst = Worst::least();
+    clip.show(|frame, picture| {
+        let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
+        let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
+        // color.md 5 defines the promise in steps of PU21.
+        let squares = pu21.between(shown, source) as f64;
+        worst.see(decibels(squares, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
+        Ok(())
+    })?;
+    Ok(worst.measured().with_clips(vec![clip]))
+}

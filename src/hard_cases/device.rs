@@ -1,0 +1,86 @@
+//! The streams of hard cases on a graphics device: in order and entered anywhere, word by word as the CPU shows them.
+
+use crate::error::{Error, Result};
+use crate::gpu::decode::GpuDecoder;
+use crate::gpu::device::Gpu;
+use crate::gpu::family::Family;
+use crate::gpu::pictures::mismatched_words;
+use crate::gpu::random::Random;
+use crate::hard_cases::clip::{Clip, open};
+use crate::monitor::Monitor;
+use crate::video::decode::StreamInfo;
+
+/// Pixels of the pictures that are held on the device together.
+const PIXELS_TOGETHER: u64 = 8 << 20;
+/// Frames that are entered out of order.
+const JUMPS: u32 = 12;
+
+/// What a device showed of the streams of one case.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct DeviceFigures {
+    /// Words that differ from the CPU's.
+    pub mismatched_words: u64,
+    /// Where the first of them is.
+    pub first: Option<String>,
+    /// Pictures that were compared.
+    pub pictures: u64,
+}
+
+/// A clip, and the case that it is of.
+type Numbered<'a> = (usize, &'a Clip);
+
+/// Shows all clips of all cases on a device and on the CPU; one answer for each case. The monitor advances by one for each
+/// clip.
+///
+/// # Errors
+/// The device fails, or was asked to stop.
+pub fn compare(gpu: &Gpu, clips: &[Vec<Clip>], monitor: &dyn Monitor) -> Result<Vec<DeviceFigures>> {
+    let mut figures = vec![DeviceFigures::default(); clips.len()];
+    let all = clips.iter().enumerate().flat_map(|(case, clips)| clips.iter().map(move |clip| (case, clip)));
+    for group in groups(all) {
+        let copies: Vec<Clip> = group.iter().map(|(_, clip)| (*clip).clone()).collect();
+        let decoder = open(&copies)?;
+        let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
+        let mut on_gpu = GpuDecoder::new(gpu, &decoder, &streams)?;
+        let mut on_cpu: Vec<_> = streams.iter().map(|stream| decoder.face(stream)).collect();
+        let frames = group.first().map_or(0, |(_, clip)| clip.frame_count);
+        let mut random = Random::new(u64::from(frames));
+        let jumps: Vec<u32> = (0..JUMPS.min(frames)).map(|_| random.below(frames)).collect();
+        for frame in (0..frames).chain(jumps) {
+            monitor.check()?;
+            on_gpu.decode(frame)?;
+            let pictures = on_gpu.read()?;
+            for ((&(case, clip), shown), on_cpu) in group.iter().zip(&pictures).zip(&mut on_cpu) {
+                let words = mismatched_words(shown, &on_cpu.decode(frame)?);
+                let figures = figures.get_mut(case).ok_or_else(|| Error::invalid("a clip of no case"))?;
+                figures.pictures += 1;
+                figures.mismatched_words += words;
+                if words > 0 {
+                    figures.first.get_or_insert_with(|| format!("{}, frame {frame}", clip.what));
+                }
+            }
+        }
+        monitor.advance(group.len() as u64);
+    }
+    Ok(figures)
+}
+
+/// Clips of one kernel and one length, as many together as fit.
+fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
+    let mut groups: Vec<(Family, u64, Vec<Numbered<'a>>)> = Vec::new();
+    for (case, clip) in clips {
+        let (family, pixels) = (Family::of(&clip.header), clip.pixels() / u64::from(clip.frame_count.max(1)));
+        let fits = |(other, used, group): &&mut (Family, u64, Vec<Numbered<'a>>)| {
+            let frames = group.first().map(|(_, clip)| clip.frame_count);
+            *other == family && frames == Some(clip.frame_count) && *used + pixels <= PIXELS_TOGETHER
+        };
+        match groups.iter_mut().find(fits) {
+            Some((_, used, group)) => {
+                *used += pixels;
+                group.push((case, clip));
+            }
+            None => groups.push((family, pixels, vec![(case, clip)])),
+        }
+    }
+    groups.into_iter().map(|(_, _, group)| group).collect()
+}

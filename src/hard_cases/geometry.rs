@@ -1,0 +1,295 @@
+//! Directions, faces and projections where they are hard: edges, corners, poles, the date line, wide angles.
+//!
+//! What cameras see is in [`sight`](super::sight).
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use half::f16;
+
+use crate::dataset::{Geometry, planar_to_distance};
+use crate::error::Result;
+use crate::hard_cases::sight;
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::image::cube::{Face, direction_to_face, pixel_to_plane};
+use crate::image::equirect::{FaceMap, direction, position, resample_color, resample_depth};
+use crate::image::plane::Plane;
+
+/// Sides of faces in pixels.
+const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
+/// Sizes of equirectangular images.
+const PANORAMAS: [[u32; 2]; 5] = [[1, 1], [2, 1], [7, 3], [512, 256], [16_384, 8192]];
+/// Lengths of direction vectors.
+const LENGTHS: [f64; 5] = [1.0, 1e-300, 1e-150, 1e150, 1e300];
+/// Relative rounding of binary64.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
+
+/// All cases.
+pub(super) fn cases() -> Vec<HardCase> {
+    let shelf = |pipeline: &str, unit| Shelf::new(Family::Geometry, pipeline, unit);
+    let mut cases = Vec::new();
+    let pixels = shelf("pixel of a cube face to direction and back", "of a pixel");
+    for side in SIDES {
+        // Two products, a sum and a quotient of numbers of up to 1, for a pixel that is 2 / N wide.
+        let most = 6.0 * ROUNDING * f64::from(side) / 2.0;
+        cases.push(pixels.case(format!("{side}x{side}"), Bound::AtMost(most), move || Ok(pixels_and_back(side))));
+    }
+    let angle = shelf("direction to cube face and back", "radians");
+    // Two quotients, and two products and sums on the way back, of numbers of up to 1, each way across.
+    let most = 6.0 * ROUNDING;
+    cases.push(angle.case("edges of faces", Bound::AtMost(most), || Ok(directions_and_back(&edges()))));
+    cases.push(angle.case("corners of faces", Bound::AtMost(most), || Ok(directions_and_back(&corners()))));
+    cases.push(angle.case("an ulp beside edges and corners", Bound::AtMost(most), || {
+        Ok(directions_and_back(&beside(&[edges(), corners()].concat())))
+    }));
+    let seams = shelf("pixels of two faces at their seam", "radians between them");
+    for side in [1, 4, 1024] {
+        // They are a pixel apart: at the seam itself, both show the same direction.
+        cases.push(seams.case(format!("{side}x{side}"), Bound::AtMost(0.0), move || Ok(seams_meet(side))));
+    }
+    let face = shelf("direction to cube face", "faces that do not look there");
+    cases.push(face.case("edges, corners, signed zeros, all lengths", Bound::AtMost(0.0), || Ok(wrong_faces())));
+    let panorama = shelf("equirectangular pixel to direction and back", "of a pixel");
+    for [width, height] in PANORAMAS {
+        // Sines, cosines and arc tangents of up to 1 ulp each way, of angles of up to π over a width of 2π.
+        let most = 12.0 * f64::EPSILON * f64::from(width);
+        let name = format!("{width}x{height}, poles, date line and between");
+        cases.push(panorama.case(name, Bound::AtMost(most), move || Ok(panorama_and_back(width, height))));
+    }
+    let places = shelf("direction to equirectangular position", "outside of the image");
+    cases.push(
+        places.case("poles, date line, signed zeros, all lengths", Bound::AtMost(0.0), || Ok(outside_panorama())),
+    );
+    let mixed = shelf("panorama resampled to cube faces", "pixels that are none of the source's");
+    cases.push(mixed.case("depth: checkerboard of 1 m, 1 km and background", Bound::AtMost(0.0), mixed_depth));
+    let flat = shelf("panorama resampled to cube faces", "relative change");
+    // Weights add up to 1 but for their rounding, and half floats round to their own value.
+    for value in [1.0, 65_504.0, 6e-8, -0.25] {
+        let name = format!("colour: {value} everywhere, poles and date line too");
+        cases.push(flat.case(name, Bound::AtMost(0.0), move || changed_color(value)));
+    }
+    let planar = shelf("planar depth to distance and back", "of the distance");
+    for (name, fov_deg) in
+        [("90 degrees", 90.0), ("170 degrees", 170.0), ("179.9 degrees", 179.9), ("179.9999 degrees", 179.9999)]
+    {
+        // A factor of four operations, a product, and one rounding to a float.
+        let most = 1.0 / 16_777_216.0 + 8.0 * ROUNDING;
+        cases.push(planar.case(name, Bound::AtMost(most), move || planar_and_back(fov_deg)));
+    }
+    cases.extend(sight::cases());
+    cases
+}
+
+/// Pixel numbers from 0 to `count` − 1: all of a few, else both ends and a sample.
+fn some(count: u32) -> Vec<u32> {
+    let step = (count / 97).max(1) as usize;
+    let ends = (0..count.min(4)).chain(count.saturating_sub(4)..count);
+    let mut all: Vec<u32> = (0..count).step_by(step).chain(ends).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+fn pixels_and_back(side: u32) -> Measured {
+    let mut worst = Worst::greatest();
+    for face in Face::CUBE {
+        let all = some(side);
+        for (&col, &row) in all.iter().flat_map(|col| all.iter().map(move |row| (col, row))) {
+            let (found, u, v) = direction_to_face(face.direction(col, row, side));
+            let half = f64::from(side) / 2.0;
+            let off = |at: f64, pixel: u32| (at - pixel_to_plane(pixel, side)).abs() * half;
+            let error = if found == face { off(u, col).max(off(v, row)) } else { f64::INFINITY };
+            worst.see(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
+        }
+    }
+    worst.measured()
+}
+
+fn edges() -> Vec<DVec3> {
+    let mut found = Vec::new();
+    for face in Face::CUBE {
+        let [forward, right, down] = face.axes();
+        for step in -64..=64 {
+            let t = f64::from(step) / 64.0;
+            found.extend([(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)].map(|(u, v)| forward + u * right + v * down));
+        }
+    }
+    found
+}
+
+fn corners() -> Vec<DVec3> {
+    let sign = |bits: u32, at: u32| if bits >> at & 1 == 0 { 1.0 } else { -1.0 };
+    (0..8).map(|bits| DVec3::new(sign(bits, 0), sign(bits, 1), sign(bits, 2))).collect()
+}
+
+/// The directions with each component moved by an ulp up and down.
+fn beside(directions: &[DVec3]) -> Vec<DVec3> {
+    let moved = |value: f64, step: i64| {
+        if value == 0.0 {
+            f64::from_bits(step.unsigned_abs())
+        } else {
+            f64::from_bits(value.to_bits().wrapping_add_signed(step))
+        }
+    };
+    let around = |d: &DVec3| {
+        let (x, y, z) = (d.x, d.y, d.z);
+        [-1, 1].map(|step| {
+            [DVec3::new(moved(x, step), y, z), DVec3::new(x, moved(y, step), z), DVec3::new(x, y, moved(z, step))]
+        })
+    };
+    directions.iter().flat_map(around).flatten().collect()
+}
+
+/// The angle between a direction and what its face and place on it say.
+fn directions_and_back(directions: &[DVec3]) -> Measured {
+    let mut worst = Worst::greatest();
+    for &direction in directions {
+        let (face, u, v) = direction_to_face(direction);
+        let [forward, right, down] = face.axes();
+        let back = forward + u * right + v * down;
+        // The sine, which is exact where the cosine is not.
+        let angle = back.cross(direction).length() / (back.length() * direction.length());
+        let error = if back.dot(direction) > 0.0 && u.abs() <= 1.0 && v.abs() <= 1.0 { angle } else { f64::INFINITY };
+        worst.see(error, || format!("{direction} is on {} at ({u}, {v})", face.name()));
+    }
+    worst.measured()
+}
+
+/// Points half a pixel beyond the border pixels of a face, seen from the face on either side of the seam.
+fn seams_meet(side: u32) -> Measured {
+    let mut worst = Worst::greatest();
+    for face in Face::CUBE {
+        let [forward, right, down] = face.axes();
+        for &pixel in &some(side) {
+            let t = pixel_to_plane(pixel, side);
+            for (u, v) in [(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)] {
+                let own = forward + u * right + v * down;
+                // The neighbour is the face that looks along the direction of the edge.
+                let across = if u.abs() == 1.0 { u * right } else { v * down };
+                let neighbour = Face::CUBE.into_iter().find(|other| other.axes()[0] == across);
+                let its = neighbour.map(|other| {
+                    let [forward, right, down] = other.axes();
+                    let (s, t) = (own.dot(right), own.dot(down));
+                    // On its border, at the centre of one of its own pixels along the seam.
+                    let along = if s.abs() == 1.0 { t } else { s };
+                    let pixel = ((along + 1.0) / 2.0 * f64::from(side) - 0.5).round() as u32;
+                    let at_pixel = pixel_to_plane(pixel, side) == along;
+                    let on_border = s.abs() == 1.0 || t.abs() == 1.0;
+                    if on_border && at_pixel { forward + s * right + t * down } else { DVec3::NAN }
+                });
+                let its = its.unwrap_or(DVec3::NAN);
+                let angle = own.cross(its).length() / own.length_squared();
+                worst.see(angle, || format!("{} at ({u}, {v})", face.name()));
+            }
+        }
+    }
+    worst.measured()
+}
+
+/// Directions along whose component of greatest size the face does not look.
+fn wrong_faces() -> Measured {
+    let (mut wrong, mut first) = (0, None);
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    let all: Vec<DVec3> = axes.chain(edges()).chain(corners()).collect();
+    for direction in all.iter().chain(&beside(&all)).copied() {
+        for length in LENGTHS {
+            let scaled = direction * length;
+            let (face, u, v) = direction_to_face(scaled);
+            let forward = scaled.dot(face.axes()[0]);
+            let right = forward == scaled.abs().max_element() && u.abs() <= 1.0 && v.abs() <= 1.0;
+            if !right {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{scaled:?} is on {} at ({u}, {v})", face.name()));
+            }
+        }
+    }
+    Measured::count(wrong, first)
+}
+
+fn panorama_and_back(width: u32, height: u32) -> Measured {
+    let mut worst = Worst::greatest();
+    for &row in &some(height) {
+        for &col in &some(width) {
+            let (x, y) = position(direction(col, row, width, height), width, height);
+            let off = (x - f64::from(col) - 0.5).abs().max((y - f64::from(row) - 0.5).abs());
+            worst.see(off, || format!("pixel ({col}, {row}) came back as ({x}, {y})"));
+        }
+    }
+    worst.measured()
+}
+
+fn outside_panorama() -> Measured {
+    let (mut wrong, mut first) = (0, None);
+    let signs = [0.0, -0.0];
+    let mut all = vec![DVec3::Y, DVec3::NEG_Y];
+    for (a, b) in signs.into_iter().flat_map(|a| signs.map(|b| (a, b))) {
+        all.extend([DVec3::new(a, 1.0, b), DVec3::new(a, -1.0, b), DVec3::new(a, b, 1.0), DVec3::new(a, b, -1.0)]);
+        all.extend([DVec3::new(a, b, -0.0), DVec3::new(1.0, a, b)]);
+    }
+    all.extend(beside(&all));
+    for direction in all {
+        for length in LENGTHS {
+            let (x, y) = position(direction * length, 64, 32);
+            if !(0.0..=64.0).contains(&x) || !(0.0..=32.0).contains(&y) {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{direction:?} times {length:e} is at ({x}, {y})"));
+            }
+        }
+    }
+    Measured::count(wrong, first)
+}
+
+fn mixed_depth() -> Result<Measured> {
+    let (mut wrong, mut first) = (0, None);
+    for [width, height] in [[2, 1], [7, 3], [64, 32], [257, 129]] {
+        let values = [1.0, 1000.0, f32::INFINITY];
+        let image = Plane::from_fn(width, height, |x, y| values[(x + y) as usize % 3]);
+        for (face, size) in
+            Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))))
+        {
+            let shown = resample_depth(&image, &FaceMap::new(face, size, width, height)?)?;
+            for value in shown.data().iter().filter(|value| !values.contains(value)) {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{value} on {} of {width}x{height}", face.name()));
+            }
+        }
+    }
+    Ok(Measured::count(wrong, first))
+}
+
+fn changed_color(value: f64) -> Result<Measured> {
+    let value = f16::from_f64(value);
+    let mut worst = Worst::greatest();
+    for [width, height] in [[2, 1], [7, 3], [64, 32], [257, 129]] {
+        let image = Plane::filled(width, height, [value; 3]);
+        for (face, size) in
+            Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))))
+        {
+            let shown = resample_color(&image, &FaceMap::new(face, size, width, height)?)?;
+            for shown in shown.data().as_flattened() {
+                let change = (shown.to_f64() / value.to_f64() - 1.0).abs();
+                worst.see(change, || format!("{} on a face of {size} pixels of {width}x{height}", face.name()));
+            }
+        }
+    }
+    Ok(worst.measured())
+}
+
+/// Planar depth of a view this wide, made a distance by the reader of datasets, and planar again in binary64.
+fn planar_and_back(fov_deg: f64) -> Result<Measured> {
+    const SIDE: u32 = 129;
+    let focal = f64::from(SIDE) / 2.0 / (fov_deg / 360.0 * PI).tan();
+    let intrinsics = [focal, focal, f64::from(SIDE) / 2.0, f64::from(SIDE) / 2.0];
+    let mut worst = Worst::greatest();
+    for planar_m in [1e-30f32, 0.001, 1.0, 7.3, 12_345.678, 1e30] {
+        let mut plane = Plane::filled(SIDE, SIDE, planar_m);
+        planar_to_distance(&mut plane, Geometry::View(intrinsics));
+        for (row, col) in (0..SIDE).flat_map(|row| (0..SIDE).map(move |col| (row, col))) {
+            let side = |pixel: u32| (f64::from(pixel) + 0.5 - f64::from(SIDE) / 2.0) / focal;
+            let exact = side(col).hypot(side(row)).hypot(1.0) * f64::from(planar_m);
+            let error = (f64::from(plane.get(col, row)) / exact - 1.0).abs();
+            worst.see(error, || format!("{planar_m:e} m at ({col}, {row})"));
+        }
+    }
+    Ok(worst.measured())
+}

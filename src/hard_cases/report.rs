@@ -1,0 +1,148 @@
+//! What came of the cases, case by case and summed up.
+
+use super::{Bound, Family, HardCase, Measured};
+
+/// What came of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseReport {
+    /// What is hard about it.
+    pub name: String,
+    /// What it belongs to.
+    pub family: Family,
+    /// What it went through.
+    pub pipeline: String,
+    /// What must hold.
+    pub bound: Bound,
+    /// What was measured, in the same unit.
+    pub measured: f64,
+    /// What both are counted in.
+    pub unit: &'static str,
+    /// Where the worst was.
+    pub place: Option<String>,
+    /// Other figures.
+    pub note: Option<String>,
+    /// Streams that were measured.
+    pub streams: usize,
+    /// How long it took.
+    pub seconds: f64,
+}
+
+impl CaseReport {
+    /// The report of a case.
+    pub fn new(case: &HardCase, measured: &Measured, seconds: f64) -> CaseReport {
+        CaseReport {
+            name: case.name.clone(),
+            family: case.family,
+            pipeline: case.pipeline.clone(),
+            bound: case.bound,
+            measured: measured.figure,
+            unit: case.unit,
+            place: measured.place.clone(),
+            note: measured.note.clone(),
+            streams: measured.clips.len(),
+            seconds,
+        }
+    }
+
+    /// Whether the bound holds.
+    pub fn passed(&self) -> bool {
+        self.bound.holds(self.measured)
+    }
+
+    /// What happened, in one line.
+    pub fn sentence(&self) -> String {
+        let verdict = if self.passed() { "" } else { " FAILED" };
+        let place = self.place.as_ref().map_or(String::new(), |place| format!(", {place}"));
+        let (family, measured) = (self.family.name(), number(self.measured));
+        format!("{family}: {} ({}): {measured} {}, {}{verdict}{place}", self.name, self.pipeline, self.unit, self.bound)
+    }
+}
+
+/// The cases of one pipeline, and the one that comes closest to its bound.
+#[derive(Debug, Clone)]
+pub struct FamilyRow<'a> {
+    /// How many cases there are.
+    pub cases: usize,
+    /// How many broke their bound.
+    pub failed: usize,
+    /// The one that took the most of what is allowed; of equals the first.
+    pub worst: &'a CaseReport,
+}
+
+/// One row for each family, pipeline and unit, in the order of the reports.
+pub fn family_rows(reports: &[CaseReport]) -> Vec<FamilyRow<'_>> {
+    let mut rows: Vec<FamilyRow<'_>> = Vec::new();
+    for report in reports {
+        let same = |row: &&mut FamilyRow<'_>| {
+            let known = row.worst;
+            (known.family, &known.pipeline, known.unit) == (report.family, &report.pipeline, report.unit)
+        };
+        let failed = usize::from(!report.passed());
+        let Some(row) = rows.iter_mut().find(same) else {
+            rows.push(FamilyRow { cases: 1, failed, worst: report });
+            continue;
+        };
+        row.cases += 1;
+        row.failed += failed;
+        if report.bound.share(report.measured) > row.worst.bound.share(row.worst.measured) {
+            row.worst = report;
+        }
+    }
+    rows
+}
+
+/// A figure with four digits at most, so that tables do not depend on the last bits of a logarithm.
+pub fn number(value: f64) -> String {
+    match value {
+        _ if value.is_nan() => "nothing".to_owned(),
+        _ if value.is_infinite() => if value > 0.0 { "inf" } else { "-inf" }.to_owned(),
+        _ if value.fract() == 0.0 && value.abs() < 1e9 => format!("{value:.0}"),
+        _ if (0.001..1e6).contains(&value.abs()) => {
+            let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.3e}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_have_four_digits() {
+        let shown =
+            [0.0, 100.0, 65535.0, 0.5, 0.012_345, 53.217_9, 1.0e-7, 2.2e12, f64::INFINITY, f64::NAN].map(number);
+        assert_eq!(
+            shown,
+            ["0", "100", "65535", "0.5000", "0.01235", "53.22", "1.000e-7", "2.200e12", "inf", "nothing"]
+        );
+    }
+
+    #[test]
+    fn a_row_shows_the_case_that_is_closest_to_its_bound() {
+        let report = |name: &str, bound, measured| CaseReport {
+            name: name.into(),
+            family: Family::Fits,
+            pipeline: "p".into(),
+            bound,
+            measured,
+            unit: "codes",
+            place: None,
+            note: None,
+            streams: 0,
+            seconds: 0.0,
+        };
+        let reports = [
+            report("a", Bound::AtMost(10.0), 4.0),
+            report("b", Bound::AtMost(100.0), 99.0),
+            report("c", Bound::AtMost(0.0), 0.0),
+        ];
+        let rows = family_rows(&reports);
+        assert_eq!((rows.len(), rows[0].cases, rows[0].failed, rows[0].worst.name.as_str()), (1, 3, 0, "b"));
+        let broken = [reports[1].clone(), report("d", Bound::AtMost(0.0), 1.0)];
+        let said = broken[1].sentence();
+        assert!(said.starts_with("fits: d (p)") && said.contains("1 codes, <= 0 FAILED"), "{said}");
+        assert_eq!((family_rows(&broken)[0].failed, family_rows(&broken)[0].worst.name.as_str()), (1, "d"));
+    }
+}
