@@ -71,8 +71,7 @@ impl CostTable {
         for a in 0..FACES * SIDES {
             for b in (0..FACES * SIDES).filter(|b| b / SIDES != a / SIDES) {
                 for reversed in [false, true] {
-                    costs[Self::index(a, b, reversed)] =
-                        cost((a / SIDES, a % SIDES), (b / SIDES, b % SIDES), reversed);
+                    costs[Self::index(a, b, reversed)] = cost((a / SIDES, a % SIDES), (b / SIDES, b % SIDES), reversed);
                 }
             }
         }

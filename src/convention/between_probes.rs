@@ -140,7 +140,8 @@ impl Comparison<'_> {
     fn confirm(&self, subject: Subject, own: &Tally, others: Vec<(&Change, &Tally)>) -> Option<Finding> {
         let (next, tally) = others.into_iter().min_by(|a, b| misfit(a.1).total_cmp(&misfit(b.1)))?;
         let margin = misfit(tally) / misfit(own);
-        let figures = [("margin", margin), ("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())];
+        let figures =
+            [("margin", margin), ("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())];
         let check = name_of(subject);
         let finding = if margin >= DECISIVE {
             let says = format!(
@@ -153,7 +154,8 @@ impl Comparison<'_> {
             );
             Finding::new(check, Verdict::Fine, says.replace("; ", "; reading "))
         } else {
-            let says = format!("nothing contradicts what is declared, but reading {} would fit nearly as well", next.words);
+            let says =
+                format!("nothing contradicts what is declared, but reading {} would fit nearly as well", next.words);
             Finding::new(check, Verdict::CannotTell, says)
         };
         Some(finding.with(&figures))
@@ -218,7 +220,8 @@ impl Comparison<'_> {
         let findings = steps.iter().enumerate().map(|(at, (subject, words, _))| {
             let others: Vec<&str> =
                 steps.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, step)| step.1.as_str()).collect();
-            let also = if others.is_empty() { String::new() } else { format!(", together with {}", others.join(" and ")) };
+            let also =
+                if others.is_empty() { String::new() } else { format!(", together with {}", others.join(" and ")) };
             let says = format!(
                 "{what}; reading {words}{also} it would be {} and {}",
                 percent(tally.contradiction()),

@@ -126,30 +126,3 @@ fn copies(footage: &read::Footage) -> Vec<Finding> {
     }
     findings
 }
-
-#[cfg(test)]
-mod explore {
-    use super::*;
-    use crate::dataset::SourceOptions;
-    use crate::monitor::Silent;
-
-    #[test]
-    fn dump() {
-        for set in std::env::var("SETS").unwrap().split_whitespace() {
-            let path = if set.starts_with('/') { set.to_string() } else { format!("../shared/data/{set}") };
-            let start = std::time::Instant::now();
-            let source = match Source::open(std::path::Path::new(&path), &SourceOptions::default()) { Ok(s) => s, Err(e) => { println!("== {set}: {e}"); continue } };
-            let choice = Choice { max_probes: MAX_PROBES, ..Choice::default() };
-            match check(&source, &choice, &Silent) {
-                Ok(report) => {
-                    println!("== {set} {:?} suspects {}", start.elapsed(), report.suspects());
-                    for f in &report.findings {
-                        println!("  {:20} {:11} {}", f.check, f.verdict.name(), f.says);
-                        println!("      {}", f.figures.iter().map(|(n, v)| format!("{n} {v:.4}")).collect::<Vec<_>>().join(", "));
-                    }
-                }
-                Err(e) => println!("== {set}: {e}"),
-            }
-        }
-    }
-}

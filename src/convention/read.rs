@@ -107,12 +107,8 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
         let frame = choice.frame.unwrap_or(group.frames.first);
         group.frames.contains(frame).then_some(frame)
     };
-    let jobs: Vec<_> = source
-        .groups()
-        .iter()
-        .filter(wanted)
-        .filter_map(|group| Some((group.clone(), frame(group)?)))
-        .collect();
+    let jobs: Vec<_> =
+        source.groups().iter().filter(wanted).filter_map(|group| Some((group.clone(), frame(group)?))).collect();
     if jobs.is_empty() {
         return Err(Error::Usage("no probe has depth or colour in the frame asked for".into()));
     }
@@ -130,7 +126,12 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
         let kept: Vec<Kept> = if group.kind == StreamKind::Depth {
             let lens = source.probes().get(group.probe).and_then(|probe| probe.intrinsics);
             let planes = source.read_depth_as_stored(&group, frame)?;
-            group.faces.iter().zip(planes).map(|(face, plane)| Kept::Depth(depth_face(*face, &plane, lens, stated))).collect()
+            group
+                .faces
+                .iter()
+                .zip(planes)
+                .map(|(face, plane)| Kept::Depth(depth_face(*face, &plane, lens, stated)))
+                .collect()
         } else {
             let planes = source.read_color(&group, frame)?;
             group.faces.iter().zip(planes).map(|(face, plane)| Kept::Color(color_face(*face, &plane))).collect()

@@ -53,11 +53,7 @@ pub fn changes(base: &Reading, names: &[String], equirect: bool, extent: Extent)
             DepthKind::Distance => (DepthKind::Planar, "depth as planar"),
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),
         };
-        all.push(Change {
-            subject: Subject::Kind,
-            words: words.into(),
-            reading: Reading { kind, ..base.clone() },
-        });
+        all.push(Change { subject: Subject::Kind, words: words.into(), reading: Reading { kind, ..base.clone() } });
     }
     scales(base, extent, &mut all);
     positions(base, names, extent, &mut all);
@@ -97,7 +93,15 @@ fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Cha
     if extent == Extent::All {
         for a in 0..names.len() {
             for b in a + 1..names.len() {
-                let other = |index| if index == a { b } else if index == b { a } else { index };
+                let other = |index| {
+                    if index == a {
+                        b
+                    } else if index == b {
+                        a
+                    } else {
+                        index
+                    }
+                };
                 let words = format!("the positions of probes {} and {} exchanged", names[a], names[b]);
                 all.push(moved(words, &|index| base.poses[other(index)].position));
             }
@@ -122,7 +126,8 @@ fn axis_orders() -> Vec<(String, DMat3)> {
             let sign = |row: usize| if signs >> row & 1 == 1 { -1.0 } else { 1.0 };
             let axis = [DVec3::X, DVec3::Y, DVec3::Z];
             let rows = [0, 1, 2].map(|row| axis[order[row]] * sign(row));
-            let word = |row: usize| format!("{}{}", if sign(row) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[row]]);
+            let word =
+                |row: usize| format!("{}{}", if sign(row) < 0.0 { "-" } else { "" }, ["x", "y", "z"][order[row]]);
             let changed = usize::from(order != [0, 1, 2]) + signs.count_ones() as usize;
             let words = format!("({}, {}, {})", word(0), word(1), word(2));
             found.push((changed, words, DMat3::from_cols(rows[0], rows[1], rows[2]).transpose()));

@@ -136,7 +136,11 @@ fn explain(table: &CostTable, best: &Arrangement, least: f64, present: [bool; 6]
         }
     }
     words.truncate(3);
-    format!("faces do not fit where they meet ({} of what is nothing alike): {}", percent(mismatch), listed(&words, "or"))
+    format!(
+        "faces do not fit where they meet ({} of what is nothing alike): {}",
+        percent(mismatch),
+        listed(&words, "or")
+    )
 }
 
 /// Arrangements where one file is turned, or two are exchanged and turned.

@@ -10,8 +10,24 @@ const BACKGROUND_SHARE: f64 = 0.002;
 const BACKGROUND_GAP: f32 = 0.1;
 /// Or it is one of the numbers that programs write.
 const USUAL_BACKGROUNDS: [f32; 18] = [
-    100.0, 1000.0, 10_000.0, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e12, 1e20, 1e30, 1e38, 65_504.0, 65_535.0, 65_536.0,
-    4_294_967_295.0, f32::MAX,
+    100.0,
+    1000.0,
+    10_000.0,
+    1e5,
+    1e6,
+    1e7,
+    1e8,
+    1e9,
+    1e10,
+    1e12,
+    1e20,
+    1e30,
+    1e38,
+    65_504.0,
+    65_535.0,
+    65_536.0,
+    4_294_967_295.0,
+    f32::MAX,
 ];
 /// A share of pixels outside near and far that is no chance.
 const OUTSIDE_SHARE: f64 = 0.001;
@@ -173,8 +189,11 @@ fn invalid(values: &DepthValues) -> Finding {
 
 fn background(values: &DepthValues, stated: &Stated) -> Finding {
     let at_max = share(values.at_max, values);
-    let figures =
-        [("background", share(values.background, values)), ("at_farthest", at_max), ("farthest", f64::from(values.max))];
+    let figures = [
+        ("background", share(values.background, values)),
+        ("at_farthest", at_max),
+        ("farthest", f64::from(values.max)),
+    ];
     let max = values.max;
     let often = at_max >= BACKGROUND_SHARE && values.at_max > 16;
     let gap = values.next_max > 0.0 && values.next_max < max * BACKGROUND_GAP;
@@ -188,7 +207,10 @@ fn background(values: &DepthValues, stated: &Stated) -> Finding {
         );
         (Verdict::Suspect, says)
     } else if often && (gap || usual) {
-        let says = format!("{} of all pixels are exactly {max}: if nothing is there, \"background\" is {max}", percent(at_max));
+        let says = format!(
+            "{} of all pixels are exactly {max}: if nothing is there, \"background\" is {max}",
+            percent(at_max)
+        );
         (Verdict::Suspect, says)
     } else {
         (Verdict::Fine, format!("{} of all pixels are the background", percent(share(values.background, values))))
@@ -217,10 +239,7 @@ fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
     } else {
         let fits = SCALES.iter().find(|scale| min * *scale >= near * 0.999 && max * *scale <= far * 1.001);
         let guess = fits.map(|scale| format!("; depth {scale} times as large would fit")).unwrap_or_default();
-        let says = format!(
-            "{seen}, {} of them outside the stated {near} m to {far} m{guess}",
-            percent(outside)
-        );
+        let says = format!("{seen}, {} of them outside the stated {near} m to {far} m{guess}", percent(outside));
         Finding::new(check, Verdict::Suspect, says)
     };
     finding.with(&figures)

@@ -4,6 +4,7 @@ mod anatomy;
 mod blocks;
 mod cli;
 mod commands;
+mod convention;
 mod corrupt;
 mod devices;
 mod diff;
