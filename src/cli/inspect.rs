@@ -27,8 +27,8 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
     after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour. Temporal: after the coding in time, \
     before LZMA2.\nKeys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all \
     frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
-    --check reads one frame of up to 16 probes. It answers fine, SUSPECT or cannot tell for the order and orientation of\n\
-    cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour.\n\
+    --check reads one frame of up to 16 probes. It answers fine, SUSPECT or cannot tell for the order and orientation of \
+    cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour. \
     With --check the exit code is 1 where something is suspected.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \

@@ -170,7 +170,7 @@ impl Comparison<'_> {
             percent(all.agreement())
         );
         let (mut reading, mut tally) = (base.clone(), all);
-        let mut steps: Vec<(Subject, String, usize)> = Vec::new();
+        let mut steps: Vec<(Subject, String)> = Vec::new();
         let odd = self.odd_one_out(own, misfit(&all));
         while steps.len() < MAX_CHANGES && doubtful(&tally) {
             let changes = changes(&reading, &self.names, self.equirect, Extent::All);
@@ -179,14 +179,16 @@ impl Comparison<'_> {
             if best * DECISIVE > misfit(&tally) {
                 break;
             }
-            // A single probe that stands wrong is the simpler explanation, if all others agree as well as that.
-            if steps.is_empty() && odd.as_ref().is_some_and(|(_, misfit)| *misfit <= best) {
+            // A single probe that stands wrong is the better explanation where all others agree better than with that.
+            if steps.is_empty() && odd.as_ref().is_some_and(|(_, misfit)| *misfit * AS_GOOD <= best) {
                 break;
             }
             let good: Vec<usize> = (0..changes.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
             let Some(&first) = good.first() else { break };
-            let words: Vec<String> = good.iter().take(3).map(|at| changes[*at].words.clone()).collect();
-            steps.push((changes[first].subject, listed(&words, "or"), good.len()));
+            // Of scales that fit as well, the usual one.
+            let most = if changes[first].subject == Subject::Scale { 1 } else { 3 };
+            let words: Vec<String> = good.iter().take(most).map(|at| changes[*at].words.clone()).collect();
+            steps.push((changes[first].subject, listed(&words, "or")));
             (reading, tally) = (changes[first].reading.clone(), tallies[first]);
         }
         let mut figures = figures.to_vec();
@@ -217,7 +219,7 @@ impl Comparison<'_> {
             ("next_agree", tally.agreement()),
             ("next_seen_through", tally.contradiction()),
         ]);
-        let findings = steps.iter().enumerate().map(|(at, (subject, words, _))| {
+        let findings = steps.iter().enumerate().map(|(at, (subject, words))| {
             let others: Vec<&str> =
                 steps.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, step)| step.1.as_str()).collect();
             let also =

@@ -87,9 +87,6 @@ fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Cha
         Change { subject: Subject::Positions, words, reading: Reading { poses, ..base.clone() } }
     };
     let before = all.len();
-    for (words, axes) in axis_orders() {
-        all.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
-    }
     if extent == Extent::All {
         for a in 0..names.len() {
             for b in a + 1..names.len() {
@@ -106,6 +103,9 @@ fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Cha
                 all.push(moved(words, &|index| base.poses[other(index)].position));
             }
         }
+    }
+    for (words, axes) in axis_orders() {
+        all.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
     }
     // Where probes stand relative to each other is all that counts.
     let offsets = |reading: &Reading| -> Vec<DVec3> {

@@ -82,7 +82,7 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
     } else if own >= DECISIVE * least && share(own - least) >= MIN_GAIN {
         Finding::new(stream.check, Verdict::Suspect, explain(&table, &best, least, present, share(own)))
     } else {
-        settle(stream, &table, present, share(own))
+        settle(stream, &table, present, own > AS_GOOD * least + SURE, share(own))
     };
     finding.with(&figures)
 }
@@ -125,9 +125,16 @@ fn is_or_are(names: &[String]) -> String {
 fn explain(table: &CostTable, best: &Arrangement, least: f64, present: [bool; 6], mismatch: f64) -> String {
     let as_good = |arrangement: &Arrangement| table.total(arrangement) <= least * AS_GOOD + 1e-6;
     let whole = present.iter().all(|present| *present);
-    let mut candidates = if whole { arrangement::symmetric(best) } else { few_changes(present) };
+    let mut candidates = few_changes(present);
+    if whole {
+        candidates.extend(arrangement::symmetric(best));
+    }
     candidates.retain(as_good);
-    let simplest = candidates.iter().min_by_key(|candidate| arrangement::changed(candidate).len()).unwrap_or(best);
+    let effort = |candidate: &&Arrangement| {
+        let turned = candidate.iter().flatten().filter(|(_, turn)| *turn != Turn::NONE).count();
+        (arrangement::changed(candidate).len(), turned)
+    };
+    let simplest = candidates.iter().min_by_key(effort).unwrap_or(best);
     let mut words = vec![in_words(simplest)];
     let mirrored = Turn::all().skip(1).map(|turn| (turn, arrangement::all_turned(present, turn)));
     for (turn, all) in mirrored.filter(|(_, all)| as_good(all) && all != simplest) {

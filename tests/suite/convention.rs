@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
-use lightfold::dataset::manifest::{Background, FaceFiles, Probe};
+use lightfold::dataset::manifest::{Background, Probe};
 use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
 use lightfold::image::cube::distance_from_planar;
 use lightfold::image::{DepthPlane, Face, Plane, exr};
@@ -90,7 +90,7 @@ impl Set {
     }
 }
 
-fn checked(path: &Path) -> Report {
+pub(crate) fn checked(path: &Path) -> Report {
     let source = Source::open(path, &SourceOptions::default()).unwrap();
     check(&source, &Choice { max_probes: MAX_PROBES, ..Choice::default() }, &Silent).unwrap()
 }
@@ -326,9 +326,48 @@ fn threads_do_not_matter() {
 }
 
 #[test]
-fn strips_and_single_views_are_checked_without_seams() {
+fn a_single_face_has_no_seams() {
     let set = Set::new();
     let report = set.check_as(|manifest| manifest.faces_present = Some(vec!["ny".into()]));
     assert_eq!(finding(&report, "seams.depth").verdict, Verdict::CannotTell);
-    assert_eq!(set.manifest.faces, Some(FaceFiles::Six));
+    assert_clean(&report);
+}
+
+#[test]
+fn the_command_answers_with_an_exit_code_and_json() {
+    let set = Set::new();
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lightfold"));
+        command.arg("inspect").args(arguments).current_dir(set.path()).output().unwrap()
+    };
+    let output = run(&[".", "--check"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
+    assert!(text.contains("depth.kind ") && text.ends_with("Nothing is suspected.\n"), "{text}");
+    let output = run(&["lightfield.json", "--check", "--depth-kind", "planar", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["suspect"], true);
+    let checks = json["checks"].as_array().unwrap();
+    let kind = checks.iter().find(|check| check["check"] == "depth.kind").unwrap();
+    assert_eq!(kind["verdict"], "suspect");
+    assert!(kind["says"].as_str().unwrap().contains("depth as distance"));
+    assert!(kind["figures"]["margin"].as_f64().unwrap() > 4.0, "{kind}");
+    // One probe, chosen by its name.
+    let output = run(&[".", "--check", "--probe", "02", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((json["probes"].as_u64(), json["images"].as_u64()), (Some(1), Some(12)));
+    for (arguments, words) in [
+        (&["film.lfold", "--check"][..], "compares a lightfield.json"),
+        (&[".", "--check", "--frame", "7"], "in the frame asked for"),
+        (&[".", "--check", "--probe", "07"], "no probe \"07\""),
+        (&[".", "--check", "--face", "px"], "only --probe and --frame"),
+        (&[".", "--check", "--verify"], "cannot be used with"),
+    ] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
 }

@@ -5,6 +5,7 @@ mod blocks;
 mod cli;
 mod commands;
 mod convention;
+mod convention_footage;
 mod corrupt;
 mod devices;
 mod diff;
