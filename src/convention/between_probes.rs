@@ -22,7 +22,7 @@ const DOUBTFUL_PROBE: f64 = 0.04;
 /// A reading under which no larger share agrees is doubtful, too: everything hides everything.
 const AGREES_TOO_LITTLE: f64 = 0.02;
 /// By so much a reading must be better than another to be preferred.
-pub const DECISIVE: f64 = 4.0;
+pub const DECISIVE: f64 = 3.0;
 /// Readings that are no worse than this fit as well as the best one.
 const AS_GOOD: f64 = 1.3;
 /// Share that is taken for chance.

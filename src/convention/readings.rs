@@ -77,7 +77,7 @@ fn scales(base: &Reading, extent: Extent, all: &mut Vec<Change>) {
 
 /// `0.001 times`, `12.6 times`.
 fn times(factor: f64) -> String {
-    if factor < 0.01 || factor >= 100.0 { format!("{factor} times") } else { format!("{factor:.3} times") }
+    if (0.01..100.0).contains(&factor) { format!("{factor:.3} times") } else { format!("{factor} times") }
 }
 
 fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Change>) {
@@ -137,6 +137,9 @@ fn axis_orders() -> Vec<(String, DMat3)> {
     found.into_iter().filter(|(changed, _, _)| *changed > 0).map(|(_, words, axes)| (words, axes)).collect()
 }
 
+/// Words, and what they make of a pose.
+type Way<'a> = (&'a str, &'a dyn Fn(&Pose) -> Pose);
+
 fn orientations(base: &Reading, all: &mut Vec<Change>) {
     if base.poses.iter().all(|pose| pose.turn.angle_between(DQuat::IDENTITY) < 1e-6) {
         return;
@@ -147,7 +150,7 @@ fn orientations(base: &Reading, all: &mut Vec<Change>) {
         let turn = pose.turn.conjugate();
         Pose { position: turn * -pose.position, turn }
     };
-    let ways: [(&str, &dyn Fn(&Pose) -> Pose); 6] = [
+    let ways: [Way<'_>; 6] = [
         ("orientations as none", &|pose| Pose { turn: DQuat::IDENTITY, ..*pose }),
         ("orientations as their inverse", &|pose| Pose { turn: pose.turn.conjugate(), ..*pose }),
         ("orientations as w, x, y, z", &|pose| Pose { turn: first(pose.turn), ..*pose }),

@@ -82,13 +82,13 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
     } else if own >= DECISIVE * least && share(own - least) >= MIN_GAIN {
         Finding::new(stream.check, Verdict::Suspect, explain(&table, &best, least, present, share(own)))
     } else {
-        settle(stream, &table, present, own > AS_GOOD * least + SURE, share(own))
+        settle(stream, &table, present, least)
     };
     finding.with(&figures)
 }
 
 /// What is to be said where nothing fits much better than what is declared.
-fn settle(stream: Stream, table: &CostTable, present: [bool; 6], mismatch: f64) -> Finding {
+fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> Finding {
     let declared = arrangement::declared(present);
     let own = table.total(&declared);
     let sure = |face: &usize| {
@@ -100,13 +100,17 @@ fn settle(stream: Stream, table: &CostTable, present: [bool; 6], mismatch: f64) 
     };
     let there: Vec<usize> = (0..6).filter(|face| present[*face]).collect();
     let unsure: Vec<usize> = there.iter().copied().filter(|face| !sure(face)).collect();
-    let differ = format!("faces differ by {} where they meet", percent(mismatch * stream.cap));
+    let differ = "faces continue each other as declared".to_owned();
+    if own > AS_GOOD * least + SURE {
+        let says = "another order of the faces would fit a little better, but not by enough";
+        return Finding::new(stream.check, Verdict::CannotTell, says);
+    }
     if unsure.len() == there.len() {
-        let says = format!("{differ}, and would whichever way up they are");
+        let says = format!("{differ}, and would in other ways, too");
         return Finding::new(stream.check, Verdict::CannotTell, says);
     }
     let says = if unsure.is_empty() {
-        format!("{differ}, and more in any other order")
+        format!("{differ}, and not in any other way up")
     } else {
         format!("{differ}; which way up {} cannot be told", is_or_are(&names(&unsure)))
     };

