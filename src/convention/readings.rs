@@ -54,6 +54,14 @@ pub fn changes(base: &Reading, names: &[String], equirect: bool, extent: Extent)
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),
         };
         all.push(Change { subject: Subject::Kind, words: words.into(), reading: Reading { kind, ..base.clone() } });
+        // Each alone may not look better than neither.
+        if extent == Extent::All {
+            all.extend(UNITS.into_iter().filter(|factor| *factor != 1.0).map(|factor| Change {
+                subject: Subject::Kind,
+                words: format!("{words} and {} as large", times(factor)),
+                reading: Reading { kind, scale: base.scale * factor, ..base.clone() },
+            }));
+        }
     }
     scales(base, extent, &mut all);
     positions(base, names, extent, &mut all);

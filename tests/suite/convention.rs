@@ -245,7 +245,8 @@ fn faces_in_a_wrong_order_are_named() {
 
 #[test]
 fn faces_that_are_turned_and_mirrored_are_named() {
-    let turns: [(&str, fn(u32, u32) -> (u32, u32)); 4] = [
+    type From = fn(u32, u32) -> (u32, u32);
+    let turns: [(&str, From); 4] = [
         ("turned by 90 degrees to the right", |x, y| (y, SIDE - 1 - x)),
         ("turned by 90 degrees to the left", |x, y| (SIDE - 1 - y, x)),
         ("turned by 180 degrees", |x, y| (SIDE - 1 - x, SIDE - 1 - y)),
