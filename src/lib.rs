@@ -7,6 +7,7 @@ pub mod block;
 pub mod cli;
 pub mod color;
 pub mod container;
+pub mod convention;
 pub mod dataset;
 pub mod depth;
 pub mod effort;

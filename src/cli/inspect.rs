@@ -1,5 +1,7 @@
-//! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound.
+//! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound; whether a dataset is what its
+//! manifest says.
 
+mod check;
 mod json;
 mod plot;
 mod text;
@@ -21,17 +23,22 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
+    group = clap::ArgGroup::new("looks").args(["plot", "check"]),
     after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour. Temporal: after the coding in time, \
     before LZMA2.\nKeys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all \
     frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
+    --check reads one frame of up to 16 probes. It answers fine, SUSPECT or cannot tell for the order and orientation of \
+    cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour. \
+    With --check the exit code is 1 where something is suspected.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
-    lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00"
+    lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00\n  \
+    lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// The container, - for standard input
-    #[arg(value_name = "IN.lfold")]
+    /// The container, - for standard input; with --check a lightfield.json or its folder
+    #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Streams.
     #[command(flatten)]
@@ -48,6 +55,9 @@ pub struct Args {
     /// Check every chunk: CRC-32, decompression by two decoders, structure; list all that are damaged
     #[arg(long)]
     pub verify: bool,
+    /// Compare what a manifest says with what its files show, and say what is suspected to be wrong
+    #[arg(long, conflicts_with_all = ["streams", "frames", "verify", "csv", "source"])]
+    pub check: bool,
     /// Report as JSON
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
@@ -60,8 +70,8 @@ pub struct Args {
     /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// With --plot, the frame [default: the first one, and the one that changes most]
-    #[arg(long, value_name = "N", requires = "plot")]
+    /// With --plot, the frame [default: the first one, and the one that changes most]; with --check [default: the first]
+    #[arg(long, value_name = "N", requires = "looks")]
     pub frame: Option<u32>,
     /// With --plot, what the container was made of, for pictures of the error: a lightfield.json or its folder, a sequence
     #[arg(long, value_name = "SOURCE", requires = "plot")]
@@ -105,6 +115,9 @@ struct Document<'a> {
 
 /// Inspects.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    if args.check {
+        return check::run(args, global);
+    }
     plot::check(args)?;
     let decoder = Decoder::open(&args.input)?;
     let selection = args.selection.with(None);

@@ -46,8 +46,8 @@ pub struct GlobalArgs {
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, devices disagree, or no\n\
-        point of tradeoff meets what is asked, 2 bad input or usage, 130 interrupted.\n\n\
+    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, devices disagree, inspect --check suspects\n\
+        something, or no point of tradeoff meets what is asked, 2 bad input or usage, 130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
@@ -78,7 +78,7 @@ pub enum Command {
     Bc4w(bc4w::Args),
     /// Join containers into one, compress one further, or pack quadtrees at a bound
     Pack(pack::Args),
-    /// Show what a container holds and what it costs, and verify it
+    /// Show what a container holds and what it costs, and verify it; check a dataset's conventions
     Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
@@ -100,7 +100,8 @@ pub enum Command {
 pub enum Outcome {
     /// All is well.
     Fine,
-    /// What was compared differs by more than allowed: files, what two devices decoded, or what was asked and what there is.
+    /// What was compared differs by more than allowed: files, what two devices decoded, what was asked and what
+    /// there is, or a manifest and what its files show.
     Differs,
 }
 

@@ -1,6 +1,7 @@
 //! Datasets: the manifest beside a set of EXR or PNG sequences, and the reader that turns either into planes of
 //! metres and linear light.
 
+mod as_stored;
 pub mod manifest;
 mod pixels;
 pub mod source;

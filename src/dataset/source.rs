@@ -160,12 +160,12 @@ pub struct Source {
     file_size: (u32, u32),
     /// Size of each face as it is delivered.
     delivered_size: (u32, u32),
-    rules: DepthRules,
+    pub(super) rules: DepthRules,
     /// Whether anyone said how many metres a unit of depth is.
     scale_stated: bool,
     depth_stored: DepthKind,
-    depth_kind: DepthKind,
-    color_space: Option<ColorSpace>,
+    pub(super) depth_kind: DepthKind,
+    pub(super) color_space: Option<ColorSpace>,
     color_channel: ChannelSelect,
     depth_channel: ChannelSelect,
     material_channels: [String; 3],
@@ -515,8 +515,9 @@ impl Source {
         self.faces_of(plane, group, resample_color)
     }
 
-    fn depth_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<DepthPlane>> {
-        let mut plane = if is_png(path) {
+    /// Depth as the file has it.
+    pub(super) fn depth_file(&self, path: &Path) -> Result<DepthPlane> {
+        let plane = if is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
                     "this file holds integers; say how many metres one of them is with --depth-scale (0.001 for \
@@ -529,6 +530,11 @@ impl Source {
             exr::read_depth(path, &self.depth_channel, &self.limits)?
         };
         self.check_size(&plane)?;
+        Ok(plane)
+    }
+
+    fn depth_of(&self, path: &Path, group: &SourceGroup) -> Result<Vec<DepthPlane>> {
+        let mut plane = self.depth_file(path)?;
         check_depth(&mut plane, &self.rules)?;
         let mut planes = self.faces_of(plane, group, resample_depth)?;
         if self.depth_kind != self.depth_stored {
@@ -565,7 +571,7 @@ impl Source {
     }
 
     /// Cuts or resamples a file into the faces of its group.
-    fn faces_of<T: Copy>(
+    pub(super) fn faces_of<T: Copy>(
         &self,
         plane: Plane<T>,
         group: &SourceGroup,

@@ -4,6 +4,8 @@ mod anatomy;
 mod blocks;
 mod cli;
 mod commands;
+mod convention;
+mod convention_footage;
 mod corrupt;
 mod devices;
 mod diff;

@@ -1,0 +1,65 @@
+//! What a check answers.
+
+/// How a check ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// The pictures are as declared, and would not be if they were declared otherwise.
+    Fine,
+    /// Another reading fits the pictures far better, or they contradict each other.
+    Suspect,
+    /// The pictures say nothing about it.
+    CannotTell,
+}
+
+impl Verdict {
+    /// `fine`, `suspect` or `cannot_tell`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Fine => "fine",
+            Verdict::Suspect => "suspect",
+            Verdict::CannotTell => "cannot_tell",
+        }
+    }
+}
+
+/// The answer of one check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// What was checked, such as `depth.kind`.
+    pub check: &'static str,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// One sentence.
+    pub says: String,
+    /// What was measured, by name.
+    pub figures: Vec<(&'static str, f64)>,
+}
+
+impl Finding {
+    /// A finding without figures.
+    pub fn new(check: &'static str, verdict: Verdict, says: impl Into<String>) -> Finding {
+        Finding { check, verdict, says: says.into(), figures: Vec::new() }
+    }
+
+    /// The same with figures.
+    #[must_use]
+    pub fn with(mut self, figures: &[(&'static str, f64)]) -> Finding {
+        self.figures.extend_from_slice(figures);
+        self
+    }
+}
+
+/// A share as people read it.
+pub(super) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    if percent == 0.0 || percent >= 10.0 { format!("{percent:.0}%") } else { format!("{percent:.2}%") }
+}
+
+/// `a`, `a and b`, `a, b and c`.
+pub(super) fn listed(words: &[String], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [most @ .., end] => format!("{} {last} {end}", most.join(", ")),
+    }
+}

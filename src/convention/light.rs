@@ -1,0 +1,104 @@
+//! Colour: light or codes, and faces where nothing was rendered.
+
+use half::f16;
+
+use super::finding::{Finding, Verdict, percent};
+use crate::image::{ColorPlane, ColorSpace};
+
+/// Fewer pixels say nothing of how values are spread.
+const MIN_PIXELS: u64 = 1000;
+/// Share of values above 1 that is no chance, where codes end at 1.
+const ABOVE_SHARE: f64 = 1e-4;
+/// Of values that are spread evenly, no more than half are as near to a 255th as half floats allow.
+const CODES_SHARE: f64 = 0.999;
+
+/// What was counted of colour. All values are linear light, as read.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ColorValues {
+    /// All pixels.
+    pub pixels: u64,
+    /// Components.
+    pub values: u64,
+    /// Components above 1.
+    pub above_one: u64,
+    /// Components in 0.02 to 0.25, where half floats are much finer than 255ths.
+    pub dim: u64,
+    /// Of those, the ones that are a 255th as exactly as a half float can be.
+    pub codes: u64,
+}
+
+impl ColorValues {
+    /// Counts an image.
+    pub fn count(plane: &ColorPlane) -> ColorValues {
+        let mut found = ColorValues { pixels: plane.data().len() as u64, ..ColorValues::default() };
+        for component in plane.data().as_flattened() {
+            let value = component.to_f32();
+            found.values += 1;
+            found.above_one += u64::from(value > 1.0);
+            if (0.02..0.25).contains(&value) {
+                found.dim += 1;
+                let code = (value * 255.0).round() / 255.0;
+                found.codes += u64::from(f16::from_f32(code) == *component);
+            }
+        }
+        found
+    }
+
+    /// Both together.
+    pub fn add(self, other: ColorValues) -> ColorValues {
+        ColorValues {
+            pixels: self.pixels + other.pixels,
+            values: self.values + other.values,
+            above_one: self.above_one + other.above_one,
+            dim: self.dim + other.dim,
+            codes: self.codes + other.codes,
+        }
+    }
+}
+
+/// Whether values can be what they are said to be. `space` is what is said of the files, `png` whether they hold integers.
+pub fn check(values: &ColorValues, space: ColorSpace, png: bool) -> Finding {
+    let check = "color.space";
+    let above = values.above_one as f64 / values.values.max(1) as f64;
+    let codes = values.codes as f64 / values.dim.max(1) as f64;
+    let figures = [("above_one", above), ("255ths", codes)];
+    let told = values.pixels >= MIN_PIXELS;
+    let (verdict, says) = match space {
+        ColorSpace::LinearRec709 if png => (Verdict::CannotTell, "PNG files rarely hold linear light".to_owned()),
+        ColorSpace::LinearRec709 if told && above >= ABOVE_SHARE => {
+            (Verdict::Fine, format!("{} of the values are above 1, as only light is", percent(above)))
+        }
+        ColorSpace::LinearRec709 if told && values.dim >= MIN_PIXELS && codes >= CODES_SHARE => {
+            (Verdict::Suspect, "all values are 255ths: they look like sRGB codes, not like linear light".to_owned())
+        }
+        // Codes end at 1, and so does the light that was made of them.
+        ColorSpace::Srgb if told && above >= ABOVE_SHARE => {
+            (Verdict::Suspect, format!("{} of the values are above 1, where sRGB codes end", percent(above)))
+        }
+        _ => (Verdict::CannotTell, "no value is above 1, as in light and in codes".to_owned()),
+    };
+    Finding::new(check, verdict, says).with(&figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Plane;
+
+    fn plane(value: impl Fn(u32) -> f32) -> ColorPlane {
+        Plane::from_fn(64, 64, |x, y| [f16::from_f32(value(y * 64 + x)); 3])
+    }
+
+    #[test]
+    fn codes_and_light() {
+        let light = ColorValues::count(&plane(|at| at as f32 / 3000.0));
+        let codes = ColorValues::count(&plane(|at| (at % 256) as f32 / 255.0));
+        let dim = ColorValues::count(&plane(|at| at as f32 / 5000.0));
+        let verdict = |values, space| check(values, space, false).verdict;
+        assert_eq!(verdict(&light, ColorSpace::LinearRec709), Verdict::Fine);
+        assert_eq!(verdict(&light, ColorSpace::Srgb), Verdict::Suspect);
+        assert_eq!(verdict(&codes, ColorSpace::LinearRec709), Verdict::Suspect);
+        assert_eq!(verdict(&codes, ColorSpace::Srgb), Verdict::CannotTell);
+        assert_eq!(verdict(&dim, ColorSpace::LinearRec709), Verdict::CannotTell);
+    }
+}

@@ -1,0 +1,317 @@
+//! Single values of depth: what is none, what looks like a background that nobody declared, and near and far.
+
+use super::finding::{Finding, Verdict, percent};
+use crate::dataset::manifest::DepthInfo;
+use crate::image::DepthPlane;
+
+/// The farthest value is a background where so large a share of all pixels has exactly it.
+const BACKGROUND_SHARE: f64 = 0.002;
+/// And nothing else is farther than this share of it.
+const BACKGROUND_GAP: f32 = 0.1;
+/// Or it is one of the numbers that programs write.
+const USUAL_BACKGROUNDS: [f32; 18] = [
+    100.0,
+    1000.0,
+    10_000.0,
+    1e5,
+    1e6,
+    1e7,
+    1e8,
+    1e9,
+    1e10,
+    1e12,
+    1e20,
+    1e30,
+    1e38,
+    65_504.0,
+    65_535.0,
+    65_536.0,
+    4_294_967_295.0,
+    f32::MAX,
+];
+/// A share of pixels outside near and far that is no chance.
+const OUTSIDE_SHARE: f64 = 0.001;
+/// Whole numbers of metres as far as this are no metres.
+const WHOLE_METRES: f64 = 100.0;
+/// Scales between the usual units.
+const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
+
+/// What was counted of stored depth. All values are as in the files.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthValues {
+    /// All pixels.
+    pub pixels: u64,
+    /// Pixels that are the background as declared, or +inf.
+    pub background: u64,
+    /// NaN.
+    pub not_a_number: u64,
+    /// Exactly zero, and not the background.
+    pub zero: u64,
+    /// Below zero, and not the background.
+    pub negative: u64,
+    /// Surfaces: finite values above zero.
+    pub surfaces: u64,
+    /// Surfaces whose value is a whole number.
+    pub whole: u64,
+    /// The nearest surface.
+    pub min: f32,
+    /// The farthest surface.
+    pub max: f32,
+    /// Surfaces that have exactly the value `max`.
+    pub at_max: u64,
+    /// The farthest surface that is not at `max`; 0 where there is none.
+    pub next_max: f32,
+    /// Surfaces outside the stated near and far.
+    pub outside: u64,
+}
+
+impl Default for DepthValues {
+    fn default() -> Self {
+        DepthValues {
+            pixels: 0,
+            background: 0,
+            not_a_number: 0,
+            zero: 0,
+            negative: 0,
+            surfaces: 0,
+            whole: 0,
+            min: f32::INFINITY,
+            max: 0.0,
+            at_max: 0,
+            next_max: 0.0,
+            outside: 0,
+        }
+    }
+}
+
+/// What the manifest says of values.
+#[derive(Debug, Clone, Copy)]
+pub struct Stated {
+    /// Besides +inf.
+    pub background: f32,
+    /// Metres per unit.
+    pub scale: f64,
+    /// Nearest and farthest depth in metres; 0 and +inf where not stated.
+    pub range_m: [f64; 2],
+}
+
+impl Stated {
+    /// From the manifest's keys and what else the caller says.
+    pub fn new(depth: Option<&DepthInfo>, background: f32, scale: f64) -> Stated {
+        let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
+        let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
+        Stated { background, scale, range_m: [near, far] }
+    }
+
+    fn is_outside(&self, metres: f64) -> bool {
+        metres < self.range_m[0] * 0.999 || metres > self.range_m[1] * 1.001
+    }
+}
+
+impl DepthValues {
+    /// Counts an image.
+    pub fn count(stored: &DepthPlane, stated: &Stated) -> DepthValues {
+        let mut found = DepthValues { pixels: stored.data().len() as u64, ..DepthValues::default() };
+        for &value in stored.data() {
+            if value == f32::INFINITY || value == stated.background {
+                found.background += 1;
+            } else if value.is_nan() {
+                found.not_a_number += 1;
+            } else if value == 0.0 {
+                found.zero += 1;
+            } else if value < 0.0 {
+                found.negative += 1;
+            } else {
+                let one = DepthValues { surfaces: 1, at_max: 1, min: value, max: value, ..DepthValues::default() };
+                let outside = stated.is_outside(f64::from(value) * stated.scale);
+                let one = DepthValues { whole: u64::from(value.fract() == 0.0), outside: u64::from(outside), ..one };
+                found = found.add(one);
+            }
+        }
+        found
+    }
+
+    /// Both together.
+    pub fn add(self, other: DepthValues) -> DepthValues {
+        let (high, low) = if self.max >= other.max { (self, other) } else { (other, self) };
+        let equal = high.max == low.max;
+        DepthValues {
+            pixels: self.pixels + other.pixels,
+            background: self.background + other.background,
+            not_a_number: self.not_a_number + other.not_a_number,
+            zero: self.zero + other.zero,
+            negative: self.negative + other.negative,
+            surfaces: self.surfaces + other.surfaces,
+            whole: self.whole + other.whole,
+            min: self.min.min(other.min),
+            max: high.max,
+            at_max: high.at_max + if equal { low.at_max } else { 0 },
+            next_max: high.next_max.max(if equal { low.next_max } else { low.max }),
+            outside: self.outside + other.outside,
+        }
+    }
+}
+
+/// All findings about values.
+pub fn check(values: &DepthValues, stated: &Stated) -> Vec<Finding> {
+    vec![invalid(values), background(values, stated), near_far(values, stated)]
+}
+
+fn share(count: u64, values: &DepthValues) -> f64 {
+    count as f64 / values.pixels.max(1) as f64
+}
+
+fn invalid(values: &DepthValues) -> Finding {
+    let counts = [("NaN", values.not_a_number), ("zero", values.zero), ("negative", values.negative)];
+    let found: Vec<String> = counts
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(name, count)| format!("{} {name}", percent(share(*count, values))))
+        .collect();
+    let figures = [
+        ("not_a_number", values.not_a_number as f64),
+        ("zero", values.zero as f64),
+        ("negative", values.negative as f64),
+        ("pixels", values.pixels as f64),
+    ];
+    let finding = if found.is_empty() {
+        Finding::new("depth.values", Verdict::Fine, "every pixel is a surface or the background")
+    } else {
+        let says = format!(
+            "of all depth is {}, which is neither a surface nor the background: name the value in \"background\", or say \
+             --invalid-depth far|near",
+            found.join(", ")
+        );
+        Finding::new("depth.values", Verdict::Suspect, says)
+    };
+    finding.with(&figures)
+}
+
+fn background(values: &DepthValues, stated: &Stated) -> Finding {
+    let at_max = share(values.at_max, values);
+    let figures = [
+        ("background", share(values.background, values)),
+        ("at_farthest", at_max),
+        ("farthest", f64::from(values.max)),
+    ];
+    let max = values.max;
+    let often = at_max >= BACKGROUND_SHARE && values.at_max > 16;
+    let gap = values.next_max > 0.0 && values.next_max < max * BACKGROUND_GAP;
+    let usual = USUAL_BACKGROUNDS.contains(&max) || f64::from(max) * stated.scale == stated.range_m[1];
+    let (verdict, says) = if values.surfaces == 0 {
+        (Verdict::CannotTell, "there is no surface at all".to_owned())
+    } else if often && max == 1.0 {
+        let says = format!(
+            "no value is above 1 and {} are exactly 1: that is the depth buffer of a graphics library, not a length",
+            percent(at_max)
+        );
+        (Verdict::Suspect, says)
+    } else if often && (gap || usual) {
+        let says = format!(
+            "{} of all pixels are exactly {max}: if nothing is there, \"background\" is {max}",
+            percent(at_max)
+        );
+        (Verdict::Suspect, says)
+    } else {
+        (Verdict::Fine, format!("{} of all pixels are the background", percent(share(values.background, values))))
+    };
+    Finding::new("depth.background", verdict, says).with(&figures)
+}
+
+fn near_far(values: &DepthValues, stated: &Stated) -> Finding {
+    let check = "depth.near_far";
+    let [near, far] = stated.range_m;
+    let [min, max] = [values.min, values.max].map(|value| f64::from(value) * stated.scale);
+    let outside = values.outside as f64 / values.surfaces.max(1) as f64;
+    let figures = [("nearest_m", min), ("farthest_m", max), ("outside", outside)];
+    if values.surfaces == 0 {
+        return Finding::new(check, Verdict::CannotTell, "there is no surface at all");
+    }
+    let seen = format!("surfaces lie {min:.4} m to {max:.4} m away");
+    let whole = values.whole == values.surfaces && values.surfaces > 100 && values.min < values.max;
+    let finding = if whole && max >= WHOLE_METRES {
+        let says = format!("{seen}, all of them whole numbers: they look like millimetres or another small unit");
+        Finding::new(check, Verdict::Suspect, says)
+    } else if near == 0.0 && far.is_infinite() {
+        Finding::new(check, Verdict::Fine, format!("{seen}; no near and far are stated"))
+    } else if outside < OUTSIDE_SHARE {
+        Finding::new(check, Verdict::Fine, format!("{seen}, between the stated near and far"))
+    } else {
+        let fits = SCALES.iter().find(|scale| min * *scale >= near * 0.999 && max * *scale <= far * 1.001);
+        let guess = fits.map(|scale| format!("; depth {scale} times as large would fit")).unwrap_or_default();
+        let says = format!("{seen}, {} of them outside the stated {near} m to {far} m{guess}", percent(outside));
+        Finding::new(check, Verdict::Suspect, says)
+    };
+    finding.with(&figures)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Plane;
+
+    fn stated() -> Stated {
+        Stated { background: f32::INFINITY, scale: 1.0, range_m: [0.0, f64::INFINITY] }
+    }
+
+    fn plane(value: impl Fn(u32) -> f32) -> DepthPlane {
+        Plane::from_fn(64, 64, |x, y| value(y * 64 + x))
+    }
+
+    fn verdicts(plane: &DepthPlane, stated: &Stated) -> [Verdict; 3] {
+        let found = check(&DepthValues::count(plane, stated), stated);
+        [0, 1, 2].map(|at| found[at].verdict)
+    }
+
+    #[test]
+    fn sums_are_what_one_count_says() {
+        let whole = plane(|at| if at % 7 == 0 { 90.0 } else { at as f32 + 0.5 }.min(90.0));
+        let split = |keep: bool| Plane::from_fn(64, 32, |x, y| whole.get(x, y + if keep { 0 } else { 32 }));
+        let counts = [split(true), split(false)].map(|half| DepthValues::count(&half, &stated()));
+        assert_eq!(counts[0].add(counts[1]), DepthValues::count(&whole, &stated()));
+        assert_eq!(counts[1].add(counts[0]), DepthValues::count(&whole, &stated()));
+    }
+
+    #[test]
+    fn values_that_are_no_depth_are_counted() {
+        let fine = plane(|at| 1.25 + at as f32 * 0.001);
+        assert_eq!(verdicts(&fine, &stated()), [Verdict::Fine; 3]);
+        for odd in [f32::NAN, 0.0, -3.0] {
+            let bad = plane(|at| if at == 70 { odd } else { 1.25 + at as f32 * 0.001 });
+            assert_eq!(verdicts(&bad, &stated())[0], Verdict::Suspect, "{odd}");
+        }
+        let declared = Stated { background: 0.0, ..stated() };
+        assert_eq!(verdicts(&plane(|at| at as f32 * 0.01), &declared)[0], Verdict::Fine);
+    }
+
+    #[test]
+    fn backgrounds_that_nobody_declared() {
+        for far in [1e10, 65_504.0, 1000.0, 500.0, f32::MAX] {
+            let bad = plane(|at| if at < 400 { far } else { 1.25 + at as f32 * 0.001 });
+            assert_eq!(verdicts(&bad, &stated())[1], Verdict::Suspect, "{far}");
+            let declared = Stated { background: far, ..stated() };
+            assert_eq!(verdicts(&bad, &declared)[1], Verdict::Fine, "{far}");
+        }
+        // A wall at right angles to the view, the farthest of all, is no background.
+        let wall = plane(|at| (1.25 + at as f32 * 0.01).min(7.5));
+        assert_eq!(verdicts(&wall, &stated())[1], Verdict::Fine);
+        let buffer = plane(|at| (0.9 + at as f32 * 0.0001).min(1.0));
+        assert_eq!(verdicts(&buffer, &stated())[1], Verdict::Suspect);
+        assert_eq!(verdicts(&plane(|_| f32::INFINITY), &stated())[1], Verdict::CannotTell);
+    }
+
+    #[test]
+    fn near_far_and_units() {
+        let metres = plane(|at| 1.25 + at as f32 * 0.001);
+        let stated = Stated { range_m: [1.0, 10.0], ..stated() };
+        assert_eq!(verdicts(&metres, &stated)[2], Verdict::Fine);
+        let millimetres = metres.map(|value| value * 1000.0);
+        let found = check(&DepthValues::count(&millimetres, &stated), &stated).pop().unwrap();
+        assert!(found.says.contains("0.001 times"), "{}", found.says);
+        let whole = plane(|at| 400.0 + (at / 2) as f32);
+        let found = verdicts(&whole, &Stated { range_m: [0.0, f64::INFINITY], ..stated });
+        assert_eq!(found[2], Verdict::Suspect);
+        let scaled = Stated { scale: 0.001, ..stated };
+        assert_eq!(verdicts(&whole.map(|v| v + 600.0), &scaled)[2], Verdict::Fine);
+    }
+}

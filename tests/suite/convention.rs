@@ -1,0 +1,373 @@
+//! `inspect --check`: data labelled right raises no doubt, data labelled wrong in every common way does.
+
+use std::path::{Path, PathBuf};
+
+use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
+use lightfold::dataset::manifest::{Background, Probe};
+use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
+use lightfold::image::cube::distance_from_planar;
+use lightfold::image::{DepthPlane, Face, Plane, exr};
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use tempfile::TempDir;
+
+const SIDE: u32 = 64;
+
+/// The demo scene seen by four probes that do not stand in a line.
+struct Set {
+    folder: TempDir,
+    manifest: Manifest,
+}
+
+impl Set {
+    fn new() -> Set {
+        let folder = TempDir::new().unwrap();
+        let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: SIDE, probes: 1 };
+        let mut manifest = plan.manifest().unwrap();
+        let scene = lightfold::scene::DemoScene::new(DemoKind::Courtyard).at(0.0);
+        let positions = [[0.0, 1.5, 0.0], [-0.3, 1.3, 0.2], [0.25, 1.65, 0.3], [-0.1, 1.7, -0.3]];
+        manifest.probes = positions
+            .iter()
+            .enumerate()
+            .map(|(at, position)| Probe { name: format!("{at:02}"), position: *position, ..manifest.probes[0].clone() })
+            .collect();
+        for probe in &manifest.probes {
+            for face in Face::CUBE {
+                let parent = folder.path().join(format!("probe_{}/face_{}", probe.name, face.name()));
+                std::fs::create_dir_all(&parent).unwrap();
+                let (color, depth) = lightfold::scene::capture_face(&scene, probe.position.into(), face, SIDE).unwrap();
+                exr::write_color(&parent.join("color.0000.exr"), &color).unwrap();
+                exr::write_depth(&parent.join("depth.0000.exr"), &depth).unwrap();
+            }
+        }
+        let set = Set { folder, manifest };
+        set.write(&set.manifest);
+        set
+    }
+
+    fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    fn write(&self, manifest: &Manifest) {
+        std::fs::write(self.path().join("lightfield.json"), manifest.to_json().unwrap()).unwrap();
+    }
+
+    fn depth_file(&self, probe: usize, face: Face) -> PathBuf {
+        self.path().join(format!("probe_{probe:02}/face_{}/depth.0000.exr", face.name()))
+    }
+
+    /// Reads, changes and writes the depth of every face of the probes.
+    fn rewrite(&self, probes: std::ops::Range<usize>, change: impl Fn(Face, DepthPlane) -> DepthPlane) {
+        for probe in probes {
+            for face in Face::CUBE {
+                let path = self.depth_file(probe, face);
+                let plane = exr::read_depth(&path, &Default::default(), &Default::default()).unwrap();
+                exr::write_depth(&path, &change(face, plane)).unwrap();
+            }
+        }
+    }
+
+    /// Exchanges folders of faces: the files of `a` become those of `b`.
+    fn exchange(&self, probes: std::ops::Range<usize>, a: Face, b: Face) {
+        for probe in probes {
+            let folder = |face: &str| self.path().join(format!("probe_{probe:02}/face_{face}"));
+            std::fs::rename(folder(a.name()), folder("aside")).unwrap();
+            std::fs::rename(folder(b.name()), folder(a.name())).unwrap();
+            std::fs::rename(folder("aside"), folder(b.name())).unwrap();
+        }
+    }
+
+    fn check(&self) -> Report {
+        checked(self.path())
+    }
+
+    fn check_as(&self, change: impl FnOnce(&mut Manifest)) -> Report {
+        let mut manifest = self.manifest.clone();
+        change(&mut manifest);
+        self.write(&manifest);
+        self.check()
+    }
+}
+
+pub(crate) fn checked(path: &Path) -> Report {
+    let source = Source::open(path, &SourceOptions::default()).unwrap();
+    check(&source, &Choice { max_probes: MAX_PROBES, ..Choice::default() }, &Silent).unwrap()
+}
+
+fn suspected(report: &Report) -> Vec<&Finding> {
+    report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).collect()
+}
+
+fn finding<'a>(report: &'a Report, name: &str) -> &'a Finding {
+    report.findings.iter().find(|finding| finding.check == name).unwrap_or_else(|| panic!("no {name}: {report:#?}"))
+}
+
+#[track_caller]
+fn assert_suspects(report: &Report, name: &str, words: &str) {
+    let found = finding(report, name);
+    assert_eq!(found.verdict, Verdict::Suspect, "{report:#?}");
+    assert!(found.says.contains(words), "\"{}\" does not say \"{words}\"", found.says);
+}
+
+#[track_caller]
+fn assert_clean(report: &Report) {
+    assert!(suspected(report).is_empty(), "{report:#?}");
+}
+
+fn planar(_: Face, plane: DepthPlane) -> DepthPlane {
+    Plane::from_fn(SIDE, SIDE, |x, y| (f64::from(plane.get(x, y)) / distance_from_planar(x, y, SIDE)) as f32)
+}
+
+#[test]
+fn data_labelled_right_is_fine() {
+    let set = Set::new();
+    let report = set.check();
+    assert_clean(&report);
+    for name in ["seams.depth", "depth.kind.flatness", "depth.kind", "depth.scale", "positions"] {
+        assert_eq!(finding(&report, name).verdict, Verdict::Fine, "{report:#?}");
+    }
+    assert_eq!((report.probes, report.all_probes, report.images), (4, 4, 48));
+    // Planar depth that is said to be planar.
+    set.rewrite(0..4, planar);
+    let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
+    assert_clean(&report);
+    for name in ["depth.kind.flatness", "depth.kind"] {
+        assert_eq!(finding(&report, name).verdict, Verdict::Fine, "{report:#?}");
+    }
+}
+
+fn depth(manifest: &mut Manifest) -> &mut lightfold::dataset::manifest::DepthInfo {
+    manifest.depth.as_mut().unwrap()
+}
+
+#[test]
+fn planar_depth_and_distance_are_told_apart() {
+    let set = Set::new();
+    let report = set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar);
+    assert_suspects(&report, "depth.kind", "depth as distance");
+    assert_suspects(&report, "depth.kind.flatness", "looks like distance");
+    // A seam cannot tell.
+    assert_eq!(finding(&report, "seams.depth").verdict, Verdict::Fine);
+    // One probe alone.
+    let report = set.check_as(|manifest| {
+        depth(manifest).kind = DepthKind::Planar;
+        manifest.probes.truncate(1);
+    });
+    assert_suspects(&report, "depth.kind.flatness", "looks like distance");
+    set.rewrite(0..4, planar);
+    let report = set.check_as(|_| ());
+    assert_suspects(&report, "depth.kind", "depth as planar");
+    assert_suspects(&report, "depth.kind.flatness", "looks like planar");
+}
+
+#[test]
+fn scales_are_found() {
+    let set = Set::new();
+    for scale in [0.001, 0.01, 0.1, 0.3048, 1.25, 10.0, 100.0, 1000.0] {
+        let report = set.check_as(|manifest| {
+            depth(manifest).unit = None;
+            depth(manifest).scale = Some(scale);
+        });
+        let found = finding(&report, "depth.scale");
+        assert_eq!(found.verdict, Verdict::Suspect, "{scale}: {report:#?}");
+    }
+    // Two mistakes at once.
+    let report = set.check_as(|manifest| {
+        depth(manifest).unit = None;
+        depth(manifest).scale = Some(100.0);
+        depth(manifest).kind = DepthKind::Planar;
+    });
+    assert_suspects(&report, "depth.kind.flatness", "distance");
+    assert!(suspected(&report).len() >= 2, "{report:#?}");
+}
+
+#[test]
+fn positions_are_checked() {
+    let set = Set::new();
+    let moved = |change: fn([f64; 3]) -> [f64; 3]| {
+        set.check_as(|manifest| manifest.probes.iter_mut().for_each(|probe| probe.position = change(probe.position)))
+    };
+    assert_suspects(&moved(|[x, y, z]| [-x, y, z]), "positions", "(-x, y, z)");
+    assert_suspects(&moved(|[x, y, z]| [x, -y, z]), "positions", "(x, -y, z)");
+    assert_suspects(&moved(|[x, y, z]| [x, y, -z]), "positions", "(x, y, -z)");
+    assert_suspects(&moved(|[x, y, z]| [x, z, y]), "positions", "(x, z, y)");
+    assert_suspects(&moved(|[x, y, z]| [x, -z, y]), "positions", "(x, z, -y)");
+    // Where the world's origin lies is nobody's business.
+    assert_clean(&moved(|[x, y, z]| [x + 5.0, y - 7.0, z + 1.0]));
+    let report = set.check_as(|manifest| {
+        let position = manifest.probes[1].position;
+        manifest.probes[1].position = manifest.probes[3].position;
+        manifest.probes[3].position = position;
+    });
+    assert_suspects(&report, "positions", "01 and 03 exchanged");
+    let report = set.check_as(|manifest| manifest.probes[2].position[0] -= 0.4);
+    assert_suspects(&report, "positions", "probe 02 contradicts");
+}
+
+#[test]
+fn orientations_are_checked() {
+    let set = Set::new();
+    // A world that is turned about the first probe: positions and orientations turn together.
+    let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -0.8, 0.3);
+    let turned = |orientation: glam::DQuat| {
+        set.check_as(|manifest| {
+            for probe in &mut manifest.probes {
+                probe.position = (turn * glam::DVec3::from(probe.position)).to_array();
+                probe.orientation = Some(orientation.to_array());
+            }
+        })
+    };
+    let report = turned(turn);
+    assert_clean(&report);
+    assert_eq!(finding(&report, "orientations").verdict, Verdict::Fine, "{report:#?}");
+    assert_suspects(&turned(turn.conjugate()), "orientations", "inverse");
+    let first = glam::DQuat::from_xyzw(turn.w, turn.x, turn.y, turn.z);
+    assert_suspects(&turned(first), "orientations", "w, x, y, z");
+}
+
+#[test]
+fn faces_in_a_wrong_order_are_named() {
+    let set = Set::new();
+    set.exchange(0..4, Face::Nx, Face::Nz);
+    let report = set.check();
+    assert_suspects(&report, "seams.depth", "nx and nz are exchanged");
+    // Colour at 64 pixels is too coarse to be sure of, but it is not as it should be either.
+    assert_ne!(finding(&report, "seams.color").verdict, Verdict::Fine);
+    set.exchange(0..4, Face::Nx, Face::Nz);
+    assert_clean(&set.check());
+    // One probe of four.
+    set.exchange(2..3, Face::Ny, Face::Pz);
+    let report = set.check();
+    assert_suspects(&report, "seams.depth", "probe 02: ");
+    assert_suspects(&report, "seams.depth", "ny and pz are exchanged");
+}
+
+#[test]
+fn faces_that_are_turned_and_mirrored_are_named() {
+    type From = fn(u32, u32) -> (u32, u32);
+    let turns: [(&str, From); 4] = [
+        ("turned by 90 degrees to the right", |x, y| (y, SIDE - 1 - x)),
+        ("turned by 90 degrees to the left", |x, y| (SIDE - 1 - y, x)),
+        ("turned by 180 degrees", |x, y| (SIDE - 1 - x, SIDE - 1 - y)),
+        ("mirrored top to bottom", |x, y| (x, SIDE - 1 - y)),
+    ];
+    for (words, from) in turns {
+        let set = Set::new();
+        set.rewrite(0..4, |face, plane| {
+            if face != Face::Nz {
+                return plane;
+            }
+            Plane::from_fn(SIDE, SIDE, |x, y| {
+                let (x, y) = from(x, y);
+                plane.get(x, y)
+            })
+        });
+        let report = set.check();
+        assert_suspects(&report, "seams.depth", &format!("nz is {words}"));
+    }
+    let set = Set::new();
+    // Every face from inside instead of outside, as programs with left-handed cubes write them.
+    set.rewrite(0..4, |_, plane| Plane::from_fn(SIDE, SIDE, |x, y| plane.get(SIDE - 1 - x, y)));
+    let report = set.check();
+    assert_suspects(&report, "seams.depth", "every face is mirrored left to right");
+}
+
+#[test]
+fn values_and_near_and_far() {
+    let set = Set::new();
+    let report = set.check_as(|manifest| (depth(manifest).near, depth(manifest).far) = (Some(500.0), Some(20_000.0)));
+    assert_suspects(&report, "depth.near_far", "1000 times as large would fit");
+    assert_clean(&set.check_as(|manifest| (depth(manifest).near, depth(manifest).far) = (Some(0.5), Some(20.0))));
+    set.rewrite(0..4, |_, plane| plane.map(|value| if value.is_finite() { *value } else { 1e10 }));
+    assert_suspects(&set.check(), "depth.background", "\"background\" is 10000000000");
+    assert_clean(&set.check_as(|manifest| depth(manifest).background = Background::Value(1e10)));
+    set.rewrite(0..4, |_, plane| plane.map(|value| if *value < 1e9 { *value } else { 0.0 }));
+    let report = set.check_as(|manifest| depth(manifest).background = Background::Value(1e10));
+    assert_suspects(&report, "depth.values", "zero");
+    assert_clean(&set.check_as(|manifest| depth(manifest).background = Background::Value(0.0)));
+}
+
+#[test]
+fn copies_of_images_are_found() {
+    let set = Set::new();
+    std::fs::copy(set.depth_file(1, Face::Ny), set.depth_file(2, Face::Ny)).unwrap();
+    assert_suspects(&set.check(), "images", "depth 01/ny and depth 02/ny are the same picture");
+}
+
+#[test]
+fn what_cannot_be_told_is_said() {
+    let set = Set::new();
+    // Nothing but background.
+    set.rewrite(0..4, |_, plane| plane.map(|_| f32::INFINITY));
+    let report = set.check();
+    for name in ["seams.depth", "depth.kind.flatness", "probes", "depth.near_far"] {
+        assert_eq!(finding(&report, name).verdict, Verdict::CannotTell, "{report:#?}");
+    }
+    // A dome around the probe may as well be a box of planar depth.
+    set.rewrite(0..4, |_, plane| plane.map(|_| 4.0));
+    let report = set.check_as(|manifest| manifest.probes.truncate(1));
+    for name in ["seams.depth", "depth.kind.flatness", "probes"] {
+        assert_eq!(finding(&report, name).verdict, Verdict::CannotTell, "{report:#?}");
+    }
+    let found = suspected(&report);
+    // Colour has more than depth shows, and that is no mistake.
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let set = Set::new();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| set.check_as(|manifest| depth(manifest).kind = DepthKind::Planar))
+    };
+    assert_eq!(with(1), with(3));
+}
+
+#[test]
+fn a_single_face_has_no_seams() {
+    let set = Set::new();
+    let report = set.check_as(|manifest| manifest.faces_present = Some(vec!["ny".into()]));
+    assert_eq!(finding(&report, "seams.depth").verdict, Verdict::CannotTell);
+    assert_clean(&report);
+}
+
+#[test]
+fn the_command_answers_with_an_exit_code_and_json() {
+    let set = Set::new();
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lightfold"));
+        command.arg("inspect").args(arguments).current_dir(set.path()).output().unwrap()
+    };
+    let output = run(&[".", "--check"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
+    assert!(text.contains("depth.kind ") && text.ends_with("Nothing is suspected.\n"), "{text}");
+    let output = run(&["lightfield.json", "--check", "--depth-kind", "planar", "--json"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(json["suspect"], true);
+    let checks = json["checks"].as_array().unwrap();
+    let kind = checks.iter().find(|check| check["check"] == "depth.kind").unwrap();
+    assert_eq!(kind["verdict"], "suspect");
+    assert!(kind["says"].as_str().unwrap().contains("depth as distance"));
+    assert!(kind["figures"]["margin"].as_f64().unwrap() > 3.0, "{kind}");
+    // One probe, chosen by its name.
+    let output = run(&[".", "--check", "--probe", "02", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((json["probes"].as_u64(), json["images"].as_u64()), (Some(1), Some(12)));
+    for (arguments, words) in [
+        (&["film.lfold", "--check"][..], "compares a lightfield.json"),
+        (&[".", "--check", "--frame", "7"], "in the frame asked for"),
+        (&[".", "--check", "--probe", "07"], "no probe \"07\""),
+        (&[".", "--check", "--face", "px"], "only --probe and --frame"),
+        (&[".", "--check", "--verify"], "cannot be used with"),
+    ] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(words), "{arguments:?}: {said}");
+    }
+}
