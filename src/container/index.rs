@@ -195,6 +195,13 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
+    /// Bytes of payload that a decoder of a whole stream holds: the largest of each unit. At most 2⁶⁴ − 1.
+    pub fn held_payload_bytes(&self, stream: u32) -> u64 {
+        let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
+        let largest = units.map(|chunks| chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0));
+        largest.fold(0, u64::saturating_add)
+    }
+
     /// No two probes of one name, no two streams of one kind, probe and face.
     fn check_unique(&self) -> Result<()> {
         let mut names = HashSet::new();

@@ -213,6 +213,27 @@ impl CodecHeader {
         }
     }
 
+    /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
+    /// keyframes; half floats are held as keys as well.
+    pub fn held_pixel_bytes(&self) -> u64 {
+        match self {
+            CodecHeader::Depth(_) => 4,
+            CodecHeader::Material(_) => 6,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => 12,
+            CodecHeader::Color(_) => 30,
+        }
+    }
+
+    /// Bytes that a decoder holds for each byte of a unit's payload: nodes of two bytes become 34 in the runtime form and
+    /// as many while they are read; a cell of colour holds the next payload, too; memory that grows is doubled.
+    pub fn payload_weight(&self) -> u64 {
+        match self {
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64,
+            CodecHeader::Depth(_) | CodecHeader::Material(_) => 2,
+            CodecHeader::Color(_) => 4,
+        }
+    }
+
     /// The word for the codec in reports.
     pub fn codec_name(&self) -> &'static str {
         match self.codec() {

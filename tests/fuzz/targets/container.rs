@@ -1,0 +1,195 @@
+//! Containers as a whole, and LZMA2 chunks.
+
+use lightfold::container::{OpenLimits, Reader, lzma2};
+use lightfold::error::{Error, Result};
+use lightfold::monitor::Silent;
+use lightfold::video::anatomy::frame_anatomy;
+use lightfold::video::codec::CodecHeader;
+use lightfold::video::decode::{Decoder, Picture, StreamInfo};
+use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
+use lightfold::video::pack::{self, PackSettings, Repack};
+
+use super::{Judged, Verdict, judge, refused};
+
+/// Most inputs are opened with limits that are small, so that an input costs little time.
+const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_ratio: 64, ..OpenLimits::DEFAULT };
+/// Some, chosen by their CRC-32, with those that every command has.
+const DEFAULT_EVERY: u32 = 512;
+/// Streams of an input that are decoded.
+const MAX_STREAMS: usize = 6;
+
+/// The limits for an input.
+fn limits(bytes: &[u8]) -> OpenLimits {
+    if crc32fast::hash(bytes).is_multiple_of(DEFAULT_EVERY) { OpenLimits::DEFAULT } else { SMALL }
+}
+
+/// What decoding one image at a time may take (container.md 2).
+pub fn bound(bytes: u64) -> u64 {
+    // The larger limits are allowed to all, since this does not see the bytes.
+    OpenLimits::DEFAULT.all_streams_bytes(bytes) + (16 << 20) + 64 * bytes
+}
+
+/// Opens, inspects and decodes a container.
+pub fn run(bytes: &[u8]) -> Judged {
+    run_within(bytes, limits(bytes))
+}
+
+pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
+    let open = || Reader::from_memory_with(bytes.to_vec(), limits);
+    let reader = match open() {
+        Ok(reader) => reader,
+        Err(error) => return refused(&error),
+    };
+    match open() {
+        Ok(again) if again.index() == reader.index() => {}
+        _ => return Err("opened twice, it is not the same".into()),
+    }
+    let copied = pack_again(bytes, limits)?;
+    let decoder = match Decoder::new(reader) {
+        Ok(decoder) => decoder,
+        Err(error) => return refused(&error),
+    };
+    let sound = inspect_all(&decoder)?;
+    let mut verdict = Verdict::Accepted;
+    for stream in decoder.streams().iter().take(MAX_STREAMS) {
+        if decode_by_two_ways(&decoder, stream)? == Verdict::Refused {
+            verdict = Verdict::Refused;
+        }
+    }
+    if sound == Verdict::Accepted && copied == Verdict::Refused {
+        return Err("a sound container cannot be packed".into());
+    }
+    Ok(verdict)
+}
+
+/// Packing copies chunks, which need be no more than whole.
+fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
+    let reader = Reader::from_memory_with(bytes.to_vec(), limits);
+    let Ok(reader) = reader else { return Ok(Verdict::Refused) };
+    let settings = PackSettings { repack: Repack::Keep, flatten: None };
+    judge(&pack::pack(&[reader], &settings, Vec::new(), &Silent))
+}
+
+fn inspect_all(decoder: &Decoder) -> Judged {
+    let streams: Vec<&StreamInfo> = decoder.streams().iter().take(MAX_STREAMS).collect();
+    let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll };
+    let inspection = match inspect::inspect(decoder, &streams, listed, &Silent) {
+        Ok(inspection) => inspection,
+        Err(error) => return refused(&error),
+    };
+    if let Some(chunk) = inspection.damaged.iter().find(|chunk| chunk.reason.contains(char::is_control)) {
+        return Err(format!("a reason with control characters: {:?}", chunk.reason));
+    }
+    if inspection.damaged.is_empty() {
+        return Ok(Verdict::Accepted);
+    }
+    // The first error is that of the list.
+    match inspect::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
+        Err(error) => refused(&error),
+        // Only the comparison of two decoders finds that.
+        Ok(_) => Ok(Verdict::Refused),
+    }
+}
+
+/// Frames of a stream that are worth a look: the first ones, some in the middle, the last.
+fn frames_of(stream: &StreamInfo) -> Vec<u32> {
+    let (first, count) = (stream.frames.first, stream.entry.frame_count);
+    let mut frames: Vec<u32> = (0..count.min(5)).chain([count / 2, count - 1]).map(|at| first + at).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames
+}
+
+/// Whether any way to a frame must show the same picture, whatever the payload. With a window, that is a promise of the
+/// encoder.
+fn any_way_is_equal(header: &CodecHeader) -> bool {
+    match header {
+        CodecHeader::Depth(depth) => depth.window() == 1,
+        CodecHeader::Material(material) => material.temporal.window == 1,
+        CodecHeader::Color(_) => true,
+    }
+}
+
+fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
+    let frames = frames_of(stream);
+    let mut face = decoder.face(stream);
+    let forward: Vec<Result<Picture>> = frames.iter().map(|&frame| face.decode(frame)).collect();
+    drop(face);
+    let mut verdict = Verdict::Accepted;
+    for error in forward.iter().filter_map(|result| result.as_ref().err()) {
+        verdict = refused(error)?;
+    }
+    let compare = |at: usize, other: &Result<Picture>, way: &str| match (&forward[at], other) {
+        (Ok(one), Ok(other)) if same(one, other) => Ok(()),
+        (Err(_), Err(_)) => Ok(()),
+        (one, other) => Err(format!(
+            "stream {} frame {} is {} forwards and {} {way}",
+            stream.index,
+            frames[at],
+            words(one),
+            words(other)
+        )),
+    };
+    let mut again = decoder.face(stream);
+    for (at, &frame) in frames.iter().enumerate() {
+        compare(at, &again.decode(frame), "forwards again")?;
+    }
+    drop(again);
+    if any_way_is_equal(&stream.header) {
+        let mut face = decoder.face(stream);
+        for (at, &frame) in frames.iter().enumerate().rev() {
+            compare(at, &face.decode(frame), "backwards")?;
+        }
+    }
+    // An error in one unit is not one in another.
+    let unit_count = stream.entry.unit_count();
+    for unit in (0..unit_count.min(3)).chain(unit_count.checked_sub(1)) {
+        let result = decoder.unit(stream, unit).decode(frames[frames.len() - 1]);
+        judge(&result)?;
+    }
+    judge(&frame_anatomy(decoder, stream, frames[frames.len() / 2]))?;
+    Ok(verdict)
+}
+
+/// Whether all bits are the same; a NaN is itself.
+fn same(one: &Picture, other: &Picture) -> bool {
+    match (one, other) {
+        (Picture::ColorHalf(one), Picture::ColorHalf(other)) => {
+            let bits = |plane: &lightfold::image::ColorPlane| plane.map(|pixel| pixel.map(half::f16::to_bits));
+            bits(one) == bits(other)
+        }
+        _ => one == other,
+    }
+}
+
+fn words(result: &Result<Picture>) -> String {
+    match result {
+        Ok(_) => "a picture".into(),
+        Err(error) => format!("an error ({error})"),
+    }
+}
+
+/// Four bytes of a payload's size, then an LZMA2 stream.
+pub fn run_lzma2(bytes: &[u8]) -> Judged {
+    let Some((size, stored)) = bytes.split_first_chunk::<4>() else { return Ok(Verdict::Refused) };
+    let raw_bytes = u32::from_le_bytes(*size) % (4 << 20);
+    let ours = lzma2::decompress(stored, raw_bytes);
+    let raw = match &ours {
+        Ok(raw) => raw,
+        Err(error) => return refused(error),
+    };
+    if raw.len() != raw_bytes as usize {
+        return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
+    }
+    match lzma2::decompress_independent(stored, raw_bytes) {
+        Ok(other) if other != *raw => Err("two LZMA2 decoders do not agree".into()),
+        Ok(_) => Ok(Verdict::Accepted),
+        Err(error @ Error::Invalid { .. }) => refused(&error),
+        Err(error) => Err(format!("another kind of error: {error}")),
+    }
+}
+
+/// Twice what may come out, two dictionaries and the decoders' tables.
+pub fn bound_lzma2(bytes: u64) -> u64 {
+    (40 << 20) + 4 * bytes
+}
