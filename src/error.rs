@@ -115,16 +115,26 @@ struct Plain<'a, 'f> {
     left: usize,
 }
 
+impl Plain<'_, '_> {
+    fn put(&mut self, c: char) -> fmt::Result {
+        let left = self.left;
+        self.left = left.saturating_sub(1);
+        match left {
+            0 => Ok(()),
+            1 => self.out.write_char('…'),
+            _ => self.out.write_char(c),
+        }
+    }
+}
+
 impl fmt::Write for Plain<'_, '_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for c in text.chars() {
-            match self.left {
-                0 => return Ok(()),
-                1 => self.out.write_str("…")?,
-                _ if c.is_control() => write!(self.out, "{}", c.escape_default())?,
-                _ => self.out.write_char(c)?,
+            if c.is_control() {
+                c.escape_default().try_for_each(|c| self.put(c))?;
+            } else {
+                self.put(c)?;
             }
-            self.left -= 1;
         }
         Ok(())
     }

@@ -23,19 +23,30 @@ pub struct OpenLimits {
     pub unit_frames_floor: u64,
     /// Beyond the floor, they may reach this many times the file's bytes.
     pub unit_frames_ratio: u64,
+    /// Pixels of all images of all streams may always reach this number.
+    pub pixels_floor: u64,
+    /// Beyond the floor, they may reach this many times the file's bytes.
+    pub pixels_ratio: u64,
 }
 
 impl OpenLimits {
-    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 for each byte of the file.
+    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 more for each byte of the file; 2³⁸ pixels and 2²⁰
+    /// more for each byte.
     pub const DEFAULT: OpenLimits = OpenLimits {
         memory_floor_bytes: 1 << 30,
         memory_ratio: 1024,
         unit_frames_floor: 1 << 26,
         unit_frames_ratio: 1024,
+        pixels_floor: 1 << 38,
+        pixels_ratio: 1 << 20,
     };
     /// For a file that is trusted: whatever the format allows.
-    pub const NONE: OpenLimits =
-        OpenLimits { memory_floor_bytes: u64::MAX, memory_ratio: 0, unit_frames_floor: u64::MAX, unit_frames_ratio: 0 };
+    pub const NONE: OpenLimits = OpenLimits {
+        memory_floor_bytes: u64::MAX,
+        unit_frames_floor: u64::MAX,
+        pixels_floor: u64::MAX,
+        ..OpenLimits::DEFAULT
+    };
     /// All streams together may take so many times what one may.
     const ALL_STREAMS: u64 = 4;
 
@@ -52,6 +63,11 @@ impl OpenLimits {
     /// Units times frames that a file of `file_bytes` may have.
     pub fn unit_frames(&self, file_bytes: u64) -> u64 {
         self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
+    }
+
+    /// Pixels that all images of a file of `file_bytes` may have.
+    pub fn pixels(&self, file_bytes: u64) -> u64 {
+        self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
     }
 }
 
@@ -273,7 +289,7 @@ fn least_bytes(index: &Index, at: u32) -> u64 {
 /// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
 /// know more of a stream, and may refuse more.
 pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
-    let (mut total, mut unit_frames) = (0u64, 0u64);
+    let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
     for (at, stream) in (0..).zip(&index.streams) {
         let bytes = least_bytes(index, at);
         if bytes > limits.stream_bytes(file_bytes) {
@@ -285,7 +301,9 @@ pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()>
             )));
         }
         total = total.saturating_add(bytes);
-        unit_frames = unit_frames.saturating_add(u64::from(stream.unit_count()) * u64::from(stream.frame_count));
+        let frames = u64::from(stream.frame_count);
+        unit_frames = unit_frames.saturating_add(u64::from(stream.unit_count()) * frames);
+        pixels = pixels.saturating_add(u64::from(stream.width) * u64::from(stream.height) * frames);
     }
     if total > limits.all_streams_bytes(file_bytes) {
         return Err(Error::invalid(format!(
@@ -293,9 +311,10 @@ pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()>
             index.streams.len()
         )));
     }
-    if unit_frames > limits.unit_frames(file_bytes) {
+    if unit_frames > limits.unit_frames(file_bytes) || pixels > limits.pixels(file_bytes) {
         return Err(Error::invalid(format!(
-            "the streams claim {unit_frames} units in all their frames, more than a file of {file_bytes} bytes justifies"
+            "the streams claim {unit_frames} units and {pixels} pixels in all their frames, more than a file of \
+             {file_bytes} bytes justifies"
         )));
     }
     Ok(())

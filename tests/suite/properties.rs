@@ -295,7 +295,7 @@ proptest! {
         let back = f64::from(range.metres(code));
         let error = (back / f64::from(depth_m)).ln().abs();
         // Half a step, and the rounding of single precision.
-        prop_assert!(error <= range.step_ratio().ln() / 2.0 + 2e-6, "{} becomes {}", depth_m, back);
+        prop_assert!(error <= range.step_ratio().ln_1p() / 2.0 + 2e-6, "{} becomes {}", depth_m, back);
     }
 
     #[test]

@@ -1,11 +1,15 @@
 //! Containers as a whole, and LZMA2 chunks.
 
 use lightfold::container::{OpenLimits, Reader, lzma2};
+use lightfold::depth::mode_decision::Decide;
+use lightfold::effort::Effort;
 use lightfold::error::{Error, Result};
 use lightfold::monitor::Silent;
 use lightfold::video::anatomy::frame_anatomy;
 use lightfold::video::codec::CodecHeader;
 use lightfold::video::decode::{Decoder, Picture, StreamInfo};
+use lightfold::video::encode::ErrorBound;
+use lightfold::video::flatten::FlattenSettings;
 use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
 use lightfold::video::pack::{self, PackSettings, Repack};
 
@@ -66,8 +70,21 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
 fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
     let reader = Reader::from_memory_with(bytes.to_vec(), limits);
     let Ok(reader) = reader else { return Ok(Verdict::Refused) };
+    let readers = [reader];
+    if readers[0].index().streams.iter().any(|stream| stream.codec == *b"DQTR") {
+        let flatten = FlattenSettings {
+            error: ErrorBound::Codes(30),
+            window: 2,
+            epsilon: 1,
+            decide: Decide::default(),
+            effort: Effort::Fast,
+            min_children: 3,
+        };
+        let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten) };
+        judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
+    }
     let settings = PackSettings { repack: Repack::Keep, flatten: None };
-    judge(&pack::pack(&[reader], &settings, Vec::new(), &Silent))
+    judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))
 }
 
 fn inspect_all(decoder: &Decoder) -> Judged {

@@ -2,16 +2,22 @@
 
 use std::path::Path;
 
+use lightfold::container::Reader;
 use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::image::{Face, FrameRange, Pattern};
+use lightfold::reconstruct::SeenUnits;
 use lightfold::reconstruct::camera_file::CameraFile;
 use lightfold::report::tradeoff::store::{FILE_NAME, Store};
+use lightfold::video::decode::Decoder;
 use tempfile::TempDir;
 
 use super::{Judged, Verdict, judge, refused};
 
 thread_local! {
+    static SEEN: Decoder = Reader::from_memory(include_bytes!("../../vectors/valid/perspective.lfold").to_vec())
+        .and_then(Decoder::new)
+        .expect("a valid vector");
     static FOLDER: TempDir = TempDir::new().expect("a temporary folder");
 }
 
@@ -39,7 +45,19 @@ pub fn run_manifest(bytes: &[u8]) -> Judged {
 
 /// Cameras are parsed, and asked what they see of a container.
 pub fn run_cameras(bytes: &[u8]) -> Judged {
-    judge(&CameraFile::parse(bytes))
+    let cameras = match CameraFile::parse(bytes) {
+        Ok(cameras) => cameras,
+        Err(error) => return refused(&error),
+    };
+    let seen = SEEN.with(|decoder| {
+        let chosen: Vec<_> = decoder.streams().iter().map(|stream| (stream, stream.frames)).collect();
+        SeenUnits::find(decoder, &chosen, &cameras).counts()
+    });
+    if seen.visible_units > seen.units {
+        Err(format!("more is seen than there is: {seen:?}"))
+    } else {
+        Ok(Verdict::Accepted)
+    }
 }
 
 /// A sweep's CSV is opened, written and opened again.
