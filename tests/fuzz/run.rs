@@ -43,8 +43,8 @@ pub struct Finding {
     pub what: String,
 }
 
-/// Runs one input; answers the verdict, the memory and the seconds that it took.
-pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64), String> {
+/// Runs one input; answers the verdict, the memory that it took and the share of its bound, and the seconds.
+pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64, f64), String> {
     let before = ALLOCATED.current_usage();
     ALLOCATED.reset_peak_usage();
     let start = Instant::now();
@@ -53,14 +53,14 @@ pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64), String
     let bytes = ALLOCATED.peak_usage().saturating_sub(before) as u64;
     let verdict =
         result.map_err(|_| format!("panic: {}", PANIC.lock().map(|words| words.clone()).unwrap_or_default()))??;
-    let bound = (target.bound)(input.len() as u64);
+    let bound = (target.bound)(input);
     if bytes > bound {
         return Err(format!("{bytes} bytes of memory for an input of {} bytes: the bound is {bound}", input.len()));
     }
     if seconds > MAX_SECONDS {
         return Err(format!("{seconds:.1} seconds for an input of {} bytes", input.len()));
     }
-    Ok((verdict, bytes, seconds))
+    Ok((verdict, bytes, bytes as f64 / bound as f64, seconds))
 }
 
 /// Runs inputs of a seed until all are done or the time is over; `started` learns the number of each before it runs.
@@ -81,11 +81,10 @@ pub fn run(
         started(number);
         figures.execs += 1;
         match exec(target, &input) {
-            Ok((verdict, bytes, seconds)) => {
+            Ok((verdict, bytes, share, seconds)) => {
                 figures.accepted += u64::from(verdict == Verdict::Accepted);
                 figures.memory_bytes = figures.memory_bytes.max(bytes);
-                figures.memory_share =
-                    figures.memory_share.max(bytes as f64 / (target.bound)(input.len() as u64) as f64);
+                figures.memory_share = figures.memory_share.max(share);
                 figures.slowest_seconds = figures.slowest_seconds.max(seconds);
             }
             Err(what) => findings.push(Finding { number, what }),

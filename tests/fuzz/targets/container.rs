@@ -1,5 +1,7 @@
 //! Containers as a whole, and LZMA2 chunks.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use lightfold::container::{OpenLimits, Reader, lzma2};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
@@ -7,7 +9,7 @@ use lightfold::error::{Error, Result};
 use lightfold::monitor::Silent;
 use lightfold::video::anatomy::frame_anatomy;
 use lightfold::video::codec::CodecHeader;
-use lightfold::video::decode::{Decoder, Picture, StreamInfo};
+use lightfold::video::decode::{Decoder, FaceDecoder, Picture, StreamInfo};
 use lightfold::video::encode::ErrorBound;
 use lightfold::video::flatten::FlattenSettings;
 use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
@@ -19,6 +21,8 @@ use super::{Judged, Verdict, judge, refused};
 const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_ratio: 64, ..OpenLimits::DEFAULT };
 /// Some, chosen by their CRC-32, with those that every command has.
 const DEFAULT_EVERY: u32 = 512;
+/// What packing trees takes for encoders of nodes and LZMA2.
+pub const FLATTENING: u64 = 48 << 20;
 /// Streams of an input that are decoded.
 const MAX_STREAMS: usize = 6;
 
@@ -27,10 +31,17 @@ fn limits(bytes: &[u8]) -> OpenLimits {
     if crc32fast::hash(bytes).is_multiple_of(DEFAULT_EVERY) { OpenLimits::DEFAULT } else { SMALL }
 }
 
-/// What decoding one image at a time may take (container.md 2).
-pub fn bound(bytes: u64) -> u64 {
-    // The larger limits are allowed to all, since this does not see the bytes.
-    OpenLimits::DEFAULT.all_streams_bytes(bytes) + (16 << 20) + 64 * bytes
+/// What stands beside the pictures and payloads of the stream that is decoded: several copies of the file and its index, and
+/// tables.
+pub fn beside(file_bytes: u64) -> u64 {
+    (2 << 20) + 64 * file_bytes
+}
+
+/// What decoding one stream after the other may take (container.md 2).
+pub fn bound(bytes: &[u8]) -> u64 {
+    let file_bytes = bytes.len() as u64;
+    let flattened = if bytes.windows(4).any(|codec| codec == b"DQTR") { FLATTENING } else { 0 };
+    limits(bytes).stream_bytes(file_bytes) + beside(file_bytes) + flattened
 }
 
 /// Opens, inspects and decodes a container.
@@ -130,14 +141,14 @@ fn any_way_is_equal(header: &CodecHeader) -> bool {
 fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     let frames = frames_of(stream);
     let mut face = decoder.face(stream);
-    let forward: Vec<Result<Picture>> = frames.iter().map(|&frame| face.decode(frame)).collect();
+    let forward: Vec<Result<u64>> = frames.iter().map(|&frame| shown(&mut face, frame)).collect();
     drop(face);
     let mut verdict = Verdict::Accepted;
     for error in forward.iter().filter_map(|result| result.as_ref().err()) {
         verdict = refused(error)?;
     }
-    let compare = |at: usize, other: &Result<Picture>, way: &str| match (&forward[at], other) {
-        (Ok(one), Ok(other)) if same(one, other) => Ok(()),
+    let compare = |at: usize, other: &Result<u64>, way: &str| match (&forward[at], other) {
+        (Ok(one), Ok(other)) if one == other => Ok(()),
         (Err(_), Err(_)) => Ok(()),
         (one, other) => Err(format!(
             "stream {} frame {} is {} forwards and {} {way}",
@@ -149,13 +160,13 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     };
     let mut again = decoder.face(stream);
     for (at, &frame) in frames.iter().enumerate() {
-        compare(at, &again.decode(frame), "forwards again")?;
+        compare(at, &shown(&mut again, frame), "forwards again")?;
     }
     drop(again);
     if any_way_is_equal(&stream.header) {
         let mut face = decoder.face(stream);
         for (at, &frame) in frames.iter().enumerate().rev() {
-            compare(at, &face.decode(frame), "backwards")?;
+            compare(at, &shown(&mut face, frame), "backwards")?;
         }
     }
     // An error in one unit is not one in another.
@@ -168,20 +179,22 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     Ok(verdict)
 }
 
-/// Whether all bits are the same; a NaN is itself.
-fn same(one: &Picture, other: &Picture) -> bool {
-    match (one, other) {
-        (Picture::ColorHalf(one), Picture::ColorHalf(other)) => {
-            let bits = |plane: &lightfold::image::ColorPlane| plane.map(|pixel| pixel.map(half::f16::to_bits));
-            bits(one) == bits(other)
+/// A hash of a picture's bits.
+fn shown(face: &mut FaceDecoder<'_>, frame: u32) -> Result<u64> {
+    let mut hasher = DefaultHasher::new();
+    match face.decode(frame)? {
+        Picture::Depth(plane) => plane.data().hash(&mut hasher),
+        Picture::Color8(plane) | Picture::Material(plane) => plane.data().hash(&mut hasher),
+        Picture::ColorHalf(plane) => {
+            plane.data().as_flattened().iter().for_each(|value| hasher.write_u16(value.to_bits()));
         }
-        _ => one == other,
     }
+    Ok(hasher.finish())
 }
 
-fn words(result: &Result<Picture>) -> String {
+fn words(result: &Result<u64>) -> String {
     match result {
-        Ok(_) => "a picture".into(),
+        Ok(hash) => format!("picture {hash:016x}"),
         Err(error) => format!("an error ({error})"),
     }
 }
@@ -207,6 +220,6 @@ pub fn run_lzma2(bytes: &[u8]) -> Judged {
 }
 
 /// Twice what may come out, two dictionaries and the decoders' tables.
-pub fn bound_lzma2(bytes: u64) -> u64 {
-    (40 << 20) + 4 * bytes
+pub fn bound_lzma2(bytes: &[u8]) -> u64 {
+    (40 << 20) + 4 * bytes.len() as u64
 }

@@ -74,6 +74,6 @@ pub fn run_png(bytes: &[u8]) -> Judged {
 }
 
 /// What one image file may take: see `ReadLimits`.
-pub fn bound(bytes: u64) -> u64 {
-    ReadLimits::default().memory_bound(bytes)
+pub fn bound(bytes: &[u8]) -> u64 {
+    ReadLimits::default().memory_bound(bytes.len() as u64)
 }

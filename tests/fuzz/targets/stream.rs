@@ -1,6 +1,7 @@
 //! Streams of one codec: sizes, codec header and payloads are the input, the container around them is sound.
 
-use lightfold::container::{ChunkKey, OpenLimits, PackedChunk, ProbeEntry, StreamEntry, Writer};
+use lightfold::container::{ChunkKey, OpenLimits, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
+use lightfold::video::decode::Decoder;
 
 use super::{Judged, container, refused};
 
@@ -123,7 +124,14 @@ pub fn run(codec: [u8; 4], bytes: &[u8]) -> Judged {
     }
 }
 
-/// Images are at most 192x192 pixels, in any number of units.
-pub fn bound(bytes: u64) -> u64 {
-    (48 << 20) + 1024 * bytes
+/// What the decoder says that the stream takes, and what stands beside it.
+pub fn bound(codec: [u8; 4], bytes: &[u8]) -> u64 {
+    let Ok(file) = Case::read(bytes).container(codec) else { return container::beside(4 << 20) };
+    let file_bytes = file.len() as u64;
+    let flattened = if codec == *b"DQTR" { container::FLATTENING } else { 0 };
+    let stream = match Reader::from_memory(file).and_then(Decoder::new) {
+        Ok(decoder) => decoder.streams()[0].memory_bytes(decoder.reader().index()),
+        Err(_) => 0,
+    };
+    stream + container::beside(file_bytes) + flattened
 }

@@ -109,6 +109,6 @@ pub fn run_patterns(bytes: &[u8]) -> Judged {
 }
 
 /// Texts become trees and rows of words: some hundred bytes for a word of a few, and the buffers of files.
-pub fn bound(bytes: u64) -> u64 {
-    (2 << 20) + 256 * bytes
+pub fn bound(bytes: &[u8]) -> u64 {
+    (2 << 20) + 256 * bytes.len() as u64
 }
