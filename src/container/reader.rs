@@ -283,7 +283,7 @@ impl Reader {
 fn least_bytes(index: &Index, at: u32) -> u64 {
     let stream = &index.streams[at as usize];
     let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
-    pixels.saturating_add(index.held_payload_bytes(at))
+    pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
 }
 
 /// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
@@ -297,7 +297,7 @@ pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()>
                 "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",
                 stream.width,
                 stream.height,
-                index.held_payload_bytes(at)
+                index.held_payload_bytes(at, |bytes| bytes)
             )));
         }
         total = total.saturating_add(bytes);

@@ -224,13 +224,14 @@ impl CodecHeader {
         }
     }
 
-    /// Bytes that a decoder holds for each byte of a unit's payload: nodes of two bytes become 34 in the runtime form and
-    /// as many while they are read; a cell of colour holds the next payload, too; memory that grows is doubled.
-    pub fn payload_weight(&self) -> u64 {
+    /// The most bytes that a decoder holds for a unit's payload of `bytes`: nodes of two bytes become 34 in the runtime form
+    /// and as many while they are read; a box of ten, or a record of 14, gets a row of a table; a cell of colour holds the
+    /// payload that follows, too, and a row for each keyframe, of which there are at most 65,535. Memory that grows is doubled.
+    pub fn held_payload_bytes(&self, bytes: u64) -> u64 {
         match self {
-            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64,
-            CodecHeader::Depth(_) | CodecHeader::Material(_) => 2,
-            CodecHeader::Color(_) => 4,
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
+            CodecHeader::Depth(_) | CodecHeader::Material(_) => 10 * bytes,
+            CodecHeader::Color(_) => 4 * bytes + (8 * bytes).min(4 << 20),
         }
     }
 

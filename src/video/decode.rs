@@ -45,7 +45,7 @@ impl StreamInfo {
     /// that is made of them, and what one payload of each unit becomes (container.md 2).
     pub fn memory_bytes(&self, index: &Index) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
-        let payloads = index.held_payload_bytes(self.index).saturating_mul(self.header.payload_weight());
+        let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
         (pixels * self.header.held_pixel_bytes()).saturating_add(payloads)
     }
 }

@@ -133,5 +133,5 @@ pub fn bound(codec: [u8; 4], bytes: &[u8]) -> u64 {
         Ok(decoder) => decoder.streams()[0].memory_bytes(decoder.reader().index()),
         Err(_) => 0,
     };
-    stream + container::beside(file_bytes) + flattened
+    stream + (1 << 20) + 8 * file_bytes + flattened
 }
