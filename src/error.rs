@@ -2,7 +2,7 @@
 //!
 //! Every error is one sentence for a person: which file, where in it, what was expected, what to do.
 
-use std::fmt;
+use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Result of every fallible function of the crate.
@@ -14,6 +14,9 @@ pub const EXIT_DIFFERS: u8 = 1;
 pub const EXIT_BAD_INPUT: u8 = 2;
 /// Exit code after SIGINT, as shells expect it (128 + 2).
 pub const EXIT_INTERRUPTED: u8 = 130;
+
+/// An error has at most so many characters.
+const MAX_CHARACTERS: usize = 2000;
 
 /// Anything that stops a command.
 #[derive(Debug)]
@@ -105,9 +108,42 @@ impl Error {
     }
 }
 
+/// Writes words in which names and texts of a file may stand: control characters, which a terminal would obey, and ends of
+/// lines are written as `\u{1b}` or `\n`, and words without end are cut.
+struct Plain<'a, 'f> {
+    out: &'a mut fmt::Formatter<'f>,
+    left: usize,
+}
+
+impl Plain<'_, '_> {
+    fn put(&mut self, c: char) -> fmt::Result {
+        let left = self.left;
+        self.left = left.saturating_sub(1);
+        match left {
+            0 => Ok(()),
+            1 => self.out.write_char('…'),
+            _ => self.out.write_char(c),
+        }
+    }
+}
+
+impl fmt::Write for Plain<'_, '_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        for c in text.chars() {
+            if c.is_control() {
+                c.escape_default().try_for_each(|c| self.put(c))?;
+            } else {
+                self.put(c)?;
+            }
+        }
+        Ok(())
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |file: &Path, f: &mut fmt::Formatter<'_>| -> fmt::Result {
+        let f = &mut Plain { out: f, left: MAX_CHARACTERS };
+        let name = |file: &Path, f: &mut Plain<'_, '_>| -> fmt::Result {
             if file.as_os_str().is_empty() { Ok(()) } else { write!(f, "{}: ", file.display()) }
         };
         match self {
@@ -139,5 +175,19 @@ impl std::error::Error for Error {
             Error::Io { source, .. } => Some(source),
             _ => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_is_one_line_that_a_terminal_does_not_obey() {
+        let error = Error::invalid("probe \"a\nb\u{1b}[2J\": é").in_file("x\ty");
+        assert_eq!(error.to_string(), "x\\ty: probe \"a\\nb\\u{1b}[2J\": é");
+        let long = Error::invalid("word ".repeat(100_000)).to_string();
+        assert_eq!(long.chars().count(), MAX_CHARACTERS);
+        assert!(long.ends_with('…'), "{long}");
     }
 }

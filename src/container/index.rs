@@ -195,6 +195,14 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
+    /// What a decoder of a whole stream holds for payloads, where one of so many bytes takes `held` bytes, and a larger one no
+    /// less: that of the largest payload of each unit. At most 2⁶⁴ − 1.
+    pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(u64) -> u64) -> u64 {
+        let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
+        let largest = units.map(|chunks| chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0));
+        largest.map(held).fold(0, u64::saturating_add)
+    }
+
     /// No two probes of one name, no two streams of one kind, probe and face.
     fn check_unique(&self) -> Result<()> {
         let mut names = HashSet::new();

@@ -12,18 +12,68 @@ use crate::container::lzma2;
 use crate::container::payload::Payload;
 use crate::error::{Error, Result};
 
-/// What a reader may spend on a file that is not trusted.
-#[derive(Debug, Clone, Copy)]
+/// What a reader may spend on a file that is not trusted (container.md 2, "What a reader spends").
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OpenLimits {
-    /// Memory for one decoded image may always reach this many bytes.
-    pub image_floor_bytes: u64,
-    /// Beyond the floor, it may reach this many times the file's size.
-    pub image_ratio: u64,
+    /// Decoding one stream may always take this many bytes.
+    pub memory_floor_bytes: u64,
+    /// Beyond the floor, it may take this many times the file's size.
+    pub memory_ratio: u64,
+    /// Units times frames, summed over all streams, may always reach this number.
+    pub unit_frames_floor: u64,
+    /// Beyond the floor, they may reach this many times the file's bytes.
+    pub unit_frames_ratio: u64,
+    /// Pixels of all images of all streams may always reach this number.
+    pub pixels_floor: u64,
+    /// Beyond the floor, they may reach this many times the file's bytes.
+    pub pixels_ratio: u64,
+}
+
+impl OpenLimits {
+    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 more for each byte of the file; 2³⁸ pixels and 2²⁰
+    /// more for each byte.
+    pub const DEFAULT: OpenLimits = OpenLimits {
+        memory_floor_bytes: 1 << 30,
+        memory_ratio: 1024,
+        unit_frames_floor: 1 << 26,
+        unit_frames_ratio: 1024,
+        pixels_floor: 1 << 38,
+        pixels_ratio: 1 << 20,
+    };
+    /// For a file that is trusted: whatever the format allows.
+    pub const NONE: OpenLimits = OpenLimits {
+        memory_floor_bytes: u64::MAX,
+        unit_frames_floor: u64::MAX,
+        pixels_floor: u64::MAX,
+        ..OpenLimits::DEFAULT
+    };
+    /// All streams together may take so many times what one may.
+    const ALL_STREAMS: u64 = 4;
+
+    /// Bytes that decoding one stream of a file of `file_bytes` may take.
+    pub fn stream_bytes(&self, file_bytes: u64) -> u64 {
+        self.memory_floor_bytes.max(self.memory_ratio.saturating_mul(file_bytes))
+    }
+
+    /// Bytes that decoding all streams of a file of `file_bytes` at once may take.
+    pub fn all_streams_bytes(&self, file_bytes: u64) -> u64 {
+        self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
+    }
+
+    /// Units times frames that a file of `file_bytes` may have.
+    pub fn unit_frames(&self, file_bytes: u64) -> u64 {
+        self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
+    }
+
+    /// Pixels that all images of a file of `file_bytes` may have.
+    pub fn pixels(&self, file_bytes: u64) -> u64 {
+        self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
+    }
 }
 
 impl Default for OpenLimits {
     fn default() -> Self {
-        OpenLimits { image_floor_bytes: 512 << 20, image_ratio: 1024 }
+        OpenLimits::DEFAULT
     }
 }
 
@@ -41,6 +91,7 @@ pub struct Reader {
     file_bytes: u64,
     index_bytes: u64,
     index: Index,
+    limits: OpenLimits,
 }
 
 impl Reader {
@@ -86,7 +137,12 @@ impl Reader {
 
     /// Opens a container that lies in memory.
     pub fn from_memory(memory: Vec<u8>) -> Result<Reader> {
-        Self::new(Path::new(""), Bytes::Memory(Arc::new(memory)), OpenLimits::default())
+        Self::from_memory_with(memory, OpenLimits::default())
+    }
+
+    /// Opens a container that lies in memory, with other limits than the default.
+    pub fn from_memory_with(memory: Vec<u8>, limits: OpenLimits) -> Result<Reader> {
+        Self::new(Path::new(""), Bytes::Memory(Arc::new(memory)), limits)
     }
 
     fn new(path: &Path, bytes: Bytes, limits: OpenLimits) -> Result<Reader> {
@@ -95,7 +151,7 @@ impl Reader {
             Bytes::Memory(memory) => memory.len() as u64,
         };
         let mut reader =
-            Reader { path: path.to_path_buf(), bytes, file_bytes, index_bytes: 0, index: Index::default() };
+            Reader { path: path.to_path_buf(), bytes, file_bytes, index_bytes: 0, index: Index::default(), limits };
         (reader.index, reader.index_bytes) = reader.read_index(limits).map_err(|error| error.in_file(path))?;
         Ok(reader)
     }
@@ -129,6 +185,11 @@ impl Reader {
     /// The index.
     pub fn index(&self) -> &Index {
         &self.index
+    }
+
+    /// What it may spend.
+    pub fn limits(&self) -> OpenLimits {
+        self.limits
     }
 
     /// The file's size.
@@ -229,23 +290,43 @@ impl Reader {
     }
 }
 
-/// Refuses an index whose images or payloads are larger than `limits` allow for a file of `file_bytes`.
+/// What decoding one image of a stream takes at the least: 3 bytes a pixel, which no codec goes below once the image is put
+/// together from its units, and the largest payload of each unit.
+fn least_bytes(index: &Index, at: u32) -> u64 {
+    let stream = &index.streams[at as usize];
+    let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
+    pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
+}
+
+/// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
+/// know more of a stream, and may refuse more.
 pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
-    let allowed = limits.image_floor_bytes.max(limits.image_ratio.saturating_mul(file_bytes));
-    for (at, stream) in index.streams.iter().enumerate() {
-        // Six bytes a pixel is the most that any stream of version 1 decodes to.
-        let wanted = u64::from(stream.width) * u64::from(stream.height) * 6;
-        if wanted > allowed {
+    let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
+    for (at, stream) in (0..).zip(&index.streams) {
+        let bytes = least_bytes(index, at);
+        if bytes > limits.stream_bytes(file_bytes) {
             return Err(Error::invalid(format!(
-                "stream {at} claims {}x{} pixels, more than a file of {} bytes justifies",
-                stream.width, stream.height, file_bytes
+                "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",
+                stream.width,
+                stream.height,
+                index.held_payload_bytes(at, |bytes| bytes)
             )));
         }
+        total = total.saturating_add(bytes);
+        let frames = u64::from(stream.frame_count);
+        unit_frames = unit_frames.saturating_add(u64::from(stream.unit_count()) * frames);
+        pixels = pixels.saturating_add(u64::from(stream.width) * u64::from(stream.height) * frames);
     }
-    if let Some(chunk) = index.chunks.iter().find(|chunk| u64::from(chunk.raw_bytes) > allowed) {
+    if total > limits.all_streams_bytes(file_bytes) {
         return Err(Error::invalid(format!(
-            "stream {} has a chunk that claims {} bytes, more than a file of {} bytes justifies",
-            chunk.key.stream, chunk.raw_bytes, file_bytes
+            "{} streams claim images and payloads of {total} bytes, more than a file of {file_bytes} bytes justifies",
+            index.streams.len()
+        )));
+    }
+    if unit_frames > limits.unit_frames(file_bytes) || pixels > limits.pixels(file_bytes) {
+        return Err(Error::invalid(format!(
+            "the streams claim {unit_frames} units and {pixels} pixels in all their frames, more than a file of \
+             {file_bytes} bytes justifies"
         )));
     }
     Ok(())

@@ -15,6 +15,12 @@ impl Default for ReadLimits {
 }
 
 impl ReadLimits {
+    /// Most bytes that reading an image file of `file_len` bytes takes: its decoded pixels twice (as the file has them and
+    /// as they leave), or three times where integers become floats, the display window, and the decoder's tables.
+    pub fn memory_bound(&self, file_len: u64) -> u64 {
+        self.believable(file_len, 64 << 20).saturating_mul(4).saturating_add(64 << 20)
+    }
+
     /// Bytes of pixels that a file of `file_len` bytes can be believed to hold, never above the cap.
     ///
     /// `floor` is allowed to any file. Beyond it no compression of real images exceeds 4096 to 1, so a header that

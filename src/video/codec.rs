@@ -213,6 +213,28 @@ impl CodecHeader {
         }
     }
 
+    /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
+    /// keyframes; half floats are held as keys as well.
+    pub fn held_pixel_bytes(&self) -> u64 {
+        match self {
+            CodecHeader::Depth(_) => 4,
+            CodecHeader::Material(_) => 6,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => 12,
+            CodecHeader::Color(_) => 30,
+        }
+    }
+
+    /// The most bytes that a decoder holds for a unit's payload of `bytes`: nodes of two bytes become 34 in the runtime form
+    /// and as many while they are read; a box of ten, or a record of 14, gets a row of a table; a cell of colour holds the
+    /// payload that follows, too, and a row for each keyframe, of which there are at most 65,535. Memory that grows is doubled.
+    pub fn held_payload_bytes(&self, bytes: u64) -> u64 {
+        match self {
+            CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
+            CodecHeader::Depth(_) | CodecHeader::Material(_) => 10 * bytes,
+            CodecHeader::Color(_) => 4 * bytes + (8 * bytes).min(4 << 20),
+        }
+    }
+
     /// The word for the codec in reports.
     pub fn codec_name(&self) -> &'static str {
         match self.codec() {

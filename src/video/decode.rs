@@ -8,7 +8,7 @@ use half::f16;
 use crate::color::blend::{self, HalfKey, Sample};
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::index::ProbeEntry;
-use crate::container::{ChunkEntry, Payload, Reader, StreamEntry};
+use crate::container::{ChunkEntry, Index, Payload, Reader, StreamEntry};
 use crate::dataset::stream::StreamKind;
 use crate::depth::BACKGROUND_CODE;
 use crate::error::{Error, Result};
@@ -39,6 +39,16 @@ pub struct StreamInfo {
     pub header: CodecHeader,
     /// Size, units and the rest.
     pub entry: StreamEntry,
+}
+
+impl StreamInfo {
+    /// The most bytes that decoding its images takes, one after the other: images and keyframes of all units, the image
+    /// that is made of them, and what one payload of each unit becomes (container.md 2).
+    pub fn memory_bytes(&self, index: &Index) -> u64 {
+        let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
+        let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
+        (pixels * self.header.held_pixel_bytes()).saturating_add(payloads)
+    }
 }
 
 /// An open container whose streams are all understood.
@@ -111,7 +121,33 @@ impl Decoder {
                 entry: entry.clone(),
             });
         }
-        Ok(Decoder { reader, streams })
+        let decoder = Decoder { reader, streams };
+        decoder.check_memory().map_err(|error| error.in_file(decoder.reader.path()))?;
+        Ok(decoder)
+    }
+
+    /// Refuses streams whose decoding would take more memory than the file justifies (container.md 2).
+    fn check_memory(&self) -> Result<()> {
+        let (limits, file_bytes) = (self.reader.limits(), self.reader.file_bytes());
+        let mut total = 0u64;
+        for stream in &self.streams {
+            let bytes = stream.memory_bytes(self.reader.index());
+            if bytes > limits.stream_bytes(file_bytes) {
+                return Err(Error::invalid(format!(
+                    "stream {} of {}x{} pixels would take {bytes} bytes to decode, more than a file of {file_bytes} bytes \
+                     justifies",
+                    stream.index, stream.entry.width, stream.entry.height
+                )));
+            }
+            total = total.saturating_add(bytes);
+        }
+        if total > limits.all_streams_bytes(file_bytes) {
+            return Err(Error::invalid(format!(
+                "{} streams would take {total} bytes to decode, more than a file of {file_bytes} bytes justifies",
+                self.streams.len()
+            )));
+        }
+        Ok(())
     }
 
     /// All streams.

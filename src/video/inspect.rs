@@ -341,7 +341,9 @@ impl Watch<'_> {
             Storage::Raw => stored,
             Storage::Lzma2 => {
                 let payload = lzma2::decompress(&stored, chunk.raw_bytes)?;
-                if self.settings.check == Check::ListAll && lzma2::decompress_independent(&stored)? != payload {
+                if self.settings.check == Check::ListAll
+                    && lzma2::decompress_independent(&stored, chunk.raw_bytes)? != payload
+                {
                     return Err(Error::invalid("two LZMA2 decoders do not agree on the chunk"));
                 }
                 payload

@@ -114,7 +114,7 @@ impl SideForm {
 
 #[derive(Debug)]
 enum Content {
-    Container(Decoder),
+    Container(Box<Decoder>),
     Files(Box<Source>),
 }
 
@@ -297,7 +297,12 @@ fn open_container(path: &str) -> Result<Side> {
         }
     });
     let streams = streams.collect();
-    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, content: Content::Container(decoder) })
+    Ok(Side {
+        path: path.to_owned(),
+        form: SideForm::Container,
+        streams,
+        content: Content::Container(Box::new(decoder)),
+    })
 }
 
 fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {

@@ -3,7 +3,7 @@
 
 use half::f16;
 use lightfold::color::SearchSettings;
-use lightfold::container::{Index, Reader, Storage};
+use lightfold::container::{ChunkEntry, ChunkKey, Index, OpenLimits, Reader, Storage, StreamEntry};
 use lightfold::depth::TemporalSettings;
 use lightfold::video::codec::ColorBlocks;
 use lightfold::video::decode::Decoder;
@@ -254,20 +254,88 @@ fn every_index_field_survives_extreme_values() {
     });
 }
 
-#[test]
-fn a_static_stream_of_two_billion_frames_is_decoded_at_once() {
+/// A container of one static stream of 2x2 depths, whose index may be changed.
+fn with_index(change: impl FnOnce(&mut Index)) -> Vec<u8> {
     let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
     let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
-    let file = samples::container(
-        0,
-        samples::probe("00", 0),
-        &[samples::depth(shape, [1.0, 2.0], &[vec![7; 4]], settings)],
-        None,
-    );
+    let depth = samples::depth(shape, [1.0, 2.0], &[vec![7; 4]], settings);
+    let file = samples::container(0, samples::probe("00", 0), &[depth], None);
     let (mut index, stored) = samples::take_apart(&file);
-    index.streams[0].frame_count = 1 << 31;
-    index.chunks[0].key.frame_count = 1 << 31;
-    let decoder = Decoder::new(Reader::from_memory(samples::assemble(&index, &stored, |_| ())).unwrap()).unwrap();
-    let picture = decoder.face(&decoder.streams()[0]).decode((1 << 31) - 1).unwrap();
-    assert_eq!(samples::image_bytes(&picture), [7, 0, 7, 0, 7, 0, 7, 0]);
+    change(&mut index);
+    samples::assemble(&index, &stored, |_| ())
+}
+
+#[test]
+fn a_static_stream_of_many_frames_is_decoded_at_once() {
+    let long = |frames: u32| {
+        with_index(|index| {
+            index.streams[0].frame_count = frames;
+            index.chunks[0].key.frame_count = frames;
+        })
+    };
+    let last = |reader: Reader, frame: u32| {
+        let decoder = Decoder::new(reader).unwrap();
+        let picture = decoder.face(&decoder.streams()[0]).decode(frame).unwrap();
+        assert_eq!(samples::image_bytes(&picture), [7, 0, 7, 0, 7, 0, 7, 0]);
+    };
+    last(Reader::from_memory(long(1 << 26)).unwrap(), (1 << 26) - 1);
+    // So many that to walk over them takes hours: only for a file that is trusted.
+    let refused = Reader::from_memory(long(1 << 31)).unwrap_err().to_string();
+    assert!(refused.contains("claim 2147483648 units and 8589934592 pixels"), "{refused}");
+    last(Reader::from_memory_with(long(1 << 31), OpenLimits::NONE).unwrap(), (1 << 31) - 1);
+}
+
+fn refusal(file: Vec<u8>) -> String {
+    let opened = Reader::from_memory(file).and_then(Decoder::new);
+    opened.map_or_else(|error| error.to_string(), |_| "it opens".into())
+}
+
+#[test]
+fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
+    let sized = |side: u32, streams: u8| {
+        with_index(|index| {
+            let (stream, chunk) = (index.streams[0].clone(), index.chunks[0]);
+            (index.streams, index.chunks) = Default::default();
+            for face in 0..streams {
+                let [width, height, unit_width, unit_height] = [side; 4];
+                index.streams.push(StreamEntry { face, width, height, unit_width, unit_height, ..stream.clone() });
+                let key = ChunkKey { stream: face.into(), ..chunk.key };
+                index.chunks.push(ChunkEntry { key, ..chunk });
+            }
+        })
+    };
+    // 1 GiB at 4 bytes a pixel, less the payload; then all streams together.
+    assert_eq!(refusal(sized(16_383, 1)), "it opens");
+    assert!(refusal(sized(16_384, 1)).contains("would take 1073742"), "{}", refusal(sized(16_384, 1)));
+    assert_eq!(refusal(sized(16_383, 4)), "it opens");
+    assert!(refusal(sized(16_383, 5)).contains("5 streams would take"), "{}", refusal(sized(16_383, 5)));
+    // More bytes justify more: a megabyte of a real picture.
+    let small = Reader::from_memory_with(sized(16_384, 1), OpenLimits::NONE).unwrap();
+    let large = samples::assemble(small.index(), &vec![0; 1 << 20], |_| ());
+    assert_eq!(refusal(large), "it opens");
+}
+
+#[test]
+fn one_stored_chunk_of_many_units_is_refused_by_the_sum() {
+    // 10 bytes for one, since they are boxes. 16 MiB of zeros in some kilobytes, which each of 256 units has as its payload.
+    let stored = lightfold::container::lzma2::compress(&vec![0; 16 << 20], 6).unwrap();
+    let shared = |units: u32| {
+        let of_nothing = with_index(|_| ());
+        let (mut index, _) = samples::take_apart(&of_nothing);
+        (index.streams[0].width, index.streams[0].unit_width) = (units, 1);
+        let chunk = ChunkEntry {
+            offset: 16,
+            stored_bytes: stored.len() as u32,
+            raw_bytes: 16 << 20,
+            crc32: crc32fast::hash(&stored),
+            storage: Storage::Lzma2,
+            ..index.chunks[0]
+        };
+        let key = |unit| ChunkKey { unit, ..chunk.key };
+        index.chunks = (0..units).map(|unit| ChunkEntry { key: key(unit), ..chunk }).collect();
+        samples::assemble(&index, &stored, |_| ())
+    };
+    assert_eq!(refusal(shared(6)), "it opens");
+    assert!(refusal(shared(7)).contains("would take"), "{}", refusal(shared(7)));
+    assert!(refusal(shared(256)).contains("payloads of 4294967296 bytes"), "{}", refusal(shared(256)));
 }

@@ -2,7 +2,7 @@
 //!
 //! The file is written anew after every run, under another name first, so that it is whole at any time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -57,6 +57,7 @@ impl Store {
         if let Some(missing) = columns().find(|column| heads.iter().all(|head| head != *column)) {
             return Err(foreign(format!("no CSV of this tradeoff: it has no column {missing}")));
         }
+        let mut seen = BTreeSet::new();
         for (at, record) in reader.records().enumerate() {
             let line = at + 2;
             let record = record.map_err(|error| foreign(format!("row {line}: {error}")))?;
@@ -67,7 +68,7 @@ impl Store {
                 continue;
             }
             let row = cells.row().map_err(|error| foreign(format!("row {line}: {error}")))?;
-            if store.row(&row.measured.point).is_some() {
+            if !seen.insert(row.measured.point.clone()) {
                 return Err(foreign(format!("row {line}: {} stands in another row, too", row.measured.point)));
             }
             store.rows.push(row);

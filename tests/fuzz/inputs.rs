@@ -1,0 +1,258 @@
+//! Mutated inputs of each target: input `number` of a seed is always the same bytes.
+
+use lightfold::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
+use serde_json::Value;
+
+use crate::mutate::{self, number, pick, place};
+use crate::samples::{self, Random};
+use crate::seeds;
+use crate::targets::Target;
+use crate::targets::stream::Case;
+
+/// Makes the inputs of one target.
+pub struct Inputs {
+    kind: Kind,
+    seeds: Vec<Vec<u8>>,
+    /// Containers: taken apart. Manifests and cameras: as values.
+    parts: Vec<(Index, Vec<u8>)>,
+    values: Vec<Value>,
+    seed: u64,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Bytes,
+    Index,
+    Case,
+    Header(usize),
+    Png,
+    Json,
+}
+
+impl Inputs {
+    /// Of a target, from a seed.
+    pub fn new(target: &Target, seed: u64) -> Inputs {
+        let (kind, seeds) = match target.name {
+            "container" => (Kind::Bytes, [seeds::containers(), seeds::vectors("invalid")].concat()),
+            "index" => (Kind::Index, seeds::containers()),
+            "lzma2" => (Kind::Header(24), seeds::lzma2()),
+            "exr" => (Kind::Header(700), seeds::exr()),
+            "png" => (Kind::Png, seeds::png()),
+            "manifest" => (Kind::Json, seeds::manifests()),
+            "cameras" => (Kind::Json, seeds::cameras()),
+            "sweep" => (Kind::Bytes, seeds::sweeps()),
+            "patterns" => (Kind::Bytes, seeds::patterns()),
+            codec => (Kind::Case, codec.as_bytes().try_into().map(seeds::cases).unwrap_or_default()),
+        };
+        assert!(!seeds.is_empty(), "no seeds for {}", target.name);
+        let parts =
+            if kind == Kind::Index { seeds.iter().map(|file| samples::take_apart(file)).collect() } else { vec![] };
+        let value = |text: &Vec<u8>| serde_json::from_slice(text).expect("a seed is JSON");
+        let values = if kind == Kind::Json { seeds.iter().map(value).collect() } else { vec![] };
+        Inputs { kind, seeds, parts, values, seed: seed ^ u64::from(crc32fast::hash(target.name.as_bytes())) << 32 }
+    }
+
+    /// Input `at`. The first ones are the seeds themselves.
+    pub fn get(&self, at: u64) -> Vec<u8> {
+        if let Some(seed) = self.seeds.get(at as usize) {
+            return seed.clone();
+        }
+        let random = &mut Random(self.seed.wrapping_add(at.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        random.below(2);
+        let chosen = place(self.seeds.len(), random);
+        let other = pick(&self.seeds, random);
+        let mut input = self.seeds[chosen].clone();
+        match self.kind {
+            Kind::Bytes => mutate::bytes(&mut input, other, random),
+            Kind::Header(front) => mutate::header(&mut input, front, other, random),
+            Kind::Index => input = self.index(chosen, random),
+            Kind::Case => input = case(&input, other, random),
+            Kind::Png => {
+                mutate::header(&mut input, 60, other, random);
+                if random.below(4) > 0 {
+                    repair_png(&mut input);
+                }
+            }
+            Kind::Json => input = crate::json::mutate(&self.values[chosen], random),
+        }
+        input
+    }
+
+    /// A container whose index, payloads or both are changed, with right CRC-32s.
+    fn index(&self, chosen: usize, random: &mut Random) -> Vec<u8> {
+        let (mut index, mut stored) = self.parts[chosen].clone();
+        let rounds = 1 + random.below(3);
+        for _ in 0..rounds {
+            match random.below(8) {
+                0..=2 => change_index(&mut index, random),
+                3..=5 if !stored.is_empty() => {
+                    let length = stored.len();
+                    mutate::bytes(&mut stored, &self.parts[place(self.parts.len(), random)].1, random);
+                    stored.resize(length, 0);
+                }
+                6 => splice(&mut index, &mut stored, pick(&self.parts, random)),
+                _ => {}
+            }
+        }
+        for chunk in &mut index.chunks {
+            let start = usize::try_from(chunk.offset).unwrap_or(usize::MAX).wrapping_sub(16);
+            let end = start.saturating_add(chunk.stored_bytes as usize);
+            if let Some(bytes) = stored.get(start..end) {
+                chunk.crc32 = crc32fast::hash(bytes);
+            }
+        }
+        let spoil = random.below(3) == 0;
+        samples::assemble(&index, &stored, |bytes| {
+            if spoil {
+                mutate::bytes(bytes, &[], random);
+            }
+        })
+    }
+}
+
+/// Changes a field of the index, or exchanges rows.
+fn change_index(index: &mut Index, random: &mut Random) {
+    let value = number(random);
+    let word = value as u32;
+    if index.streams.is_empty() || random.below(12) == 0 {
+        match random.below(3) {
+            0 => index.fps = f64::from_bits(value),
+            1 => index.projection = value as u8,
+            _ => index.name = "n".repeat(random.below(70_000) as usize % 65_535),
+        }
+        return;
+    }
+    let at = place(index.streams.len(), random);
+    if random.below(2) == 0 {
+        change_stream(&mut index.streams[at], word, random);
+        if random.below(3) > 0 {
+            cover(index, at as u32, random);
+        }
+        return;
+    }
+    if index.chunks.is_empty() {
+        return;
+    }
+    let at = place(index.chunks.len(), random);
+    let other = place(index.chunks.len(), random);
+    let taken = index.chunks[other];
+    let chunk = &mut index.chunks[at];
+    match random.below(8) {
+        0 => chunk.offset = value,
+        1 => chunk.stored_bytes = word,
+        2 => chunk.raw_bytes = word,
+        3 => chunk.key.first_frame = word,
+        4 => chunk.key.frame_count = word,
+        // Where another one lies: payloads of streams are exchanged.
+        5 | 6 => *chunk = ChunkEntry { key: chunk.key, ..taken },
+        _ => index.chunks.swap(at, other),
+    }
+}
+
+fn change_stream(stream: &mut StreamEntry, word: u32, random: &mut Random) {
+    let small = 1 + random.below(300);
+    let any = if random.below(2) == 0 { small } else { word };
+    match random.below(10) {
+        0 => stream.width = any,
+        1 => stream.height = any,
+        2 => stream.unit_width = any,
+        3 => stream.unit_height = any,
+        4 => stream.frame_count = any,
+        5 => stream.first_frame = any,
+        6 => stream.face = word as u8,
+        7 => {
+            stream.codec =
+                *pick(&[*b"DQPN", *b"DQTR", *b"DAAB", *b"DB4W", *b"DAB5", *b"MAAB", *b"CCL8", *b"CCLH"], random)
+        }
+        8 => stream.kind = random.below(3) as u8,
+        _ => mutate::bytes(&mut stream.codec_header, &[], random),
+    }
+}
+
+/// Gives a stream the chunks that its sizes call for, from those that it had.
+fn cover(index: &mut Index, stream: u32, random: &mut Random) {
+    let entry = &index.streams[stream as usize];
+    if [entry.width, entry.height, entry.unit_width, entry.unit_height, entry.frame_count].contains(&0) {
+        return;
+    }
+    let units = u64::from(entry.width.div_ceil(entry.unit_width)) * u64::from(entry.height.div_ceil(entry.unit_height));
+    let old: Vec<_> = index.chunks.iter().filter(|chunk| chunk.key.stream == stream).copied().collect();
+    if units > 400 || old.is_empty() {
+        return;
+    }
+    let (first_frame, frame_count) = (entry.first_frame, entry.frame_count);
+    index.chunks.retain(|chunk| chunk.key.stream != stream);
+    for unit in 0..units as u32 {
+        let key = ChunkKey { stream, unit, first_frame, frame_count };
+        index.chunks.push(ChunkEntry { key, ..*pick(&old, random) });
+    }
+    index.chunks.sort_by_key(|chunk| chunk.key);
+}
+
+/// Puts the first stream of another container behind those of this one.
+fn splice(index: &mut Index, stored: &mut Vec<u8>, (other, other_stored): &(Index, Vec<u8>)) {
+    let Some(stream) = other.streams.first() else { return };
+    if index.probes.is_empty() {
+        return;
+    }
+    let free = (0..7).find(|face| index.streams.iter().all(|held| (held.kind, held.face) != (stream.kind, *face)));
+    let at = index.streams.len() as u32;
+    let behind = stored.len() as u64;
+    index.streams.push(StreamEntry { probe: 0, face: free.unwrap_or(0), ..stream.clone() });
+    stored.extend_from_slice(other_stored);
+    for chunk in other.stream_chunks(0) {
+        let key = ChunkKey { stream: at, ..chunk.key };
+        index.chunks.push(ChunkEntry { key, offset: chunk.offset + behind, ..*chunk });
+    }
+}
+
+fn case(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    let (mut case, other) = (Case::read(input), Case::read(other));
+    if random.below(24) == 0 {
+        let mut bytes = case.write();
+        mutate::bytes(&mut bytes, &other.write(), random);
+        return bytes;
+    }
+    for _ in 0..=random.below(2) {
+        match random.below(12) {
+            0 => case.sizes[random.below(4) as usize] = random.below(192) as u16,
+            1 => {
+                // Units of 4x4, and images of many.
+                case.sizes = [random.below(64), random.below(64), 3, 3].map(|side| side as u16);
+            }
+            2 => case.frames = number(random) as u8,
+            3 => case.chunks = random.below(8) as u8,
+            4 => mutate::bytes(&mut case.header, &other.header, random),
+            5 if !other.payloads.is_empty() => case.payloads.push(pick(&other.payloads, random).clone()),
+            6 if case.payloads.len() > 1 => {
+                let (one, two) = (place(case.payloads.len(), random), place(case.payloads.len(), random));
+                case.payloads.swap(one, two);
+            }
+            _ if !case.payloads.is_empty() => {
+                let at = place(case.payloads.len(), random);
+                let from = other.payloads.first().cloned().unwrap_or_default();
+                if random.below(3) == 0 {
+                    mutate::header(&mut case.payloads[at], 48, &from, random);
+                } else {
+                    mutate::bytes(&mut case.payloads[at], &from, random);
+                }
+            }
+            _ => {}
+        }
+    }
+    case.write()
+}
+
+/// Gives each chunk of a PNG file the CRC-32 of its bytes.
+fn repair_png(file: &mut [u8]) {
+    let mut at = 8;
+    while let Some(length) = file.get(at..at + 4).and_then(|bytes| bytes.try_into().ok()).map(u32::from_be_bytes) {
+        let end = at.saturating_add(8).saturating_add(length as usize);
+        if file.len() < end.saturating_add(4) {
+            return;
+        }
+        let crc = crc32fast::hash(&file[at + 4..end]).to_be_bytes();
+        file[end..end + 4].copy_from_slice(&crc);
+        at = end + 4;
+    }
+}

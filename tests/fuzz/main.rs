@@ -1,0 +1,187 @@
+//! Parsers against inputs that are mutated from good ones.
+//!
+//! As a test, some thousand inputs of each target. `scripts/fuzz` runs any number of them: with `--long`, this program
+//! runs a share of one target's inputs and prints a line of JSON.
+
+use std::fs;
+use std::io::{Seek, Write};
+use std::path::PathBuf;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use peak_alloc::PeakAlloc;
+use serde_json::json;
+
+mod inputs;
+mod json;
+mod mutate;
+mod run;
+#[allow(dead_code)]
+#[path = "../suite/samples.rs"]
+mod samples;
+mod seeds;
+mod targets;
+
+use inputs::Inputs;
+use targets::{TARGETS, Target};
+
+#[global_allocator]
+static ALLOCATED: PeakAlloc = PeakAlloc;
+
+/// The seed of the test.
+const SEED: u64 = 1;
+/// Inputs of each target in the test.
+const EXECS: u64 = 4000;
+/// Seconds that the test gives a target; on a busy machine not all inputs are run, but at least some of each kind.
+const SECONDS: f64 = 4.0;
+const LEAST: u64 = 100;
+
+/// Where an input that something is wrong with is kept.
+fn kept(target: &Target, input: &[u8]) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("fuzz");
+    fs::create_dir_all(&folder).expect("a folder for findings");
+    let path = folder.join(format!("{}-{:08x}", target.name, crc32fast::hash(input)));
+    fs::write(&path, input).expect("the finding is written");
+    path
+}
+
+fn test(target: &'static Target) -> Result<(), Failed> {
+    let inputs = Inputs::new(target, SEED);
+    let (figures, findings) = run::run(target, &inputs, 0..EXECS, SECONDS, |_| ());
+    if let Some(finding) = findings.first() {
+        let path = kept(target, &inputs.get(finding.number));
+        let again = format!("scripts/fuzz --target {} --replay {}", target.name, path.display());
+        return Err(format!("{} findings; the first: {}; again: {again}", findings.len(), finding.what).into());
+    }
+    if figures.execs < LEAST || figures.accepted == 0 || figures.accepted == figures.execs {
+        return Err(format!("the test sees too little: {figures:?}").into());
+    }
+    Ok(())
+}
+
+/// Inputs that were findings once.
+fn regressions() -> Result<(), Failed> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/regressions");
+    let mut seen = 0;
+    for target in TARGETS {
+        let Ok(files) = fs::read_dir(folder.join(target.name)) else { continue };
+        for file in files {
+            let path = file?.path();
+            run::exec(target, &fs::read(&path)?).map_err(|what| format!("{}: {what}", path.display()))?;
+            seen += 1;
+        }
+    }
+    if seen == 0 { Err("no regressions were found".into()) } else { Ok(()) }
+}
+
+/// Two machines make the same inputs of a seed.
+fn inputs_follow_from_the_seed() -> Result<(), Failed> {
+    for target in TARGETS {
+        let (one, two, other) = (Inputs::new(target, 7), Inputs::new(target, 7), Inputs::new(target, 8));
+        let numbers = 1000..1050;
+        let all = |inputs: &Inputs| numbers.clone().map(|number| inputs.get(number)).collect::<Vec<_>>();
+        if all(&one) != all(&two) || all(&one) == all(&other) {
+            return Err(format!("inputs of {} do not follow from the seed", target.name).into());
+        }
+    }
+    Ok(())
+}
+
+/// Options of the long form.
+#[derive(Default)]
+struct Long {
+    target: String,
+    seed: u64,
+    first: u64,
+    step: u64,
+    execs: u64,
+    progress: Option<PathBuf>,
+    replay: Option<PathBuf>,
+    write: Option<PathBuf>,
+}
+
+impl Long {
+    fn read(arguments: &[String]) -> Result<Long, String> {
+        let mut long = Long { step: 1, execs: u64::MAX, ..Long::default() };
+        for pair in arguments.chunks(2) {
+            let [name, value] = pair else { return Err(format!("{pair:?} lacks a value")) };
+            let count = || value.parse::<u64>().map_err(|_| format!("{name} {value}: a number was expected"));
+            match name.as_str() {
+                "--target" => long.target.clone_from(value),
+                "--seed" => long.seed = count()?,
+                "--first" => long.first = count()?,
+                "--step" => long.step = count()?.max(1),
+                "--execs" => long.execs = count()?,
+                "--progress" => long.progress = Some(value.into()),
+                "--replay" => long.replay = Some(value.into()),
+                "--write" => long.write = Some(value.into()),
+                _ => return Err(format!("{name} is unknown")),
+            }
+        }
+        Ok(long)
+    }
+
+    fn run(&self) -> Result<i32, String> {
+        let names: Vec<&str> = TARGETS.iter().map(|target| target.name).collect();
+        if self.target == "list" {
+            println!("{}", names.join("\n"));
+            return Ok(0);
+        }
+        let target = TARGETS.iter().find(|target| target.name == self.target);
+        let target = target.ok_or_else(|| format!("the targets are {}", names.join(" ")))?;
+        if let Some(path) = &self.replay {
+            let input = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+            let result = run::exec(target, &input);
+            println!("{}", result.as_ref().map_or_else(String::clone, |figures| format!("{figures:?}")));
+            return Ok(i32::from(result.is_err()));
+        }
+        let inputs = Inputs::new(target, self.seed);
+        if let Some(path) = &self.write {
+            fs::write(path, inputs.get(self.first)).map_err(|error| format!("{}: {error}", path.display()))?;
+            return Ok(0);
+        }
+        let mut progress =
+            self.progress.as_ref().map(fs::File::create).transpose().map_err(|error| error.to_string())?;
+        let started = |number: u64| {
+            if let Some(file) = &mut progress {
+                // A parent that finds this process dead reads there which input it was.
+                let _ = file.rewind().and_then(|()| file.write_all(&number.to_le_bytes()));
+            }
+        };
+        let numbers = (0..self.execs).map(|at| self.first + at * self.step);
+        let (figures, findings) = run::run(target, &inputs, numbers, f64::INFINITY, started);
+        let found = |finding: &run::Finding| {
+            let path = kept(target, &inputs.get(finding.number));
+            json!({ "number": finding.number, "what": finding.what, "file": path })
+        };
+        let line = json!({
+            "target": target.name, "execs": figures.execs, "accepted": figures.accepted,
+            "memory_share": figures.memory_share, "memory_bytes": figures.memory_bytes,
+            "slowest_seconds": figures.slowest_seconds, "seconds": figures.seconds,
+            "finding_count": findings.len(), "findings": findings.iter().take(8).map(found).collect::<Vec<_>>(),
+        });
+        println!("{line}");
+        Ok(i32::from(!findings.is_empty()))
+    }
+}
+
+fn main() {
+    // Inputs are small: to wake other threads would take longer than to run them.
+    let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(("--long", rest)) = arguments.split_first().map(|(first, rest)| (first.as_str(), rest)) {
+        run::keep_panics();
+        let code = Long::read(rest).and_then(|long| long.run()).unwrap_or_else(|message| {
+            eprintln!("{message}");
+            2
+        });
+        std::process::exit(code);
+    }
+    // One at a time: memory is that of the process.
+    let arguments = Arguments { test_threads: Some(1), ..Arguments::from_args() };
+    run::keep_panics();
+    let mut trials: Vec<Trial> =
+        TARGETS.iter().map(|target| Trial::test(format!("fuzz::{}", target.name), move || test(target))).collect();
+    trials.push(Trial::test("fuzz::regressions", regressions));
+    trials.push(Trial::test("fuzz::inputs_follow_from_the_seed", inputs_follow_from_the_seed));
+    libtest_mimic::run(&arguments, trials).exit();
+}

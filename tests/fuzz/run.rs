@@ -1,0 +1,95 @@
+//! Runs inputs and watches what they take: panics, memory, time.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use crate::ALLOCATED;
+use crate::inputs::Inputs;
+use crate::targets::{Target, Verdict};
+
+/// Seconds that one input may take. They are few so that one that runs on is noticed, and many for a busy machine.
+pub const MAX_SECONDS: f64 = 20.0;
+
+/// The last panic's words and place.
+static PANIC: Mutex<String> = Mutex::new(String::new());
+
+/// Keeps panics' words instead of printing them.
+pub fn keep_panics() {
+    std::panic::set_hook(Box::new(|info| {
+        if let Ok(mut words) = PANIC.lock() {
+            *words = info.to_string().replace('\n', " ");
+        }
+    }));
+}
+
+/// What running some inputs came to.
+#[derive(Debug, Clone, Default)]
+pub struct Figures {
+    pub execs: u64,
+    pub accepted: u64,
+    /// The largest share of its bound that an input took.
+    pub memory_share: f64,
+    /// The most bytes that an input took.
+    pub memory_bytes: u64,
+    pub slowest_seconds: f64,
+    pub seconds: f64,
+}
+
+/// An input that something is wrong with.
+#[derive(Debug, Clone)]
+pub struct Finding {
+    pub number: u64,
+    pub what: String,
+}
+
+/// Runs one input; answers the verdict, the memory that it took and the share of its bound, and the seconds.
+pub fn exec(target: &Target, input: &[u8]) -> Result<(Verdict, u64, f64, f64), String> {
+    let before = ALLOCATED.current_usage();
+    ALLOCATED.reset_peak_usage();
+    let start = Instant::now();
+    let result = catch_unwind(AssertUnwindSafe(|| (target.run)(input)));
+    let seconds = start.elapsed().as_secs_f64();
+    let bytes = ALLOCATED.peak_usage().saturating_sub(before) as u64;
+    let verdict =
+        result.map_err(|_| format!("panic: {}", PANIC.lock().map(|words| words.clone()).unwrap_or_default()))??;
+    let bound = (target.bound)(input);
+    if bytes > bound {
+        return Err(format!("{bytes} bytes of memory for an input of {} bytes: the bound is {bound}", input.len()));
+    }
+    if seconds > MAX_SECONDS {
+        return Err(format!("{seconds:.1} seconds for an input of {} bytes", input.len()));
+    }
+    Ok((verdict, bytes, bytes as f64 / bound as f64, seconds))
+}
+
+/// Runs inputs of a seed until all are done or the time is over; `started` learns the number of each before it runs.
+pub fn run(
+    target: &Target,
+    inputs: &Inputs,
+    numbers: impl IntoIterator<Item = u64>,
+    max_seconds: f64,
+    mut started: impl FnMut(u64),
+) -> (Figures, Vec<Finding>) {
+    let (mut figures, mut findings) = (Figures::default(), Vec::new());
+    let start = Instant::now();
+    for number in numbers {
+        if start.elapsed().as_secs_f64() > max_seconds {
+            break;
+        }
+        let input = inputs.get(number);
+        started(number);
+        figures.execs += 1;
+        match exec(target, &input) {
+            Ok((verdict, bytes, share, seconds)) => {
+                figures.accepted += u64::from(verdict == Verdict::Accepted);
+                figures.memory_bytes = figures.memory_bytes.max(bytes);
+                figures.memory_share = figures.memory_share.max(share);
+                figures.slowest_seconds = figures.slowest_seconds.max(seconds);
+            }
+            Err(what) => findings.push(Finding { number, what }),
+        }
+    }
+    figures.seconds = start.elapsed().as_secs_f64();
+    (figures, findings)
+}

@@ -1,0 +1,224 @@
+//! Good inputs, from which mutated ones are made: the frozen vectors, small containers, images and texts.
+
+use std::fs;
+use std::path::Path;
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
+    LayerAttributes, LineOrder, Vec2, WritableImage,
+};
+use half::f16;
+use lightfold::container::Reader;
+use lightfold::image::{Plane, png};
+use lightfold::report::tradeoff::KNOBS;
+use lightfold::report::tradeoff::store::FIGURES;
+
+use crate::samples::{self, Random, Shape};
+use crate::targets::stream::Case;
+
+/// Containers of a folder of frozen vectors.
+pub fn vectors(name: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors").join(name);
+    let mut paths: Vec<_> =
+        fs::read_dir(folder).expect("the vectors").map(|entry| entry.expect("a file").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "lfold"));
+    paths.sort();
+    paths.iter().map(|path| fs::read(path).expect("a vector")).collect()
+}
+
+/// Valid containers that are small, so that one costs little time.
+pub fn containers() -> Vec<Vec<u8>> {
+    let mut all = vectors("valid");
+    all.retain(|file| file.len() < 12 << 10);
+    let shape = Shape { face: 2, size: [9, 6], unit: [8, 4], first_frame: 3, frame_count: 5 };
+    let settings = lightfold::depth::TemporalSettings { window: 1, epsilon: 0, max_aabbs: 4, keyframe_interval: 2 };
+    let moving = samples::moving_codes([9, 6], 5, 3);
+    let streams = [
+        samples::depth(shape, [0.5, 8.0], &moving, settings),
+        samples::blocks(Shape { face: 1, ..shape }, &moving, 2),
+        samples::material(Shape { face: 3, ..shape }, &samples::drifting_bytes([9, 6], 5), settings),
+    ];
+    all.push(samples::container(0, samples::probe("00", 9), &streams, None));
+    all.push(samples::container(0, samples::probe("00", 9), &streams, Some(6)));
+    all
+}
+
+/// The streams of a codec in the vectors, taken apart.
+pub fn cases(codec: [u8; 4]) -> Vec<Vec<u8>> {
+    let mut all = Vec::new();
+    for file in vectors("valid") {
+        let Ok(reader) = Reader::from_memory(file) else { continue };
+        for (at, stream) in (0..).zip(&reader.index().streams).filter(|(_, stream)| stream.codec == codec) {
+            for unit in 0..stream.unit_count().min(4) {
+                let [_, _, width, height] = stream.unit_rect(unit);
+                let chunks = reader.index().unit_chunks(at, unit);
+                let frames = chunks[0].key.frame_count;
+                let equal = chunks.iter().take_while(|chunk| chunk.key.frame_count == frames).take(8);
+                let payloads: Vec<Vec<u8>> =
+                    equal.filter_map(|chunk| reader.fetch(chunk).ok()).map(|payload| payload.to_vec()).collect();
+                if frames > 256 || payloads.iter().any(|payload| payload.len() > 60_000) || width.max(height) > 192 {
+                    continue;
+                }
+                let unit_sides = [stream.unit_width, stream.unit_height].map(|side| side.min(192));
+                let case = Case {
+                    sizes: [width, height, unit_sides[0], unit_sides[1]].map(|side| side as u16 - 1),
+                    frames: (frames - 1) as u8,
+                    chunks: (payloads.len() - 1) as u8,
+                    header: stream.codec_header.clone(),
+                    payloads,
+                };
+                all.push(case.write());
+            }
+        }
+    }
+    all.sort();
+    all.dedup();
+    all
+}
+
+/// LZMA2 streams after their sizes.
+pub fn lzma2() -> Vec<Vec<u8>> {
+    let mut random = Random(5);
+    let noise: Vec<u8> = (0..3000).map(|_| random.below(256) as u8).collect();
+    let text: Vec<u8> = (0..5000u32).map(|at| (at / 7 * at % 31) as u8).collect();
+    let raws = [vec![], vec![7], vec![0; 20_000], noise, text, vec![1; 70_000]];
+    let stream = |raw: &Vec<u8>| {
+        let mut bytes = (raw.len() as u32).to_le_bytes().to_vec();
+        bytes.extend(lightfold::container::lzma2::compress(raw, 6).expect("LZMA2"));
+        bytes
+    };
+    raws.iter().map(stream).collect()
+}
+
+/// OpenEXR files in every compression, in lines and tiles, of one layer and of several.
+pub fn exr() -> Vec<Vec<u8>> {
+    let compressions = [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+        Compression::PIZ,
+        Compression::PXR24,
+        Compression::B44,
+        Compression::B44A,
+    ];
+    let mut all = Vec::new();
+    for compression in compressions {
+        for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(8, 4))] {
+            all.push(exr_file(compression, blocks, &["Z"], 1));
+            all.push(exr_file(compression, blocks, &["R", "G", "B"], 1));
+        }
+    }
+    all.push(exr_file(Compression::ZIP16, Blocks::ScanLines, &["reflect", "refract", "ior"], 1));
+    all.push(exr_file(Compression::ZIP1, Blocks::ScanLines, &["R", "G", "B", "Z"], 3));
+    all
+}
+
+fn exr_file(compression: Compression, blocks: Blocks, names: &[&str], layers: usize) -> Vec<u8> {
+    let size = (21, 13);
+    let layer = |number: usize| {
+        let samples = |at: usize| match (at + number) % 3 {
+            0 => FlatSamples::F32((0..273).map(|i| (i * 7 % 50) as f32 / 3.0).collect()),
+            1 => FlatSamples::F16((0..273).map(|i| f16::from_f32((i % 21) as f32 / 8.0)).collect()),
+            _ => FlatSamples::U32((0..273).map(|i| i * 5 % 97).collect()),
+        };
+        let channels = names.iter().enumerate().map(|(at, &name)| AnyChannel::new(name, samples(at))).collect();
+        let mut attributes = LayerAttributes::named(format!("layer{number}").as_str());
+        attributes.layer_position = Vec2(number as i32 - 1, 2);
+        let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        Layer::new(size, attributes, encoding, AnyChannels::sort(channels))
+    };
+    let attributes = ImageAttributes::new(IntegerBounds::from_dimensions((20, 15)));
+    let image = Image::from_layers(attributes, (0..layers).map(layer).collect::<Vec<_>>());
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write().non_parallel().to_buffered(&mut bytes).expect("an EXR file");
+    bytes.into_inner()
+}
+
+/// PNG files of 8 and 16 bits.
+pub fn png() -> Vec<Vec<u8>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.png");
+    let mut all = Vec::new();
+    png::write_color8(&path, &Plane::from_fn(13, 7, |x, y| [(x * 20) as u8, (y * 30) as u8, 9])).expect("a PNG file");
+    all.push(fs::read(&path).expect("a PNG file"));
+    png::write_depth16(&path, &Plane::from_fn(9, 11, |x, y| (x * 3001 + y * 257) as u16)).expect("a PNG file");
+    all.push(fs::read(&path).expect("a PNG file"));
+    all
+}
+
+/// Manifests.
+pub fn manifests() -> Vec<Vec<u8>> {
+    [
+        r#"{"lightfield":1,"name":"room","fps":24,"frames":[0,9],"projection":"cubemap","size":[256,256],
+            "faces_present":["px","nz"],"depth":{"kind":"planar","unit":"cm","background":"inf","near":0.1,"far":50},
+            "color":{"space":"linear-rec709"},"files":{"color":"{probe}/{face}.%04d.exr","depth":"d/{probe}_{face}.####.exr"},
+            "probes":[{"name":"00","position":[0,1,2],"orientation":[0,0,0,1]},{"name":"a.b","position":[1,1,1],"frames":[2,5]}]}"#,
+        r#"{"lightfield":1,"name":"view","fps":29.97,"frames":[5,5],"projection":"perspective","size":[640,480],
+            "depth":{"scale":0.001,"background":0},"material":{"channels":{"reflection":"a","refraction":"b","ior":"c"}},
+            "files":{"depth":"x@@@@.png","material":"m%d.exr"},"extra":{"anything":[1,2,{"x":null}]},
+            "probes":[{"name":"0","position":[0,0,0],"fov_y_deg":60}]}"#,
+        r#"{"lightfield":1,"name":"pano","fps":1,"frames":[0,4294967295],"projection":"equirect","size":[64,32],
+            "color":{"space":"srgb"},"files":{"color":"{probe}.%d.png"},
+            "probes":[{"name":"p-1","position":[1e3,0,-2.5],"extra":"kept"}]}"#,
+        r#"{"lightfield":1,"name":"cross","fps":60,"frames":[1,2],"projection":"cubemap","faces":"opengl-cube-cross",
+            "size":[64,48],"files":{"color":"c.%06d.exr"},"probes":[{"name":"x","position":[0,0,0]}]}"#,
+        r#"{"lightfield":1,"name":"kinect","fps":30,"frames":[1,2],"projection":"perspective","size":[64,48],
+            "files":{"depth":"c.%06d.exr"},"probes":[{"name":"x","position":[0,0,0],"intrinsics":[525,525,32,24]}]}"#,
+    ]
+    .map(|text| text.as_bytes().to_vec())
+    .to_vec()
+}
+
+/// Files of cameras.
+pub fn cameras() -> Vec<Vec<u8>> {
+    [
+        r#"{"cameras":[{"eye":[1,2,3],"look_at":[1,2,0],"up":[0,1,0],"fov_y_deg":90,"aspect":1.5,"frames":[2,4]},
+            {"eye":[1,2,3],"orientation":[0,0,0,1],"fov_y_deg":90,"near_m":0.1,"far_m":50}]}"#,
+        r#"{"cameras":[{"eye":[0,0,0],"look_at":[0,0,-1],"fov_y_deg":60}]}"#,
+    ]
+    .map(|text| text.as_bytes().to_vec())
+    .to_vec()
+}
+
+/// The CSV of sweeps.
+pub fn sweeps() -> Vec<Vec<u8>> {
+    let knobs: Vec<&str> = KNOBS.iter().map(|knob| knob.name).collect();
+    let heads = [&["studies", "kind"][..], &knobs, FIGURES, &["command", "made_of"]].concat();
+    let row = |kind: &str, psnr: &str| {
+        let cell = |head: &&str| match *head {
+            "studies" => "color-psnr;cells".to_owned(),
+            "kind" => kind.to_owned(),
+            "psnr" => psnr.to_owned(),
+            "psnr_db" => "inf".to_owned(),
+            "min_psnr_db" => "40.125".to_owned(),
+            "encode_runs" | "decode_runs" => "0.5;0.25".to_owned(),
+            "command" => "\"lightfold encode 'a, \"\"b\"\"' -o point.lfold\"".to_owned(),
+            "made_of" => "00abcdef".to_owned(),
+            name if FIGURES.contains(&name) => "17".to_owned(),
+            _ => String::new(),
+        };
+        heads.iter().map(cell).collect::<Vec<_>>().join(",")
+    };
+    let rows = [heads.join(","), row("color", "30"), row("color", "40"), row("depth", "")];
+    vec![format!("{}\n", rows.join("\n")).into_bytes(), format!("{}\n", heads.join(",")).into_bytes()]
+}
+
+/// Patterns of file names and ranges of frames.
+pub fn patterns() -> Vec<Vec<u8>> {
+    [
+        "a/b.%04d.exr",
+        "b%d.exr",
+        "b.#.exr",
+        "b@@@.exr",
+        "b%%%01d.exr",
+        "shot#1/b.exr",
+        "é#.png",
+        "3-9",
+        "7",
+        "0-4294967295",
+        "",
+    ]
+    .map(|text| text.as_bytes().to_vec())
+    .to_vec()
+}

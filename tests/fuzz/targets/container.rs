@@ -1,0 +1,225 @@
+//! Containers as a whole, and LZMA2 chunks.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use lightfold::container::{OpenLimits, Reader, lzma2};
+use lightfold::depth::mode_decision::Decide;
+use lightfold::effort::Effort;
+use lightfold::error::{Error, Result};
+use lightfold::monitor::Silent;
+use lightfold::video::anatomy::frame_anatomy;
+use lightfold::video::codec::CodecHeader;
+use lightfold::video::decode::{Decoder, FaceDecoder, Picture, StreamInfo};
+use lightfold::video::encode::ErrorBound;
+use lightfold::video::flatten::FlattenSettings;
+use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
+use lightfold::video::pack::{self, PackSettings, Repack};
+
+use super::{Judged, Verdict, judge, refused};
+
+/// Most inputs are opened with limits that are small, so that an input costs little time.
+const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_ratio: 64, ..OpenLimits::DEFAULT };
+/// Some, chosen by their CRC-32, with those that every command has.
+const DEFAULT_EVERY: u32 = 512;
+/// What packing trees takes for encoders of nodes and LZMA2.
+pub const FLATTENING: u64 = 48 << 20;
+/// Streams of an input that are decoded.
+const MAX_STREAMS: usize = 6;
+
+/// The limits for an input.
+fn limits(bytes: &[u8]) -> OpenLimits {
+    if crc32fast::hash(bytes).is_multiple_of(DEFAULT_EVERY) { OpenLimits::DEFAULT } else { SMALL }
+}
+
+/// What stands beside the pictures and payloads of the stream that is decoded: several copies of the file and its index, and
+/// tables.
+pub fn beside(file_bytes: u64) -> u64 {
+    (2 << 20) + 64 * file_bytes
+}
+
+/// What decoding one stream after the other may take (container.md 2).
+pub fn bound(bytes: &[u8]) -> u64 {
+    let file_bytes = bytes.len() as u64;
+    let flattened = if bytes.windows(4).any(|codec| codec == b"DQTR") { FLATTENING } else { 0 };
+    limits(bytes).stream_bytes(file_bytes) + beside(file_bytes) + flattened
+}
+
+/// Opens, inspects and decodes a container.
+pub fn run(bytes: &[u8]) -> Judged {
+    run_within(bytes, limits(bytes))
+}
+
+pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
+    let open = || Reader::from_memory_with(bytes.to_vec(), limits);
+    let reader = match open() {
+        Ok(reader) => reader,
+        Err(error) => return refused(&error),
+    };
+    match open() {
+        Ok(again) if again.index() == reader.index() => {}
+        _ => return Err("opened twice, it is not the same".into()),
+    }
+    let copied = pack_again(bytes, limits)?;
+    let decoder = match Decoder::new(reader) {
+        Ok(decoder) => decoder,
+        Err(error) => return refused(&error),
+    };
+    let sound = inspect_all(&decoder)?;
+    let mut verdict = Verdict::Accepted;
+    for stream in decoder.streams().iter().take(MAX_STREAMS) {
+        if decode_by_two_ways(&decoder, stream)? == Verdict::Refused {
+            verdict = Verdict::Refused;
+        }
+    }
+    if sound == Verdict::Accepted && copied == Verdict::Refused {
+        return Err("a sound container cannot be packed".into());
+    }
+    Ok(verdict)
+}
+
+/// Packing copies chunks, which need be no more than whole.
+fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
+    let reader = Reader::from_memory_with(bytes.to_vec(), limits);
+    let Ok(reader) = reader else { return Ok(Verdict::Refused) };
+    let readers = [reader];
+    if readers[0].index().streams.iter().any(|stream| stream.codec == *b"DQTR") {
+        let flatten = FlattenSettings {
+            error: ErrorBound::Codes(30),
+            window: 2,
+            epsilon: 1,
+            decide: Decide::default(),
+            effort: Effort::Fast,
+            min_children: 3,
+        };
+        let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten) };
+        judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
+    }
+    let settings = PackSettings { repack: Repack::Keep, flatten: None };
+    judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))
+}
+
+fn inspect_all(decoder: &Decoder) -> Judged {
+    let streams: Vec<&StreamInfo> = decoder.streams().iter().take(MAX_STREAMS).collect();
+    let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll };
+    let inspection = match inspect::inspect(decoder, &streams, listed, &Silent) {
+        Ok(inspection) => inspection,
+        Err(error) => return refused(&error),
+    };
+    if let Some(chunk) = inspection.damaged.iter().find(|chunk| chunk.reason.contains(char::is_control)) {
+        return Err(format!("a reason with control characters: {:?}", chunk.reason));
+    }
+    if inspection.damaged.is_empty() {
+        return Ok(Verdict::Accepted);
+    }
+    // The first error is that of the list.
+    match inspect::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
+        Err(error) => refused(&error),
+        // Only the comparison of two decoders finds that.
+        Ok(_) => Ok(Verdict::Refused),
+    }
+}
+
+/// Frames of a stream that are worth a look: the first ones, some in the middle, the last.
+fn frames_of(stream: &StreamInfo) -> Vec<u32> {
+    let (first, count) = (stream.frames.first, stream.entry.frame_count);
+    let mut frames: Vec<u32> = (0..count.min(5)).chain([count / 2, count - 1]).map(|at| first + at).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames
+}
+
+/// Whether any way to a frame must show the same picture, whatever the payload. With a window, that is a promise of the
+/// encoder.
+fn any_way_is_equal(header: &CodecHeader) -> bool {
+    match header {
+        CodecHeader::Depth(depth) => depth.window() == 1,
+        CodecHeader::Material(material) => material.temporal.window == 1,
+        CodecHeader::Color(_) => true,
+    }
+}
+
+fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
+    let frames = frames_of(stream);
+    let mut face = decoder.face(stream);
+    let forward: Vec<Result<u64>> = frames.iter().map(|&frame| shown(&mut face, frame)).collect();
+    drop(face);
+    let mut verdict = Verdict::Accepted;
+    for error in forward.iter().filter_map(|result| result.as_ref().err()) {
+        verdict = refused(error)?;
+    }
+    let compare = |at: usize, other: &Result<u64>, way: &str| match (&forward[at], other) {
+        (Ok(one), Ok(other)) if one == other => Ok(()),
+        (Err(_), Err(_)) => Ok(()),
+        (one, other) => Err(format!(
+            "stream {} frame {} is {} forwards and {} {way}",
+            stream.index,
+            frames[at],
+            words(one),
+            words(other)
+        )),
+    };
+    let mut again = decoder.face(stream);
+    for (at, &frame) in frames.iter().enumerate() {
+        compare(at, &shown(&mut again, frame), "forwards again")?;
+    }
+    drop(again);
+    if any_way_is_equal(&stream.header) {
+        let mut face = decoder.face(stream);
+        for (at, &frame) in frames.iter().enumerate().rev() {
+            compare(at, &shown(&mut face, frame), "backwards")?;
+        }
+    }
+    // An error in one unit is not one in another.
+    let unit_count = stream.entry.unit_count();
+    for unit in (0..unit_count.min(3)).chain(unit_count.checked_sub(1)) {
+        let result = decoder.unit(stream, unit).decode(frames[frames.len() - 1]);
+        judge(&result)?;
+    }
+    judge(&frame_anatomy(decoder, stream, frames[frames.len() / 2]))?;
+    Ok(verdict)
+}
+
+/// A hash of a picture's bits.
+fn shown(face: &mut FaceDecoder<'_>, frame: u32) -> Result<u64> {
+    let mut hasher = DefaultHasher::new();
+    match face.decode(frame)? {
+        Picture::Depth(plane) => plane.data().hash(&mut hasher),
+        Picture::Color8(plane) | Picture::Material(plane) => plane.data().hash(&mut hasher),
+        Picture::ColorHalf(plane) => {
+            plane.data().as_flattened().iter().for_each(|value| hasher.write_u16(value.to_bits()));
+        }
+    }
+    Ok(hasher.finish())
+}
+
+fn words(result: &Result<u64>) -> String {
+    match result {
+        Ok(hash) => format!("picture {hash:016x}"),
+        Err(error) => format!("an error ({error})"),
+    }
+}
+
+/// Four bytes of a payload's size, then an LZMA2 stream.
+pub fn run_lzma2(bytes: &[u8]) -> Judged {
+    let Some((size, stored)) = bytes.split_first_chunk::<4>() else { return Ok(Verdict::Refused) };
+    let raw_bytes = u32::from_le_bytes(*size) % (4 << 20);
+    let ours = lzma2::decompress(stored, raw_bytes);
+    let raw = match &ours {
+        Ok(raw) => raw,
+        Err(error) => return refused(error),
+    };
+    if raw.len() != raw_bytes as usize {
+        return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
+    }
+    match lzma2::decompress_independent(stored, raw_bytes) {
+        Ok(other) if other != *raw => Err("two LZMA2 decoders do not agree".into()),
+        Ok(_) => Ok(Verdict::Accepted),
+        Err(error @ Error::Invalid { .. }) => refused(&error),
+        Err(error) => Err(format!("another kind of error: {error}")),
+    }
+}
+
+/// Twice what may come out, two dictionaries and the decoders' tables.
+pub fn bound_lzma2(bytes: &[u8]) -> u64 {
+    (40 << 20) + 4 * bytes.len() as u64
+}

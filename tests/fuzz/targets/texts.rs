@@ -1,0 +1,114 @@
+//! Texts: manifests, cameras, the CSV of a sweep, file patterns and frame ranges.
+
+use std::path::Path;
+
+use lightfold::container::Reader;
+use lightfold::dataset::stream::StreamKind;
+use lightfold::dataset::{Manifest, Source, SourceOptions};
+use lightfold::image::{Face, FrameRange, Pattern};
+use lightfold::reconstruct::SeenUnits;
+use lightfold::reconstruct::camera_file::CameraFile;
+use lightfold::report::tradeoff::store::{FILE_NAME, Store};
+use lightfold::video::decode::Decoder;
+use tempfile::TempDir;
+
+use super::{Judged, Verdict, judge, refused};
+
+thread_local! {
+    static SEEN: Decoder = Reader::from_memory(include_bytes!("../../vectors/valid/perspective.lfold").to_vec())
+        .and_then(Decoder::new)
+        .expect("a valid vector");
+    static FOLDER: TempDir = TempDir::new().expect("a temporary folder");
+}
+
+/// A manifest is parsed, written, parsed again, and opened where none of its files exist.
+pub fn run_manifest(bytes: &[u8]) -> Judged {
+    let manifest = match Manifest::from_json(bytes) {
+        Ok(manifest) => manifest,
+        Err(error) => return refused(&error),
+    };
+    for kind in StreamKind::ALL {
+        judge(&manifest.pattern(kind, "00", Face::Px))?;
+    }
+    let text = manifest.to_json().map_err(|error| format!("a manifest that was taken is not written: {error}"))?;
+    match Manifest::from_json(text.as_bytes()) {
+        Ok(again) if again == manifest => {}
+        Ok(_) => return Err("a manifest comes back as another".into()),
+        Err(error) => return Err(format!("a manifest that was written is refused: {error}")),
+    }
+    FOLDER.with(|folder| {
+        let path = folder.path().join("lightfield.json");
+        std::fs::write(&path, bytes).expect("the manifest is written");
+        judge(&Source::open(&path, &SourceOptions::default())).map(|_| Verdict::Accepted)
+    })
+}
+
+/// Cameras are parsed, and asked what they see of a container.
+pub fn run_cameras(bytes: &[u8]) -> Judged {
+    let cameras = match CameraFile::parse(bytes) {
+        Ok(cameras) => cameras,
+        Err(error) => return refused(&error),
+    };
+    let seen = SEEN.with(|decoder| {
+        let chosen: Vec<_> = decoder.streams().iter().map(|stream| (stream, stream.frames)).collect();
+        SeenUnits::find(decoder, &chosen, &cameras).counts()
+    });
+    if seen.visible_units > seen.units {
+        Err(format!("more is seen than there is: {seen:?}"))
+    } else {
+        Ok(Verdict::Accepted)
+    }
+}
+
+/// A sweep's CSV is opened, written and opened again.
+pub fn run_sweep(bytes: &[u8]) -> Judged {
+    FOLDER.with(|folder| {
+        let path = folder.path().join(FILE_NAME);
+        std::fs::write(&path, bytes).expect("the CSV is written");
+        let store = match Store::open(folder.path(), None) {
+            Ok(store) => store,
+            Err(error) => return refused(&error),
+        };
+        let text = store.text().map_err(|error| format!("a sweep that was taken is not written: {error}"))?;
+        std::fs::write(&path, &text).expect("the CSV is written");
+        match Store::open(folder.path(), None).and_then(|again| again.text()) {
+            Ok(again) if again == text => Ok(Verdict::Accepted),
+            Ok(_) => Err("a sweep comes back as another".into()),
+            Err(error) => Err(format!("a sweep that was written is refused: {error}")),
+        }
+    })
+}
+
+/// A pattern of file names, and a range of frames.
+pub fn run_patterns(bytes: &[u8]) -> Judged {
+    let Ok(text) = std::str::from_utf8(bytes) else { return Ok(Verdict::Refused) };
+    let range = text.parse::<FrameRange>();
+    if let Ok(range) = &range {
+        let shown = range.to_string();
+        if shown.parse::<FrameRange>().ok() != Some(*range) {
+            return Err(format!("the range {text:?} is shown as {shown:?}"));
+        }
+        range.count();
+    }
+    judge(&range)?;
+    let pattern = match Pattern::parse(text) {
+        Ok(pattern) => pattern,
+        Err(error) => return refused(&error),
+    };
+    for frame in [0, 7, 9999, u32::MAX] {
+        pattern.path(frame);
+    }
+    let shown = pattern.to_string();
+    match Pattern::parse(&shown) {
+        Ok(again) if again.path(12) == pattern.path(12) => {}
+        other => return Err(format!("the pattern {text:?} is shown as {shown:?}, which is {other:?}")),
+    }
+    let below = pattern.below(Path::new("folder"));
+    below.path(3);
+    Ok(Verdict::Accepted)
+}
+
+/// Texts become trees and rows of words: some hundred bytes for a word of a few, and the buffers of files.
+pub fn bound(bytes: &[u8]) -> u64 {
+    (2 << 20) + 256 * bytes.len() as u64
+}
