@@ -16,6 +16,7 @@ mod input;
 mod inspect;
 mod quadtree;
 mod quality;
+mod resume;
 mod roundtrip;
 mod samples;
 mod tradeoff;
