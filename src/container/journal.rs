@@ -235,7 +235,9 @@ fn read_chunk(body: &[u8]) -> Option<CompleteChunk> {
     let mut fields = Fields::new(body, 0, "");
     let entry = ChunkEntry::read(&mut fields, u64::MAX).ok()?;
     let chunk = CompleteChunk { entry, last_frame: fields.u32().ok()? };
-    fields.finish().is_ok().then_some(chunk)
+    let ChunkKey { first_frame, frame_count, .. } = entry.key;
+    let has_frames = frame_count > 0 && first_frame.checked_add(frame_count).is_some();
+    (has_frames && fields.finish().is_ok()).then_some(chunk)
 }
 
 /// The records of a journal, up to the first that is not sound.

@@ -121,12 +121,24 @@ pub fn encode_resumable<W: Write>(
     run(source, settings, Sink::Resumable(resumable), monitor)
 }
 
+/// Refuses settings that no encoder could follow, and a source without what they ask for.
+///
+/// # Errors
+/// [`Error::Usage`].
+pub fn check(source: &Source, settings: &EncodeSettings) -> Result<()> {
+    settings.check()?;
+    if selected_groups(source, settings).is_empty() {
+        return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
+    }
+    Ok(())
+}
+
 /// Refuses to go on with what was recovered where it is of another encode.
 ///
 /// # Errors
 /// [`Error::Usage`] tells what differs.
 pub fn check_recovered(source: &Source, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
-    Done::of(recovered, &Fingerprint::of(source, settings)).map(|_| ())
+    Done::of(recovered, &Fingerprint::of(source, settings), &Order::of(source, settings)).map(|_| ())
 }
 
 /// What of an unfinished encode is safe, in words; `None` where nothing is.
@@ -187,12 +199,9 @@ fn prepare(
     order: &Order<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Done> {
-    settings.check()?;
-    if selected_groups(source, settings).is_empty() {
-        return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
-    }
+    check(source, settings)?;
     let Some(recovered) = recovered else { return Ok(Done::default()) };
-    let mut done = Done::of(recovered, &Fingerprint::of(source, settings))?;
+    let mut done = Done::of(recovered, &Fingerprint::of(source, settings), order)?;
     done.check_files(source, settings, order, monitor)?;
     Ok(done)
 }

@@ -14,6 +14,7 @@ mod hard_cases;
 mod house;
 mod input;
 mod inspect;
+mod interrupted;
 mod quadtree;
 mod quality;
 mod resume;

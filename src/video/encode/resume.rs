@@ -205,7 +205,7 @@ impl Done {
     ///
     /// # Errors
     /// [`Error::Usage`] where it is another one, or input that complete chunks were made of has changed.
-    pub(super) fn of(recovered: &Recovered, now: &Fingerprint) -> Result<Done> {
+    pub(super) fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Done> {
         let begun = Fingerprint::read(recovered.head()).map_err(|_| broken())?;
         if let Some(difference) = begun.difference(now) {
             return Err(fingerprint::other(&difference));
@@ -216,8 +216,10 @@ impl Done {
         }
         for chunk in recovered.chunks() {
             let ChunkKey { stream, unit, first_frame, frame_count } = chunk.entry.key;
-            let end = first_frame.checked_add(frame_count).ok_or_else(broken)?;
-            if done.ends.insert((stream, unit), end).is_some_and(|before| before != first_frame) {
+            let (group, _) = order.stream(stream).ok_or_else(broken)?;
+            let end = first_frame + frame_count;
+            let before = done.ends.insert((stream, unit), end).unwrap_or(group.frames.first);
+            if before != first_frame || !group.frames.contains(end - 1) {
                 return Err(broken());
             }
             let last = done.last_frames.entry(stream).or_default();
@@ -294,7 +296,8 @@ impl Done {
         for probe in probes {
             let of_probe = |group: &SourceGroup| group.probe == probe && group.kind == StreamKind::Depth;
             let groups: Vec<_> = order.0.iter().filter(|(_, group, _)| of_probe(group)).collect();
-            let rests = groups.iter().any(|(_, _, first)| self.last_frames.contains_key(first));
+            let mut streams = groups.iter().flat_map(|(_, group, first)| *first..*first + group.faces.len() as u32);
+            let rests = streams.any(|stream| self.last_frames.contains_key(&stream));
             let groups: Vec<_> = groups.iter().map(|&&(at, group, _)| (at, group)).collect();
             if let Some(scan) = self.scans.get(&probe)
                 && scan.still_holds(source, &groups)?
