@@ -158,6 +158,9 @@ fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     let mut settings = EncodeSettings { cell: height, ..EncodeSettings::default() };
     settings.search.min_psnr_db = 38.0;
     settings.search.reach = 3;
+    if blocks.is_some() {
+        settings.search.effort = lightfold::effort::Effort::Fast;
+    }
     if hdr {
         settings.color = ColorFormat::Half { white_cd_m2: 100.0 };
     }

@@ -171,7 +171,8 @@ impl Write for Partial {
 impl Drop for Partial {
     fn drop(&mut self) {
         // A journal makes sense of what was left by a panic, too.
-        if !self.keep && !(std::thread::panicking() && self.journal.1.is_some()) {
+        let panicked = std::thread::panicking() && self.journal.1.is_some();
+        if !self.keep && !panicked {
             let _ = std::fs::remove_file(&self.path);
             self.remove_journal();
         }
