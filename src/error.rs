@@ -50,6 +50,13 @@ pub enum Error {
     Usage(String),
     /// SIGINT or SIGTERM arrived; nothing unfinished is left under a final name.
     Interrupted,
+    /// Work was cut short, and a part of it can be gone on with.
+    Unfinished {
+        /// Why.
+        cause: Box<Error>,
+        /// What of it is safe, where, and what goes on with it.
+        safe: String,
+    },
 }
 
 impl Error {
@@ -95,6 +102,10 @@ impl Error {
                 *source = std::io::Error::new(source.kind(), format!("{before}: {source}"));
             }
             Error::Interrupted => {}
+            Error::Unfinished { cause, .. } => {
+                let inner = std::mem::replace(&mut **cause, Error::Interrupted);
+                **cause = inner.context(before);
+            }
         }
         self
     }
@@ -103,6 +114,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Interrupted => EXIT_INTERRUPTED,
+            Error::Unfinished { cause, .. } => cause.exit_code(),
             _ => EXIT_BAD_INPUT,
         }
     }
@@ -165,6 +177,10 @@ impl fmt::Display for Error {
             }
             Error::Usage(message) => f.write_str(message),
             Error::Interrupted => f.write_str("interrupted; no unfinished file was left behind"),
+            Error::Unfinished { cause, safe } => match &**cause {
+                Error::Interrupted => write!(f, "interrupted; {safe}"),
+                cause => write!(f, "{cause}; {safe}"),
+            },
         }
     }
 }
@@ -173,6 +189,7 @@ impl std::error::Error for Error {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Error::Io { source, .. } => Some(source),
+            Error::Unfinished { cause, .. } => Some(&**cause),
             _ => None,
         }
     }

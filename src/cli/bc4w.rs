@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::encode::{self, Encoded};
+use crate::cli::encode::{self, Encoded, Unfinished};
 use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, MemoryArgs, OutputArgs, SequenceArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
@@ -89,15 +89,16 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         )),
         Some(output) if !args.stats => {
             let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-            encode::encode_to(&source, &settings, &output, global)
+            encode::encode_to(&source, &settings, (&output, Unfinished::Discard), global)
         }
         output => {
             if args.output.as_ref().is_some_and(|path| path.as_os_str() == "-") {
                 return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
             }
             let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-            let encoded =
-                output.map(|output| encode::encode_file(&source, &settings, &output.path, global)).transpose()?;
+            let encoded = output
+                .map(|output| encode::encode_file(&source, &settings, (&output.path, Unfinished::Discard), global))
+                .transpose()?;
             measure(args, &source, &settings, encoded, global)
         }
     }

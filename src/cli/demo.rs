@@ -134,7 +134,7 @@ fn encode(places: &Places, settings: &EncodeSettings, global: &GlobalArgs) -> Re
     let progress = Progress::start(global, "encoding", images)?;
     let path = &places.container;
     let file = OutputFile::create(path)?;
-    let (file, _) = encode::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
+    let (mut file, _) = encode::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
     file.commit()
 }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs};
+use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs};
 use crate::cli::output::{self, OutputFile, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -13,14 +13,17 @@ use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
-use crate::video::encode::{self, EncodeSettings, EncodeSummary};
+use crate::video::encode::{self, EncodeSettings, EncodeSummary, Left, Resumable, Stopped};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode scene/lightfield.json -o scene.lfold\n  \
     lightfold encode scene -o scene.lfold --lzma2 --psnr 45 --depth-window 4 --json\n  \
     lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
-    lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'")]
+    lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'\n  \
+    lightfold encode scene -o scene.lfold --resume\n\n\
+    An encode that is stopped, by a signal, a full disk or a broken frame, keeps its complete chunks beside the output: \
+    the same command with --resume goes on behind them and ends in the same bytes.")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
     #[arg(value_name = "MANIFEST")]
@@ -28,6 +31,9 @@ pub struct Args {
     /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Resume.
+    #[command(flatten)]
+    pub resume: ResumeArgs,
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
@@ -100,18 +106,40 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     {
         return Err(Error::Usage(format!("--frames {asked}: the dataset has the frames {there}")));
     }
-    encode_to(&source, &settings, &args.output, global)
+    encode_to(&source, &settings, (&args.output, args.resume.into()), global)
+}
+
+/// What becomes of an encode that does not come to its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unfinished {
+    /// Nothing is left of it.
+    Discard,
+    /// Complete chunks are kept; those of an earlier one are not gone on with.
+    Keep,
+    /// Complete chunks are kept; those of an earlier one are gone on with.
+    Resume,
+}
+
+impl From<ResumeArgs> for Unfinished {
+    fn from(args: ResumeArgs) -> Unfinished {
+        if args.resume { Unfinished::Resume } else { Unfinished::Keep }
+    }
 }
 
 /// Encodes a source into a file and reports what came of it.
 pub fn encode_to(
     source: &Source,
     settings: &EncodeSettings,
-    output: &OutputArgs,
+    (output, unfinished): (&OutputArgs, Unfinished),
     global: &GlobalArgs,
 ) -> Result<Outcome> {
     output.check()?;
-    let done = encode_file(source, settings, &output.path, global)?;
+    if unfinished == Unfinished::Resume && output.path == Path::new("-") {
+        return Err(Error::Usage(
+            "--resume and -o -: what went into a pipe cannot be gone on with; name a file".into(),
+        ));
+    }
+    let done = encode_file(source, settings, (&output.path, unfinished), global)?;
     if output.json {
         let mut report = done.json();
         output::add_peak_memory(&mut report);
@@ -129,21 +157,118 @@ pub struct Encoded {
 }
 
 /// Encodes a source into a file.
-pub fn encode_file(source: &Source, settings: &EncodeSettings, path: &Path, global: &GlobalArgs) -> Result<Encoded> {
+pub fn encode_file(
+    source: &Source,
+    settings: &EncodeSettings,
+    (path, unfinished): (&Path, Unfinished),
+    global: &GlobalArgs,
+) -> Result<Encoded> {
     if is_input(source, settings, path) {
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }
+    // Before an earlier encode is touched.
+    encode::check(source, settings)?;
     let start = Instant::now();
     let images = encode::selected_groups(source, settings)
         .iter()
         .map(|(_, group)| group.frames.count() * group.faces.len() as u64)
         .sum();
     let progress = Progress::start(global, "encoding", images)?;
-    let file = OutputFile::create(path)?;
-    let (file, summary) =
-        encode::encode(source, settings, file, &progress).map_err(|error| output::name_output(error, path))?;
-    file.commit()?;
+    let work = Work { source, settings, path, progress: &progress };
+    let summary = match unfinished {
+        Unfinished::Discard => work.encode(OutputFile::create(path)?)?,
+        _ => {
+            let file = OutputFile::open(path)?;
+            if file.is_resumable() {
+                work.encode_resumable(file, unfinished, global)?
+            } else {
+                say(global, path, "no plain file, so nothing can be resumed there", unfinished == Unfinished::Resume);
+                work.encode(file)?
+            }
+        }
+    };
     Ok(Encoded { summary, seconds: start.elapsed().as_secs_f64() })
+}
+
+fn say(global: &GlobalArgs, path: &Path, words: &str, when: bool) {
+    if when && !global.quiet {
+        output::note(format_args!("{}: {words}", path.display()));
+    }
+}
+
+/// What is to be encoded, and where to.
+struct Work<'a> {
+    source: &'a Source,
+    settings: &'a EncodeSettings,
+    path: &'a Path,
+    progress: &'a Progress,
+}
+
+impl Work<'_> {
+    /// All or nothing.
+    fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
+        let done = encode::encode(self.source, self.settings, file, self.progress);
+        let (mut file, summary) = done.map_err(|error| output::name_output(error, self.path))?;
+        file.commit().map(|()| summary)
+    }
+
+    /// Goes on with what there is, where that is wanted, and leaves what is done where it cannot be finished.
+    fn encode_resumable(
+        &self,
+        mut file: OutputFile,
+        unfinished: Unfinished,
+        global: &GlobalArgs,
+    ) -> Result<EncodeSummary> {
+        let begun = file.recover()?;
+        let recovered = match (begun, unfinished) {
+            (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
+                if let Err(error) = encode::check_recovered(self.source, self.settings, &begun) {
+                    file.keep();
+                    return Err(error.context(self.path.display()));
+                }
+                let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
+                say(global, self.path, &format!("going on behind {words}"), true);
+                Some(begun)
+            }
+            (begun, Unfinished::Resume) => {
+                let words = "there is nothing to resume, so the encode begins at the start";
+                say(global, self.path, words, true);
+                // What a scan found may still serve.
+                begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
+            }
+            (begun, _) => {
+                let chunks = begun.map_or(0, |begun| begun.chunks().len());
+                let words = format!("an unfinished encode of {chunks} chunks is replaced; --resume goes on with one");
+                say(global, self.path, &words, chunks > 0);
+                None
+            }
+        };
+        let journal = file.go_on(recovered.as_ref())?;
+        let resumable = Resumable { out: &mut file, journal, recovered };
+        let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
+        let stopped = match done.map(|(_, summary)| summary) {
+            Err(stopped) => stopped,
+            Ok(summary) => match file.commit() {
+                Ok(()) => return Ok(summary),
+                Err(error) if !file.is_resumable() => return Err(error),
+                Err(error) => Stopped { error, left: Left::Chunks("all chunks".to_owned()) },
+            },
+        };
+        let error = output::name_output(stopped.error, self.path);
+        match stopped.left {
+            Left::Nothing => Err(error),
+            Left::AsItWas => {
+                file.keep();
+                Err(error.context(self.path.display()))
+            }
+            Left::Chunks(words) => {
+                let partial = file.keep();
+                let safe =
+                    format!("in {}: {words}; the same command with --resume goes on from there", partial.display());
+                Err(Error::Unfinished { cause: Box::new(error), safe: format!("safe {safe}") })
+            }
+        }
+    }
 }
 
 /// Whether the output would replace a file that is about to be read.
@@ -168,6 +293,7 @@ impl Encoded {
             "streams": summary.streams,
             "clipped_pixels": summary.clipped_pixels,
             "color_pixels": summary.color_pixels,
+            "resumed_chunks": summary.resumed_chunks,
             "reading_thread_seconds": summary.reading.as_secs_f64(),
             "scanning_thread_seconds": summary.scanning.as_secs_f64(),
             "coding_thread_seconds": summary.coding.as_secs_f64(),
@@ -185,8 +311,12 @@ impl Encoded {
                 100.0 * count as f64 / summary.color_pixels as f64
             ),
         };
+        let resumed = match summary.resumed_chunks {
+            0 => String::new(),
+            count => format!(", {count} chunks from before"),
+        };
         format!(
-            "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{clipped}",
+            "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}{clipped}",
             path.display(),
             summary.streams,
             summary.frames,

@@ -1,7 +1,7 @@
 //! `lightfold encode-color SEQ -o OUT`: one colour sequence.
 
 use crate::cli::encode::encode_to;
-use crate::cli::options::{ColorArgs, ColorSpaceArg, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{ColorArgs, ColorSpaceArg, EffortArgs, FrameArgs, OutputArgs, ResumeArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -21,6 +21,9 @@ pub struct Args {
     /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Resume.
+    #[command(flatten)]
+    pub resume: ResumeArgs,
     /// What the values mean [default: light for EXR, sRGB for PNG]
     #[arg(long, value_enum)]
     pub color_space: Option<ColorSpaceArg>,
@@ -56,5 +59,5 @@ impl Args {
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (options, settings) = args.settings()?;
     let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
-    encode_to(&source, &settings, &args.output, global)
+    encode_to(&source, &settings, (&args.output, args.resume.into()), global)
 }

@@ -1,7 +1,7 @@
 //! `lightfold encode-depth SEQ -o OUT`: one depth sequence.
 
 use crate::cli::encode::encode_to;
-use crate::cli::options::{DepthArgs, EffortArgs, FrameArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{DepthArgs, EffortArgs, FrameArgs, OutputArgs, ResumeArgs, SequenceArgs};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -23,6 +23,9 @@ pub struct Args {
     /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Resume.
+    #[command(flatten)]
+    pub resume: ResumeArgs,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
@@ -54,5 +57,5 @@ impl Args {
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let (options, settings) = args.settings()?;
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-    encode_to(&source, &settings, &args.output, global)
+    encode_to(&source, &settings, (&args.output, args.resume.into()), global)
 }

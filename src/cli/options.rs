@@ -148,6 +148,15 @@ pub fn parse_memory(text: &str) -> Result<Budget, String> {
     text.parse::<Budget>().map_err(|error: Error| error.to_string())
 }
 
+/// Whether an encode goes on with one that was stopped.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ResumeArgs {
+    /// Go on with an encode into this output that was stopped, behind its last complete chunk; the options must be the
+    /// same. Where there is none, begin at the start
+    #[arg(long)]
+    pub resume: bool,
+}
+
 impl OutputArgs {
     /// Refuses a report that would run into the container on standard output.
     pub fn check(&self) -> Result<()> {

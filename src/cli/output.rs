@@ -1,14 +1,21 @@
 //! Where results go: files that appear whole or not at all, standard output, tables and JSON.
 
+mod claim;
+mod partial;
+
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use tempfile::{NamedTempFile, TempDir};
+use tempfile::TempDir;
 
+use crate::container::Recovered;
 use crate::error::{Error, Result};
 use crate::report::machine;
+
+pub use claim::claim;
+use partial::Partial;
 
 /// Whether an error is that the reader of our output went away, which is no failure of ours.
 pub fn is_broken_pipe(error: &Error) -> bool {
@@ -68,21 +75,37 @@ pub fn human_bytes(bytes: u64) -> String {
 }
 
 enum Sink {
-    /// A temporary file beside the final one.
-    Temporary(BufWriter<NamedTempFile>),
+    /// A file beside the final one.
+    Partial(Partial),
     /// A device, a pipe, or standard output.
     Direct(Box<dyn Write + Send>),
 }
 
-/// An output file that takes its name only when it is whole; `-` is standard output.
+/// An output file that takes its name only when it is whole; `-` is standard output. Until then its bytes are in a file
+/// beside it, which one process at a time has.
 pub struct OutputFile {
     path: PathBuf,
     sink: Sink,
 }
 
 impl OutputFile {
-    /// Starts the file. Whatever stands under its name stays until [`Self::commit`].
+    /// Starts the file. Whatever stands under its name stays until [`Self::commit`]; what an unfinished one left goes.
+    ///
+    /// # Errors
+    /// When another process is writing the same output, or no file can be made there.
     pub fn create(path: &Path) -> Result<OutputFile> {
+        let mut file = Self::open(path)?;
+        if let Sink::Partial(partial) = &mut file.sink {
+            partial.start_over()?;
+        }
+        Ok(file)
+    }
+
+    /// The same, with what an unfinished one left: [`Self::go_on`] comes next.
+    ///
+    /// # Errors
+    /// As for [`Self::create`].
+    pub fn open(path: &Path) -> Result<OutputFile> {
         let io = |error| Error::io(path, error);
         let sink = if path == Path::new("-") {
             Sink::Direct(Box::new(BufWriter::new(std::io::stdout())))
@@ -92,52 +115,73 @@ impl OutputFile {
             }
             Sink::Direct(Box::new(BufWriter::new(File::options().write(true).open(path).map_err(io)?)))
         } else {
-            let mut name = std::ffi::OsString::from(".");
-            name.push(path.file_name().ok_or_else(|| Error::Usage(format!("{}: no file name", path.display())))?);
-            name.push(".");
-            let mut builder = tempfile::Builder::new();
-            builder.prefix(&name).suffix(".partial");
-            // A result is as readable as any new file, not private as temporary files are.
-            #[cfg(unix)]
-            builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-            let folder = folder_of(path);
-            if !folder.is_dir() {
-                return Err(Error::Usage(format!("{}: there is no folder {}", path.display(), folder.display())));
-            }
-            // The temporary file's own name would only puzzle.
-            let file = builder.tempfile_in(folder).map_err(|error| io(error.kind().into()))?;
-            Sink::Temporary(BufWriter::new(file))
+            Sink::Partial(Partial::open(path)?)
         };
         Ok(OutputFile { path: path.to_path_buf(), sink })
     }
 
-    /// Gives the file its name, after its bytes have reached the disk.
-    pub fn commit(self) -> Result<()> {
-        let path = self.path;
-        let io = |error| Error::io(&path, error);
-        match self.sink {
-            Sink::Temporary(writer) => {
-                let file = writer.into_inner().map_err(|error| io(error.into_error()))?;
-                file.as_file().sync_all().map_err(io)?;
-                file.persist(&path).map_err(|error| io(error.error))?;
-                Ok(())
-            }
-            Sink::Direct(mut writer) => writer.flush().map_err(io),
+    /// Whether it can be gone on with after this process: not where it goes into a pipe or a device, or is finished.
+    pub fn is_resumable(&self) -> bool {
+        matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed())
+    }
+
+    /// What an earlier process left to go on with, if anything.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn recover(&mut self) -> Result<Option<Recovered>> {
+        match &mut self.sink {
+            Sink::Partial(partial) => partial.recover(),
+            Sink::Direct(_) => Ok(None),
         }
+    }
+
+    /// Cuts off what is not sound, or everything where nothing was recovered. Answers where the journal is to be written.
+    ///
+    /// # Errors
+    /// When a file cannot be cut or made.
+    pub fn go_on(&mut self, recovered: Option<&Recovered>) -> Result<Box<dyn Write + Send>> {
+        match &mut self.sink {
+            Sink::Partial(partial) => Ok(Box::new(partial.go_on(recovered)?)),
+            Sink::Direct(_) => Ok(Box::new(std::io::sink())),
+        }
+    }
+
+    /// Leaves the unfinished file where it is; answers its path.
+    pub fn keep(&mut self) -> PathBuf {
+        match &mut self.sink {
+            Sink::Partial(partial) => {
+                partial.keep();
+                partial.path().to_path_buf()
+            }
+            Sink::Direct(_) => self.path.clone(),
+        }
+    }
+
+    /// Gives the file its name, after its bytes have reached the disk.
+    ///
+    /// # Errors
+    /// When they do not; the file can then still be kept.
+    pub fn commit(&mut self) -> Result<()> {
+        let written = match &mut self.sink {
+            Sink::Partial(partial) => partial.commit(),
+            Sink::Direct(writer) => writer.flush(),
+        };
+        written.map_err(|error| Error::io(&self.path, error))
     }
 }
 
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         match &mut self.sink {
-            Sink::Temporary(writer) => writer.write(bytes),
+            Sink::Partial(partial) => partial.write(bytes),
             Sink::Direct(writer) => writer.write(bytes),
         }
     }
 
     fn flush(&mut self) -> std::io::Result<()> {
         match &mut self.sink {
-            Sink::Temporary(writer) => writer.flush(),
+            Sink::Partial(partial) => partial.flush(),
             Sink::Direct(writer) => writer.flush(),
         }
     }

@@ -74,7 +74,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let progress = Progress::start(global, "packing", chunks)?;
     let path = &args.output.path;
     let file = OutputFile::create(path)?;
-    let (file, summary) =
+    let (mut file, summary) =
         pack::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);

@@ -1,7 +1,9 @@
 //! `lightfold quadtree SEQ -o OUT`: one depth sequence as quadtrees, to be packed at any bound.
 
 use crate::cli::encode::encode_to;
-use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, ModelArgs, OutputArgs, SequenceArgs};
+use crate::cli::options::{
+    DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, ModelArgs, OutputArgs, ResumeArgs, SequenceArgs,
+};
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
@@ -25,6 +27,9 @@ pub struct Args {
     /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
+    /// Resume.
+    #[command(flatten)]
+    pub resume: ResumeArgs,
     /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
@@ -62,5 +67,5 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     settings.lzma2 = args.output.lzma2;
     settings.memory = args.output.memory.get();
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-    encode_to(&source, &settings, &args.output, global)
+    encode_to(&source, &settings, (&args.output, args.resume.into()), global)
 }

@@ -7,9 +7,14 @@ use std::io::Write;
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
 use crate::container::header::{self, FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
+use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks};
 use crate::container::lzma2;
 use crate::container::reader::{self, OpenLimits};
 use crate::error::{Error, Result};
+
+/// Chunks, and bytes of chunks, after which a journal is brought up to date: a killed process loses no more than that.
+const CHECKPOINT_CHUNKS: u64 = 256;
+const CHECKPOINT_BYTES: u64 = 4 << 20;
 
 /// A payload made ready for storing: compressing it is the slow part, and needs no writer.
 #[derive(Debug, Clone)]
@@ -23,9 +28,6 @@ pub struct PackedChunk {
     identity: Identity,
     stored: Vec<u8>,
 }
-
-/// 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
-type Identity = [u64; 3];
 
 impl PackedChunk {
     /// Compresses at LZMA2 preset `level` where one is given and it helps.
@@ -62,7 +64,7 @@ impl PackedChunk {
     }
 }
 
-fn identity(stored: &[u8], crc32: u32) -> Identity {
+pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
     let hash = |salt: u8| {
         let mut hasher = DefaultHasher::new();
         hasher.write_u8(salt);
@@ -81,6 +83,9 @@ pub struct Writer<W: Write> {
     position: u64,
     index: Index,
     stored: HashMap<Identity, u64>,
+    journal: Option<Journal>,
+    /// Where the journal last was up to date.
+    checkpoint: u64,
 }
 
 impl<W: Write> Writer<W> {
@@ -93,7 +98,23 @@ impl<W: Write> Writer<W> {
             position: head.len() as u64,
             index: Index { name: name.to_owned(), fps, projection, ..Index::default() },
             stored: HashMap::new(),
+            journal: None,
+            checkpoint: 0,
         })
+    }
+
+    /// The same with a journal, from which the chunks are found again after this process.
+    #[must_use]
+    pub fn with_journal(self, journal: Journal) -> Self {
+        Writer { journal: Some(journal), ..self }
+    }
+
+    /// Goes on behind what was recovered: `out` appends there, and so does the journal. Probes and streams are declared
+    /// again.
+    pub fn go_on(out: W, name: &str, fps: f64, projection: u8, (recovered, journal): (Recovered, Journal)) -> Self {
+        let (chunks, position, stored) = recovered.into_parts();
+        let index = Index { name: name.to_owned(), fps, projection, chunks, ..Index::default() };
+        Writer { out, position, index, stored, journal: Some(journal), checkpoint: position }
     }
 
     /// Declares a probe; its index is returned.
@@ -111,6 +132,11 @@ impl<W: Write> Writer<W> {
 
     /// Appends a chunk.
     pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
+        self.push_after(chunk, chunk.key.first_frame + (chunk.key.frame_count - 1))
+    }
+
+    /// Appends a chunk whose encoder has looked at frames up to `last_frame` for it.
+    pub fn push_after(&mut self, chunk: &PackedChunk, last_frame: u32) -> Result<()> {
         let offset = match self.stored.get(&chunk.identity) {
             Some(&offset) => offset,
             None => {
@@ -121,15 +147,39 @@ impl<W: Write> Writer<W> {
                 offset
             }
         };
-        self.index.chunks.push(ChunkEntry {
+        let entry = ChunkEntry {
             key: chunk.key,
             offset,
             stored_bytes: chunk.stored.len() as u32,
             raw_bytes: chunk.raw_bytes,
             crc32: chunk.crc32,
             storage: chunk.storage,
-        });
-        Ok(())
+        };
+        self.index.chunks.push(entry);
+        let Some(journal) = &mut self.journal else { return Ok(()) };
+        journal.chunk(&CompleteChunk { entry, last_frame });
+        let due = journal.unsafe_chunks() >= CHECKPOINT_CHUNKS || self.position - self.checkpoint >= CHECKPOINT_BYTES;
+        if due { self.checkpoint() } else { Ok(()) }
+    }
+
+    /// Adds a note to the journal, if there is one.
+    pub fn note(&mut self, body: &[u8]) {
+        if let Some(journal) = &mut self.journal {
+            journal.note(body);
+        }
+    }
+
+    /// Brings the journal, if there is one, up to date: all chunks so far survive this process.
+    pub fn checkpoint(&mut self) -> Result<()> {
+        let Some(journal) = &mut self.journal else { return Ok(()) };
+        self.out.flush().map_err(|error| Error::io("", error))?;
+        self.checkpoint = self.position;
+        journal.write()
+    }
+
+    /// What survives this process.
+    pub fn safe(&self) -> SafeChunks {
+        self.journal.as_ref().map(Journal::safe).unwrap_or_default()
     }
 
     /// Writes index and foot, flushes, and gives back the sink and the file's size.

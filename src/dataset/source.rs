@@ -2,6 +2,8 @@
 //!
 //! All files are known to exist once a source is open; what is in them is checked when they are read.
 
+mod reading;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

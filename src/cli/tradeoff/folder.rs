@@ -1,11 +1,12 @@
 //! The folder of a report: one process at a time, nothing that a killed one left, no pictures of other points.
 
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
 
+use crate::cli::output;
 use crate::error::{Error, Result};
 
 /// The report as JSON, which lists all files.
@@ -20,8 +21,8 @@ const PICTURES: &[&str] = &["svg", "png", "html"];
 /// A folder that no other process measures into.
 pub struct Folder {
     path: PathBuf,
-    /// Locked for as long as it is open; none where the file system cannot.
-    _lock: Option<File>,
+    /// Locked for as long as it is open.
+    _lock: File,
 }
 
 impl Folder {
@@ -31,7 +32,12 @@ impl Folder {
     /// When another process has the lock, or the folder cannot be written.
     pub fn open(path: &Path) -> Result<Folder> {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
-        let folder = Folder { path: path.to_path_buf(), _lock: lock(path)? };
+        let busy = || {
+            Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
+        };
+        let lock = path.join(LOCK);
+        let _lock = output::claim(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?;
+        let folder = Folder { path: path.to_path_buf(), _lock };
         let [begin, end] = UNFINISHED;
         for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {
             let name = entry.file_name();
@@ -75,45 +81,9 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        if self._lock.is_some() {
-            // A file that stays is in nobody's way: it is not locked.
-            let _ = std::fs::remove_file(self.path.join(LOCK));
-        }
+        // A file that stays is in nobody's way: it is not locked.
+        let _ = std::fs::remove_file(self.path.join(LOCK));
     }
-}
-
-fn lock(folder: &Path) -> Result<Option<File>> {
-    let path = folder.join(LOCK);
-    let io = |error| Error::io(&path, error);
-    let busy = || {
-        Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", folder.display()))
-    };
-    // The one before may remove the file between our opening and locking it, and we would have a file that nobody sees.
-    for _ in 0..100 {
-        let file = File::options().create(true).truncate(false).write(true).open(&path).map_err(io)?;
-        match file.try_lock() {
-            Ok(()) if is_at(&file, &path) => return Ok(Some(file)),
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(busy()),
-            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => return Ok(None),
-            Err(TryLockError::Error(error)) => return Err(io(error)),
-        }
-    }
-    Err(busy())
-}
-
-/// Whether a path still leads to a file.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let place = |meta: std::fs::Metadata| (meta.dev(), meta.ino());
-    matches!((file.metadata().map(place), path.metadata().map(place)), (Ok(ours), Ok(theirs)) if ours == theirs)
-}
-
-/// Whether a path still leads to a file.
-#[cfg(not(unix))]
-fn is_at(_file: &File, path: &Path) -> bool {
-    path.is_file()
 }
 
 #[cfg(test)]

@@ -61,7 +61,6 @@ pub(super) struct GroupCoder<'a> {
     pub(super) quantiser: Option<Arc<Quantiser>>,
     table: Option<EncodeTable>,
     pu21: Option<Pu21>,
-    pub(super) clipped: AtomicU64,
 }
 
 /// What the encoders of a group's colour cells may hold, so that large groups stay within memory. It follows from the
@@ -111,8 +110,7 @@ impl<'a> GroupCoder<'a> {
         header: CodecHeader,
         settings: &'a EncodeSettings,
     ) -> Result<GroupCoder<'a>> {
-        let clipped = AtomicU64::new(0);
-        let mut coder = GroupCoder { group, header, settings, quantiser: None, table: None, pu21: None, clipped };
+        let mut coder = GroupCoder { group, header, settings, quantiser: None, table: None, pu21: None };
         match header {
             // The tables take longer than a small frame; all faces of a probe share one.
             CodecHeader::Depth(_) => {}
@@ -169,7 +167,8 @@ impl<'a> GroupCoder<'a> {
         })
     }
 
-    /// Reads one frame of all faces and brings it into the codec's domain.
+    /// Reads one frame of all faces and brings it into the codec's domain; also answers how many of its pixels did not fit
+    /// 8 bits.
     pub(super) fn read(
         &self,
         source: &Source,
@@ -177,7 +176,7 @@ impl<'a> GroupCoder<'a> {
         kept: Option<Vec<DepthPlane>>,
         reading: &AtomicU64,
         coding: &AtomicU64,
-    ) -> Result<Vec<Coded>> {
+    ) -> Result<(Vec<Coded>, u64)> {
         let named = |error: Error| {
             let error = error.context(convert::name_frame(source, self.group, frame));
             match source.file(self.group, frame) {
@@ -187,7 +186,7 @@ impl<'a> GroupCoder<'a> {
         };
         match self.group.kind {
             StreamKind::Depth => {
-                let Some(quantiser) = &self.quantiser else { return Ok(Vec::new()) };
+                let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
                 let planes = match kept {
                     Some(planes) => planes,
                     None => timed(reading, || source.read_depth(self.group, frame))?,
@@ -198,20 +197,23 @@ impl<'a> GroupCoder<'a> {
                         .map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth))
                         .collect::<Result<_>>()
                 })
+                .map(|coded| (coded, 0))
                 .map_err(named)
             }
             StreamKind::Color => {
                 let planes = timed(reading, || source.read_color(self.group, frame))?;
                 timed(coding, || {
+                    let mut clipped = 0;
                     let code = |plane| match &self.table {
                         Some(table) => {
-                            let (codes, clipped) = convert::color_codes(plane, table);
-                            self.clipped.fetch_add(clipped, Ordering::Relaxed);
+                            let (codes, of_plane) = convert::color_codes(plane, table);
+                            clipped += of_plane;
                             Coded::Bytes(codes)
                         }
                         None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
                     };
-                    Ok(planes.iter().map(code).collect())
+                    let coded = planes.iter().map(code).collect();
+                    Ok((coded, clipped))
                 })
             }
             StreamKind::Material => {
@@ -219,6 +221,7 @@ impl<'a> GroupCoder<'a> {
                 timed(coding, || {
                     planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
                 })
+                .map(|coded| (coded, 0))
                 .map_err(named)
             }
         }
@@ -239,12 +242,28 @@ impl<'a> Pace<'a> {
         Pace { monitor, units: units.max(1) as u64, faces: faces as u64, done: AtomicU64::new(0) }
     }
 
+    /// So many units of images were done before.
+    pub(super) fn skip(&self, units: u64) {
+        let before = self.done.fetch_add(units, Ordering::Relaxed);
+        self.monitor.advance(self.images(before + units) - self.images(before));
+    }
+
     /// One unit of one image is done: images are counted as if units were done evenly.
     fn step(&self) {
-        let done = self.done.fetch_add(1, Ordering::Relaxed);
-        let images = |units: u64| units * self.faces / self.units;
-        self.monitor.advance(images(done + 1) - images(done));
+        self.skip(1);
     }
+
+    fn images(&self, units: u64) -> u64 {
+        units * self.faces / self.units
+    }
+}
+
+/// Frames that are coded together.
+pub(super) struct Batch {
+    /// Frames of the group before them.
+    pub(super) first: u32,
+    /// By frame, then by face.
+    pub(super) pictures: Vec<Vec<Coded>>,
 }
 
 /// One unit of one stream at work.
@@ -254,6 +273,8 @@ pub(super) struct UnitJob {
     stream: u32,
     unit: u32,
     rect: [u32; 4],
+    /// Frames of the group before the first that the encoder gets: an earlier run has coded them.
+    start: u32,
     encoder: Unit,
 }
 
@@ -265,19 +286,25 @@ impl UnitJob {
         [face, stream, unit]: [u32; 3],
         rect: [u32; 4],
     ) -> Result<UnitJob> {
-        Ok(UnitJob { face: face as usize, stream, unit, rect, encoder: coder.unit_encoder(rect, memory)? })
+        Ok(UnitJob { face: face as usize, stream, unit, rect, start: 0, encoder: coder.unit_encoder(rect, memory)? })
     }
 
-    /// Codes this unit of each picture (by frame, by face); answers the chunks that were closed, each with the index of
-    /// the picture that closed it.
+    /// The same without the first `start` frames of the group.
+    pub(super) fn starting_at(self, start: u32) -> UnitJob {
+        UnitJob { start, ..self }
+    }
+
+    /// Codes this unit of each picture; answers the chunks that were closed, each with the index of the picture that
+    /// closed it.
     pub(super) fn push(
         &mut self,
-        pictures: &[Vec<Coded>],
+        batch: &Batch,
         coder: &GroupCoder<'_>,
         pace: &Pace<'_>,
     ) -> Result<Vec<(usize, PackedChunk)>> {
         let mut packed = Vec::new();
-        for (at, picture) in pictures.iter().enumerate() {
+        let skipped = self.start.saturating_sub(batch.first) as usize;
+        for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
             pace.monitor.check()?;
             if let Some(chunk) = self.encoder.push(&picture[self.face], self.rect, coder)? {
                 packed.push((at, self.pack(chunk, coder)?));
@@ -294,7 +321,7 @@ impl UnitJob {
     }
 
     fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>) -> Result<PackedChunk> {
-        let first_frame = coder.group.frames.first + chunk.first_frame;
+        let first_frame = coder.group.frames.first + self.start + chunk.first_frame;
         let key = ChunkKey { stream: self.stream, unit: self.unit, first_frame, frame_count: chunk.frame_count };
         PackedChunk::new(key, chunk.payload, coder.settings.lzma2)
     }

@@ -6,6 +6,7 @@ use lightfold::container::{OpenLimits, Reader, lzma2};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
 use lightfold::error::{Error, Result};
+use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::video::anatomy::frame_anatomy;
 use lightfold::video::codec::CodecHeader;
@@ -91,16 +92,16 @@ fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
             effort: Effort::Fast,
             min_children: 3,
         };
-        let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten) };
+        let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten), memory: Budget::UNLIMITED };
         judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
     }
-    let settings = PackSettings { repack: Repack::Keep, flatten: None };
+    let settings = PackSettings { repack: Repack::Keep, flatten: None, memory: Budget::UNLIMITED };
     judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))
 }
 
 fn inspect_all(decoder: &Decoder) -> Judged {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().take(MAX_STREAMS).collect();
-    let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll };
+    let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll, memory: Budget::UNLIMITED };
     let inspection = match inspect::inspect(decoder, &streams, listed, &Silent) {
         Ok(inspection) => inspection,
         Err(error) => return refused(&error),

@@ -1,0 +1,261 @@
+//! What an unfinished container holds for certain, told by a journal beside it.
+//!
+//! A container has its index at the end, so a file whose writing was cut short says nothing about its chunks. The journal
+//! does: a record for each chunk, appended after the chunk's bytes, and notes of whoever makes the chunks. It is no part of
+//! the format; ARCHITECTURE.md, "Interrupted work", has its layout. Enters: journal and container as a killed process or a
+//! lost disk left them. Leaves: the longest run of chunks from the first on whose bytes are all there.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::io::{Read, Write};
+
+use crate::container::chunk::{ChunkEntry, ChunkKey, ENTRY_BYTES};
+use crate::container::fields::{Fields, PutFields};
+use crate::container::{header, writer};
+use crate::error::{Error, Result};
+
+/// First eight bytes of a journal; the last of them counts its layouts.
+pub const MAGIC: [u8; 8] = *b"LFJOURN1";
+/// Bytes before the body of a record: its length, its CRC-32, its kind.
+const RECORD_HEAD_BYTES: usize = 9;
+const HEAD: u8 = 0;
+const CHUNK: u8 = 1;
+const NOTE: u8 = 2;
+
+/// 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
+pub(super) type Identity = [u64; 3];
+
+/// A chunk that is in the container as a whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CompleteChunk {
+    /// Its row of the chunk table.
+    pub entry: ChunkEntry,
+    /// The last frame that had a part in its bytes: that of the chunk, or one that its encoder looked ahead at.
+    pub last_frame: u32,
+}
+
+/// How much of a container is safe, should the process end now.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SafeChunks {
+    /// Number of chunks.
+    pub count: u64,
+    /// What the last of them holds.
+    pub last: Option<ChunkKey>,
+}
+
+/// Appends records. They are gathered in memory until [`super::Writer::checkpoint`] has handed the chunks that they speak of
+/// to the system.
+pub struct Journal {
+    out: Box<dyn Write + Send>,
+    gathered: Vec<u8>,
+    /// With what was gathered.
+    pushed: SafeChunks,
+    safe: SafeChunks,
+}
+
+impl fmt::Debug for Journal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Journal").field("safe", &self.safe).finish_non_exhaustive()
+    }
+}
+
+impl Journal {
+    /// A journal from its first byte on; `head` tells what is encoded, and how.
+    pub fn start(out: Box<dyn Write + Send>, head: &[u8]) -> Journal {
+        let (safe, pushed) = (SafeChunks::default(), SafeChunks::default());
+        let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed, safe };
+        journal.record(HEAD, head);
+        journal
+    }
+
+    /// A journal that goes on behind what was recovered of it: `out` appends there.
+    pub fn go_on(out: Box<dyn Write + Send>, recovered: &Recovered) -> Journal {
+        let safe = recovered.safe();
+        Journal { out, gathered: Vec::new(), pushed: safe, safe }
+    }
+
+    /// Adds a note, whose meaning is the caller's.
+    pub fn note(&mut self, body: &[u8]) {
+        self.record(NOTE, body);
+    }
+
+    pub(super) fn chunk(&mut self, chunk: &CompleteChunk) {
+        let mut body = Vec::with_capacity(ENTRY_BYTES + 4);
+        chunk.entry.write(&mut body);
+        body.put_u32(chunk.last_frame);
+        self.record(CHUNK, &body);
+        self.pushed = SafeChunks { count: self.pushed.count + 1, last: Some(chunk.entry.key) };
+    }
+
+    fn record(&mut self, kind: u8, body: &[u8]) {
+        self.gathered.put_u32(body.len() as u32);
+        self.gathered.put_u32(checksum(kind, body));
+        self.gathered.push(kind);
+        self.gathered.extend_from_slice(body);
+    }
+
+    /// Chunks that were pushed since the last checkpoint.
+    pub(super) fn unsafe_chunks(&self) -> u64 {
+        self.pushed.count - self.safe.count
+    }
+
+    /// Writes what was gathered, once all chunks that it speaks of are with the system.
+    pub(super) fn write(&mut self) -> Result<()> {
+        if !self.gathered.is_empty() {
+            self.out.write_all(&self.gathered).and_then(|()| self.out.flush()).map_err(|error| Error::io("", error))?;
+            self.gathered.clear();
+            self.safe = self.pushed;
+        }
+        Ok(())
+    }
+
+    /// What is safe.
+    pub fn safe(&self) -> SafeChunks {
+        self.safe
+    }
+}
+
+fn checksum(kind: u8, body: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&[kind]);
+    hasher.update(body);
+    hasher.finalize()
+}
+
+/// What is left of a container whose writing was cut short.
+#[derive(Debug, Clone, Default)]
+pub struct Recovered {
+    head: Vec<u8>,
+    chunks: Vec<CompleteChunk>,
+    notes: Vec<Vec<u8>>,
+    container_bytes: u64,
+    journal_bytes: u64,
+    stored: HashMap<Identity, u64>,
+}
+
+impl Recovered {
+    /// What is encoded, and how, as [`Journal::start`] was given it.
+    pub fn head(&self) -> &[u8] {
+        &self.head
+    }
+
+    /// The chunks, in the order of the file.
+    pub fn chunks(&self) -> &[CompleteChunk] {
+        &self.chunks
+    }
+
+    /// The notes, in the order in which they were made.
+    pub fn notes(&self) -> impl Iterator<Item = &[u8]> {
+        self.notes.iter().map(Vec::as_slice)
+    }
+
+    /// Bytes of the container that are sound: it is cut off there before it goes on.
+    pub fn container_bytes(&self) -> u64 {
+        self.container_bytes
+    }
+
+    /// Bytes of the journal that speak of them: it is cut off there before it goes on.
+    pub fn journal_bytes(&self) -> u64 {
+        self.journal_bytes
+    }
+
+    /// How much that is.
+    pub fn safe(&self) -> SafeChunks {
+        SafeChunks { count: self.chunks.len() as u64, last: self.chunks.last().map(|chunk| chunk.entry.key) }
+    }
+
+    pub(super) fn into_parts(self) -> (Vec<ChunkEntry>, u64, HashMap<Identity, u64>) {
+        (self.chunks.into_iter().map(|chunk| chunk.entry).collect(), self.container_bytes, self.stored)
+    }
+}
+
+/// Reads a journal up to the first record that is torn, damaged, or speaks of a chunk that is not all in the container.
+/// `None` where not even its head and that of the container are sound.
+///
+/// Memory: the chunk that is checked, and the records.
+///
+/// # Errors
+/// Where the container cannot be read; damage is none.
+pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recovered>> {
+    let mut records = Records { bytes: journal, position: MAGIC.len() };
+    let Some((HEAD, head)) = journal.starts_with(&MAGIC).then(|| records.next()).flatten() else { return Ok(None) };
+    let mut bytes = Vec::new();
+    let expected = header::write_head();
+    if !read_some(&mut container, expected.len(), &mut bytes)? || bytes != expected {
+        return Ok(None);
+    }
+    let mut found = Recovered {
+        head: head.to_vec(),
+        container_bytes: expected.len() as u64,
+        journal_bytes: records.position as u64,
+        ..Recovered::default()
+    };
+    // Chunks of equal bytes are stored once.
+    let mut checked: HashMap<(u64, u32), u32> = HashMap::new();
+    while let Some((kind, body)) = records.next() {
+        match kind {
+            NOTE => found.notes.push(body.to_vec()),
+            CHUNK => {
+                let Some(chunk) = read_chunk(body) else { break };
+                let ChunkEntry { offset, stored_bytes, crc32, .. } = chunk.entry;
+                let known = checked.get(&(offset, stored_bytes));
+                let sound = match known {
+                    Some(&known) => known == crc32,
+                    None => {
+                        offset == found.container_bytes
+                            && read_some(&mut container, stored_bytes as usize, &mut bytes)?
+                            && crc32fast::hash(&bytes) == crc32
+                    }
+                };
+                if !sound {
+                    break;
+                }
+                if known.is_none() {
+                    checked.insert((offset, stored_bytes), crc32);
+                    found.stored.insert(writer::identity(&bytes, crc32), offset);
+                    found.container_bytes += u64::from(stored_bytes);
+                }
+                found.chunks.push(chunk);
+            }
+            _ => break,
+        }
+        found.journal_bytes = records.position as u64;
+    }
+    Ok(Some(found))
+}
+
+/// The next `count` bytes, or fewer at the end, which answers `false`.
+fn read_some(from: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<bool> {
+    bytes.clear();
+    from.by_ref().take(count as u64).read_to_end(bytes).map_err(|error| Error::io("", error))?;
+    Ok(bytes.len() == count)
+}
+
+fn read_chunk(body: &[u8]) -> Option<CompleteChunk> {
+    let mut fields = Fields::new(body, 0, "");
+    let entry = ChunkEntry::read(&mut fields, u64::MAX).ok()?;
+    let chunk = CompleteChunk { entry, last_frame: fields.u32().ok()? };
+    let ChunkKey { first_frame, frame_count, .. } = entry.key;
+    let has_frames = frame_count > 0 && first_frame.checked_add(frame_count).is_some();
+    (has_frames && fields.finish().is_ok()).then_some(chunk)
+}
+
+/// The records of a journal, up to the first that is not sound.
+struct Records<'a> {
+    bytes: &'a [u8],
+    position: usize,
+}
+
+impl<'a> Records<'a> {
+    fn next(&mut self) -> Option<(u8, &'a [u8])> {
+        let mut fields = Fields::new(self.bytes.get(self.position..)?, 0, "");
+        let (length, crc32) = (fields.u32().ok()?, fields.u32().ok()?);
+        let kind = fields.u8().ok()?;
+        let body = fields.bytes(length as usize).ok()?;
+        if checksum(kind, body) != crc32 {
+            return None;
+        }
+        self.position += RECORD_HEAD_BYTES + body.len();
+        Some((kind, body))
+    }
+}

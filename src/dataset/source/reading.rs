@@ -1,0 +1,27 @@
+//! What pixels depend on besides the files they are read from.
+
+use super::Source;
+
+impl Source {
+    /// Everything that decides what reading a file delivers, except the file: a name and a value for each. Two sources
+    /// with equal values deliver the same pixels of the same files.
+    pub fn reading_rules(&self) -> Vec<(&'static str, String)> {
+        let range = self.manifest().and_then(|manifest| manifest.depth.as_ref());
+        vec![
+            ("what an image shows", format!("{:?}", self.content)),
+            ("the size of the images", format!("{}x{}", self.file_size.0, self.file_size.1)),
+            ("the size of the faces", format!("{}x{}", self.delivered_size.0, self.delivered_size.1)),
+            ("the background", format!("{:?}", self.rules.background)),
+            ("the depth scale", format!("{:?}", self.rules.scale)),
+            ("--invalid-depth", format!("{:?}", self.rules.invalid)),
+            ("--invalid-color", format!("{:?}", self.invalid_color)),
+            ("the kind of depth", format!("{:?} as {:?}", self.depth_kind, self.depth_stored)),
+            ("near and far in the manifest", format!("{:?}", range.map(|depth| (depth.near, depth.far)))),
+            ("whether a depth scale is stated", self.scale_stated.to_string()),
+            ("the color space", format!("{:?}", self.color_space)),
+            ("the color channels", format!("{:?}", self.color_channel)),
+            ("the depth channel", format!("{:?}", self.depth_channel)),
+            ("the material channels", format!("{:?}", self.material_channels)),
+        ]
+    }
+}

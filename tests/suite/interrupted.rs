@@ -1,0 +1,360 @@
+//! Encodes that end before their time, as processes: signals, full disks, two at once, and what they say.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use lightfold::monitor::Silent;
+use lightfold::scene::{DemoKind, FootagePlan};
+use tempfile::TempDir;
+
+const FRAMES: u32 = 40;
+
+/// A dataset, a folder to write to, and an encode of many small chunks.
+struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    fn new() -> Place {
+        let folder = TempDir::new().unwrap();
+        let plan = FootagePlan { kind: DemoKind::Courtyard, frames: FRAMES, face_size: 64, probes: 2 };
+        plan.write(&folder.path().join("scene"), &Silent).unwrap();
+        fs::create_dir(folder.path().join("out")).unwrap();
+        Place { folder }
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+
+    fn encode(&self, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+        command.current_dir(self.folder.path()).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.args(["encode", "scene", "-o", "out/a.lfold", "--keyframe-interval", "2", "--threads", "1"]).args(more);
+        command
+    }
+
+    fn run(&self, more: &[&str]) -> Output {
+        self.encode(more).output().unwrap()
+    }
+
+    fn names(&self) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(self.out()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// An encode that has completed chunks and goes on.
+    fn at_work(&self, more: &[&str]) -> Child {
+        assert_eq!(self.journal_bytes(), 0);
+        let mut child = self.encode(more).spawn().unwrap();
+        let start = Instant::now();
+        while self.journal_bytes() < 20_000 {
+            assert!(child.try_wait().unwrap().is_none(), "it ended too soon");
+            assert!(start.elapsed() < Duration::from_secs(60), "it did not begin");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        child
+    }
+
+    fn journal_bytes(&self) -> u64 {
+        fs::metadata(self.out().join(".a.lfold.journal")).map_or(0, |meta| meta.len())
+    }
+
+    fn whole(&self) -> Vec<u8> {
+        let done = self.run(&[]);
+        assert!(done.status.success(), "{}", said(&done));
+        let file = self.out().join("a.lfold");
+        let bytes = fs::read(&file).unwrap();
+        fs::remove_file(file).unwrap();
+        assert_eq!(self.names(), [""; 0]);
+        bytes
+    }
+
+    /// Goes on to the end, which is the same as in one go.
+    #[track_caller]
+    fn finishes(&self, whole: &[u8]) -> String {
+        let done = self.run(&["--resume"]);
+        assert!(done.status.success(), "{}", said(&done));
+        assert_eq!(self.names(), ["a.lfold"]);
+        assert!(fs::read(self.out().join("a.lfold")).unwrap() == whole, "other bytes");
+        fs::remove_file(self.out().join("a.lfold")).unwrap();
+        said(&done)
+    }
+}
+
+const STATE: [&str; 2] = [".a.lfold.journal", ".a.lfold.partial"];
+
+fn said(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).unwrap()
+}
+
+fn end(mut child: Child) -> (Option<i32>, String) {
+    let mut words = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut words).unwrap();
+    (child.wait().unwrap().code(), words)
+}
+
+/// The number of chunks that the words speak of.
+fn chunks(words: &str) -> u64 {
+    let before = words.split(" chunk").next().unwrap();
+    before.rsplit(|c: char| !c.is_ascii_digit()).next().unwrap().parse().unwrap_or_else(|_| panic!("{words}"))
+}
+
+/// The number of chunks that an earlier run had completed.
+fn taken_over(words: &str) -> u64 {
+    let told = words.split([',', '\n']).find(|part| part.ends_with(" chunks from before"));
+    chunks(told.unwrap_or_else(|| panic!("{words}")))
+}
+
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+#[test]
+#[cfg(unix)]
+fn signals_leave_what_is_complete_and_say_so() {
+    let place = Place::new();
+    let whole = place.whole();
+    for (name, code) in [("-INT", Some(130)), ("-TERM", Some(130)), ("-KILL", None)] {
+        let child = place.at_work(&[]);
+        signal(&child, name);
+        let (ended, words) = end(child);
+        assert_eq!(ended, code, "{name}: {words}");
+        assert_eq!(place.names(), STATE, "{name}");
+        if code.is_some() {
+            let expected = "lightfold: interrupted; safe in out/.a.lfold.partial: ";
+            assert!(words.starts_with(expected), "{words}");
+            assert!(words.ends_with("; the same command with --resume goes on from there\n"), "{words}");
+            assert_eq!(words.lines().count(), 1, "{words}");
+            assert!(!words.contains("no unfinished file"), "{words}");
+        }
+        let resumed = place.finishes(&whole);
+        assert!(resumed.contains("out/a.lfold: going on behind "), "{resumed}");
+        assert!(taken_over(&resumed) > 0, "{resumed}");
+        if code.is_some() {
+            assert_eq!(chunks(&words), taken_over(&resumed), "{words}{resumed}");
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_encode_is_killed_and_gone_on_with_many_times() {
+    let place = Place::new();
+    let whole = place.whole();
+    let mut kills = 0;
+    for round in 0..40u32 {
+        let mut child = place.encode(&["--resume", "--quiet"]).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(u64::from(5 + round * 37 % 90)));
+        let over = child.try_wait().unwrap().is_some();
+        if !over {
+            child.kill().unwrap();
+            kills += 1;
+        }
+        let (code, words) = end(child);
+        assert!(code == Some(0) || !over, "{words}");
+        let file = place.out().join("a.lfold");
+        if code == Some(0) {
+            assert!(fs::read(&file).unwrap() == whole, "round {round}: other bytes");
+            fs::remove_file(&file).unwrap();
+        }
+        assert!(!file.exists(), "round {round}: it has its name already");
+    }
+    place.finishes(&whole);
+    assert!(kills >= 5, "{kills} kills");
+}
+
+#[test]
+#[cfg(unix)]
+fn two_encodes_of_one_output_refuse_each_other() {
+    let place = Place::new();
+    let whole = place.whole();
+    let child = place.at_work(&[]);
+    for more in [&[][..], &["--resume"]] {
+        let second = place.run(more);
+        assert_eq!(second.status.code(), Some(2));
+        let expected = "lightfold: out/a.lfold: another lightfold is writing it, in out/.a.lfold.partial; wait for it, or name \
+                        another file\n";
+        assert_eq!(said(&second), expected);
+    }
+    // Neither does another command write there.
+    let mut pack = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
+    let pack =
+        pack.current_dir(place.folder.path()).args(["pack", "whole.lfold", "-o", "out/a.lfold"]).output().unwrap();
+    assert!(said(&pack).contains("another lightfold is writing it"), "{}", said(&pack));
+    signal(&child, "-KILL");
+    end(child);
+    place.finishes(&whole);
+}
+
+#[test]
+#[cfg(unix)]
+fn an_old_state_is_replaced_where_nobody_asks_for_it() {
+    let place = Place::new();
+    let whole = place.whole();
+    let killed = |more: &[&str]| {
+        let child = place.at_work(more);
+        signal(&child, "-KILL");
+        end(child);
+    };
+    killed(&[]);
+    let anew = place.run(&[]);
+    assert!(anew.status.success());
+    let words = said(&anew);
+    assert!(words.contains(" chunks is replaced; --resume goes on with one\n"), "{words}");
+    assert!(!words.contains("from before"), "{words}");
+    assert_eq!(place.names(), ["a.lfold"]);
+    assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");
+    // Of a finished file nothing is left to resume: it is made again.
+    let again = place.finishes(&whole);
+    assert!(again.contains("there is nothing to resume, so the encode begins at the start"), "{again}");
+    // A state that another encode left is not gone on with, and stays.
+    killed(&["--cell", "16"]);
+    let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
+    let refused = place.run(&["--resume"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --cell was 16 and is 64 now; run it as it was \
+                    begun, or leave out --resume to start anew\n";
+    assert_eq!(said(&refused), expected);
+    let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
+    let sound = |bytes: &[u8], of: &[u8]| of.starts_with(bytes) && !bytes.is_empty();
+    assert!(sound(&after[0], &before[0]) && sound(&after[1], &before[1]), "the state was touched");
+    // Another command that writes there removes it.
+    let mut pack = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    fs::write(place.folder.path().join("whole.lfold"), &whole).unwrap();
+    let pack =
+        pack.current_dir(place.folder.path()).args(["pack", "whole.lfold", "-o", "out/a.lfold"]).output().unwrap();
+    assert!(pack.status.success(), "{}", said(&pack));
+    assert_eq!(place.names(), ["a.lfold"]);
+}
+
+#[test]
+fn a_broken_frame_late_in_the_work_keeps_what_came_before_it() {
+    let place = Place::new();
+    let whole = place.whole();
+    let frame = place.folder.path().join("scene");
+    let frame = find(&frame, "color", "0020.exr");
+    let pixels = fs::read(&frame).unwrap();
+    fs::write(&frame, &pixels[..pixels.len() / 2]).unwrap();
+    let stopped = place.run(&[]);
+    let words = said(&stopped);
+    assert_eq!(stopped.status.code(), Some(2), "{words}");
+    assert!(words.contains("0020.exr: ") && words.contains("; safe in out/.a.lfold.partial: "), "{words}");
+    assert_eq!(place.names(), STATE);
+    fs::write(&frame, &pixels).unwrap();
+    place.finishes(&whole);
+    // With nothing complete, nothing stays, and the words do not speak of it.
+    let first = find(&place.folder.path().join("scene"), "face_px/color", "0000.exr");
+    fs::write(&first, "").unwrap();
+    let stopped = place.run(&["--quiet"]);
+    assert!(!said(&stopped).contains("safe"), "{}", said(&stopped));
+    assert_eq!(place.names(), [""; 0]);
+}
+
+/// The last file by path, or for frame 0 the first, whose path has both words.
+fn find(root: &Path, kind: &str, end: &str) -> PathBuf {
+    let (mut found, mut folders) = (Vec::new(), vec![root.to_path_buf()]);
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.to_str().unwrap().contains(kind) && path.to_str().unwrap().ends_with(end) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    if end.starts_with("0000") { found.remove(0) } else { found.pop().unwrap() }
+}
+
+#[test]
+#[cfg(unix)]
+fn resume_needs_a_file_that_can_be_gone_on_with() {
+    let place = Place::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o"]);
+    let pipe = command.arg("-").output().unwrap();
+    assert_eq!(pipe.status.code(), Some(2));
+    assert_eq!(
+        said(&pipe),
+        "lightfold: --resume and -o -: what went into a pipe cannot be gone on with; name a file\n"
+    );
+    let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
+    let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o", "/dev/null"]);
+    let null = null.output().unwrap();
+    assert!(null.status.success() && said(&null).contains("nothing can be resumed there"), "{}", said(&null));
+    // What lies in the way is not written through.
+    let (theirs, link) = (place.folder.path().join("theirs"), place.out().join(".a.lfold.partial"));
+    fs::write(&theirs, "theirs").unwrap();
+    std::os::unix::fs::symlink(&theirs, &link).unwrap();
+    let refused = place.run(&[]);
+    assert!(said(&refused).contains(".a.lfold.partial is in the way"), "{}", said(&refused));
+    assert_eq!(fs::read(&theirs).unwrap(), b"theirs");
+}
+
+/// Runs a line of shell in the folder of a place.
+#[cfg(unix)]
+fn shell(place: &Place, before: &str, more: &str) -> Output {
+    let line = format!(
+        "{before} exec {} encode scene -o out/a.lfold --keyframe-interval 2 --threads 1 {more}",
+        env!("CARGO_BIN_EXE_lightfold")
+    );
+    Command::new("sh").current_dir(place.folder.path()).args(["-c", &line]).output().unwrap()
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_may_not_grow_is_told_with_what_is_safe() {
+    let place = Place::new();
+    let whole = place.whole();
+    for share in [3, 2] {
+        // In blocks of 512 bytes.
+        let limit = whole.len() / share / 512;
+        let stopped = shell(&place, &format!("trap '' XFSZ; ulimit -f {limit};"), "");
+        let words = said(&stopped);
+        assert_eq!(stopped.status.code(), Some(2), "{words}");
+        assert!(words.starts_with("lightfold: out/a.lfold: File too large (os error 27); safe in "), "{words}");
+        assert!(chunks(&words) > 0, "{words}");
+        assert_eq!(place.names(), STATE);
+        // The same limit, and no step further.
+        let again = shell(&place, &format!("trap '' XFSZ; ulimit -f {limit};"), "--resume --quiet");
+        assert!(said(&again).contains("File too large"), "{}", said(&again));
+        place.finishes(&whole);
+    }
+}
+
+/// A disk of its own, where the system lets a user have one.
+#[test]
+#[cfg_attr(not(own_disk_at_hand), ignore = "no disk of one's own can be mounted here (unshare -rm)")]
+#[cfg(unix)]
+fn a_full_disk_is_told_with_what_is_safe() {
+    let place = Place::new();
+    let whole = place.whole();
+    let kilobytes = whole.len() * 2 / 3 / 1024;
+    let binary = env!("CARGO_BIN_EXE_lightfold");
+    // What is safe is carried to a disk with more room, which is what a user would do.
+    let script = format!(
+        "mount -t tmpfs -o size={kilobytes}k none out && \
+         {binary} encode scene -o out/a.lfold --keyframe-interval 2 --threads 1; code=$?; \
+         ls -A out >names; mkdir -p kept && cp -a out/. kept/; exit $code"
+    );
+    let mut stopped = Command::new("unshare");
+    let stopped = stopped.args(["-rm", "sh", "-c", &script]).current_dir(place.folder.path()).output().unwrap();
+    let words = said(&stopped);
+    assert_eq!(stopped.status.code(), Some(2), "{words}");
+    assert!(words.starts_with("lightfold: out/a.lfold: No space left on device (os error 28); safe in "), "{words}");
+    assert_eq!(fs::read_to_string(place.folder.path().join("names")).unwrap(), STATE.join("\n") + "\n");
+    for name in STATE {
+        fs::copy(place.folder.path().join("kept").join(name), place.out().join(name)).unwrap();
+    }
+    let resumed = place.finishes(&whole);
+    assert_eq!(chunks(&words), taken_over(&resumed), "{words}{resumed}");
+}

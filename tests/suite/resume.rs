@@ -1,0 +1,560 @@
+//! Encodes that were stopped go on to the same bytes: in process, at every chunk and at random places.
+
+use std::collections::HashMap;
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use lightfold::Error;
+use lightfold::container::journal::{self, Recovered};
+use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
+use lightfold::dataset::stream::StreamKind;
+use lightfold::image::{Plane, exr, png};
+use lightfold::monitor::{Monitor, Silent};
+use lightfold::video::codec::{ColorBlocks, ColorFormat};
+use lightfold::video::encode::{
+    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Left, Resumable, Stopped,
+};
+use tempfile::TempDir;
+
+use crate::samples::{self, Random};
+
+/// Bytes that are still there when their writer is gone.
+#[derive(Clone, Default)]
+pub struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl Shared {
+    fn new(bytes: &[u8]) -> Shared {
+        Shared(Arc::new(Mutex::new(bytes.to_vec())))
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        self.0.lock().unwrap().clone()
+    }
+}
+
+impl Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// An encode that is done, or what is left of it.
+#[derive(Clone, Default)]
+struct State {
+    container: Vec<u8>,
+    journal: Vec<u8>,
+}
+
+impl State {
+    fn recovered(&self) -> Option<Recovered> {
+        journal::recover(&self.journal, &self.container[..]).unwrap()
+    }
+
+    fn chunks(&self) -> usize {
+        self.recovered().map_or(0, |recovered| recovered.chunks().len())
+    }
+
+    /// Goes on from what is sound, as the command line does.
+    fn go_on(&self, footage: &Footage, monitor: &dyn Monitor) -> (State, Result<EncodeSummary, Stopped>) {
+        let recovered = self.recovered();
+        let of = |bytes: &[u8], sound: Option<u64>| Shared::new(&bytes[..sound.unwrap_or(0) as usize]);
+        let container = of(&self.container, recovered.as_ref().map(Recovered::container_bytes));
+        let journal = of(&self.journal, recovered.as_ref().map(Recovered::journal_bytes));
+        let resumable = Resumable { out: container.clone(), journal: Box::new(journal.clone()), recovered };
+        let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
+        let state = State { container: container.bytes(), journal: journal.bytes() };
+        (state, done.map(|(_, summary)| summary))
+    }
+
+    /// Where the records of the journal end, the head's first.
+    fn record_ends(&self) -> Vec<usize> {
+        let mut ends = vec![journal::MAGIC.len()];
+        while let Some(length) = self.journal.get(ends[ends.len() - 1]..).and_then(|rest| rest.get(..4)) {
+            ends.push(ends[ends.len() - 1] + 9 + u32::from_le_bytes(length.try_into().unwrap()) as usize);
+        }
+        ends.split_off(1)
+    }
+}
+
+/// Images on disk, and how they are encoded.
+struct Footage {
+    folder: TempDir,
+    kind: StreamKind,
+    settings: EncodeSettings,
+}
+
+impl Footage {
+    fn new(kind: StreamKind, settings: EncodeSettings, write: impl FnOnce(&dyn Fn(u32) -> PathBuf)) -> Footage {
+        let folder = TempDir::new().unwrap();
+        let end = if kind == StreamKind::Color { "png" } else { "exr" };
+        write(&|frame| folder.path().join(format!("frame.{frame:03}.{end}")));
+        Footage { folder, kind, settings }
+    }
+
+    fn path(&self, frame: u32) -> PathBuf {
+        self.source().file(&self.source().groups()[0], frame).unwrap()
+    }
+
+    fn source(&self) -> Source {
+        if self.folder.path().join("lightfield.json").is_file() {
+            return Source::open(self.folder.path(), &SourceOptions::default()).unwrap();
+        }
+        let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
+        Source::from_sequence(self.kind, self.folder.path().to_str().unwrap(), &layout, &options).unwrap()
+    }
+
+    /// Encoded in one go.
+    fn whole(&self) -> (State, EncodeSummary) {
+        let (state, summary) = State::default().go_on(self, &Silent);
+        let summary = summary.unwrap();
+        let (plain, _) = encode::encode(&self.source(), &self.settings, Vec::new(), &Silent).unwrap();
+        assert!(plain == state.container, "a journal changes the container");
+        (state, timeless(summary))
+    }
+}
+
+/// Depth of 40x24 pixels in four tiles that change often, with chunks of five frames.
+fn depth(codec: DepthCodec) -> Footage {
+    let mut settings = EncodeSettings::default();
+    settings.temporal.keyframe_interval = 5;
+    settings.temporal.window = 3;
+    settings.depth.codec = codec;
+    settings.depth.error = ErrorBound::Codes(40);
+    Footage::new(StreamKind::Depth, settings, |path| {
+        for (frame, codes) in samples::moving_codes([40, 24], 23, 7).into_iter().enumerate() {
+            let metres = codes.iter().map(|&code| if code == u16::MAX { f32::INFINITY } else { 1.0 + f32::from(code) });
+            exr::write_depth(&path(frame as u32), &Plane::new(40, 24, metres.collect()).unwrap()).unwrap();
+        }
+    })
+}
+
+fn material(in_blocks: bool) -> Footage {
+    let mut settings = EncodeSettings::default();
+    settings.temporal.keyframe_interval = 4;
+    settings.material.in_blocks = in_blocks;
+    settings.material.epsilon = 8;
+    Footage::new(StreamKind::Material, settings, |path| {
+        for (frame, bytes) in samples::patched_materials([40, 24], 18).into_iter().enumerate() {
+            let weights = bytes.iter().map(|b| [f32::from(b[0]) / 255.0, f32::from(b[1]) / 255.0, 1.0]);
+            let plane = Plane::new(40, 24, weights.collect()).unwrap();
+            exr::write_material(&path(frame as u32), &plane, ["reflect", "refract", "ior"]).unwrap();
+        }
+    })
+}
+
+/// Colour of two cells of different sizes, whose chunks close at different frames and long after they could be read:
+/// noise, every other frame between its neighbours, now and then one repeated.
+fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
+    // Chunks close by their bytes, and blocks are small.
+    let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
+    let mut settings = EncodeSettings { cell: height, ..EncodeSettings::default() };
+    settings.search.min_psnr_db = 38.0;
+    settings.search.reach = 3;
+    if blocks.is_some() {
+        settings.search.effort = lightfold::effort::Effort::Fast;
+    }
+    if hdr {
+        settings.color = ColorFormat::Half { white_cd_m2: 100.0 };
+    }
+    settings.color_blocks = blocks.map(|blocks| ColorBlockSettings { blocks, final_psnr_db: 12.0 });
+    Footage::new(StreamKind::Color, settings, |path| {
+        let mut random = Random(5);
+        let mut noise = || (0..width * height * 3).map(|_| random.below(256) as u8).collect::<Vec<u8>>();
+        let (mut before, mut frame) = (noise(), 0);
+        let mut write = |bytes: &[u8], times: u32| {
+            for _ in 0..times {
+                let plane = Plane::new(width, height, bytes.as_chunks().0.to_vec()).unwrap();
+                png::write_color8(&path(frame), &plane).unwrap();
+                frame += 1;
+            }
+        };
+        for n in 0..9 {
+            let next = noise();
+            write(&before, if n % 4 == 1 { 3 } else { 1 });
+            write(&before.iter().zip(&next).map(|(&a, &b)| a.midpoint(b)).collect::<Vec<u8>>(), n % 2);
+            before = next;
+        }
+        write(&before, 2);
+    })
+}
+
+/// Two probes, one of them with fewer frames, of two faces, in all kinds.
+fn dataset() -> Footage {
+    let mut settings = EncodeSettings { lzma2: Some(1), cell: 8, ..EncodeSettings::default() };
+    settings.temporal.keyframe_interval = 3;
+    let manifest = r#"{
+        "lightfield": 1, "name": "two", "fps": 24, "frames": [10, 20], "projection": "cubemap", "size": [16, 16],
+        "faces_present": ["px", "ny"],
+        "files": { "color": "{probe}/{face}/c.%04d.exr", "depth": "{probe}/{face}/d.%04d.exr",
+            "material": "{probe}/{face}/m.%04d.exr" },
+        "probes": [{ "name": "a", "position": [0, 0, 0] }, { "name": "b", "position": [1, 0, 0], "frames": [13, 19] }]
+    }"#;
+    let footage = Footage::new(StreamKind::Depth, settings, |_| {});
+    let root = footage.folder.path();
+    fs::write(root.join("lightfield.json"), manifest).unwrap();
+    let mut random = Random(11);
+    for (probe, face) in [("a", "px"), ("a", "ny"), ("b", "px"), ("b", "ny")] {
+        let folder = root.join(probe).join(face);
+        fs::create_dir_all(&folder).unwrap();
+        let still = random.below(2) == 0;
+        let codes = samples::moving_codes([16, 16], 11, u64::from(random.below(99)));
+        let bytes = samples::drifting_bytes([16, 16], 11);
+        for (at, frame) in (10..=20).enumerate() {
+            let metres = codes[if still { 0 } else { at }].iter().map(|&code| 1.0 + f32::from(code)).collect();
+            let name = |kind: &str| folder.join(format!("{kind}.{frame:04}.exr"));
+            exr::write_depth(&name("d"), &Plane::new(16, 16, metres).unwrap()).unwrap();
+            let light = bytes[at].iter().map(|b| b.map(|v| half::f16::from_f32(f32::from(v) / 200.0))).collect();
+            exr::write_color(&name("c"), &Plane::new(16, 16, light).unwrap()).unwrap();
+            let weights = bytes[at / 2].iter().map(|b| b.map(|v| f32::from(v / 90) / 4.0 + 0.1)).collect();
+            let plane = Plane::new(16, 16, weights).unwrap().map(|&[a, b, _]| [a, b, 1.5]);
+            exr::write_material(&name("m"), &plane, ["reflect", "refract", "ior"]).unwrap();
+        }
+    }
+    footage
+}
+
+fn all() -> Vec<(&'static str, Footage)> {
+    vec![
+        ("quadtree", depth(DepthCodec::Quadtree)),
+        ("tree", depth(DepthCodec::Tree)),
+        ("boxes", depth(DepthCodec::Boxes)),
+        ("boxes in blocks", depth(DepthCodec::BoxesInBlocks)),
+        ("blocks", depth(DepthCodec::Blocks)),
+        ("material", material(false)),
+        ("material in blocks", material(true)),
+        ("color", color(false, None)),
+        ("color in bc1", color(false, Some(ColorBlocks::Bc1))),
+        ("color in bc7", color(false, Some(ColorBlocks::Bc7))),
+        ("half", color(true, None)),
+        ("half in bc6h", color(true, Some(ColorBlocks::Bc6h))),
+        ("dataset", dataset()),
+    ]
+}
+
+fn timeless(summary: EncodeSummary) -> EncodeSummary {
+    let (reading, scanning, coding) = (Duration::ZERO, Duration::ZERO, Duration::ZERO);
+    EncodeSummary { reading, scanning, coding, resumed_chunks: 0, ..summary }
+}
+
+/// The state goes on to the whole container and the figures of an encode in one go.
+#[track_caller]
+fn comes_to(left: &State, footage: &Footage, whole: &(State, EncodeSummary), what: &str) {
+    let (state, summary) = left.go_on(footage, &Silent);
+    let summary = summary.unwrap_or_else(|stopped| panic!("{what}: {}", stopped.error));
+    assert!(state.container == whole.0.container, "{what}: other bytes");
+    assert_eq!(summary.resumed_chunks, left.chunks() as u64, "{what}");
+    assert_eq!(timeless(summary), whole.1, "{what}");
+    let chunks = |state: &State| state.recovered().unwrap().chunks().to_vec();
+    assert_eq!(chunks(&state), chunks(&whole.0), "{what}");
+}
+
+#[test]
+fn every_codec_goes_on_at_every_chunk() {
+    for (name, footage) in all() {
+        let whole = footage.whole();
+        let recovered = whole.0.recovered().unwrap();
+        assert!(recovered.chunks().len() >= 4, "{name} has {} chunks", recovered.chunks().len());
+        let units = recovered.chunks().iter().map(|chunk| (chunk.entry.key.stream, chunk.entry.key.unit));
+        let mut counts: HashMap<_, usize> = HashMap::new();
+        units.for_each(|unit| *counts.entry(unit).or_default() += 1);
+        assert!(counts.values().any(|&chunks| chunks > 1), "{name}: no unit has two chunks");
+        for end in whole.0.record_ends() {
+            let left = State { container: whole.0.container.clone(), journal: whole.0.journal[..end].to_vec() };
+            comes_to(&left, &footage, &whole, name);
+        }
+    }
+}
+
+#[test]
+fn whatever_is_left_goes_on() {
+    let mut random = Random(1);
+    let (mut tried, mut counts) = (0, 0);
+    for (name, footage) in
+        [("quadtree", depth(DepthCodec::Quadtree)), ("color", color(false, None)), ("dataset", dataset())]
+    {
+        let whole = footage.whole();
+        let chunks = whole.0.recovered().unwrap().chunks().to_vec();
+        let mut known = HashMap::new();
+        for round in 0..1500 {
+            let mut left = whole.0.clone();
+            // As far as any byte was written, or cut off, or lost in the middle.
+            let mut at = |bytes: &[u8]| random.below(bytes.len() as u32 + 1) as usize;
+            let (container, journal) = (at(&left.container), at(&left.journal));
+            let mut first_lost = u64::MAX;
+            match round % 5 {
+                0 => left.container.truncate(container),
+                1 => left.journal.truncate(journal),
+                2 => {
+                    left.container.truncate(container);
+                    left.journal.truncate(journal);
+                }
+                3 => {
+                    let end = left.container.len().min(container + 4096);
+                    if let Some(lost) = left.container[container..end].iter().position(|&byte| byte != 0) {
+                        first_lost = (container + lost) as u64;
+                    }
+                    left.container[container..end].fill(0);
+                }
+                _ => {
+                    let (bytes, at) =
+                        if round % 2 == 0 { (&mut left.journal, journal) } else { (&mut left.container, container) };
+                    if let Some(byte) = bytes.get_mut(at) {
+                        *byte ^= 1 << (round % 8);
+                    }
+                }
+            }
+            let recovered = left.recovered();
+            let found = recovered.as_ref().map_or(&[][..], Recovered::chunks);
+            assert_eq!(found, &chunks[..found.len()], "{name}, round {round}");
+            for chunk in found {
+                let end = chunk.entry.offset + u64::from(chunk.entry.stored_bytes);
+                assert!(end <= left.container.len() as u64 && end <= first_lost, "{name}, round {round}");
+            }
+            // What goes on is told by the sound part of the journal.
+            let sound = recovered.as_ref().map_or(0, Recovered::journal_bytes);
+            tried += 1;
+            if known.insert(sound, found.len()).is_none() {
+                comes_to(&left, &footage, &whole, &format!("{name}, round {round}"));
+            }
+        }
+        counts += known.len();
+    }
+    println!("{tried} states of {counts} kinds");
+    assert!(tried == 4500 && counts > 150, "{counts}");
+}
+
+/// Asks to stop after so many questions.
+struct StopsAfter(AtomicU32);
+
+impl Monitor for StopsAfter {
+    fn advance(&self, _steps: u64) {}
+
+    fn interrupted(&self) -> bool {
+        self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_err()
+    }
+}
+
+#[test]
+fn an_encode_that_is_asked_to_stop_over_and_over_ends_in_the_same_bytes_on_any_threads() {
+    let mut random = Random(3);
+    for (name, footage) in
+        [("quadtree", depth(DepthCodec::Quadtree)), ("half", color(true, None)), ("dataset", dataset())]
+    {
+        let whole = footage.whole();
+        for _ in 0..6 {
+            let mut state = State::default();
+            let mut patience = 3 + random.below(12);
+            let mut stops = 0;
+            loop {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(1 + random.below(4) as usize).build().unwrap();
+                let monitor = StopsAfter(AtomicU32::new(patience));
+                let before = state.chunks();
+                let (left, done) = pool.install(|| state.go_on(&footage, &monitor));
+                assert!(left.chunks() >= before, "{name}: chunks are lost");
+                state = left;
+                let Err(stopped) = done else { break };
+                assert!(matches!(stopped.error, Error::Interrupted), "{}", stopped.error);
+                let safe = matches!(stopped.left, Left::Chunks(_));
+                assert_eq!(safe, state.chunks() > 0, "{name}: {:?}", stopped.left);
+                stops += 1;
+                patience += random.below(60);
+            }
+            assert!(stops > 0 && state.container == whole.0.container, "{name}: {stops} stops");
+        }
+    }
+}
+
+/// Takes so many bytes, then fails as a full or a broken disk does.
+struct Failing {
+    out: Shared,
+    room: usize,
+    code: i32,
+}
+
+impl Write for Failing {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let taken = bytes.len().min(self.room);
+        if taken == 0 && !bytes.is_empty() {
+            return Err(std::io::Error::from_raw_os_error(self.code));
+        }
+        self.room -= taken;
+        self.out.write(&bytes[..taken])
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn write_errors_leave_what_is_safe() {
+    const ENOSPC: i32 = 28;
+    const EIO: i32 = 5;
+    let mut random = Random(17);
+    for (name, footage) in [("boxes", depth(DepthCodec::Boxes)), ("color", color(false, None)), ("dataset", dataset())]
+    {
+        let whole = footage.whole();
+        let mut kept = 0;
+        for round in 0..40 {
+            let (container, journal) = (Shared::default(), Shared::default());
+            let code = if round % 2 == 0 { ENOSPC } else { EIO };
+            let room = |bytes: &[u8], here: bool, random: &mut Random| {
+                if here { random.below(bytes.len() as u32) as usize } else { usize::MAX }
+            };
+            let in_container = round % 4 < 3;
+            let out =
+                Failing { out: container.clone(), room: room(&whole.0.container, in_container, &mut random), code };
+            let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
+            let resumable = Resumable { out: BufWriter::new(out), journal: Box::new(log), recovered: None };
+            let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
+            // What a buffer still holds is written, or not, when it goes.
+            let Err(Stopped { error, left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
+            let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
+            assert_eq!(source.raw_os_error(), Some(code), "{error}");
+            let state = State { container: container.bytes(), journal: journal.bytes() };
+            let safe = match &left {
+                Left::Chunks(words) => words.split(' ').next().unwrap().parse().unwrap(),
+                Left::Nothing => 0,
+                Left::AsItWas => panic!("{name}: nothing was there"),
+            };
+            assert!(state.chunks() >= safe, "{name}: {left:?}, but {} chunks are there", state.chunks());
+            kept += usize::from(safe > 0);
+            comes_to(&state, &footage, &whole, name);
+        }
+        assert!(kept > 5, "{name}: {kept} of 40 kept anything");
+    }
+}
+
+/// What is left after so many records of the journal.
+fn stopped_after(whole: &State, share: f64) -> State {
+    let ends = whole.record_ends();
+    let end = ends[((ends.len() - 1) as f64 * share) as usize];
+    State { container: whole.container.clone(), journal: whole.journal[..end].to_vec() }
+}
+
+#[track_caller]
+fn refused(left: &State, footage: &Footage) -> String {
+    let (after, done) = left.go_on(footage, &Silent);
+    let Err(Stopped { error, left: kind }) = done else { panic!("it went on") };
+    assert_eq!(kind, Left::AsItWas, "{error}");
+    assert!(matches!(error, Error::Usage(_)), "{error}");
+    assert_eq!(after.container.len() as u64, left.recovered().unwrap().container_bytes(), "something was written");
+    error.to_string()
+}
+
+#[test]
+fn other_options_are_refused_by_name() {
+    let mut footage = depth(DepthCodec::Quadtree);
+    let left = stopped_after(&footage.whole().0, 0.6);
+    type Change = fn(&mut EncodeSettings);
+    let changes: [(&str, Change); 14] = [
+        ("--depth-codec was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
+        ("the bound on depth was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
+        ("--tiles was 2 and is 1 now", |s| s.tiles = 1),
+        ("--lzma2 was none and is 6 now", |s| s.lzma2 = Some(6)),
+        ("--near", |s| s.near_m = Some(0.5)),
+        ("--far", |s| s.far_m = Some(1e6)),
+        ("--depth-window", |s| s.temporal.window = 4),
+        ("--epsilon", |s| s.temporal.epsilon = 1),
+        ("--keyframe-interval", |s| s.temporal.keyframe_interval = 6),
+        ("--min-children", |s| s.depth.min_children = 1),
+        ("--effort", |s| s.depth.effort = lightfold::effort::Effort::Fast),
+        ("--cell", |s| s.cell = 32),
+        ("--psnr", |s| s.search.min_psnr_db = 49.0),
+        ("--stream", |s| s.kinds = vec![StreamKind::Depth]),
+    ];
+    let settings = footage.settings.clone();
+    for (words, change) in changes {
+        change(&mut footage.settings);
+        let said = refused(&left, &footage);
+        assert!(said.contains(words), "{said}");
+        assert!(said.contains("--resume"), "{said}");
+        footage.settings = settings.clone();
+    }
+    fs::remove_file(footage.path(22)).unwrap();
+    assert!(refused(&left, &footage).contains("the probes were others"), "a frame is gone");
+}
+
+fn age(path: &Path) {
+    let file = fs::File::options().write(true).open(path).unwrap();
+    file.set_modified(std::time::SystemTime::now() - Duration::from_secs(1000)).unwrap();
+}
+
+/// The last frame that had a part in a complete chunk.
+fn last_frame(left: &State) -> u32 {
+    left.recovered().unwrap().chunks().iter().map(|chunk| chunk.last_frame).max().unwrap()
+}
+
+#[test]
+fn a_frame_of_complete_chunks_may_not_change_and_a_later_one_may() {
+    for (name, mut footage) in [("half", color(true, None)), ("boxes", depth(DepthCodec::Boxes))] {
+        (footage.settings.near_m, footage.settings.far_m) = (Some(1.0), Some(70_000.0));
+        let whole = footage.whole();
+        let left = stopped_after(&whole.0, 0.6);
+        let last = last_frame(&left);
+        let count = footage.source().groups()[0].frames.count() as u32;
+        assert!(0 < last && last + 1 < count, "{name}: {last} of {count}");
+        for frame in [0, last] {
+            let before = fs::File::open(footage.path(frame)).unwrap().metadata().unwrap().modified().unwrap();
+            age(&footage.path(frame));
+            let said = refused(&left, &footage);
+            assert!(said.contains(footage.path(frame).to_str().unwrap()) && said.contains("has changed"), "{said}");
+            let file = fs::File::options().write(true).open(footage.path(frame)).unwrap();
+            file.set_modified(before).unwrap();
+        }
+        // A later frame becomes another one; what comes out is what an encode of the new files comes to.
+        fs::copy(footage.path(1), footage.path(last + 1)).unwrap();
+        age(&footage.path(last + 1));
+        let changed = footage.whole();
+        assert!(changed.0.container != whole.0.container, "{name}: the change does not show");
+        comes_to(&left, &footage, &changed, name);
+    }
+}
+
+#[test]
+fn a_later_frame_that_moves_near_or_far_is_refused() {
+    let footage = depth(DepthCodec::Boxes);
+    let left = stopped_after(&footage.whole().0, 0.5);
+    let frame = last_frame(&left) + 1;
+    exr::write_depth(&footage.path(frame), &Plane::filled(40, 24, 1e9)).unwrap();
+    let said = refused(&left, &footage);
+    assert!(said.contains("the farthest surface"), "{said}");
+    // Before any chunk rests on them, near and far are found again.
+    let only_notes = State { container: left.container[..16].to_vec(), journal: left.journal.clone() };
+    assert_eq!(only_notes.chunks(), 0);
+    comes_to(&only_notes, &footage, &footage.whole(), "notes alone");
+}
+
+#[test]
+fn frames_of_complete_groups_are_not_read_again() {
+    let footage = dataset();
+    let whole = footage.whole();
+    let left = stopped_after(&whole.0, 0.9);
+    let stamp = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
+    // Rubbish of the same size and time: it would be noticed if it were read.
+    let path = footage.folder.path().join("a/px/c.0010.exr");
+    let (time, size) = (stamp(&path), fs::metadata(&path).unwrap().len());
+    fs::write(&path, vec![0; size as usize]).unwrap();
+    fs::File::options().write(true).open(&path).unwrap().set_modified(time).unwrap();
+    comes_to(&left, &footage, &whole, "dataset");
+    let (_, done) = State::default().go_on(&footage, &Silent);
+    assert!(done.is_err(), "the rubbish was not noticed");
+}
+
+#[test]
+fn what_is_safe_is_told_in_words() {
+    let footage = dataset();
+    let whole = footage.whole();
+    let recovered = whole.0.recovered().unwrap();
+    let words = encode::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
+    let count = recovered.chunks().len();
+    assert_eq!(words, format!("{count} chunks, the last of frames 19-19 of probe b, material ny"));
+}
