@@ -189,6 +189,12 @@ impl<S: Sample> CellChunk<S> {
         keyframe + 1 == self.keyframes.len()
     }
 
+    /// Whether any weight leads to the next chunk.
+    pub fn leads_on(&self) -> bool {
+        let after_last = self.keyframes.last().map_or(0, |&frame| frame as usize + 1);
+        self.weights().1.iter().skip(after_last).any(|&weight| weight != 0)
+    }
+
     /// Reads the samples of a keyframe: three for each pixel. `out` holds those of all pixels.
     pub fn read_keyframe(&self, keyframe: usize, out: &mut [S]) {
         let Place { start, bytes, in_blocks } = self.places[keyframe];

@@ -25,7 +25,7 @@ use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::image::plane::Plane;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::decode::{DecodeCost, Decoder, LEADS_NOWHERE, Picture, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together, at most.
@@ -289,9 +289,7 @@ impl<'a> GpuDecoder<'a> {
         let reader = self.decoder.reader();
         let next = reader.index().chunks.get(key as usize);
         let next = next.filter(|next| (next.key.stream, next.key.unit) == (entry.key.stream, entry.key.unit));
-        next.copied().ok_or_else(|| {
-            Error::invalid("a cell's last chunk leads to a next one, and there is none").in_file(reader.path())
-        })
+        next.copied().ok_or_else(|| Error::invalid(LEADS_NOWHERE).in_file(reader.path()))
     }
 
     fn fetch(&self, entry: &ChunkEntry) -> Result<Prepared> {

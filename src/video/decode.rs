@@ -22,6 +22,9 @@ use crate::video::depth_chunk::DepthChunk;
 use crate::video::material_chunk::MaterialChunk;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
+/// What is wrong with a cell whose last chunk has a weight behind its last keyframe (color.md 4).
+pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
+
 /// A stream of an open container, typed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamInfo {
@@ -472,7 +475,12 @@ impl<S: Sample> CellState<S> {
 
     fn parse(&self, source: &mut ChunkSource<'_>, entry: &ChunkEntry) -> Result<CellChunk<S>> {
         let format = self.format;
-        source.fetch(entry, |payload| CellChunk::parse(payload, format, entry.key.frame_count))
+        let is_last = source.chunks.last().is_some_and(|last| last.key == entry.key);
+        source.fetch(entry, |payload| {
+            let chunk = CellChunk::parse(payload, format, entry.key.frame_count)?;
+            // Refused as a whole: what of it can be shown must not depend on the way to it.
+            if is_last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
+        })
     }
 
     /// Brings a keyframe into a slot, from the other slot where it is there.
@@ -489,11 +497,7 @@ impl<S: Sample> CellState<S> {
             |chunk: &Option<(usize, CellChunk<S>)>| chunk.as_ref().is_some_and(|(held, _)| *held == chunk_index);
         if !holds(&self.chunk) && !holds(&self.next_chunk) {
             let Some(&entry) = source.chunks.get(chunk_index) else {
-                let error = Error::invalid("a cell's last chunk leads to a next one, and there is none");
-                return Err(match source.chunks.last() {
-                    Some(last) => source.condemn(last, error),
-                    None => error.in_file(source.reader.path()),
-                });
+                return Err(Error::invalid(LEADS_NOWHERE).in_file(source.reader.path()));
             };
             self.next_chunk = Some((chunk_index, self.parse(source, &entry)?));
         }

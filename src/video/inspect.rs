@@ -14,7 +14,7 @@ use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::video::damage::DamagedChunk;
-use crate::video::decode::{Decoder, StreamInfo};
+use crate::video::decode::{Decoder, LEADS_NOWHERE, StreamInfo};
 use crate::video::encode::raw_pixel_bytes;
 use crate::video::footprint;
 
@@ -319,7 +319,7 @@ impl Watch<'_> {
             self.monitor.check()?;
             let counted = self.chunk(chunk, [width, height]).and_then(|counted| {
                 if counted.leads_on && at + 1 == chunks.len() {
-                    return Err(Error::invalid("the cell's last chunk leads to a next one, and there is none"));
+                    return Err(Error::invalid(LEADS_NOWHERE));
                 }
                 Ok(counted)
             });

@@ -186,7 +186,7 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_co
     let mut measure = ChunkMeasure {
         events: Vec::with_capacity(frames.len()),
         constant: false,
-        leads_on: false,
+        leads_on: chunk.leads_on(),
         census: NodeCensus::default(),
         blocks: BlockCount::default(),
     };
@@ -200,7 +200,6 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_co
         let keyframe = shown.is_none_or(|(keyframe, _)| keyframe != blend.keyframe);
         let written = shown.replace((blend.keyframe, blend.weight)) != Some((blend.keyframe, blend.weight));
         let weight_bytes = u64::from(frame < chunk.weight_count());
-        measure.leads_on |= blend.weight != 0 && chunk.is_last(blend.keyframe);
         measure.events.push(Event {
             frame,
             cost: FrameCost {
