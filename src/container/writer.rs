@@ -183,13 +183,27 @@ impl<W: Write> Writer<W> {
     }
 
     /// Writes index and foot, flushes, and gives back the sink and the file's size.
-    pub fn finish(mut self) -> Result<(W, u64)> {
+    ///
+    /// # Errors
+    /// For a container that no reader would open, before the index is written.
+    pub fn finish(self) -> Result<(W, u64)> {
+        self.finish_checked(|_, _| Ok(()))
+    }
+
+    /// The same, unless `check` of the index and the file's size refuses.
+    ///
+    /// # Errors
+    /// Those of [`Self::finish`] and of `check`.
+    pub fn finish_checked(mut self, check: impl FnOnce(&Index, u64) -> Result<()>) -> Result<(W, u64)> {
         self.index.chunks.sort_by_key(|chunk| chunk.key);
         let index = self.index.write()?;
         let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
         // What no reader would open is an error now, not when it is opened.
         Index::read(&index, self.position)
-            .and_then(|read| reader::justify(&read, bytes, OpenLimits::default()))
+            .and_then(|read| {
+                reader::justify(&read, bytes, OpenLimits::default())?;
+                check(&read, bytes)
+            })
             .map_err(|error| error.context("this container could not be opened again"))?;
         let foot =
             Foot { index_offset: self.position, index_bytes: index.len() as u64, index_crc32: crc32fast::hash(&index) };

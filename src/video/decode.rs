@@ -8,11 +8,9 @@ use half::f16;
 use crate::color::blend::{self, HalfKey, Sample};
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::index::ProbeEntry;
-use crate::container::{ChunkEntry, Index, Payload, Reader, StreamEntry};
-use crate::dataset::stream::StreamKind;
+use crate::container::{ChunkEntry, Payload, Reader};
 use crate::depth::BACKGROUND_CODE;
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::ordered::try_map_ordered;
@@ -20,39 +18,13 @@ use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader, Ma
 use crate::video::damage::DamagedChunk;
 use crate::video::depth_chunk::DepthChunk;
 use crate::video::material_chunk::MaterialChunk;
+use crate::video::stream_info;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
+
+pub use crate::video::stream_info::StreamInfo;
 
 /// What is wrong with a cell whose last chunk has a weight behind its last keyframe (color.md 4).
 pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
-
-/// A stream of an open container, typed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StreamInfo {
-    /// Index in the stream table.
-    pub index: u32,
-    /// What its pixels are.
-    pub kind: StreamKind,
-    /// Index in the probe table.
-    pub probe: usize,
-    /// The face.
-    pub face: Face,
-    /// Its frames.
-    pub frames: FrameRange,
-    /// The codec and its settings.
-    pub header: CodecHeader,
-    /// Size, units and the rest.
-    pub entry: StreamEntry,
-}
-
-impl StreamInfo {
-    /// The most bytes that decoding its images takes, one after the other: images and keyframes of all units, the image
-    /// that is made of them, and what one payload of each unit becomes (container.md 2).
-    pub fn memory_bytes(&self, index: &Index) -> u64 {
-        let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
-        let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
-        (pixels * self.header.held_pixel_bytes()).saturating_add(payloads)
-    }
-}
 
 /// An open container whose streams are all understood.
 #[derive(Debug)]
@@ -108,49 +80,10 @@ impl Decoder {
 
     /// Takes an open container; a codec that is not known is an error.
     pub fn new(reader: Reader) -> Result<Decoder> {
-        let mut streams = Vec::new();
-        for (index, entry) in reader.index().streams.iter().enumerate() {
-            let named = |error: Error| error.context(format!("stream {index}")).in_file(reader.path());
-            let header = CodecHeader::read(entry).map_err(named)?;
-            let face = Face::from_index(entry.face).ok_or_else(|| named(Error::invalid("a face that is unknown")))?;
-            let frames = FrameRange { first: entry.first_frame, last: entry.end_frame() - 1 };
-            streams.push(StreamInfo {
-                index: index as u32,
-                kind: header.kind(),
-                probe: usize::from(entry.probe),
-                face,
-                frames,
-                header,
-                entry: entry.clone(),
-            });
-        }
-        let decoder = Decoder { reader, streams };
-        decoder.check_memory().map_err(|error| error.in_file(decoder.reader.path()))?;
-        Ok(decoder)
-    }
-
-    /// Refuses streams whose decoding would take more memory than the file justifies (container.md 2).
-    fn check_memory(&self) -> Result<()> {
-        let (limits, file_bytes) = (self.reader.limits(), self.reader.file_bytes());
-        let mut total = 0u64;
-        for stream in &self.streams {
-            let bytes = stream.memory_bytes(self.reader.index());
-            if bytes > limits.stream_bytes(file_bytes) {
-                return Err(Error::invalid(format!(
-                    "stream {} of {}x{} pixels would take {bytes} bytes to decode, more than a file of {file_bytes} bytes \
-                     justifies",
-                    stream.index, stream.entry.width, stream.entry.height
-                )));
-            }
-            total = total.saturating_add(bytes);
-        }
-        if total > limits.all_streams_bytes(file_bytes) {
-            return Err(Error::invalid(format!(
-                "{} streams would take {total} bytes to decode, more than a file of {file_bytes} bytes justifies",
-                self.streams.len()
-            )));
-        }
-        Ok(())
+        let named = |error: Error| error.in_file(reader.path());
+        let streams = stream_info::streams(reader.index()).map_err(named)?;
+        stream_info::check_memory(&streams, reader.index(), reader.file_bytes(), reader.limits()).map_err(named)?;
+        Ok(Decoder { reader, streams })
     }
 
     /// All streams.

@@ -29,7 +29,7 @@ use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
-use crate::video::scan;
+use crate::video::{scan, stream_info};
 
 use fingerprint::Fingerprint;
 use resume::{Done, FrameNote, Order, ScanNote, Stamp, note_of_frames};
@@ -180,7 +180,7 @@ fn run<W: Write>(
     let ran = job.run(&selected_groups(source, settings));
     let Job { writer, mut summary, .. } = job;
     let left = left_of(order.describe(source, writer.safe()));
-    match ran.and_then(|()| writer.finish()) {
+    match ran.and_then(|()| writer.finish_checked(stream_info::check_written)) {
         Ok((out, bytes)) => {
             summary.bytes = bytes;
             Ok((out, summary))

@@ -20,6 +20,7 @@ pub mod material_chunk;
 pub mod pack;
 pub mod scan;
 pub mod side;
+pub mod stream_info;
 pub mod tile_quality;
 pub mod unit_filter;
 

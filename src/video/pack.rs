@@ -13,7 +13,7 @@ use crate::ordered::try_map_at_once;
 use crate::video::codec::CodecHeader;
 use crate::video::encode::raw_pixel_bytes;
 use crate::video::flatten::{self, FlattenSettings, Flattener};
-use crate::video::footprint;
+use crate::video::{footprint, stream_info};
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
@@ -143,7 +143,7 @@ pub fn pack<W: Write>(
     for probe in probes {
         writer.add_probe(probe)?;
     }
-    let (out, bytes) = writer.finish()?;
+    let (out, bytes) = writer.finish_checked(stream_info::check_written)?;
     Ok((out, PackSummary { bytes, ..summary }))
 }
 

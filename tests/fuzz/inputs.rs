@@ -1,13 +1,14 @@
 //! Mutated inputs of each target: input `number` of a seed is always the same bytes.
 
+use lightfold::container::journal::MAGIC;
 use lightfold::container::{ChunkEntry, ChunkKey, Index, StreamEntry};
 use serde_json::Value;
 
 use crate::mutate::{self, number, pick, place};
 use crate::samples::{self, Random};
 use crate::seeds;
-use crate::targets::Target;
 use crate::targets::stream::Case;
+use crate::targets::{Target, journal};
 
 /// Makes the inputs of one target.
 pub struct Inputs {
@@ -24,6 +25,7 @@ enum Kind {
     Bytes,
     Index,
     Case,
+    Journal,
     Header(usize),
     Png,
     Json,
@@ -36,6 +38,7 @@ impl Inputs {
             "container" => (Kind::Bytes, [seeds::containers(), seeds::vectors("invalid")].concat()),
             "index" => (Kind::Index, seeds::containers()),
             "lzma2" => (Kind::Header(24), seeds::lzma2()),
+            "journal" => (Kind::Journal, seeds::journals()),
             "exr" => (Kind::Header(700), seeds::exr()),
             "png" => (Kind::Png, seeds::png()),
             "manifest" => (Kind::Json, seeds::manifests()),
@@ -71,6 +74,12 @@ impl Inputs {
                 mutate::header(&mut input, 60, other, random);
                 if random.below(4) > 0 {
                     repair_png(&mut input);
+                }
+            }
+            Kind::Journal => {
+                mutate::header(&mut input, 600, other, random);
+                if random.below(4) > 0 {
+                    repair_journal(&mut input);
                 }
             }
             Kind::Json => input = crate::json::mutate(&self.values[chosen], random),
@@ -254,5 +263,19 @@ fn repair_png(file: &mut [u8]) {
         let crc = crc32fast::hash(&file[at + 4..end]).to_be_bytes();
         file[end..end + 4].copy_from_slice(&crc);
         at = end + 4;
+    }
+}
+
+/// Gives every record of a journal, up to one that does not fit, its right CRC-32.
+fn repair_journal(input: &mut [u8]) {
+    let length = journal::parts(input).0.len();
+    let Some(journal) = input.get_mut(4..4 + length) else { return };
+    let mut at = MAGIC.len();
+    while let Some(head) = journal.get(at..at + 9) {
+        let end = at + 9 + u32::from_le_bytes([head[0], head[1], head[2], head[3]]) as usize;
+        let Some(kind_and_body) = journal.get(at + 8..end) else { return };
+        let crc32 = crc32fast::hash(kind_and_body).to_le_bytes();
+        journal[at + 4..at + 8].copy_from_slice(&crc32);
+        at = end;
     }
 }

@@ -2,13 +2,14 @@
 
 use std::fs;
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds, Layer,
     LayerAttributes, LineOrder, Vec2, WritableImage,
 };
 use half::f16;
-use lightfold::container::Reader;
+use lightfold::container::{ChunkKey, Journal, PackedChunk, Reader, Writer};
 use lightfold::image::{Plane, png};
 use lightfold::report::tradeoff::KNOBS;
 use lightfold::report::tradeoff::store::FIGURES;
@@ -221,4 +222,42 @@ pub fn patterns() -> Vec<Vec<u8>> {
     ]
     .map(|text| text.as_bytes().to_vec())
     .to_vec()
+}
+
+/// Journals with the containers that they speak of.
+pub fn journals() -> Vec<Vec<u8>> {
+    [0, 3, 9].map(journal).to_vec()
+}
+
+/// One of so many chunks, two of which have the same bytes, with a note before each.
+fn journal(chunks: u32) -> Vec<u8> {
+    let sink = Shared::default();
+    let journal = Journal::start(Box::new(sink.clone()), b"what is encoded, and how");
+    let mut container = Vec::new();
+    let mut writer = Writer::new(&mut container, "journal", 24.0, 0).unwrap().with_journal(journal);
+    for at in 0..chunks {
+        writer.note(&[at as u8; 5]);
+        let key = ChunkKey { stream: 0, unit: at, first_frame: 3, frame_count: 1 + at };
+        let payload = vec![at.min(5) as u8; 40];
+        writer.push(&PackedChunk::new(key, payload, (at % 2 == 0).then_some(0)).unwrap()).unwrap();
+    }
+    writer.checkpoint().unwrap();
+    drop(writer);
+    let journal = sink.0.lock().unwrap();
+    [&(journal.len() as u32).to_le_bytes(), journal.as_slice(), &container].concat()
+}
+
+/// Bytes that two hold.
+#[derive(Clone, Default)]
+struct Shared(Arc<Mutex<Vec<u8>>>);
+
+impl std::io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap().extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
 }

@@ -5,6 +5,7 @@ use lightfold::error::{EXIT_BAD_INPUT, Error, Result};
 
 pub mod container;
 pub mod images;
+pub mod journal;
 pub mod stream;
 pub mod texts;
 
@@ -31,7 +32,7 @@ pub struct Target {
     pub bound: fn(&[u8]) -> u64,
 }
 
-/// All targets. A resume journal belongs here, too.
+/// All targets.
 pub const TARGETS: &[Target] = &[
     Target { name: "container", run: container::run, bound: container::bound },
     Target { name: "index", run: container::run, bound: container::bound },
@@ -48,6 +49,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "CCB7", run: |bytes| stream::run(*b"CCB7", bytes), bound: |bytes| stream::bound(*b"CCB7", bytes) },
     Target { name: "CCLH", run: |bytes| stream::run(*b"CCLH", bytes), bound: |bytes| stream::bound(*b"CCLH", bytes) },
     Target { name: "CCB6", run: |bytes| stream::run(*b"CCB6", bytes), bound: |bytes| stream::bound(*b"CCB6", bytes) },
+    Target { name: "journal", run: journal::run, bound: journal::bound },
     Target { name: "exr", run: images::run_exr, bound: images::bound },
     Target { name: "png", run: images::run_png, bound: images::bound },
     Target { name: "manifest", run: texts::run_manifest, bound: texts::bound },

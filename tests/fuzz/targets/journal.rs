@@ -1,0 +1,48 @@
+//! What an unfinished encode has left: a journal, and the container that it speaks of.
+
+use lightfold::container::journal::recover;
+
+use super::{Judged, Verdict, refused};
+
+/// An input is the length of the journal in four bytes, the journal, the container.
+pub fn parts(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let Some((length, rest)) = bytes.split_first_chunk() else { return (bytes, &[]) };
+    rest.split_at(rest.len().min(u32::from_le_bytes(*length) as usize))
+}
+
+/// Recovers what can be, cuts both off behind it, and recovers again.
+pub fn run(bytes: &[u8]) -> Judged {
+    let (journal, container) = parts(bytes);
+    let found = match recover(journal, container) {
+        Ok(Some(found)) => found,
+        Ok(None) => return Ok(Verdict::Refused),
+        Err(error) => return refused(&error),
+    };
+    let (Some(journal), Some(container)) =
+        (journal.get(..found.journal_bytes() as usize), container.get(..found.container_bytes() as usize))
+    else {
+        return Err(format!("more is sound than there is: {found:?}"));
+    };
+    let whole = |entry: &lightfold::container::ChunkEntry| {
+        entry.offset + u64::from(entry.stored_bytes) <= found.container_bytes()
+    };
+    if !found.chunks().iter().all(|chunk| whole(&chunk.entry)) {
+        return Err(format!("a chunk lies beyond what is sound: {found:?}"));
+    }
+    match recover(journal, container) {
+        Ok(Some(again))
+            if again.chunks() == found.chunks()
+                && again.notes().eq(found.notes())
+                && (again.container_bytes(), again.journal_bytes())
+                    == (found.container_bytes(), found.journal_bytes()) =>
+        {
+            Ok(Verdict::Accepted)
+        }
+        other => Err(format!("{found:?} becomes {other:?} once it is cut off")),
+    }
+}
+
+/// A record of 53 bytes becomes a row, and one of each of two maps, which are doubled when they grow.
+pub fn bound(bytes: &[u8]) -> u64 {
+    (1 << 20) + 16 * bytes.len() as u64
+}
