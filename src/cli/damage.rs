@@ -1,5 +1,6 @@
 //! Damaged chunks as reports list them.
 
+use std::collections::HashMap;
 use std::fmt::Write;
 
 use serde_json::{Value, json};
@@ -27,15 +28,20 @@ pub fn json(decoder: &Decoder, damaged: &[DamagedChunk]) -> Vec<Value> {
     damaged.iter().map(object).collect()
 }
 
-/// One line for each chunk.
+/// One line for each place in the file; chunks of equal bytes lie at the same one.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {
+    let place = |damaged: &DamagedChunk| (damaged.chunk.offset, damaged.reason.clone());
+    let mut rows_at: HashMap<_, u64> = HashMap::new();
+    damaged.iter().for_each(|damaged| *rows_at.entry(place(damaged)).or_default() += 1);
     let mut out = String::new();
     for damaged in damaged {
+        let Some(rows) = rows_at.remove(&place(damaged)) else { continue };
         let key = damaged.chunk.key;
         let stream = &decoder.streams()[key.stream as usize];
+        let also = if rows > 1 { format!(" and {} chunks of the same bytes", rows - 1) } else { String::new() };
         let _ = writeln!(
             out,
-            "  stream {} ({} of probe {} face {}), unit {}, frames {}, at byte {}: {}",
+            "  stream {} ({} of probe {} face {}), unit {}, frames {}{also}, at byte {}: {}",
             key.stream,
             stream.kind.name(),
             decoder.probe(stream).name,
