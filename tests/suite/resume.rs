@@ -520,14 +520,16 @@ fn a_frame_of_complete_chunks_may_not_change_and_a_later_one_may() {
 }
 
 /// Changes a file when it is first asked whether to stop, which is before any frame is read.
-struct Changes(PathBuf, AtomicU32);
+struct Changes(Mutex<Option<PathBuf>>);
 
 impl Monitor for Changes {
     fn advance(&self, _steps: u64) {}
 
     fn interrupted(&self) -> bool {
-        if self.1.fetch_add(1, Ordering::SeqCst) == 0 {
-            age(&self.0);
+        // Other threads wait until it is done.
+        let mut file = self.0.lock().unwrap();
+        if let Some(path) = file.take() {
+            age(&path);
         }
         false
     }
@@ -542,7 +544,7 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
         let left =
             [0.6, 0.55, 0.5, 0.45].map(|share| stopped_after(&whole.0, share)).into_iter().find(reads_last_again);
         let left = left.unwrap_or_else(|| panic!("{name}: no frame is read again"));
-        let changes = Changes(footage.path(last_frame(&left)), AtomicU32::new(0));
+        let changes = Changes(Mutex::new(Some(footage.path(last_frame(&left)))));
         let (after, done) = left.go_on(&footage, &changes);
         let Err(Stopped { error, left: kind }) = done else { panic!("{name}: it went on") };
         assert!(error.to_string().contains("has changed since"), "{name}: {error}");
