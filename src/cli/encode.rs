@@ -219,13 +219,14 @@ impl Work<'_> {
         unfinished: Unfinished,
         global: &GlobalArgs,
     ) -> Result<EncodeSummary> {
-        let begun = file.recover()?;
+        let lone =
+            "the file system has no locks, so two encoders of this file would not see each other: start no second one";
+        say(global, self.path, lone, !file.is_locked());
+        let begun = file.recover(self.progress).map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
-                if let Err(error) = encode::check_recovered(self.source, self.settings, &begun) {
-                    file.keep();
-                    return Err(error.context(self.path.display()));
-                }
+                encode::check_recovered(self.source, self.settings, &begun)
+                    .map_err(|error| error.context(self.path.display()))?;
                 let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
                 say(global, self.path, &format!("going on behind {words}"), true);
                 Some(begun)
@@ -243,7 +244,9 @@ impl Work<'_> {
                 None
             }
         };
-        let journal = file.go_on(recovered.as_ref())?;
+        let goes_on = recovered.is_some();
+        let journal =
+            file.go_on(recovered.as_ref()).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
         let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
         let stopped = match done.map(|(_, summary)| summary) {
@@ -256,19 +259,38 @@ impl Work<'_> {
         };
         let error = output::name_output(stopped.error, self.path);
         match stopped.left {
-            Left::Nothing => Err(error),
+            Left::Nothing => {
+                file.discard();
+                Err(error)
+            }
             Left::AsItWas => {
-                file.keep();
+                // Nothing is promised of it.
+                let _ = file.keep();
                 Err(error.context(self.path.display()))
             }
             Left::Chunks(words) => {
-                let partial = file.keep();
-                let safe =
-                    format!("in {}: {words}; the same command with --resume goes on from there", partial.display());
-                Err(Error::Unfinished { cause: Box::new(error), safe: format!("safe {safe}") })
+                let on_disk = file.keep();
+                let safe = kept(file.work_path(), &words, &on_disk);
+                Err(Error::Unfinished { cause: Box::new(error), safe })
             }
         }
     }
+}
+
+/// An error after which all that an earlier encode left is still there.
+fn stays(error: Error, file: &OutputFile) -> Error {
+    let safe =
+        format!("what an unfinished encode left stays in {}; remove it to start anew", file.work_path().display());
+    Error::Unfinished { cause: Box::new(error), safe }
+}
+
+/// What of an unfinished encode is kept, and how well.
+fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
+    let how = match on_disk {
+        Ok(()) => "safe".to_owned(),
+        Err(error) => format!("kept, though it may not have reached the disk ({error}),"),
+    };
+    format!("{how} in {}: {chunks}; the same command with --resume goes on from there", partial.display())
 }
 
 /// Whether the output would replace a file that is about to be read.
@@ -324,5 +346,19 @@ impl Encoded {
             human_bytes(summary.raw_bytes),
             100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_has_reached_the_disk_is_called_safe() {
+        let words = |on_disk| kept(Path::new(".a.partial"), "2 chunks", &on_disk);
+        let end = "in .a.partial: 2 chunks; the same command with --resume goes on from there";
+        assert_eq!(words(Ok(())), format!("safe {end}"));
+        let lost = words(Err(std::io::Error::other("broken")));
+        assert_eq!(lost, format!("kept, though it may not have reached the disk (broken), {end}"));
     }
 }

@@ -12,6 +12,7 @@ use tempfile::TempDir;
 
 use crate::container::Recovered;
 use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 use crate::report::machine;
 
 pub use claim::claim;
@@ -125,13 +126,26 @@ impl OutputFile {
         matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed())
     }
 
+    /// Whether another process that would write the same output notices this one.
+    pub fn is_locked(&self) -> bool {
+        matches!(&self.sink, Sink::Partial(partial) if partial.is_locked())
+    }
+
+    /// Where the bytes are until [`Self::commit`].
+    pub fn work_path(&self) -> &Path {
+        match &self.sink {
+            Sink::Partial(partial) => partial.path(),
+            Sink::Direct(_) => &self.path,
+        }
+    }
+
     /// What an earlier process left to go on with, if anything.
     ///
     /// # Errors
-    /// When it cannot be read.
-    pub fn recover(&mut self) -> Result<Option<Recovered>> {
+    /// When it cannot be read, or the user asks to stop; it is left as it is.
+    pub fn recover(&mut self, monitor: &dyn Monitor) -> Result<Option<Recovered>> {
         match &mut self.sink {
-            Sink::Partial(partial) => partial.recover(),
+            Sink::Partial(partial) => partial.recover(monitor),
             Sink::Direct(_) => Ok(None),
         }
     }
@@ -139,7 +153,7 @@ impl OutputFile {
     /// Cuts off what is not sound, or everything where nothing was recovered. Answers where the journal is to be written.
     ///
     /// # Errors
-    /// When a file cannot be cut or made.
+    /// When a file cannot be cut or made; what an earlier process left is left as it is.
     pub fn go_on(&mut self, recovered: Option<&Recovered>) -> Result<Box<dyn Write + Send>> {
         match &mut self.sink {
             Sink::Partial(partial) => Ok(Box::new(partial.go_on(recovered)?)),
@@ -147,14 +161,21 @@ impl OutputFile {
         }
     }
 
-    /// Leaves the unfinished file where it is; answers its path.
-    pub fn keep(&mut self) -> PathBuf {
+    /// Leaves the unfinished file where it is: in [`Self::work_path`].
+    ///
+    /// # Errors
+    /// When what was written may not have reached the disk. It is left all the same.
+    pub fn keep(&mut self) -> std::io::Result<()> {
         match &mut self.sink {
-            Sink::Partial(partial) => {
-                partial.keep();
-                partial.path().to_path_buf()
-            }
-            Sink::Direct(_) => self.path.clone(),
+            Sink::Partial(partial) => partial.keep(),
+            Sink::Direct(_) => Ok(()),
+        }
+    }
+
+    /// Leaves nothing of the unfinished file, nor of what an earlier process left.
+    pub fn discard(&mut self) {
+        if let Sink::Partial(partial) = &mut self.sink {
+            partial.discard();
         }
     }
 

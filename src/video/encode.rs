@@ -164,17 +164,20 @@ fn run<W: Write>(
         Sink::Resumable(Resumable { recovered, .. }) => recovered.as_ref(),
         Sink::Plain(_) => None,
     };
+    let before = recovered.map(Recovered::safe).unwrap_or_default();
+    let goes_on = recovered.is_some();
     let begun = prepare(source, settings, recovered, &order, monitor);
     let done = begun.map_err(|error| {
         let left = match (&error, recovered) {
             (_, None) => Left::Nothing,
             (Error::Usage(_), Some(_)) => Left::AsItWas,
-            (_, Some(recovered)) => left_of(order.describe(source, recovered.safe())),
+            (_, Some(_)) => left_of(order.describe(source, before)),
         };
         Stopped { error, left }
     })?;
     let resumed_chunks = done.chunks;
-    let writer = open(source, settings, sink).map_err(|error| Stopped { error, left: Left::Nothing })?;
+    let writer = open(source, settings, sink)
+        .map_err(|error| Stopped { error, left: left_of(order.describe(source, before)) })?;
     let summary = EncodeSummary { resumed_chunks, ..EncodeSummary::default() };
     let mut job = Job { source, settings, writer, monitor, done, summary };
     let ran = job.run(&selected_groups(source, settings));
@@ -185,6 +188,8 @@ fn run<W: Write>(
             summary.bytes = bytes;
             Ok((out, summary))
         }
+        // The same command would be refused again.
+        Err(error @ Error::Usage(_)) if goes_on => Err(Stopped { error, left: Left::AsItWas }),
         Err(error) => Err(Stopped { error, left }),
     }
 }
@@ -343,6 +348,7 @@ impl<W: Write> Job<'_, W> {
         let batch = memory::batch_frames(self.source, self.settings, group)?;
         let whole = starts.iter().min().copied().unwrap_or(0);
         let frames: Vec<u32> = group.frames.iter().skip(whole as usize).collect();
+        let rests = self.done.last_frame(streams.iter().map(|(stream, _)| *stream));
         let (reading, coding) = (AtomicU64::new(0), AtomicU64::new(0));
         let pace = Pace::new(self.monitor, units.len(), group.faces.len());
         pace.skip(starts.iter().copied().map(u64::from).sum());
@@ -359,6 +365,9 @@ impl<W: Write> Job<'_, W> {
                     Some((stamp, planes)) => (stamp, Some(planes)),
                     None => (Stamp::of(&self.source.file(group, frame)?)?, None),
                 };
+                if rests.is_some_and(|last| frame <= last) {
+                    self.done.check_file(self.source, (at, group, frame), stamp)?;
+                }
                 let (picture, clipped) = coder.read(self.source, frame, kept, &reading, &coding)?;
                 Ok((FrameNote { stamp, clipped }, picture))
             })?;

@@ -519,6 +519,72 @@ fn a_frame_of_complete_chunks_may_not_change_and_a_later_one_may() {
     }
 }
 
+/// Changes a file when it is first asked whether to stop, which is before any frame is read.
+struct Changes(Mutex<Option<PathBuf>>);
+
+impl Monitor for Changes {
+    fn advance(&self, _steps: u64) {}
+
+    fn interrupted(&self) -> bool {
+        // Other threads wait until it is done.
+        let mut file = self.0.lock().unwrap();
+        if let Some(path) = file.take() {
+            age(&path);
+        }
+        false
+    }
+}
+
+#[test]
+fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_changed() {
+    for (name, mut footage) in [("half", color(true, None)), ("boxes", depth(DepthCodec::Boxes))] {
+        (footage.settings.near_m, footage.settings.far_m) = (Some(1.0), Some(70_000.0));
+        let whole = footage.whole();
+        // Units stand at different frames, or an encoder looked ahead: the last frame is read again.
+        let left =
+            [0.6, 0.55, 0.5, 0.45].map(|share| stopped_after(&whole.0, share)).into_iter().find(reads_last_again);
+        let left = left.unwrap_or_else(|| panic!("{name}: no frame is read again"));
+        let changes = Changes(Mutex::new(Some(footage.path(last_frame(&left)))));
+        let (after, done) = left.go_on(&footage, &changes);
+        let Err(Stopped { error, left: kind }) = done else { panic!("{name}: it went on") };
+        assert!(error.to_string().contains("has changed since"), "{name}: {error}");
+        assert_eq!(kind, Left::AsItWas, "{name}: {error}");
+        // What it left is refused, too: the old stamp still stands.
+        assert!(after.chunks() >= left.chunks(), "{name}");
+        assert!(refused(&after, &footage).contains("has changed since"), "{name}");
+    }
+}
+
+/// Whether the last frame that had a part in a chunk is behind the first one that is to be encoded.
+fn reads_last_again(left: &State) -> bool {
+    let mut ends: HashMap<_, u32> = HashMap::new();
+    for chunk in left.recovered().unwrap().chunks() {
+        let key = chunk.entry.key;
+        ends.insert((key.stream, key.unit), key.first_frame + key.frame_count);
+    }
+    ends.values().min().is_some_and(|&first| first <= last_frame(left))
+}
+
+#[test]
+fn an_encode_of_other_sources_is_refused() {
+    let footage = depth(DepthCodec::Boxes);
+    let left = stopped_after(&footage.whole().0, 0.6);
+    let head = left.recovered().unwrap().head().to_vec();
+    let name = b"the sources of lightfold";
+    let at = head.windows(name.len()).position(|part| part == name).expect("the head names the sources") + name.len();
+    let hash = head[at..].iter().position(|&byte| byte == b'#').unwrap() + at;
+    let mut other = head.clone();
+    other[hash + 1] = if other[hash + 1] == b'0' { b'1' } else { b'0' };
+    // The first record is the head: length, CRC-32 of kind and body, kind, body.
+    let start = journal::MAGIC.len() + 9;
+    let mut changed = left.clone();
+    changed.journal[start..start + other.len()].copy_from_slice(&other);
+    let crc32 = crc32fast::hash(&[&[0], &other[..]].concat());
+    changed.journal[start - 5..start - 1].copy_from_slice(&crc32.to_le_bytes());
+    let said = refused(&changed, &footage);
+    assert!(said.contains("the sources of lightfold were others"), "{said}");
+}
+
 #[test]
 fn a_later_frame_that_moves_near_or_far_is_refused() {
     let footage = depth(DepthCodec::Boxes);

@@ -36,7 +36,7 @@ impl Folder {
             Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
         };
         let lock = path.join(LOCK);
-        let _lock = output::claim(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?;
+        let _lock = output::claim(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
         let folder = Folder { path: path.to_path_buf(), _lock };
         let [begin, end] = UNFINISHED;
         for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {

@@ -20,6 +20,8 @@ impl Fingerprint {
     /// That of an encode of this program on this machine.
     pub(super) fn of(source: &Source, settings: &EncodeSettings) -> Fingerprint {
         let mut fields = vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned())];
+        // Versions may have other encoders between them: build.rs hashes the sources.
+        fields.push(("the sources of lightfold", env!("LIGHTFOLD_SOURCES").to_owned()));
         fields.push(("the kind of machine", machine(settings)));
         fields.extend(of_settings(settings));
         fields.push(("the name of the dataset", source.name().to_owned()));
@@ -71,9 +73,22 @@ impl Fingerprint {
 ///
 /// Whatever is added to the settings has to be named here, or left out for a reason.
 fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
-    let EncodeSettings { temporal, material, depth, tiles, near_m, far_m, cell, color, search, color_blocks, .. } =
-        settings;
-    let EncodeSettings { lzma2, kinds, .. } = settings;
+    let EncodeSettings {
+        temporal,
+        material,
+        depth,
+        tiles,
+        near_m,
+        far_m,
+        cell,
+        color,
+        search,
+        color_blocks,
+        lzma2,
+        kinds,
+        // Batches are smaller with less of it; the order of chunks and their bytes are the same.
+        memory: _,
+    } = settings;
     let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
     let MaterialSettings { epsilon: material_error, in_blocks } = material;
     let DepthSettings { codec, error, domain, decide, effort, min_children } = depth;

@@ -41,7 +41,7 @@ pub struct Stopped {
 pub enum Left {
     /// Nothing worth keeping.
     Nothing,
-    /// What it was given, untouched: it would not go on with it.
+    /// What there is: it would not go on with it.
     AsItWas,
     /// Complete chunks, in words: how many, and what the last of them holds.
     Chunks(String),
@@ -266,6 +266,29 @@ impl Done {
         self.frames.get(&(group, frame)).map_or(0, |note| note.clipped)
     }
 
+    /// The last frame that had a part in a complete chunk of these streams, which are those of a group.
+    pub(super) fn last_frame(&self, streams: impl Iterator<Item = u32>) -> Option<u32> {
+        streams.filter_map(|stream| self.last_frames.get(&stream).copied()).max()
+    }
+
+    /// Refuses a file that complete chunks were made of when it was another one; of its group the index is given, too.
+    ///
+    /// # Errors
+    /// [`Error::Usage`].
+    pub(super) fn check_file(
+        &self,
+        source: &Source,
+        (at, group, frame): (usize, &SourceGroup, u32),
+        now: Stamp,
+    ) -> Result<()> {
+        let note = self.frames.get(&(at, frame)).ok_or_else(broken)?;
+        if note.stamp == now {
+            return Ok(());
+        }
+        let (file, name) = (source.file(group, frame)?, convert::name_frame(source, group, frame));
+        Err(fingerprint::other(&format!("{} ({name}) has changed since", file.display())))
+    }
+
     /// Refuses to go on where files have changed that complete chunks were made of. Forgets scans that no longer hold and
     /// that no chunk rests on.
     ///
@@ -280,14 +303,9 @@ impl Done {
     ) -> Result<()> {
         for &(at, group, first_stream) in &order.0 {
             let streams = first_stream..first_stream + group.faces.len() as u32;
-            let Some(last) = streams.filter_map(|stream| self.last_frames.get(&stream)).max() else { continue };
-            for frame in group.frames.iter().take_while(|frame| frame <= last) {
-                let file = source.file(group, frame)?;
-                let note = self.frames.get(&(at, frame)).ok_or_else(broken)?;
-                if Stamp::of(&file)? != note.stamp {
-                    let name = convert::name_frame(source, group, frame);
-                    return Err(fingerprint::other(&format!("{} ({name}) has changed since", file.display())));
-                }
+            let Some(last) = self.last_frame(streams) else { continue };
+            for frame in group.frames.iter().take_while(|&frame| frame <= last) {
+                self.check_file(source, (at, group, frame), Stamp::of(&source.file(group, frame)?)?)?;
             }
         }
         if given_range(source, settings).iter().all(Option::is_some) {
