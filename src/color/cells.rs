@@ -4,8 +4,8 @@
 
 use crate::color::blend::Sample;
 use crate::color::keyframe_blocks::KeyframeBlocks;
-use crate::container::{ChunkPlace, Payload};
 use crate::container::fields::{Fields, PutFields};
+use crate::container::{ChunkPlace, Payload};
 use crate::error::{Error, Result};
 
 const SECTION: &str = "color.md 4";

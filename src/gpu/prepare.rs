@@ -101,10 +101,10 @@ pub fn prepare(
         CodecHeader::Color(header) => match header.format {
             ColorFormat::EightBit(_) => {
                 of_cells(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?)
-            },
+            }
             ColorFormat::Half { .. } => {
                 of_cells(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?)
-            },
+            }
         },
     })
 }

@@ -3,6 +3,7 @@
 mod dataset;
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -240,7 +241,8 @@ pub fn decode_units(
         if first {
             monitor.advance(frames.count());
         }
-        let (cost, unit_pixels, damaged) = (decoder.cost(), decoder.pixels(), decoder.damaged().cloned().collect::<Vec<_>>());
+        let (cost, unit_pixels, damaged) =
+            (decoder.cost(), decoder.pixels(), decoder.damaged().cloned().collect::<Vec<_>>());
         *spare = decoder.into_spare();
         let summary = DecodeSummary {
             frames: if first { frames.count() } else { 0 },
@@ -390,6 +392,46 @@ pub enum Destination {
     Files(Pattern),
 }
 
+impl Destination {
+    /// The pattern of a stream's files.
+    fn pattern(&self, decoder: &Decoder, stream: &StreamInfo, format: FileFormat) -> Result<Pattern> {
+        match self {
+            Destination::Files(pattern) => Ok(pattern.clone()),
+            Destination::Dataset(folder) => {
+                let pattern = file_pattern(decoder, stream.kind, format);
+                let probe = &decoder.probe(stream).name;
+                let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
+                Ok(Pattern::parse(&name)?.below(folder))
+            }
+        }
+    }
+
+    /// Removes files of images that are missing, which something earlier left there under the names that they would have.
+    /// Answers how many there were.
+    ///
+    /// # Errors
+    /// Such a file cannot be removed.
+    pub fn remove_missing(&self, decoder: &Decoder, missing: &[MissingImages], format: FileFormat) -> Result<u64> {
+        let mut removed = 0;
+        for missing in missing {
+            let pattern = self.pattern(decoder, &decoder.streams()[missing.stream as usize], format)?;
+            // Where there is no folder there are no files; frames may be many.
+            if pattern.path(0).parent().is_none_or(|folder| !folder.is_dir()) {
+                continue;
+            }
+            for frame in missing.frames.iter().flat_map(|range| range.iter()) {
+                let path = pattern.path(frame);
+                match std::fs::remove_file(&path) {
+                    Ok(()) => removed += 1,
+                    Err(error) if error.kind() == ErrorKind::NotFound => {}
+                    Err(error) => return Err(Error::io(&path, error)),
+                }
+            }
+        }
+        Ok(removed)
+    }
+}
+
 /// Decodes what the filter wants of everything chosen into files; the rest of an image is background where it is
 /// depth, else 0. The monitor advances by one for every image. Of images that are missing there is no file, and the
 /// manifest's `extra` tells which those are.
@@ -418,15 +460,7 @@ pub fn decode_to_files(
                 monitor.advance(1);
                 continue;
             };
-            let path = match destination {
-                Destination::Files(pattern) => pattern.path(frame),
-                Destination::Dataset(folder) => {
-                    let pattern = file_pattern(decoder, stream.kind, format);
-                    let probe = &decoder.probe(stream).name;
-                    let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
-                    Pattern::parse(&name)?.below(folder).path(frame)
-                }
-            };
+            let path = destination.pattern(decoder, stream, format)?.path(frame);
             if let Some(parent) = path.parent() {
                 std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
