@@ -251,11 +251,8 @@ fn write(
                 output.display()
             ));
         }
-        let folder = OutputFolder::create(output)?;
-        return write_into(folder, |folder| {
-            let destination = Destination::Dataset(folder.to_path_buf());
-            export::decode_to_files(source, decoder, request, &destination, format, progress)
-        });
+        let dataset = |folder: &Path| Destination::Dataset(folder.to_path_buf());
+        return write_into((source, decoder, request, format), output, dataset, progress);
     };
     let images: u64 = request.chosen.iter().map(|(_, frames)| frames.count()).sum();
     if !pattern.has_field() && images != 1 {
@@ -279,17 +276,29 @@ fn write(
         }
     };
     let parent = output.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = OutputFolder::create(parent)?;
-    write_into(folder, |folder| {
-        let destination = Destination::Files(pattern.below(folder));
-        export::decode_to_files(source, decoder, request, &destination, format, progress)
-    })
+    let files = |folder: &Path| Destination::Files(pattern.clone().below(folder));
+    write_into((source, decoder, request, format), parent, files, progress)
 }
 
-/// Writes into a folder, which appears when there is anything in it.
-fn write_into(folder: OutputFolder, write: impl FnOnce(&Path) -> Result<Decoded>) -> Result<Decoded> {
-    let decoded = write(folder.work_path()).map_err(|error| folder.present(error))?;
+/// Writes into a folder, which appears when there is anything in it; `destination` names what lies in a folder.
+fn write_into(
+    (source, decoder, request, format): (&dyn ImageSource, &Decoder, Request<'_>, FileFormat),
+    path: &Path,
+    destination: impl Fn(&Path) -> Destination,
+    progress: &Progress,
+) -> Result<Decoded> {
+    let folder = OutputFolder::create(path)?;
+    let work = destination(folder.work_path());
+    let decoded = export::decode_to_files(source, decoder, request, &work, format, progress)
+        .map_err(|error| folder.present(error))?;
     if decoded.summary.frames > 0 {
+        let removed = destination(path).remove_missing(decoder, &decoded.missing, format)?;
+        if removed > 0 {
+            output::note(format_args!(
+                "{}: held {removed} files of images that are now missing; they were removed",
+                path.display()
+            ));
+        }
         folder.commit()?;
     }
     Ok(decoded)

@@ -4,8 +4,8 @@
 
 use crate::color::blend::Sample;
 use crate::color::keyframe_blocks::KeyframeBlocks;
-use crate::container::Payload;
 use crate::container::fields::{Fields, PutFields};
+use crate::container::{ChunkPlace, Payload};
 use crate::error::{Error, Result};
 
 const SECTION: &str = "color.md 4";
@@ -19,6 +19,9 @@ const FIXED_BYTES: usize = 8;
 const KEYFRAME_ROW_BYTES: usize = 4;
 /// Bit of a row, in codecs of blocks: this keyframe is stored as samples.
 const AS_SAMPLES: u32 = 1 << 31;
+
+/// What is wrong with a cell whose last chunk has a weight behind its last keyframe.
+pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
 
 /// What must be known of a cell to read its chunks.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +78,23 @@ pub struct CellChunk<S> {
 }
 
 impl<S: Sample> CellChunk<S> {
-    /// Checks a payload for a cell of this format and `frame_count` frames.
+    /// Checks a payload that stands at this place among those of its cell: as [`Self::parse`], and the last one must not lead
+    /// to a next one. It is refused as a whole, whatever frame is wanted and on whatever way: what of a chunk can be shown
+    /// does not depend on that.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for what color.md 4 forbids.
+    pub fn parse_at(
+        payload: impl Into<Payload>,
+        format: CellFormat<S>,
+        frame_count: u32,
+        place: ChunkPlace,
+    ) -> Result<Self> {
+        let chunk = Self::parse(payload, format, frame_count)?;
+        if place == ChunkPlace::Last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
+    }
+
+    /// Checks a payload for a cell of this format and `frame_count` frames, wherever it stands.
     ///
     /// Afterwards all keyframes lie inside the payload, their frames ascend from 0, and every weight that is not
     /// zero stands between two keyframes of the chunk or is announced as closed by the next chunk.

@@ -34,6 +34,15 @@ pub struct ChunkKey {
     pub frame_count: u32,
 }
 
+/// Where a chunk stands among those of its unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChunkPlace {
+    /// Another one follows it.
+    Inner,
+    /// None follows it.
+    Last,
+}
+
 /// A row of the chunk table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChunkEntry {

@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use crate::container::chunk::{self, ChunkEntry};
+use crate::container::chunk::{self, ChunkEntry, ChunkPlace};
 use crate::container::fields::{Fields, PutFields};
 use crate::error::{Error, Result};
 
@@ -186,6 +186,12 @@ impl Index {
         let start = self.chunks.partition_point(|chunk| of(chunk) < (stream, unit));
         let length = self.chunks[start..].partition_point(|chunk| of(chunk) == (stream, unit));
         &self.chunks[start..start + length]
+    }
+
+    /// Whether another chunk of its unit comes after one.
+    pub fn place(&self, chunk: &ChunkEntry) -> ChunkPlace {
+        let last = self.unit_chunks(chunk.key.stream, chunk.key.unit).last();
+        if last.is_some_and(|last| last.key == chunk.key) { ChunkPlace::Last } else { ChunkPlace::Inner }
     }
 
     /// The chunks of one stream.

@@ -13,7 +13,7 @@ pub mod payload;
 pub mod reader;
 pub mod writer;
 
-pub use chunk::{ChunkEntry, ChunkKey, EncodedChunk, Storage};
+pub use chunk::{ChunkEntry, ChunkKey, ChunkPlace, EncodedChunk, Storage};
 pub use fields::Fields;
 pub use index::{Index, ProbeEntry, StreamEntry};
 pub use journal::{Journal, Recovered, SafeChunks};

@@ -13,6 +13,7 @@ use std::time::Instant;
 
 use half::f16;
 
+use crate::color::cells::LEADS_NOWHERE;
 use crate::container::ChunkEntry;
 use crate::depth::record_table;
 use crate::error::{Error, Result};
@@ -25,7 +26,7 @@ use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::image::plane::Plane;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::video::decode::{DecodeCost, Decoder, LEADS_NOWHERE, Picture, StreamInfo};
+use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together, at most.
@@ -296,7 +297,8 @@ impl<'a> GpuDecoder<'a> {
         let (reader, stream) = (self.decoder.reader(), &self.decoder.streams()[entry.key.stream as usize]);
         let [_, _, width, height] = stream.entry.unit_rect(entry.key.unit);
         let payload = reader.fetch(entry)?;
-        prepare::prepare(&stream.header, payload, [width, height], entry.key.frame_count)
+        let place = reader.index().place(entry);
+        prepare::prepare(&stream.header, payload, [width, height], entry.key.frame_count, place)
             .map_err(|error| reader.blame(entry, error))
     }
 

@@ -6,7 +6,7 @@
 use crate::block;
 use crate::color::blend::Sample;
 use crate::color::cells::{Blend, CellChunk};
-use crate::container::Payload;
+use crate::container::{ChunkPlace, Payload};
 use crate::depth::pieces::{BlockTexel, Pieces, StoredPiece, stored_pieces};
 use crate::depth::records::{Body, Layout, TemporalChunk, Values};
 use crate::depth::runtime::Runtime;
@@ -74,11 +74,18 @@ impl Prepared {
     }
 }
 
-/// Checks a payload and brings it into the device's form.
+/// Checks a payload of `frames` frames, which stands at `place` in its unit of `size` (width, height) pixels, and brings it into
+/// the device's form.
 ///
 /// # Errors
 /// Those of the codec.
-pub fn prepare(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<Prepared> {
+pub fn prepare(
+    header: &CodecHeader,
+    payload: Payload,
+    size: [u32; 2],
+    frames: u32,
+    place: ChunkPlace,
+) -> Result<Prepared> {
     Ok(match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
             DepthChunk::Boxes(chunk) => of_boxes(&chunk, size),
@@ -92,8 +99,12 @@ pub fn prepare(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u
             MaterialChunk::BoxesInBlocks(chunk) => of_boxes(&chunk, size),
         },
         CodecHeader::Color(header) => match header.format {
-            ColorFormat::EightBit(_) => of_cells(&CellChunk::parse(payload, header.cell_of_bytes(size), frames)?),
-            ColorFormat::Half { .. } => of_cells(&CellChunk::parse(payload, header.cell_of_halves(size), frames)?),
+            ColorFormat::EightBit(_) => {
+                of_cells(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?)
+            }
+            ColorFormat::Half { .. } => {
+                of_cells(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?)
+            }
         },
     })
 }

@@ -139,7 +139,8 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
         for chunk in index.unit_chunks(stream.index, unit) {
             monitor.check()?;
             let counted = reader.fetch(chunk).and_then(|payload| {
-                units::survey_chunk(&stream.header, payload, [rect[2], rect[3]], chunk.key.frame_count)
+                let size = [rect[2], rect[3]];
+                units::survey_chunk(&stream.header, payload, size, chunk.key.frame_count, index.place(chunk))
             });
             let counted = counted.map_err(|error| reader.blame(chunk, error))?;
             cell.blocks += counted.keyframes_in_blocks;
@@ -185,7 +186,8 @@ pub fn frame_anatomy(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Resu
             .ok_or_else(|| crate::error::Error::Usage(format!("frame {frame} is not one of the stream's frames")))?;
         let at = frame - chunk.key.first_frame;
         let written = reader.fetch(chunk).and_then(|payload| {
-            units::unit_anatomy(&stream.header, payload, [rect[2], rect[3]], (at, chunk.key.frame_count))
+            let (size, frames, place) = ([rect[2], rect[3]], (at, chunk.key.frame_count), reader.index().place(chunk));
+            units::unit_anatomy(&stream.header, payload, size, frames, place)
         });
         written.map(|written| (rect, written)).map_err(|error| reader.blame(chunk, error))
     })?;

@@ -23,7 +23,8 @@ use crate::video::domain::{Converted, Converter, Domain, Origin, Values};
 use crate::video::scan;
 use crate::video::side::{Coding, Image, Side, SideForm, SideReader, SideStream};
 
-/// Bytes for each pixel of a pair of images: as read, as converted, and while they are measured.
+/// Bytes for each pixel of a pair of images. Each side is read as at most three floats (12) and converted to at most as many
+/// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).
 const COMPARING_BYTES: u64 = 64;
 
 /// What becomes of streams and frames that only one side has.

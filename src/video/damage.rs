@@ -30,6 +30,44 @@ impl DamagedChunk {
     }
 }
 
+/// A set of frames, as ranges: it takes memory for what is scattered, not for what is long.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FrameRanges {
+    /// In order; no two touch.
+    ranges: Vec<FrameRange>,
+}
+
+impl FrameRanges {
+    /// Adds a frame behind all others.
+    pub fn push(&mut self, frame: u32) {
+        self.append(FrameRange { first: frame, last: frame });
+    }
+
+    /// Adds a range that begins no earlier than the last one does.
+    fn append(&mut self, range: FrameRange) {
+        match self.ranges.last_mut() {
+            Some(last) if range.first <= last.last.saturating_add(1) => last.last = last.last.max(range.last),
+            _ => self.ranges.push(range),
+        }
+    }
+
+    /// Adds all frames of another set.
+    pub fn join(&mut self, other: FrameRanges) {
+        if other.ranges.is_empty() {
+            return;
+        }
+        let mut both = std::mem::take(&mut self.ranges);
+        both.extend(other.ranges);
+        both.sort_unstable_by_key(|range| range.first);
+        both.into_iter().for_each(|range| self.append(range));
+    }
+
+    /// How many frames.
+    pub fn count(&self) -> u64 {
+        self.ranges.iter().map(|range| range.count()).sum()
+    }
+}
+
 /// Images of one stream that damaged chunks are needed for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingImages {
@@ -40,18 +78,9 @@ pub struct MissingImages {
 }
 
 impl MissingImages {
-    /// Frames of a stream, in any order and also more than once; none where there are no frames.
-    pub fn new(stream: u32, mut frames: Vec<u32>) -> Option<MissingImages> {
-        frames.sort_unstable();
-        frames.dedup();
-        let mut ranges: Vec<FrameRange> = Vec::new();
-        for frame in frames {
-            match ranges.last_mut() {
-                Some(range) if range.last + 1 == frame => range.last = frame,
-                _ => ranges.push(FrameRange { first: frame, last: frame }),
-            }
-        }
-        (!ranges.is_empty()).then_some(MissingImages { stream, frames: ranges })
+    /// Frames of a stream; none where there are no frames.
+    pub fn new(stream: u32, frames: FrameRanges) -> Option<MissingImages> {
+        (!frames.ranges.is_empty()).then_some(MissingImages { stream, frames: frames.ranges })
     }
 
     /// How many images.
@@ -64,12 +93,38 @@ impl MissingImages {
 mod tests {
     use super::*;
 
+    fn ranges(frames: &[u32]) -> FrameRanges {
+        let mut ranges = FrameRanges::default();
+        frames.iter().for_each(|&frame| ranges.push(frame));
+        ranges
+    }
+
     #[test]
     fn frames_become_ranges() {
-        let missing = MissingImages::new(4, vec![9, 3, 4, 5, 3, 7]).unwrap();
+        let missing = MissingImages::new(4, ranges(&[3, 4, 5, 7, 9])).unwrap();
         let range = |first, last| FrameRange { first, last };
         assert_eq!(missing.frames, [range(3, 5), range(7, 7), range(9, 9)]);
         assert_eq!((missing.stream, missing.count()), (4, 5));
-        assert_eq!(MissingImages::new(4, vec![]), None);
+        assert_eq!(MissingImages::new(4, FrameRanges::default()), None);
+    }
+
+    #[test]
+    fn sets_are_joined_in_any_order() {
+        // All pairs of sets of frames 0 to 5.
+        let set = |bits: u32| (0..6).filter(|frame| bits >> frame & 1 == 1).collect::<Vec<u32>>();
+        for (one, other) in (0..64).flat_map(|one| (0..64).map(move |other| (one, other))) {
+            let mut joined = ranges(&set(one));
+            joined.join(ranges(&set(other)));
+            assert_eq!(joined, ranges(&set(one | other)), "{one:b} and {other:b}");
+            assert_eq!(joined.count(), u64::from((one | other).count_ones()));
+        }
+    }
+
+    #[test]
+    fn many_frames_in_a_row_are_one_range() {
+        let mut frames = FrameRanges { ranges: vec![FrameRange { first: 0, last: u32::MAX - 2 }] };
+        (u32::MAX - 1..=u32::MAX).for_each(|frame| frames.push(frame));
+        frames.join(ranges(&[7, u32::MAX]));
+        assert_eq!((frames.ranges.len(), frames.count()), (1, 1 << 32));
     }
 }

@@ -1,14 +1,15 @@
 //! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use half::f16;
 
 use crate::color::blend::{self, HalfKey, Sample};
-use crate::color::cells::{CellChunk, CellFormat};
+use crate::color::cells::{CellChunk, CellFormat, LEADS_NOWHERE};
 use crate::container::index::ProbeEntry;
-use crate::container::{ChunkEntry, Payload, Reader};
+use crate::container::{ChunkEntry, ChunkKey, Payload, Reader};
 use crate::depth::BACKGROUND_CODE;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
@@ -22,9 +23,6 @@ use crate::video::stream_info;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 pub use crate::video::stream_info::StreamInfo;
-
-/// What is wrong with a cell whose last chunk has a weight behind its last keyframe (color.md 4).
-pub const LEADS_NOWHERE: &str = "a cell's last chunk leads to a next one, and there is none";
 
 /// An open container whose streams are all understood.
 #[derive(Debug)]
@@ -125,7 +123,7 @@ impl Decoder {
         };
         let chunks = self.reader.index().unit_chunks(stream.index, unit);
         let source =
-            ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare, damaged: Vec::new() };
+            ChunkSource { reader: &self.reader, chunks, cost: DecodeCost::default(), spare, damaged: BTreeMap::new() };
         UnitDecoder { source, frames: stream.frames, rect: stream.entry.unit_rect(unit), state }
     }
 
@@ -145,7 +143,7 @@ struct ChunkSource<'a> {
     /// Memory of a chunk that is no longer needed.
     spare: Vec<u8>,
     /// Chunks that could not be used; they are not read again.
-    damaged: Vec<DamagedChunk>,
+    damaged: BTreeMap<ChunkKey, DamagedChunk>,
 }
 
 impl ChunkSource<'_> {
@@ -159,7 +157,7 @@ impl ChunkSource<'_> {
     }
 
     fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
-        if let Some(known) = self.damaged.iter().find(|known| known.chunk.key == chunk.key) {
+        if let Some(known) = self.damaged.get(&chunk.key) {
             return Err(self.reader.blame(chunk, Error::invalid(known.reason.clone())));
         }
         let start = Instant::now();
@@ -175,9 +173,7 @@ impl ChunkSource<'_> {
 
     /// Lists a chunk as damaged; answers the error that says so.
     fn condemn(&mut self, chunk: &ChunkEntry, error: Error) -> Error {
-        if self.damaged.iter().all(|known| known.chunk.key != chunk.key) {
-            self.damaged.push(DamagedChunk::new(chunk, &error));
-        }
+        self.damaged.entry(chunk.key).or_insert_with(|| DamagedChunk::new(chunk, &error));
         self.reader.blame(chunk, error)
     }
 }
@@ -220,9 +216,9 @@ impl UnitDecoder<'_> {
         self.source.cost
     }
 
-    /// The chunks that were needed and could not be used. What needs none of them is decoded all the same.
-    pub fn damaged(&self) -> &[DamagedChunk] {
-        &self.source.damaged
+    /// The chunks that were needed and could not be used, by frame. What needs none of them is decoded all the same.
+    pub fn damaged(&self) -> impl ExactSizeIterator<Item = &DamagedChunk> {
+        self.source.damaged.values()
     }
 
     /// The memory of its last chunk, for another unit.
@@ -408,12 +404,8 @@ impl<S: Sample> CellState<S> {
 
     fn parse(&self, source: &mut ChunkSource<'_>, entry: &ChunkEntry) -> Result<CellChunk<S>> {
         let format = self.format;
-        let is_last = source.chunks.last().is_some_and(|last| last.key == entry.key);
-        source.fetch(entry, |payload| {
-            let chunk = CellChunk::parse(payload, format, entry.key.frame_count)?;
-            // Refused as a whole: what of it can be shown must not depend on the way to it.
-            if is_last && chunk.leads_on() { Err(Error::invalid(LEADS_NOWHERE)) } else { Ok(chunk) }
-        })
+        let place = source.reader.index().place(entry);
+        source.fetch(entry, |payload| CellChunk::parse_at(payload, format, entry.key.frame_count, place))
     }
 
     /// Brings a keyframe into a slot, from the other slot where it is there.
@@ -481,7 +473,7 @@ impl FaceDecoder<'_> {
     pub fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
         let stream = self.stream;
         let units = try_map_ordered(wanted(stream, &mut self.units, frame, filter), |unit| match unit.decode(frame) {
-            Err(error) if unit.damaged().is_empty() => Err(error),
+            Err(error) if unit.damaged().len() == 0 => Err(error),
             Err(_) => Ok(None),
             Ok(_) => Ok(Some(&*unit)),
         })?;

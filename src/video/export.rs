@@ -3,6 +3,7 @@
 mod dataset;
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -21,7 +22,7 @@ use crate::monitor::Monitor;
 use crate::ordered::{try_map_at_once, try_map_at_once_with};
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::convert;
-use crate::video::damage::{DamagedChunk, MissingImages};
+use crate::video::damage::{DamagedChunk, FrameRanges, MissingImages};
 use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
 use crate::video::footprint;
 use crate::video::unit_filter::{AllUnits, UnitFilter};
@@ -224,7 +225,7 @@ pub fn decode_units(
     let at_once = at_once(decoder, memory, || jobs.iter().map(each).max())?;
     let units = try_map_at_once_with(jobs, at_once, Vec::new, |spare, (stream, frames, unit)| {
         let mut decoder = decoder.unit_in(stream, unit, std::mem::take(spare));
-        let (mut wanted, mut missing) = (0, Vec::new());
+        let (mut wanted, mut missing) = (0, FrameRanges::default());
         for frame in frames.iter() {
             monitor.check()?;
             if !filter.wants(stream, unit, frame) {
@@ -232,7 +233,7 @@ pub fn decode_units(
             }
             match decoder.decode(frame) {
                 Ok(_) => wanted += 1,
-                Err(_) if on_damage == OnDamage::KeepGoing && !decoder.damaged().is_empty() => missing.push(frame),
+                Err(_) if on_damage == OnDamage::KeepGoing && decoder.damaged().len() > 0 => missing.push(frame),
                 Err(error) => return Err(error),
             }
         }
@@ -240,7 +241,8 @@ pub fn decode_units(
         if first {
             monitor.advance(frames.count());
         }
-        let (cost, unit_pixels, damaged) = (decoder.cost(), decoder.pixels(), decoder.damaged().to_vec());
+        let (cost, unit_pixels, damaged) =
+            (decoder.cost(), decoder.pixels(), decoder.damaged().cloned().collect::<Vec<_>>());
         *spare = decoder.into_spare();
         let summary = DecodeSummary {
             frames: if first { frames.count() } else { 0 },
@@ -251,11 +253,11 @@ pub fn decode_units(
         Ok((stream.index, summary, damaged, missing))
     })?;
     let mut decoded = Decoded::default();
-    let mut frames: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut frames: BTreeMap<u32, FrameRanges> = BTreeMap::new();
     for (stream, summary, damaged, missing) in units {
         decoded.summary = decoded.summary.plus(summary);
         decoded.damaged.extend(damaged);
-        frames.entry(stream).or_default().extend(missing);
+        frames.entry(stream).or_default().join(missing);
     }
     decoded.finish(frames);
     // Streams were counted whole.
@@ -280,7 +282,7 @@ impl Decoded {
     }
 
     /// Puts what is damaged in order, and lists the frames of each stream that are missing for it.
-    fn finish(&mut self, frames: BTreeMap<u32, Vec<u32>>) {
+    fn finish(&mut self, frames: BTreeMap<u32, FrameRanges>) {
         self.damaged.sort_by_key(|damaged| damaged.chunk.key);
         self.missing = frames.into_iter().filter_map(|(stream, frames)| MissingImages::new(stream, frames)).collect();
     }
@@ -390,6 +392,46 @@ pub enum Destination {
     Files(Pattern),
 }
 
+impl Destination {
+    /// The pattern of a stream's files.
+    fn pattern(&self, decoder: &Decoder, stream: &StreamInfo, format: FileFormat) -> Result<Pattern> {
+        match self {
+            Destination::Files(pattern) => Ok(pattern.clone()),
+            Destination::Dataset(folder) => {
+                let pattern = file_pattern(decoder, stream.kind, format);
+                let probe = &decoder.probe(stream).name;
+                let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
+                Ok(Pattern::parse(&name)?.below(folder))
+            }
+        }
+    }
+
+    /// Removes files of images that are missing, which something earlier left there under the names that they would have.
+    /// Answers how many there were.
+    ///
+    /// # Errors
+    /// Such a file cannot be removed.
+    pub fn remove_missing(&self, decoder: &Decoder, missing: &[MissingImages], format: FileFormat) -> Result<u64> {
+        let mut removed = 0;
+        for missing in missing {
+            let pattern = self.pattern(decoder, &decoder.streams()[missing.stream as usize], format)?;
+            // Where there is no folder there are no files; frames may be many.
+            if pattern.path(0).parent().is_none_or(|folder| !folder.is_dir()) {
+                continue;
+            }
+            for frame in missing.frames.iter().flat_map(|range| range.iter()) {
+                let path = pattern.path(frame);
+                match std::fs::remove_file(&path) {
+                    Ok(()) => removed += 1,
+                    Err(error) if error.kind() == ErrorKind::NotFound => {}
+                    Err(error) => return Err(Error::io(&path, error)),
+                }
+            }
+        }
+        Ok(removed)
+    }
+}
+
 /// Decodes what the filter wants of everything chosen into files; the rest of an image is background where it is
 /// depth, else 0. The monitor advances by one for every image. Of images that are missing there is no file, and the
 /// manifest's `extra` tells which those are.
@@ -405,12 +447,12 @@ pub fn decode_to_files(
     monitor: &dyn Monitor,
 ) -> Result<Decoded> {
     let written = AtomicU64::new(0);
-    let each = |(stream, _): &Chosen<'_>| footprint::stream_bytes(decoder, stream) + footprint::image_bytes(stream);
+    let each = |(stream, _): &Chosen<'_>| footprint::stream_bytes(decoder, stream) + footprint::file_bytes(stream);
     let at_once = at_once(decoder, memory, || chosen.iter().map(each).max())?;
     let streams = try_map_at_once(chosen.to_vec(), at_once, |(stream, frames)| {
         let writer = ImageWriter::new(stream, format);
         let mut face = source.open(decoder, stream)?;
-        let mut missing = Vec::new();
+        let mut missing = FrameRanges::default();
         for frame in frames.iter() {
             monitor.check()?;
             let Some(picture) = face.decode_intact(frame, filter)? else {
@@ -418,15 +460,7 @@ pub fn decode_to_files(
                 monitor.advance(1);
                 continue;
             };
-            let path = match destination {
-                Destination::Files(pattern) => pattern.path(frame),
-                Destination::Dataset(folder) => {
-                    let pattern = file_pattern(decoder, stream.kind, format);
-                    let probe = &decoder.probe(stream).name;
-                    let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
-                    Pattern::parse(&name)?.below(folder).path(frame)
-                }
-            };
+            let path = destination.pattern(decoder, stream, format)?.path(frame);
             if let Some(parent) = path.parent() {
                 std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
             }
@@ -435,12 +469,12 @@ pub fn decode_to_files(
             written.fetch_add(bytes, Ordering::Relaxed);
             monitor.advance(1);
         }
-        let (pixels, images) = (face.wanted_pixels(), frames.count() - missing.len() as u64);
+        let (pixels, images) = (face.wanted_pixels(), frames.count() - missing.count());
         let summary = DecodeSummary { frames: images, pixels, bytes_out: 0, cost: face.cost() };
         Ok((stream.index, summary, face.damaged(), missing))
     })?;
     let mut decoded = Decoded::default();
-    let mut frames: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut frames: BTreeMap<u32, FrameRanges> = BTreeMap::new();
     for (stream, summary, damaged, missing) in streams {
         decoded.summary = decoded.summary.plus(summary);
         decoded.damaged.extend(damaged);

@@ -14,7 +14,7 @@ use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::video::damage::DamagedChunk;
-use crate::video::decode::{Decoder, LEADS_NOWHERE, StreamInfo};
+use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::encode::raw_pixel_bytes;
 use crate::video::footprint;
 
@@ -315,14 +315,9 @@ impl Watch<'_> {
         };
         let identity = |chunk: &ChunkEntry| (chunk.crc32, chunk.stored_bytes, chunk.raw_bytes);
         measure.is_static = chunks.iter().all(|chunk| identity(chunk) == identity(&chunks[0]));
-        for (at, chunk) in chunks.iter().enumerate() {
+        for chunk in chunks {
             self.monitor.check()?;
-            let counted = self.chunk(chunk, [width, height]).and_then(|counted| {
-                if counted.leads_on && at + 1 == chunks.len() {
-                    return Err(Error::invalid(LEADS_NOWHERE));
-                }
-                Ok(counted)
-            });
+            let counted = self.chunk(chunk, [width, height]);
             self.monitor.advance(1);
             match (counted, self.settings.check) {
                 (Ok(counted), _) => measure.add(counted, self.settings.rows),
@@ -349,7 +344,8 @@ impl Watch<'_> {
                 payload
             }
         };
-        let mut counted = count_chunk(&self.stream.header, payload, size, chunk.key.frame_count)?;
+        let place = self.reader.index().place(chunk);
+        let mut counted = count_chunk(&self.stream.header, payload, size, chunk.key.frame_count, place)?;
         // What belongs to the whole chunk is read with its first frame.
         let counted_bytes: u64 = counted.events.iter().map(|event| event.cost.bytes).sum();
         if let Some(first) = counted.events.first_mut() {

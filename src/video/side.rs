@@ -414,7 +414,7 @@ impl Side {
             (Content::Container(decoder), Place::Stream(at)) => {
                 decoder.streams().get(at).map_or(0, |stream| footprint::stream_bytes(decoder, stream))
             }
-            // The file that an image is cut from.
+            // The file that an image is cut from: at most four channels of 4 bytes.
             (Content::Files(source), _) => source.file_pixels() * 16,
             _ => 0,
         }

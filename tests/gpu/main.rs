@@ -9,6 +9,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use lightfold::Error;
 use lightfold::cli::GlobalArgs;
 use lightfold::cli::device::{DeviceArg, or_on_cpu};
+use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
@@ -273,6 +274,7 @@ fn refusals() -> Result<(), Failed> {
         let mut full = GpuDecoder::new(gpu, &decoder, &streams[..1]).map_err(|error| error.to_string())?;
         full.limit_resident(8).map_err(|error| error.to_string())?;
         let full = full.decode(streams[0].frames.first);
+        refuses_what_leads_nowhere(gpu)?;
         for (what, result) in [("pictures", too_large), ("broken", broken), ("a chunk", full)] {
             let said = result.err().map(|error| error.to_string()).unwrap_or_default();
             if ![what, &gpu.info.name, "the CPU"].iter().all(|words| said.contains(words)) {
@@ -291,6 +293,16 @@ fn refusals() -> Result<(), Failed> {
         let report = selftest::test_kernel(gpu, &ROWS[0], SEED).map_err(|error| error.to_string())?;
         if report.mismatches == 0 { Ok(()) } else { Err(format!("{report:?}").into()) }
     })
+}
+
+/// A last chunk that leads to a next one is refused also where the frame that is asked for needs none.
+fn refuses_what_leads_nowhere(gpu: &Gpu) -> Result<(), Failed> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/invalid/color-last-leads-nowhere-late.lfold");
+    let decoder = Decoder::open(path).map_err(|error| error.to_string())?;
+    let streams: Vec<_> = decoder.streams().iter().collect();
+    let mut images = GpuDecoder::new(gpu, &decoder, &streams).map_err(|error| error.to_string())?;
+    let said = images.decode(0).err().map(|error| error.to_string()).unwrap_or_default();
+    if said.contains(LEADS_NOWHERE) { Ok(()) } else { Err(format!("it said '{said}'").into()) }
 }
 
 /// A device that is gone while it is in use.

@@ -254,25 +254,9 @@ fn every_index_field_survives_extreme_values() {
     });
 }
 
-/// A container of one static stream of 2x2 depths, whose index may be changed.
-fn with_index(change: impl FnOnce(&mut Index)) -> Vec<u8> {
-    let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
-    let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
-    let depth = samples::depth(shape, [1.0, 2.0], &[vec![7; 4]], settings);
-    let file = samples::container(0, samples::probe("00", 0), &[depth], None);
-    let (mut index, stored) = samples::take_apart(&file);
-    change(&mut index);
-    samples::assemble(&index, &stored, |_| ())
-}
-
 #[test]
 fn a_static_stream_of_many_frames_is_decoded_at_once() {
-    let long = |frames: u32| {
-        with_index(|index| {
-            index.streams[0].frame_count = frames;
-            index.chunks[0].key.frame_count = frames;
-        })
-    };
+    let long = samples::static_for;
     let last = |reader: Reader, frame: u32| {
         let decoder = Decoder::new(reader).unwrap();
         let picture = decoder.face(&decoder.streams()[0]).decode(frame).unwrap();
@@ -293,7 +277,7 @@ fn refusal(file: Vec<u8>) -> String {
 #[test]
 fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
     let sized = |side: u32, streams: u8| {
-        with_index(|index| {
+        samples::static_depth(|index| {
             let (stream, chunk) = (index.streams[0].clone(), index.chunks[0]);
             (index.streams, index.chunks) = Default::default();
             for face in 0..streams {
@@ -317,24 +301,8 @@ fn streams_that_would_take_more_memory_than_the_file_justifies_are_refused() {
 
 #[test]
 fn one_stored_chunk_of_many_units_is_refused_by_the_sum() {
-    // 10 bytes for one, since they are boxes. 16 MiB of zeros in some kilobytes, which each of 256 units has as its payload.
-    let stored = lightfold::container::lzma2::compress(&vec![0; 16 << 20], 6).unwrap();
-    let shared = |units: u32| {
-        let of_nothing = with_index(|_| ());
-        let (mut index, _) = samples::take_apart(&of_nothing);
-        (index.streams[0].width, index.streams[0].unit_width) = (units, 1);
-        let chunk = ChunkEntry {
-            offset: 16,
-            stored_bytes: stored.len() as u32,
-            raw_bytes: 16 << 20,
-            crc32: crc32fast::hash(&stored),
-            storage: Storage::Lzma2,
-            ..index.chunks[0]
-        };
-        let key = |unit| ChunkKey { unit, ..chunk.key };
-        index.chunks = (0..units).map(|unit| ChunkEntry { key: key(unit), ..chunk }).collect();
-        samples::assemble(&index, &stored, |_| ())
-    };
+    // 10 bytes for one of a payload, since they are boxes.
+    let shared = samples::shared_chunk;
     assert_eq!(refusal(shared(6)), "it opens");
     assert!(refusal(shared(7)).contains("would take"), "{}", refusal(shared(7)));
     assert!(refusal(shared(256)).contains("payloads of 4294967296 bytes"), "{}", refusal(shared(256)));

@@ -195,3 +195,29 @@ fn a_sound_container_has_nothing_damaged_and_other_devices_are_refused() {
     assert_eq!(code, 2);
     assert!(said.contains("--keep-going decodes on the CPU"), "{said}");
 }
+
+#[test]
+fn an_old_file_of_a_missing_image_does_not_stay() {
+    let folder = TempDir::new().unwrap();
+    let (good, mut bad) = (container(), container());
+    std::fs::write(folder.path().join("good.lfold"), &good).unwrap();
+    let chunk = Reader::from_memory(good).unwrap().index().stream_chunks(0)[1];
+    bad[chunk.offset as usize] ^= 1;
+    std::fs::write(folder.path().join("bad.lfold"), &bad).unwrap();
+    for out in ["decode {} -o out", "decode {} --stream depth --face px -o files/depth.%04d.exr"] {
+        assert_eq!(run(&out.replace("{}", "good.lfold"), folder.path()).0, 0);
+        let at = folder.path().join(if out.ends_with("out") { "out" } else { "files" });
+        std::fs::write(at.join("depth.exr"), "of somebody else").unwrap();
+        let before = files_below(&at);
+        let (code, report, said) =
+            run(&format!("{} --keep-going --json", out.replace("{}", "bad.lfold")), folder.path());
+        assert_eq!(code, 2, "{said}");
+        let missing = listed(&serde_json::from_str::<Value>(&report).unwrap()["missing"]);
+        let gone: BTreeSet<_> = before.difference(&files_below(&at)).cloned().collect();
+        assert!(!missing.is_empty() && gone.len() == missing.len(), "{gone:?}");
+        for (kind, _, frame) in &missing {
+            assert!(gone.iter().any(|name| name.ends_with(&format!("{kind}.{frame:04}.exr"))), "{gone:?}");
+        }
+        assert!(said.contains(&format!("held {} files of images that are now missing", gone.len())), "{said}");
+    }
+}

@@ -226,6 +226,64 @@ fn one_probe_of_720_costs_what_it_holds() {
     assert_eq!(compared.code, 0, "{}", compared.said);
 }
 
+/// Writes a dataset of so many probes, of which the first moves and the others are static.
+fn static_probes(folder: &Path, count: u32) {
+    footage(folder, 16, 4, 4, ", \"near\": 1, \"far\": 12");
+    let path = folder.join("lightfield.json");
+    let mut manifest: Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    let mut first = manifest["probes"][0].clone();
+    let named = |probe: u32| {
+        first["name"] = format!("{probe:02}").into();
+        first["position"] = serde_json::json!([probe, 0, 0]);
+        first["frames"] = serde_json::json!([0, if probe == 0 { 3 } else { 0 }]);
+        first.clone()
+    };
+    manifest["probes"] = (0..count).map(named).collect();
+    std::fs::write(path, manifest.to_string()).unwrap();
+    for probe in 1..count {
+        let face = folder.join(format!("probe_{probe:02}/face_px"));
+        std::fs::create_dir_all(&face).unwrap();
+        for kind in ["depth", "color", "material"] {
+            let name = format!("{kind}.0000.exr");
+            std::fs::hard_link(folder.join("probe_00/face_px").join(&name), face.join(&name)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn memory_of_720_probes_is_in_proportion_to_them() {
+    // For each probe: three streams with their rows of tables, a chunk each, file names, a row of the report.
+    const PROBE_BYTES: u64 = 16 << 10;
+    let lines = [
+        "encode . -o all.lfold",
+        "inspect all.lfold",
+        "decode all.lfold --null",
+        "decode all.lfold --probe 07 --null",
+        "diff . all.lfold --ssim none",
+    ];
+    let peaks = [72u32, 720].map(|count| {
+        let folder = TempDir::new().unwrap();
+        static_probes(folder.path(), count);
+        let start = std::time::Instant::now();
+        let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+        let opened = start.elapsed();
+        assert_eq!((source.probes().len(), source.groups().len()), (count as usize, 3 * count as usize));
+        let peaks = lines.map(|line| peak(line, folder.path()));
+        let start = std::time::Instant::now();
+        let decoder = Decoder::open(folder.path().join("all.lfold")).unwrap();
+        assert_eq!(decoder.streams().len(), 3 * count as usize);
+        // A figure for the README; no test reads it.
+        eprintln!(
+            "{count} probes: dataset opened in {opened:.1?}, container in {:.1?}, peaks {peaks:?}",
+            start.elapsed()
+        );
+        peaks
+    });
+    for ((line, few), many) in lines.iter().zip(peaks[0]).zip(peaks[1]) {
+        assert!(many <= few + 648 * PROBE_BYTES, "{line}: {few} bytes for 72 probes, {many} for 720");
+    }
+}
+
 /// Resident memory of this process.
 fn resident_bytes() -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap();

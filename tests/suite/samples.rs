@@ -7,7 +7,7 @@ use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::color::temporal::BlockStage;
 use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
 use lightfold::container::{
-    ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
+    ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
 use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::block_chunk::BlockEncoder;
@@ -390,6 +390,42 @@ pub fn take_apart(file: &[u8]) -> (Index, Vec<u8>) {
     let index = Reader::from_memory(file.to_vec()).unwrap().index().clone();
     let end = index.chunks.iter().map(|chunk| chunk.offset as usize + chunk.stored_bytes as usize).max().unwrap_or(16);
     (index, file[16..end].to_vec())
+}
+
+/// A container of one static stream of 2x2 depths, whose index may be changed.
+pub fn static_depth(change: impl FnOnce(&mut Index)) -> Vec<u8> {
+    let shape = Shape { face: 0, size: [2, 2], unit: [2, 2], first_frame: 0, frame_count: 1 };
+    let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
+    let file = container(0, probe("00", 0), &[depth(shape, [1.0, 2.0], &[vec![7; 4]], settings)], None);
+    let (mut index, stored) = take_apart(&file);
+    change(&mut index);
+    assemble(&index, &stored, |_| ())
+}
+
+/// The same, which shows its picture for so many frames.
+pub fn static_for(frames: u32) -> Vec<u8> {
+    static_depth(|index| {
+        index.streams[0].frame_count = frames;
+        index.chunks[0].key.frame_count = frames;
+    })
+}
+
+/// 16 MiB of zeros in some kilobytes, which each of so many units has as its payload.
+pub fn shared_chunk(units: u32) -> Vec<u8> {
+    let stored = lightfold::container::lzma2::compress(&vec![0; 16 << 20], 6).unwrap();
+    let (mut index, _) = take_apart(&static_depth(|_| ()));
+    (index.streams[0].width, index.streams[0].unit_width) = (units, 1);
+    let chunk = ChunkEntry {
+        offset: 16,
+        stored_bytes: stored.len() as u32,
+        raw_bytes: 16 << 20,
+        crc32: crc32fast::hash(&stored),
+        storage: Storage::Lzma2,
+        ..index.chunks[0]
+    };
+    let key = |unit| ChunkKey { unit, ..chunk.key };
+    index.chunks = (0..units).map(|unit| ChunkEntry { key: key(unit), ..chunk }).collect();
+    assemble(&index, &stored, |_| ())
 }
 
 /// Replaces the payloads of all chunks: `change` gets a chunk's place in the table and its payload.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::{Patch, Writing};
 use crate::color::blend::Sample;
 use crate::color::cells::CellChunk;
-use crate::container::Payload;
+use crate::container::{ChunkPlace, Payload};
 use crate::depth::block_chunk;
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
@@ -39,12 +39,13 @@ pub(super) struct ChunkSurvey {
     pub later_keyframes: Vec<(u32, u64)>,
 }
 
-/// What the payload of a unit of `size` (width, height) pixels writes in frame `at` of `frames`.
+/// What a payload, which stands at `place` in its unit of `size` (width, height) pixels, writes in frame `at` of `frames`.
 pub(super) fn unit_anatomy(
     header: &CodecHeader,
     payload: Payload,
     size: [u32; 2],
     (at, frames): (u32, u32),
+    place: ChunkPlace,
 ) -> Result<UnitAnatomy> {
     let grid = Grid { width: size[0], height: size[1] };
     let patches = match header {
@@ -63,10 +64,10 @@ pub(super) fn unit_anatomy(
             MaterialChunk::BoxesInBlocks(chunk) => of_record(&chunk, at, of_pieces::<[u8; 3]>),
         },
         CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            return Ok(of_cell(&CellChunk::parse(payload, header.cell_of_bytes(size), frames)?, at));
+            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?, at));
         }
         CodecHeader::Color(header) => {
-            return Ok(of_cell(&CellChunk::parse(payload, header.cell_of_halves(size), frames)?, at));
+            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?, at));
         }
     };
     Ok(UnitAnatomy { patches, keyframe: at == 0 })
@@ -166,8 +167,14 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {
     UnitAnatomy { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
-/// Goes through the payload of a unit of `size` (width, height) pixels.
-pub(super) fn survey_chunk(header: &CodecHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<ChunkSurvey> {
+/// Goes through a payload, which stands at `place` in its unit of `size` (width, height) pixels.
+pub(super) fn survey_chunk(
+    header: &CodecHeader,
+    payload: Payload,
+    size: [u32; 2],
+    frames: u32,
+    place: ChunkPlace,
+) -> Result<ChunkSurvey> {
     let changed = match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
             DepthChunk::Boxes(chunk) => changes(&chunk),
@@ -182,10 +189,10 @@ pub(super) fn survey_chunk(header: &CodecHeader, payload: Payload, size: [u32; 2
             MaterialChunk::BoxesInBlocks(chunk) => changes(&chunk),
         },
         CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            return Ok(survey_cell(&CellChunk::parse(payload, header.cell_of_bytes(size), frames)?));
+            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?));
         }
         CodecHeader::Color(header) => {
-            return Ok(survey_cell(&CellChunk::parse(payload, header.cell_of_halves(size), frames)?));
+            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?));
         }
     };
     Ok(ChunkSurvey { changed, ..ChunkSurvey::default() })

@@ -14,7 +14,9 @@ use crate::memory::Need;
 use crate::video::codec::CodecHeader;
 use crate::video::{footprint, scan};
 
-/// Bytes for each pixel of a tile that its encoder works with: what is held, changes, candidates for its nodes.
+/// Bytes for each pixel of a tile that its encoder works with: what is held (at most 3), its age and whether it changes (2), a
+/// leaf for 16 pixels (1), and nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent lately, and as
+/// children while their parent is tried (3 times 4, and half of it again where they grow).
 const TILE_WORK_BYTES: u64 = 24;
 
 /// What one group takes.
@@ -36,7 +38,8 @@ impl GroupNeed {
             StreamKind::Color => (6, raw_pixel_bytes(&CodecHeader::Color(settings.color_header()))),
             StreamKind::Material => (12, 3),
         };
-        // PNG files are read whole.
+        // A file is decoded whole before faces are cut from it: as its values are, and once more as its reader unpacks them,
+        // at 4 bytes a pixel and channel at a time. Then each face as it is read and as it is coded.
         let frame = source.file_pixels() * (read + 4) + pixels * (read + coded);
         let state = match group.kind {
             StreamKind::Color => color_state(group, settings),

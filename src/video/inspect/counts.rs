@@ -2,6 +2,7 @@
 
 use crate::color::blend::Sample;
 use crate::color::cells::{CellChunk, CellFormat};
+use crate::container::ChunkPlace;
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::census::NodeCensus;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
@@ -71,16 +72,20 @@ pub(super) struct ChunkMeasure {
     pub events: Vec<Event>,
     /// Every record fills the unit with one value.
     pub constant: bool,
-    /// The last frames need the next chunk's first keyframe.
-    pub leads_on: bool,
     /// Nodes of all frames.
     pub census: NodeCensus,
     /// What is in blocks, in codecs that have them.
     pub blocks: BlockCount,
 }
 
-/// Parses and counts a payload of a unit of `size` (width, height) pixels.
-pub(super) fn count_chunk(header: &CodecHeader, payload: Vec<u8>, size: [u32; 2], frames: u32) -> Result<ChunkMeasure> {
+/// Parses and counts a payload, which stands at `place` in its unit of `size` (width, height) pixels.
+pub(super) fn count_chunk(
+    header: &CodecHeader,
+    payload: Vec<u8>,
+    size: [u32; 2],
+    frames: u32,
+    place: ChunkPlace,
+) -> Result<ChunkMeasure> {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     Ok(match header {
         CodecHeader::Depth(header) => match DepthChunk::parse(header, payload.into(), size, frames)? {
@@ -96,11 +101,11 @@ pub(super) fn count_chunk(header: &CodecHeader, payload: Vec<u8>, size: [u32; 2]
         },
         CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
             let format = header.cell_of_bytes(size);
-            count_blends(&CellChunk::parse(payload, format, frames)?, format, frames)
+            count_blends(&CellChunk::parse_at(payload, format, frames, place)?, format, frames)
         }
         CodecHeader::Color(header) => {
             let format = header.cell_of_halves(size);
-            count_blends(&CellChunk::parse(payload, format, frames)?, format, frames)
+            count_blends(&CellChunk::parse_at(payload, format, frames, place)?, format, frames)
         }
     })
 }
@@ -120,7 +125,6 @@ fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMe
     ChunkMeasure {
         events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
-        leads_on: false,
         census: NodeCensus::default(),
         blocks: BlockCount::default(),
     }
@@ -148,7 +152,6 @@ fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
     ChunkMeasure {
         events: chunk.records().map(event).collect(),
         constant: chunk.is_constant(),
-        leads_on: false,
         census: chunk.census(),
         blocks: BlockCount::default(),
     }
@@ -166,7 +169,7 @@ fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
         },
     };
     let events = chunk.records().enumerate().map(event).collect();
-    ChunkMeasure { events, constant: false, leads_on: false, census: chunk.census(), blocks: BlockCount::default() }
+    ChunkMeasure { events, constant: false, census: chunk.census(), blocks: BlockCount::default() }
 }
 
 fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
@@ -174,7 +177,7 @@ fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasu
     let nodes = chunk.blocks_of_frame();
     let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
     let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
-    ChunkMeasure { events, constant: false, leads_on: false, census, blocks: BlockCount::default() }
+    ChunkMeasure { events, constant: false, census, blocks: BlockCount::default() }
 }
 
 fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_count: u32) -> ChunkMeasure {
@@ -186,7 +189,6 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_co
     let mut measure = ChunkMeasure {
         events: Vec::with_capacity(frames.len()),
         constant: false,
-        leads_on: chunk.leads_on(),
         census: NodeCensus::default(),
         blocks: BlockCount::default(),
     };

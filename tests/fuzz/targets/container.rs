@@ -6,15 +6,18 @@ use lightfold::container::{OpenLimits, Reader, lzma2};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
 use lightfold::error::{Error, Result};
+use lightfold::image::FrameRange;
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::video::anatomy::frame_anatomy;
 use lightfold::video::codec::CodecHeader;
 use lightfold::video::decode::{Decoder, FaceDecoder, Picture, StreamInfo};
 use lightfold::video::encode::ErrorBound;
+use lightfold::video::export::{self, OnDamage, Request};
 use lightfold::video::flatten::FlattenSettings;
 use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
 use lightfold::video::pack::{self, PackSettings, Repack};
+use lightfold::video::unit_filter::AllUnits;
 
 use super::{Judged, Verdict, judge, refused};
 
@@ -24,6 +27,8 @@ const SMALL: OpenLimits = OpenLimits { memory_floor_bytes: 256 << 10, memory_rat
 const DEFAULT_EVERY: u32 = 512;
 /// What packing trees takes for encoders of nodes and LZMA2.
 pub const FLATTENING: u64 = 48 << 20;
+/// Frames of a stream that are decoded with `--keep-going`.
+const KEPT_FRAMES: u32 = 6;
 /// Streams of an input that are decoded.
 const MAX_STREAMS: usize = 6;
 
@@ -71,6 +76,7 @@ pub fn run_within(bytes: &[u8], limits: OpenLimits) -> Judged {
         if decode_by_two_ways(&decoder, stream)? == Verdict::Refused {
             verdict = Verdict::Refused;
         }
+        keep_going(&decoder, stream)?;
     }
     if sound == Verdict::Accepted && copied == Verdict::Refused {
         return Err("a sound container cannot be packed".into());
@@ -178,6 +184,31 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     }
     judge(&frame_anatomy(decoder, stream, frames[frames.len() / 2]))?;
     Ok(verdict)
+}
+
+/// `--keep-going` lists the images that cannot be shown, and no others; so does a decoder of files.
+fn keep_going(decoder: &Decoder, stream: &StreamInfo) -> Judged {
+    let first = stream.frames.first;
+    let frames = FrameRange { first, last: stream.frames.last.min(first + (KEPT_FRAMES - 1)) };
+    let decoded = match export::decode_units(decoder, Request::all(&[(stream, frames)]), OnDamage::KeepGoing, &Silent) {
+        Ok(decoded) => decoded,
+        Err(error) => return refused(&error),
+    };
+    if decoded.missing.is_empty() != decoded.damaged.is_empty() {
+        return Err(format!("{:?} missing for {:?}", decoded.missing, decoded.damaged));
+    }
+    let listed = |frame| decoded.missing.iter().flat_map(|missing| &missing.frames).any(|range| range.contains(frame));
+    let mut face = decoder.face(stream);
+    for frame in frames.iter() {
+        let intact = match face.decode_intact(frame, &AllUnits) {
+            Ok(picture) => picture.is_some(),
+            Err(error) => return refused(&error),
+        };
+        if intact == listed(frame) || intact != decoder.face(stream).decode(frame).is_ok() {
+            return Err(format!("stream {} frame {frame} is listed: {}", stream.index, listed(frame)));
+        }
+    }
+    Ok(Verdict::Accepted)
 }
 
 /// A hash of a picture's bits.

@@ -26,36 +26,52 @@ pub type Judged = std::result::Result<Verdict, String>;
 pub struct Target {
     /// Its name on command lines.
     pub name: &'static str,
+    /// Inputs that the test runs: two seconds or so of them on a desk computer.
+    pub execs: u64,
     /// What it does with an input; panics are findings, too.
     pub run: fn(&[u8]) -> Judged,
     /// Memory that an input may take, in bytes.
     pub bound: fn(&[u8]) -> u64,
 }
 
+/// A target of one codec's payloads.
+macro_rules! payloads {
+    ($codec:literal, $execs:literal) => {{
+        const CODEC: [u8; 4] = *$codec;
+        let Ok(name) = std::str::from_utf8(&CODEC) else { panic!("a codec is four letters") };
+        Target {
+            name,
+            execs: $execs,
+            run: |bytes| stream::run(CODEC, bytes),
+            bound: |bytes| stream::bound(CODEC, bytes),
+        }
+    }};
+}
+
 /// All targets.
 pub const TARGETS: &[Target] = &[
-    Target { name: "container", run: container::run, bound: container::bound },
-    Target { name: "index", run: container::run, bound: container::bound },
-    Target { name: "lzma2", run: container::run_lzma2, bound: container::bound_lzma2 },
-    Target { name: "DQPN", run: |bytes| stream::run(*b"DQPN", bytes), bound: |bytes| stream::bound(*b"DQPN", bytes) },
-    Target { name: "DQTR", run: |bytes| stream::run(*b"DQTR", bytes), bound: |bytes| stream::bound(*b"DQTR", bytes) },
-    Target { name: "DAAB", run: |bytes| stream::run(*b"DAAB", bytes), bound: |bytes| stream::bound(*b"DAAB", bytes) },
-    Target { name: "DB4W", run: |bytes| stream::run(*b"DB4W", bytes), bound: |bytes| stream::bound(*b"DB4W", bytes) },
-    Target { name: "DAB5", run: |bytes| stream::run(*b"DAB5", bytes), bound: |bytes| stream::bound(*b"DAB5", bytes) },
-    Target { name: "MAAB", run: |bytes| stream::run(*b"MAAB", bytes), bound: |bytes| stream::bound(*b"MAAB", bytes) },
-    Target { name: "MAB1", run: |bytes| stream::run(*b"MAB1", bytes), bound: |bytes| stream::bound(*b"MAB1", bytes) },
-    Target { name: "CCL8", run: |bytes| stream::run(*b"CCL8", bytes), bound: |bytes| stream::bound(*b"CCL8", bytes) },
-    Target { name: "CCB1", run: |bytes| stream::run(*b"CCB1", bytes), bound: |bytes| stream::bound(*b"CCB1", bytes) },
-    Target { name: "CCB7", run: |bytes| stream::run(*b"CCB7", bytes), bound: |bytes| stream::bound(*b"CCB7", bytes) },
-    Target { name: "CCLH", run: |bytes| stream::run(*b"CCLH", bytes), bound: |bytes| stream::bound(*b"CCLH", bytes) },
-    Target { name: "CCB6", run: |bytes| stream::run(*b"CCB6", bytes), bound: |bytes| stream::bound(*b"CCB6", bytes) },
-    Target { name: "journal", run: journal::run, bound: journal::bound },
-    Target { name: "exr", run: images::run_exr, bound: images::bound },
-    Target { name: "png", run: images::run_png, bound: images::bound },
-    Target { name: "manifest", run: texts::run_manifest, bound: texts::bound },
-    Target { name: "cameras", run: texts::run_cameras, bound: texts::bound },
-    Target { name: "sweep", run: texts::run_sweep, bound: texts::bound },
-    Target { name: "patterns", run: texts::run_patterns, bound: texts::bound },
+    Target { name: "container", execs: 2000, run: container::run, bound: container::bound },
+    Target { name: "index", execs: 2000, run: container::run, bound: container::bound },
+    Target { name: "lzma2", execs: 2000, run: container::run_lzma2, bound: container::bound_lzma2 },
+    payloads!(b"DQPN", 2000),
+    payloads!(b"DQTR", 1000),
+    payloads!(b"DAAB", 2000),
+    payloads!(b"DB4W", 2000),
+    payloads!(b"DAB5", 2000),
+    payloads!(b"MAAB", 2000),
+    payloads!(b"MAB1", 2000),
+    payloads!(b"CCL8", 2000),
+    payloads!(b"CCB1", 2000),
+    payloads!(b"CCB7", 2000),
+    payloads!(b"CCLH", 2000),
+    payloads!(b"CCB6", 2000),
+    Target { name: "journal", execs: 4000, run: journal::run, bound: journal::bound },
+    Target { name: "exr", execs: 2000, run: images::run_exr, bound: images::bound },
+    Target { name: "png", execs: 4000, run: images::run_png, bound: images::bound },
+    Target { name: "manifest", execs: 4000, run: texts::run_manifest, bound: texts::bound },
+    Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
+    Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
+    Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
 ];
 
 /// Whether an error is one sentence for a person, and ends a command with the code of bad input.

@@ -1,0 +1,65 @@
+//! Vectors of files that are refused before an image is asked for: what only a limit forbids, and what is forbidden whatever
+//! is asked for.
+
+use std::path::Path;
+
+use lightfold::color::SearchSettings;
+use lightfold::color::cells::{CellBuilder, LEADS_NOWHERE};
+use lightfold::gpu::prepare;
+use lightfold::monitor::Silent;
+use lightfold::video::anatomy::{frame_anatomy, survey};
+use lightfold::video::decode::Decoder;
+use lightfold::video::inspect::{self, InspectSettings};
+
+use crate::samples;
+use crate::vectors::{one, shape};
+
+/// Vectors that break no rule of the format, and would cost more than their size justifies (container.md 2).
+pub const ONLY_TOO_LARGE: [&str; 4] = [
+    "chunk-shared-by-many-units",
+    "chunk-shared-by-some-units",
+    "stream-frames-for-hours",
+    "stream-larger-than-justified",
+];
+
+/// A cell whose first two frames show its one keyframe, and whose third leads to a chunk that is not there.
+fn leads_nowhere_late() -> Vec<u8> {
+    let mut cell = CellBuilder::default();
+    cell.push_keyframe::<u8>(&[1, 2, 3]);
+    cell.push_weight(0, 1);
+    cell.push_weight(7, 1);
+    let header = samples::color8_header(&SearchSettings::default());
+    one(samples::cells_by_hand(shape(0, [1, 1], [1, 1], 0, 3), &header, vec![cell]))
+}
+
+/// Name, bytes and a part of the message of every invalid vector.
+pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
+    vec![
+        ("color-last-leads-nowhere-late", leads_nowhere_late(), LEADS_NOWHERE),
+        ("stream-frames-for-hours", samples::static_for(1 << 31), "claim 2147483648 units and 8589934592 pixels"),
+        ("chunk-shared-by-some-units", samples::shared_chunk(7), "would take 117440"),
+        ("chunk-shared-by-many-units", samples::shared_chunk(256), "payloads of 4294967296 bytes"),
+    ]
+}
+
+#[test]
+fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors/invalid/color-last-leads-nowhere-late.lfold");
+    let decoder = Decoder::open(path).unwrap();
+    let (stream, reader) = (&decoder.streams()[0], decoder.reader());
+    let chunk = reader.index().chunks[0];
+    let place = reader.index().place(&chunk);
+    // Frame 0 needs no other chunk.
+    let said = [
+        decoder.unit(stream, 0).decode(0).err(),
+        decoder.face(stream).decode(0).err(),
+        frame_anatomy(&decoder, stream, 0).err(),
+        survey(&decoder, stream, &Silent).err(),
+        inspect::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
+        prepare::prepare(&stream.header, reader.fetch(&chunk).unwrap(), [1, 1], 3, place).err(),
+    ];
+    for (way, error) in said.into_iter().enumerate() {
+        let error = error.map_or_else(|| "it is taken".to_owned(), |error| error.to_string());
+        assert!(error.contains(LEADS_NOWHERE), "way {way}: {error}");
+    }
+}
