@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 use crate::gpu::random::Random;
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
+use crate::hard_cases::report::CONDITION;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 
 /// Bounds that every picture is held to, in codes.
@@ -33,7 +34,7 @@ pub(super) fn cases() -> Vec<HardCase> {
             cases.push(case);
         }
     }
-    let condition = Shelf::new(Family::Fits, "normal equations in the scaled basis", "condition number");
+    let condition = Shelf::new(Family::Fits, "normal equations in the scaled basis", CONDITION);
     let solved = Shelf::new(Family::Fits, "normal equations of a known function, solved", "codes");
     let projected = Shelf::new(Family::Fits, "least squares against sums in integers", "codes between functions");
     let horner = Shelf::new(Family::Fits, "Horner's scheme in integers against binary64", "codes");
