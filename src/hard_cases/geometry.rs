@@ -24,6 +24,9 @@ const LENGTHS: [f64; 5] = [1.0, 1e-300, 1e-150, 1e150, 1e300];
 /// Relative rounding of binary64.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
+/// What makes directions.
+type Directions = fn() -> Vec<DVec3>;
+
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let shelf = |pipeline: &str, unit| Shelf::new(Family::Geometry, pipeline, unit);
@@ -37,7 +40,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let angle = shelf("direction to cube face and back, unit vectors and all lengths", "radians");
     // Two quotients, and two products and sums on the way back, of numbers of up to 1, each way across.
     let most = 6.0 * ROUNDING;
-    let directions: [(&str, fn() -> Vec<DVec3>); 4] = [
+    let directions: [(&str, Directions); 4] = [
         ("edges of faces", edges),
         ("corners of faces", corners),
         ("an ulp beside edges and corners", || beside(&[edges(), corners()].concat())),

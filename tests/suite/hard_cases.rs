@@ -85,7 +85,10 @@ fn check_page(rows: &[FamilyRow<'_>]) {
 fn a_page_is_stale_by_more_than_a_library() {
     assert!(agree("50.09", "50.10") && agree("<= 2.109e-4", "<= 2.110e-4") && agree("codes", "codes"));
     assert!(!agree("50.09", "51.10") && !agree("<= 2.109e-4", "<= 2.209e-4") && !agree("of 255", "codes"));
-    assert!(!agree("10", "11") && !agree(">= 50", "<= 50") && !agree(">= 0.5", "<= 0.5") && !agree("1000", "1001"), "whole numbers are exact");
+    assert!(
+        !agree("10", "11") && !agree(">= 50", "<= 50") && !agree(">= 0.5", "<= 0.5") && !agree("1000", "1001"),
+        "whole numbers are exact"
+    );
 }
 
 #[test]
