@@ -193,6 +193,7 @@ fn print_json(all: &[Tested], cases: &[CaseReport], failed: bool) -> Result<()> 
         "device_tested": !all.is_empty(),
         "hard_cases": cases_json(all, cases),
         "families": families_json(cases),
+        "notes": hard_cases::notes(cases),
         "streams": all.iter().filter_map(streams).collect::<Vec<_>>(),
         "failed": failed,
     }))
@@ -214,7 +215,8 @@ fn text(all: &[Tested], cases: &[CaseReport]) -> String {
         table.row(cells.into_iter().chain([worst.bound.to_string(), measured, worst.unit.to_owned()]));
     }
     let failed = cases.iter().filter(|case| !case.passed());
-    let mut out = format!("{table}\n{} hard cases, {} failed\n", cases.len(), failed.clone().count());
+    let notes: String = hard_cases::notes(cases).iter().map(|note| format!("{note}\n")).collect();
+    let mut out = format!("{table}\n{notes}\n{} hard cases, {} failed\n", cases.len(), failed.clone().count());
     failed.for_each(|case| out += &format!("{}\n", case.sentence()));
     if all.is_empty() {
         out += "no graphics device was found: all of this is the CPU's\n";

@@ -237,7 +237,7 @@ impl Frame {
 }
 
 /// Solves a symmetric system (lower half given) by LDLᵀ; unknowns that depend on earlier ones are 0.
-fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) -> [f64; N] {
+pub(crate) fn solve<const N: usize>(matrix: &[[f64; N]; N], right: &[f64; N]) -> [f64; N] {
     let (mut lower, mut pivots, mut solution) = ([[0.0; N]; N], [0.0; N], [0.0; N]);
     for row in 0..N {
         for column in 0..row {

@@ -14,7 +14,7 @@ use crate::depth::temporal::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::gpu::random::Random;
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, random_at};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use half::f16;
@@ -49,26 +49,28 @@ pub(super) fn cases() -> Vec<HardCase> {
     for picture in PICTURES {
         cases.push(background.case(picture.name, Bound::AtMost(0.0), move || background_of(picture)));
     }
-    // 13 bits stand for codes 8 or 9 apart; the last, 65535, is the background's, so that surfaces end at 65527.
+    // Endpoints of 13 bits stand for codes 8 or 9 apart. Between two neighbours lie sevenths, at most 9/7 apart: a code is
+    // within 9/14 of one of them, and that is rounded by 3/7 at most. With the background in the block there are fifths,
+    // at most 9/5 apart: 9/10 and 2/5. Either is less than two, and so one code. The same holds of 65528 to 65534, between
+    // the last two endpoints, although the very last is the background's own code.
     let one = shelf("DB4W, one code a block", "codes");
     let two = shelf("DB4W, one code and the background in a block", "codes");
-    let spans: [(&str, u16, u16, f64); 4] = [
-        ("0 to 1599", 0, 1, 4.0),
-        ("every 40th", 0, 40, 4.0),
-        ("the last that endpoints reach: 63928 to 65527", 63_928, 1, 4.0),
-        ("those beyond: 65528 to 65534", 65_528, 1, 7.0),
+    let most = Bound::AtMost(1.0);
+    let spans: [(&str, u16, u16); 4] = [
+        ("0 to 1599", 0, 1),
+        ("every 40th", 0, 40),
+        ("up to the last endpoint of surfaces: 63928 to 65527", 63_928, 1),
+        ("beyond it: 65528 to 65534", 65_528, 1),
     ];
-    for (name, first, step, most) in spans {
+    for (name, first, step) in spans {
         let last = if first == 65_528 { 65_534 } else { 65_527 };
-        cases.push(one.case(name, Bound::AtMost(most), move || codes_of_blocks([first, step, last], |_, _| false)));
-        cases.push(
-            two.case(name, Bound::AtMost(most), move || codes_of_blocks([first, step, last], |x, y| (x + y) % 3 == 0)),
-        );
+        cases.push(one.case(name, most, move || codes_of_blocks([first, step, last], |_, _| false)));
+        cases.push(two.case(name, most, move || codes_of_blocks([first, step, last], |x, y| (x + y) % 3 == 0)));
     }
     let palette = shelf("BC4w palettes against binary64", "codes");
     // Sevenths and fifths, to nearest.
-    cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(true))));
-    cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(false))));
+    cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(Palette::Eight))));
+    cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(Palette::Six))));
     cases.push(palette.case("equal endpoints, all of them", Bound::AtMost(0.0), || Ok(equal_endpoints())));
     // 8 e + e / 1024 rounded down for 65535 / 8191 e: both end at the same code, and between they are less than 1 apart.
     cases.push(palette.case("endpoints of 13 bits", Bound::AtMost(1.0), || Ok(endpoint_error())));
@@ -90,7 +92,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         for (name, pixel) in MATERIALS {
             cases.push(boxes.case(name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = Sequence::new([22, 17], 4, pixel);
-                let clip = Clip::material(&source, temporal(epsilon), true)?;
+                let clip = Clip::material_in_blocks(&source, temporal(epsilon))?;
                 measured(source.error(&clip)?, clip)
             }));
         }
@@ -121,7 +123,7 @@ const MATERIALS: [Material; 6] = [
     ("channels that do not go together", |frame, x, y| [(x * 60) as u8, (y * 60) as u8, ((x + y + frame) * 90) as u8]),
     ("pure colours", |frame, x, y| [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]][((x + y + frame) % 4) as usize]),
     ("noise", |frame, x, y| {
-        let mut random = Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y));
+        let mut random = random_at([frame, x, y]);
         [(); 3].map(|()| random.below(256) as u8)
     }),
 ];
@@ -153,19 +155,36 @@ fn codes_of_blocks([first, step, last]: [u16; 3], background: fn(u32, u32) -> bo
     measured(source.error(&clip)?, clip)
 }
 
+/// Modes of a pair of endpoints, by the codes that they space evenly.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Palette {
+    Eight,
+    Six,
+}
+
+impl Palette {
+    fn of(e0: u16, e1: u16) -> Palette {
+        if e0 > e1 { Palette::Eight } else { Palette::Six }
+    }
+
+    /// Codes that are evenly spaced.
+    fn codes(self) -> usize {
+        if self == Palette::Eight { 8 } else { 6 }
+    }
+}
+
 /// Codes between two endpoints, in one mode, against the real ones.
-fn palette_error(eight: bool) -> Measured {
+fn palette_error(mode: Palette) -> Measured {
     let mut random = Random::new(8);
     let mut worst = Worst::greatest();
     for e0 in 0..=MAX_ENDPOINT {
         let others = [0, 1, e0.saturating_sub(1), e0, (e0 + 1).min(MAX_ENDPOINT), MAX_ENDPOINT];
         let more = [(); 26].map(|()| random.below(u32::from(MAX_ENDPOINT) + 1) as u16);
-        for e1 in others.into_iter().chain(more).filter(|&e1| (e0 > e1) == eight) {
+        for e1 in others.into_iter().chain(more).filter(|&e1| Palette::of(e0, e1) == mode) {
             let [a, b] = [e0, e1].map(|endpoint| f64::from(Pair::code(endpoint)));
-            let steps = if eight { 7.0 } else { 5.0 };
-            let last = if eight { 8 } else { 6 };
+            let steps = (mode.codes() - 1) as f64;
             let palette = Pair { e0, e1 }.palette();
-            for (index, &code) in palette.iter().enumerate().take(last) {
+            for (index, &code) in palette.iter().enumerate().take(mode.codes()) {
                 let place = if index < 2 { index as f64 * steps } else { index as f64 - 1.0 };
                 // Whole numbers of sevenths or fifths, and so exact.
                 let exact = (steps - place) * a + place * b;

@@ -1,7 +1,5 @@
 //! Streams of one unit, made by the encoders and shown by way of a container.
 
-use std::ops::Range;
-
 use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
@@ -16,11 +14,17 @@ use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::gpu::pictures::mismatched_words;
+use crate::gpu::random::Random;
+use crate::hard_cases::Measured;
 use crate::video::codec::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 use crate::video::decode::{Decoder, Picture};
 
 /// Effort of all searches: bounds hold with any, and this one takes the least time.
 pub(super) const EFFORT: Effort = Effort::Fast;
+
+/// Paths that are taken at random beside those of two pictures, and the pictures of each.
+const RANDOM_PATHS: u32 = 12;
+const RANDOM_PICTURES: u32 = 40;
 
 /// A stream of one unit.
 #[derive(Debug, Clone)]
@@ -41,6 +45,16 @@ pub struct Clip {
 pub(super) struct Sequence<T> {
     pub size: [u32; 2],
     pub frames: Vec<Vec<T>>,
+}
+
+/// Random numbers that depend on frame and place alone.
+pub(super) fn random_at([frame, x, y]: [u32; 3]) -> Random {
+    Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y))
+}
+
+/// A number below `n` that depends on frame and place alone.
+pub(super) fn noise(at: [u32; 3], n: u32) -> u32 {
+    random_at(at).below(n)
 }
 
 /// The range of streams whose metres do not matter.
@@ -128,17 +142,25 @@ impl Clip {
         Ok(Clip::new("DAB5", header, (source.size, source.frames.len()), chunks))
     }
 
-    /// Material in boxes, as it is (`MAAB`) or with pieces in BC1 (`MAB1`).
-    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, in_blocks: bool) -> Result<Clip> {
+    /// Material in boxes (`MAAB`).
+    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings) -> Result<Clip> {
         temporal.check()?;
-        let chunks = if in_blocks {
-            boxes(TemporalEncoder::in_blocks(source.size, temporal, EFFORT), &source.frames)?
-        } else {
-            boxes(TemporalEncoder::new(source.size[0], temporal), &source.frames)?
-        };
-        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks });
-        let what = if in_blocks { "MAB1" } else { "MAAB" };
-        Ok(Clip::new(what, header, (source.size, source.frames.len()), chunks))
+        let chunks = boxes(TemporalEncoder::new(source.size[0], temporal), &source.frames)?;
+        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks: false });
+        Ok(Clip::new("MAAB", header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Material in boxes, pieces of them in BC1 (`MAB1`).
+    pub(super) fn material_in_blocks(source: &Sequence<[u8; 3]>, temporal: TemporalSettings) -> Result<Clip> {
+        temporal.check()?;
+        let chunks = boxes(TemporalEncoder::in_blocks(source.size, temporal, EFFORT), &source.frames)?;
+        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks: true });
+        Ok(Clip::new("MAB1", header, (source.size, source.frames.len()), chunks))
+    }
+
+    /// Its chunks, in order.
+    pub(super) fn chunks(&self) -> &[EncodedChunk] {
+        &self.chunks
     }
 
     /// Pixels of all frames together.
@@ -154,17 +176,23 @@ impl Clip {
         (0..self.frame_count).try_for_each(|frame| see(frame as usize, &face.decode(frame)?))
     }
 
-    /// Enters at frames and steps on by every legal number of frames; answers how many of these pictures are not those
-    /// that are shown in order, with the first of them. `starts` are the frames to enter at.
-    ///
-    /// A legal path is made of steps of 1 to W frames, so pictures that are right after each single step are right on
-    /// every path.
-    pub(super) fn paths(&self, starts: Range<u32>, every: usize) -> Result<(u64, Option<String>)> {
-        let window = match self.header {
+    /// Frames that a decoder may step over at once.
+    fn window(&self) -> u32 {
+        match self.header {
             CodecHeader::Depth(header) => u32::from(header.window()),
             CodecHeader::Material(header) => u32::from(header.temporal.window),
             CodecHeader::Color(_) => 1,
-        };
+        }
+    }
+
+    /// Enters at every frame and steps on by every legal number of frames, then takes longer paths at random; counts
+    /// pictures that are not those shown in order.
+    ///
+    /// A legal path is made of steps of 1 to W frames, so that pictures that are right after each single step are right
+    /// on every path, as far as a decoder remembers nothing but its picture. Random paths ask whether it does: they
+    /// start with a new decoder, step, and leap anywhere.
+    pub(super) fn paths(&self) -> Result<Measured> {
+        let (window, count) = (self.window(), self.frame_count);
         let mut shown = Vec::new();
         self.show(|_, picture| {
             shown.push(picture.clone());
@@ -173,22 +201,36 @@ impl Clip {
         let decoder = open(std::slice::from_ref(self))?;
         let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
         let mut face = decoder.face(stream);
-        let (mut wrong, mut first) = (0, None);
-        for start in starts.step_by(every) {
+        let (mut looked, mut wrong, mut first) = (0u64, 0, None);
+        let mut look = |frame: u32, picture: &Picture, way: &dyn Fn() -> String| {
+            looked += 1;
+            if mismatched_words(picture, &shown[frame as usize]) > 0 {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("frame {frame}, {}", way()));
+            }
+        };
+        for start in 0..count {
             // One step more than a decoder may take at once: it has to take two.
             for step in 1..=window + 1 {
-                for frame in [start, start + step].into_iter().filter(|&frame| frame < self.frame_count) {
-                    if mismatched_words(&face.decode(frame)?, &shown[frame as usize]) > 0 {
-                        wrong += 1;
-                        first.get_or_insert_with(|| format!("frame {frame}, entered at {start}, step {step}"));
-                    }
+                for frame in [start, start + step].into_iter().filter(|&frame| frame < count) {
+                    look(frame, &face.decode(frame)?, &|| format!("entered at {start}, step {step}"));
                 }
-                if start + step >= self.frame_count {
+                if start + step >= count {
                     break;
                 }
             }
         }
-        Ok((wrong, first))
+        let mut random = Random::new(u64::from(count) << 8 | u64::from(window));
+        for path in 0..RANDOM_PATHS {
+            let mut face = decoder.face(stream);
+            let mut frame = random.below(count);
+            for at in 0..RANDOM_PICTURES {
+                look(frame, &face.decode(frame)?, &|| format!("picture {at} of random path {path}"));
+                let next = frame + 1 + random.below(window + 1);
+                frame = if random.one_in(8) || next >= count { random.below(count) } else { next };
+            }
+        }
+        Ok(Measured::count(wrong, first).with_note(format!("{looked} pictures")))
     }
 }
 
@@ -285,4 +327,23 @@ pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
         }
     }
     Decoder::new(Reader::from_memory(writer.finish()?.0)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn clip() -> Clip {
+        let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);
+        Clip::codes(&source, TemporalSettings { window: 3, ..TemporalSettings::default() }).unwrap()
+    }
+
+    #[test]
+    fn paths_enter_at_every_frame() {
+        // From each frame but the last four, W + 1 = 4 steps of two pictures; then 3, 2, 1 of them, and what is left
+        // of each before it ends: the frame entered at.
+        let pairs = 16 * 8 + (6 + 1) + (4 + 1) + (2 + 1) + 1;
+        let random = RANDOM_PATHS * RANDOM_PICTURES;
+        assert_eq!(clip().paths().unwrap().note, Some(format!("{} pictures", pairs + random)));
+    }
 }

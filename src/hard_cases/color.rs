@@ -3,14 +3,13 @@
 use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::CellFormat;
+use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::keyframes::SearchSettings;
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::container::EncodedChunk;
 use crate::error::{Error, Result};
-use crate::gpu::random::Random;
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use crate::image::transfer::ToneMap;
 use crate::metrics::psnr::U8_PEAK;
@@ -23,11 +22,6 @@ const WHITE_CD_M2: f64 = 100.0;
 
 /// A sequence of a cell: size, frames, and a pixel of each.
 type Cell<T> = (&'static str, [u32; 2], u32, fn(u32, u32, u32) -> [T; 3]);
-
-/// A number below `n` that depends on frame and place alone.
-fn noise([frame, x, y]: [u32; 3], n: u32) -> u32 {
-    Random::new(u64::from(frame) << 40 | u64::from(x) << 20 | u64::from(y)).below(n)
-}
 
 const BYTES: [Cell<u8>; 14] = [
     ("black", [12, 12], 20, |_, _, _| [0; 3]),
@@ -116,18 +110,28 @@ pub(super) fn cases() -> Vec<HardCase> {
         let shelf = Shelf::new(Family::Color, codec, unit);
         let format = ColorFormat::EightBit(ToneMap::default());
         let header = ColorHeader { format, blocks, min_psnr_db };
+        let paths = paths_of(codec);
         for cell in BYTES {
             cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
+            cases.push(paths.case(cell.0, Bound::AtMost(0.0), move || clip_of_bytes(cell, header)?.1.paths()));
         }
     }
     for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
         let shelf = Shelf::new(Family::Color, codec, "dB of PU21");
         let header = ColorHeader { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
+        let exact = Shelf::new(Family::Color, format!("{codec}, keyframes of samples"), "samples of other bits");
+        let paths = paths_of(codec);
         for cell in HALVES {
             cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
+            cases.push(paths.case(cell.0, Bound::AtMost(0.0), move || clip_of_halves(cell, header)?.1.paths()));
+            cases.push(exact.case(cell.0, Bound::AtMost(0.0), move || changed_keyframes(cell, header)));
         }
     }
     cases
+}
+
+fn paths_of(codec: &str) -> Shelf {
+    Shelf::new(Family::Color, format!("{codec}, every legal path"), "pictures that differ")
 }
 
 /// Decibels of a sum of squares.
@@ -156,11 +160,16 @@ fn encode<S: Sample, Q: Quality<S>>(
     Ok(chunks)
 }
 
-fn bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<Measured> {
+fn clip_of_bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<(Sequence<[u8; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
     let frames = source.frames.iter().map(|frame| frame.as_flattened().to_vec());
     let chunks = encode(frames, header.cell_of_bytes(size), &EightBit, header.min_psnr_db)?;
     let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
+    Ok((source, clip))
+}
+
+fn bytes(cell: Cell<u8>, header: ColorHeader) -> Result<Measured> {
+    let (source, clip) = clip_of_bytes(cell, header)?;
     let mut worst = Worst::least();
     clip.show(|frame, picture| {
         let Picture::Color8(shown) = picture else { return Err(Error::invalid("8-bit colour was expected")) };
@@ -172,7 +181,7 @@ fn bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<Measu
     Ok(worst.measured().with_clips(vec![clip]))
 }
 
-fn halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<Measured> {
+fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<(Sequence<[f16; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
     let pu21 = Pu21::new(WHITE_CD_M2)?;
     let keys = |frame: &Vec<[f16; 3]>| -> Vec<HalfKey> {
@@ -180,14 +189,72 @@ fn halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<Mea
     };
     let chunks = encode(source.frames.iter().map(keys), header.cell_of_halves(size), &pu21, header.min_psnr_db)?;
     let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
-    let mut worst = Worst::least();
+    Ok((source, clip))
+}
+
+/// What a half float is, whatever its size: the metric knows of none of this (color.md 5).
+#[derive(PartialEq, Eq)]
+enum Class {
+    NotANumber,
+    Infinite,
+    Finite,
+}
+
+/// Its class, and whether it is below zero.
+fn class(value: f16) -> (Class, bool) {
+    match value {
+        _ if value.is_nan() => (Class::NotANumber, false),
+        _ if value.is_infinite() => (Class::Infinite, value < f16::ZERO),
+        _ => (Class::Finite, value < f16::ZERO),
+    }
+}
+
+fn halves(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
+    let (source, clip) = clip_of_halves(cell, header)?;
+    let pu21 = Pu21::new(WHITE_CD_M2)?;
+    let (mut worst, mut others, mut samples) = (Worst::least(), 0, 0);
     clip.show(|frame, picture| {
         let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
         let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
         // color.md 5 defines the promise in steps of PU21.
         let squares = pu21.between(shown, source) as f64;
         worst.see(decibels(squares, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
+        others += shown.iter().zip(source).filter(|(shown, source)| class(**shown) != class(**source)).count();
+        samples += source.len();
         Ok(())
     })?;
-    Ok(worst.measured().with_clips(vec![clip]))
+    let note = format!("of {samples} samples {others} changed between NaN, infinity, negative and not");
+    Ok(worst.measured().with_note(note).with_clips(vec![clip]))
+}
+
+/// Samples that are not the source's to the bit, of frames that are keyframes stored as samples.
+fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
+    let (source, clip) = clip_of_halves(cell, header)?;
+    let (mut exact, mut in_blocks) = (vec![false; source.frames.len()], 0);
+    for chunk in clip.chunks() {
+        let format = header.cell_of_halves(clip.size);
+        let parsed = CellChunk::<HalfKey>::parse(chunk.payload.clone(), format, chunk.frame_count)?;
+        for (at, frame) in parsed.keyframes().iter().enumerate() {
+            exact[(chunk.first_frame + frame) as usize] = !parsed.in_blocks(at);
+            in_blocks += u32::from(parsed.in_blocks(at));
+        }
+    }
+    let (mut wrong, mut first) = (0, None);
+    clip.show(|frame, picture| {
+        let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
+        let samples = shown.data().as_flattened().iter().zip(source.frames[frame].as_flattened());
+        for (shown, source) in samples.filter(|(shown, source)| exact[frame] && shown.to_bits() != source.to_bits()) {
+            wrong += 1;
+            first.get_or_insert_with(|| {
+                format!("frame {frame}: {:04x} became {:04x}", source.to_bits(), shown.to_bits())
+            });
+        }
+        Ok(())
+    })?;
+    let samples = exact.iter().filter(|exact| **exact).count();
+    let measured = Measured::count(wrong, first);
+    // A stream without blocks has a keyframe of samples, or nothing was looked at.
+    let looked = samples > 0 || header.blocks.is_some();
+    let figure = if looked { measured.figure } else { f64::NAN };
+    Ok(Measured { figure, ..measured }.with_note(format!("{samples} keyframes of samples, {in_blocks} in blocks")))
 }

@@ -3,19 +3,24 @@
 
 use crate::depth::biquadratic::Biquadratic;
 use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::least_squares::{Frame, Sample};
+use crate::depth::least_squares::{Frame, Sample, Terms, solve};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::error::{Error, Result};
 use crate::gpu::random::Random;
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
+use crate::hard_cases::report::CONDITION;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 
 /// Bounds that every picture is held to, in codes.
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
 /// Sides of nodes, in pixels, whose arithmetic is looked at.
 const SIDES: [usize; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
+/// Relative rounding of binary64.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
+/// Samples along a side that encoders solve for at most.
+const SAMPLES_ACROSS: usize = 32;
 /// A matrix over the six terms.
 type Matrix = [[f64; 6]; 6];
 
@@ -29,24 +34,31 @@ pub(super) fn cases() -> Vec<HardCase> {
             cases.push(case);
         }
     }
-    let condition = Shelf::new(Family::Fits, "normal equations in the scaled basis", "condition number");
-    let projected = Shelf::new(Family::Fits, "least squares against an orthogonal reference", "codes, rms");
+    let condition = Shelf::new(Family::Fits, "normal equations in the scaled basis", CONDITION);
+    let solved = Shelf::new(Family::Fits, "normal equations of a known function, solved", "codes");
+    let projected = Shelf::new(Family::Fits, "least squares against sums in integers", "codes between functions");
     let horner = Shelf::new(Family::Fits, "Horner's scheme in integers against binary64", "codes");
     for side in SIDES {
         // The basis is orthogonal; the squares of its functions have means of 1, 1/3 · (1 − 1/n²) and
         // 4/45 · (1 − 1/n²)(1 − 4/n²): the least at n = 4, where 4/45 · 15/16 · 3/4 is 1/16.
         let name = format!("{side}x{side}");
         cases.push(condition.case(name.clone(), Bound::AtMost(16.0), move || Ok(condition_number(side))));
+        let places = samples_of(side).len() as f64;
+        // With n samples of functions of up to 1 and values of up to V = 65535, sums are off by n · 2^-53 · n, and by V
+        // times that on the right. The least eigenvalue is n / 16 or more (between every so many pixels, other terms
+        // than one's own add less than 1/1000), and six coefficients are 4 V together at most. So they are off by
+        // 16 · n · 2^-53 · V · (√6 + 6 · 4), and the function by √6 times that. Rounding in the solution and in the value
+        // are below eight more samples.
+        let root = 6f64.sqrt();
+        let most = root * 16.0 * (places + 8.0) * (root + 24.0) * ROUNDING * 65535.0;
+        cases.push(solved.case(name.clone(), Bound::AtMost(most), move || known_function(side)));
         // Two roundings to 2^-14 of half a unit each, multiplied by the last column and by the last row.
         let most = (side - 1) as f64 / f64::from(1 << 14);
         cases.push(horner.case(name, Bound::AtMost(most), move || Ok(horner_error(side))));
     }
     for picture in PICTURES.iter().filter(|picture| picture.size.iter().all(|side| *side >= 8)) {
-        // Each of six sums over n pixels of up to 65535 is off by a part of n · 2^-53 at most, and is divided by a mean
-        // square of 1/16 or more.
-        let pixels = (picture.size[0] * picture.size[1]) as f64;
-        let most = 6.0 * 16.0 * pixels * f64::EPSILON / 2.0 * 65535.0;
-        cases.push(projected.case(picture.name, Bound::AtMost(most), move || fit_excess(picture)));
+        let most = projection_rounding(picture.size);
+        cases.push(projected.case(picture.name, Bound::AtMost(most), move || Ok(projection_error(picture))));
     }
     let few = Shelf::new(Family::Fits, "minimax over pixels that tell too little", "codes");
     // 1024 samples, a condition of 16, values of up to 65535, two passes; what depends on other terms is left out.
@@ -79,15 +91,14 @@ fn condition_number(side: usize) -> Measured {
     let (mut ours, mut powers) = ([[0.0; 6]; 6], [[0.0; 6]; 6]);
     for (x, y) in (0..side * side).map(|at| (at % side, at / side)) {
         add_products(&mut ours, frame.basis(frame.at(x, y)));
-        add_products(&mut powers, raw_terms(x, y));
+        add_products(&mut powers, raw_terms([x as f64, y as f64]));
     }
     let (figure, raw) = (condition_of(ours), condition_of(powers));
-    let note = format!("{raw:.2e} in powers of pixel coordinates");
+    let note = format!("condition {figure:.1}; in powers of pixel coordinates {raw:.2e}");
     Measured { figure, place: None, note: Some(note), clips: Vec::new() }
 }
 
-fn raw_terms(x: usize, y: usize) -> [f64; 6] {
-    let (x, y) = (x as f64, y as f64);
+fn raw_terms([x, y]: [f64; 2]) -> [f64; 6] {
     [1.0, x, y, x * y, x * x, y * y]
 }
 
@@ -123,46 +134,124 @@ fn condition_of(mut m: Matrix) -> f64 {
     high / low
 }
 
-/// How much larger the residual of [`Frame::project`] is than that of a projection on vectors made orthogonal twice.
-fn fit_excess(picture: &HardPicture) -> Result<Measured> {
+/// Column and row of the samples that a fit of a square sees: all pixels of small ones, the middles of equal parts of
+/// large ones.
+fn samples_of(side: usize) -> Vec<[f64; 2]> {
+    let part = side.div_ceil(SAMPLES_ACROSS);
+    let middle = |at: usize| (at * part) as f64 + (part - 1) as f64 / 2.0;
+    let across = side / part;
+    (0..across * across).map(|at| [middle(at % across), middle(at / across)]).collect()
+}
+
+/// A function of second degree whose values are within 0 to 65535 over a square of 2^k pixels, and exact in binary64.
+fn known_value(side: usize, [x, y]: [f64; 2]) -> f64 {
+    let (x, y) = (x / side as f64, y / side as f64);
+    20_000.0 + 3001.0 * x - 7003.0 * y + 11_003.0 * x * y + 17_011.0 * x * x - 9013.0 * y * y
+}
+
+/// The error of a known function that is found again: by the solver in its scaled basis, and, for people, by the same
+/// solver in powers of pixel coordinates.
+fn known_function(side: usize) -> Result<Measured> {
+    let (places, last) = (samples_of(side), side - 1);
+    let frame = Frame::new([0, last], [0, last]);
+    let place = |at: [f64; 2]| [0, 1].map(|axis| (at[axis] - last as f64 / 2.0) * (2.0 / side as f64));
+    let sample = |&at: &[f64; 2]| Sample { at: place(at), value: known_value(side, at), slope: 1.0 };
+    let samples: Vec<Sample> = places.iter().map(sample).collect();
+    let terms = frame.minimax::<6, _>(&samples, 0, |terms| Some(*terms));
+    let terms = terms.ok_or_else(|| Error::invalid("the solver does not find a function of its own kind"))?;
+    let (mut matrix, mut raw, mut right) = ([[0.0; 6]; 6], [[0.0; 6]; 6], [0.0; 6]);
+    for (&at, sample) in places.iter().zip(&samples) {
+        let powers = raw_terms(at);
+        add_products(&mut matrix, frame.basis(sample.at));
+        add_products(&mut raw, powers);
+        right.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power * sample.value);
+    }
+    let of_powers = solve(&raw, &right);
+    let (mut worst, mut beside) = (Worst::greatest(), 0.0f64);
+    for (&at, sample) in places.iter().zip(&samples) {
+        worst.see((value_of(&terms, frame.basis(sample.at)) - sample.value).abs(), || format!("at {at:?}"));
+        beside = beside.max((value_of(&of_powers, raw_terms(at)) - sample.value).abs());
+    }
+    let measured = worst.measured();
+    let note = format!(
+        "condition {:.1}, error {:.1e}; in powers of pixel coordinates {:.2e} and {beside:.1e}",
+        condition_of(matrix),
+        measured.figure,
+        condition_of(raw)
+    );
+    Ok(measured.with_note(note))
+}
+
+fn value_of(terms: &Terms, basis: Terms) -> f64 {
+    basis.iter().zip(terms).map(|(basis, term)| basis * term).sum()
+}
+
+/// What rounding may do to [`Frame::project`] in any pixel, in codes.
+///
+/// With u = 2^-53, w columns and h rows, values of up to V = 65535 and functions of up to 1: columns are added up, and so
+/// are off by (w + 2) u, which squares double; sums of products over w, then over h, are off by (w + h + 4) u of V for each
+/// pixel; norms, sums of what is positive, by (w + h + 10) u of themselves. A coefficient is such a sum divided by the mean
+/// square m of its function, and is V / √m at most; its value takes ten roundings more.
+fn projection_rounding([width, height]: [usize; 2]) -> f64 {
+    let (w, h) = (width as f64, height as f64);
+    let across = |n: f64| (1.0 - 1.0 / (n * n)) / 3.0;
+    let bent = |n: f64| 4.0 / 45.0 * (1.0 - 1.0 / (n * n)) * (1.0 - 4.0 / (n * n));
+    let mean_squares = [1.0, across(w), across(h), across(w) * across(h), bent(w), bent(h)];
+    let of_term = |m: f64| (2.0 * (w + 2.0) + w + h + 8.0) / m + (w + h + 20.0) / m.sqrt();
+    mean_squares.into_iter().map(of_term).sum::<f64>() * ROUNDING * 65535.0
+}
+
+/// Least squares with sums that are exact: X = 2x − w + 1 and Y = 2y − h + 1 are whole, and so are 3X² − w² + 1 and
+/// 3Y² − h² + 1; over a rectangle, products of two of the six functions vanish in sum.
+struct ExactFit {
+    size: [i128; 2],
+    /// Sum of products with the codes, and of squares, of each function.
+    sums: [[i128; 2]; 6],
+}
+
+impl ExactFit {
+    fn new([width, height]: [usize; 2], codes: &[u16]) -> ExactFit {
+        let mut fit = ExactFit { size: [width as i128, height as i128], sums: [[0; 2]; 6] };
+        for (at, &code) in codes.iter().enumerate() {
+            let basis = fit.basis([at % width, at / width]);
+            for (sums, value) in fit.sums.iter_mut().zip(basis) {
+                sums[0] += value * i128::from(code);
+                sums[1] += value * value;
+            }
+        }
+        fit
+    }
+
+    fn basis(&self, [column, row]: [usize; 2]) -> [i128; 6] {
+        let [w, h] = self.size;
+        let (x, y) = (2 * column as i128 - w + 1, 2 * row as i128 - h + 1);
+        [1, x, y, x * y, 3 * x * x - w * w + 1, 3 * y * y - h * h + 1]
+    }
+
+    /// The function in a pixel: six quotients of exact numbers.
+    fn value(&self, place: [usize; 2]) -> f64 {
+        let part = |([product, squares], value): (&[i128; 2], i128)| (product * value) as f64 / *squares as f64;
+        self.sums.iter().zip(self.basis(place)).map(part).sum()
+    }
+}
+
+/// The greatest difference, in any pixel, between the function that [`Frame::project`] finds and that of exact sums. The
+/// residuals of two functions would be alike to second order, and hide what this shows.
+fn projection_error(picture: &HardPicture) -> Measured {
     let ([width, height], codes) = (picture.size, picture.picture());
     let frame = Frame::new([0, width - 1], [0, height - 1]);
     let (terms, _) = frame.project(codes.chunks_exact(width), 6);
-    let places = || (0..codes.len()).map(|at| (at % width, at / width));
-    let ours = rms(places().zip(&codes).map(|((x, y), &code)| {
-        let basis = frame.basis(frame.at(x, y));
-        basis.iter().zip(terms).map(|(basis, term)| basis * term).sum::<f64>() - f64::from(code)
-    }));
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for term in 0..6 {
-        let mut column: Vec<f64> = places().map(|(x, y)| raw_terms(x, y)[term]).collect();
-        for _ in 0..2 {
-            for other in &basis {
-                let part = dot(&column, other);
-                column.iter_mut().zip(other).for_each(|(value, other)| *value -= part * other);
-            }
-        }
-        let length = dot(&column, &column).sqrt();
-        column.iter_mut().for_each(|value| *value /= length);
-        basis.push(column);
-    }
-    let mut rest: Vec<f64> = codes.iter().map(|&code| f64::from(code)).collect();
-    for column in &basis {
-        let part = dot(&rest, column);
-        rest.iter_mut().zip(column).for_each(|(value, column)| *value -= part * column);
-    }
-    let reference = rms(rest.into_iter());
-    let note = format!("{ours:.6} codes against {reference:.6}");
-    Ok(Measured { figure: (ours - reference).max(0.0), place: None, note: Some(note), clips: Vec::new() })
+    difference(&frame, &terms, (picture.size, &codes)).measured()
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
-    f64::sqrt(sum / count)
+fn difference(frame: &Frame, terms: &Terms, (size, codes): ([usize; 2], &[u16])) -> Worst {
+    let exact = ExactFit::new(size, codes);
+    let mut worst = Worst::greatest();
+    for (x, y) in (0..codes.len()).map(|at| (at % size[0], at / size[0])) {
+        let ours = value_of(terms, frame.basis(frame.at(x, y)));
+        worst.see((ours - exact.value([x, y])).abs(), || format!("pixel ({x}, {y})"));
+    }
+    worst
 }
 
 /// Random functions that stay in range, evaluated in integers and in binary64.
@@ -227,4 +316,34 @@ fn fit_of_few(pixels: Few) -> Result<Measured> {
         worst.see(error, || format!("{terms} terms"));
     }
     Ok(worst.measured())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_in_integers_find_what_is_there() {
+        let size = [24, 16];
+        let function = |x: usize, y: usize| (900 + 31 * x + 7 * y + 3 * x * y + 5 * x * x + 2 * y * y) as u16;
+        let codes: Vec<u16> = (0..24 * 16).map(|at| function(at % 24, at / 24)).collect();
+        let exact = ExactFit::new(size, &codes);
+        let most = (0..codes.len()).map(|at| (exact.value([at % 24, at / 24]) - f64::from(codes[at])).abs());
+        assert!(most.fold(0.0, f64::max) < 1e-9);
+    }
+
+    #[test]
+    fn a_coefficient_that_is_off_by_a_millionth_is_seen() {
+        for picture in PICTURES.iter().filter(|picture| picture.size.iter().all(|side| *side >= 8)) {
+            let (size, codes) = (picture.size, picture.picture());
+            let frame = Frame::new([0, size[0] - 1], [0, size[1] - 1]);
+            let (terms, _) = frame.project(codes.chunks_exact(size[0]), 6);
+            for term in 0..6 {
+                let mut off = terms;
+                off[term] += 65535e-6;
+                let seen = difference(&frame, &off, (size, &codes)).measured().figure;
+                assert!(seen > projection_rounding(size), "{}, term {term}: {seen:e}", picture.name);
+            }
+        }
+    }
 }

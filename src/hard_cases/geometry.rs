@@ -24,31 +24,46 @@ const LENGTHS: [f64; 5] = [1.0, 1e-300, 1e-150, 1e150, 1e300];
 /// Relative rounding of binary64.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
+/// What makes directions.
+type Directions = fn() -> Vec<DVec3>;
+
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let shelf = |pipeline: &str, unit| Shelf::new(Family::Geometry, pipeline, unit);
     let mut cases = Vec::new();
     let pixels = shelf("pixel of a cube face to direction and back", "of a pixel");
     for side in SIDES {
-        // Two products, a sum and a quotient of numbers of up to 1, for a pixel that is 2 / N wide.
+        // Of numbers of up to 1, two products above and below, and a quotient, for a pixel that is 2 / N wide.
         let most = 6.0 * ROUNDING * f64::from(side) / 2.0;
         cases.push(pixels.case(format!("{side}x{side}"), Bound::AtMost(most), move || Ok(pixels_and_back(side))));
     }
-    let angle = shelf("direction to cube face and back", "radians");
+    let angle = shelf("direction to cube face and back, unit vectors and all lengths", "radians");
     // Two quotients, and two products and sums on the way back, of numbers of up to 1, each way across.
     let most = 6.0 * ROUNDING;
-    cases.push(angle.case("edges of faces", Bound::AtMost(most), || Ok(directions_and_back(&edges()))));
-    cases.push(angle.case("corners of faces", Bound::AtMost(most), || Ok(directions_and_back(&corners()))));
-    cases.push(angle.case("an ulp beside edges and corners", Bound::AtMost(most), || {
-        Ok(directions_and_back(&beside(&[edges(), corners()].concat())))
-    }));
-    let seams = shelf("pixels of two faces at their seam", "radians between them");
-    for side in [1, 4, 1024] {
-        // They are a pixel apart: at the seam itself, both show the same direction.
-        cases.push(seams.case(format!("{side}x{side}"), Bound::AtMost(0.0), move || Ok(seams_meet(side))));
+    let directions: [(&str, Directions); 4] = [
+        ("edges of faces", edges),
+        ("corners of faces", corners),
+        ("an ulp beside edges and corners", || beside(&[edges(), corners()].concat())),
+        ("thirds, sevenths and elevenths of faces", inside),
+    ];
+    for (name, make) in directions {
+        cases.push(angle.case(name, Bound::AtMost(most), move || Ok(directions_and_back(&make()))));
+    }
+    let seams = shelf("pixels on both sides of a seam", "pixels that do not meet");
+    let gaps = shelf("a seam from the faces on both sides", "radians between them");
+    // An ulp of 1 outward and half an ulp inward, and on each side what a direction and back is allowed.
+    let gap = 1.5 * f64::EPSILON + 2.0 * most;
+    for side in [1, 3, 4, 7, 1024, 65_535] {
+        let name = format!("{side}x{side}");
+        cases.push(seams.case(name.clone(), Bound::AtMost(0.0), move || Ok(seams_meet(side))));
+        cases.push(gaps.case(name, Bound::AtMost(gap), move || Ok(seams_gape(side))));
     }
     let face = shelf("direction to cube face", "faces that do not look there");
-    cases.push(face.case("edges, corners, signed zeros, all lengths", Bound::AtMost(0.0), || Ok(wrong_faces())));
+    cases.push(face.case(
+        "edges, corners, thirds, signed zeros, all lengths",
+        Bound::AtMost(0.0),
+        || Ok(wrong_faces()),
+    ));
     let panorama = shelf("equirectangular pixel to direction and back", "of a pixel");
     for [width, height] in PANORAMAS {
         // Sines, cosines and arc tangents of up to 1 ulp each way, of angles of up to π over a width of 2π.
@@ -95,11 +110,15 @@ fn pixels_and_back(side: u32) -> Measured {
     for face in Face::CUBE {
         let all = some(side);
         for (&col, &row) in all.iter().flat_map(|col| all.iter().map(move |row| (col, row))) {
-            let (found, u, v) = direction_to_face(face.direction(col, row, side));
-            let half = f64::from(side) / 2.0;
-            let off = |at: f64, pixel: u32| (at - pixel_to_plane(pixel, side)).abs() * half;
-            let error = if found == face { off(u, col).max(off(v, row)) } else { f64::INFINITY };
-            worst.see(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
+            // Along the axes as they are nothing would be rounded.
+            let unit = face.direction(col, row, side).normalize();
+            for length in LENGTHS {
+                let (found, u, v) = direction_to_face(unit * length);
+                let half = f64::from(side) / 2.0;
+                let off = |at: f64, pixel: u32| (at - pixel_to_plane(pixel, side)).abs() * half;
+                let error = if found == face { off(u, col).max(off(v, row)) } else { f64::INFINITY };
+                worst.see(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
+            }
         }
     }
     worst.measured()
@@ -109,8 +128,9 @@ fn edges() -> Vec<DVec3> {
     let mut found = Vec::new();
     for face in Face::CUBE {
         let [forward, right, down] = face.axes();
-        for step in -64..=64 {
-            let t = f64::from(step) / 64.0;
+        // Thirds, sevenths and ninths, none of which binary64 has.
+        for step in -63..=63 {
+            let t = f64::from(step) / 63.0;
             found.extend([(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)].map(|(u, v)| forward + u * right + v * down));
         }
     }
@@ -120,6 +140,24 @@ fn edges() -> Vec<DVec3> {
 fn corners() -> Vec<DVec3> {
     let sign = |bits: u32, at: u32| if bits >> at & 1 == 0 { 1.0 } else { -1.0 };
     (0..8).map(|bits| DVec3::new(sign(bits, 0), sign(bits, 1), sign(bits, 2))).collect()
+}
+
+/// Places that are no sums of powers of two, inside of faces.
+fn inside() -> Vec<DVec3> {
+    let mut found = Vec::new();
+    for face in Face::CUBE {
+        let [forward, right, down] = face.axes();
+        for (parts, (x, y)) in [3, 7, 11].into_iter().flat_map(|n| (0..n * n).map(move |at| (n, (at % n, at / n)))) {
+            let [u, v] = [x, y].map(|at: i32| f64::from(2 * at + 1 - parts) / f64::from(parts));
+            found.push(forward + u * right + v * down);
+        }
+    }
+    found
+}
+
+/// A direction of the same meaning whose greatest component is near 1: powers of two round nothing.
+fn near_one(direction: DVec3) -> DVec3 {
+    direction * (-direction.abs().max_element().log2().floor()).exp2()
 }
 
 /// The directions with each component moved by an ulp up and down.
@@ -140,48 +178,96 @@ fn beside(directions: &[DVec3]) -> Vec<DVec3> {
     directions.iter().flat_map(around).flatten().collect()
 }
 
-/// The angle between a direction and what its face and place on it say.
+/// The angle between a direction and what its face and place on it say; infinite where they say another side of the probe.
+fn angle_to_face(direction: DVec3) -> f64 {
+    let (face, u, v) = direction_to_face(direction);
+    let [forward, right, down] = face.axes();
+    let (back, direction) = (forward + u * right + v * down, near_one(direction));
+    let ahead = back.dot(direction) > 0.0 && u.abs() <= 1.0 && v.abs() <= 1.0;
+    if ahead { angle_between(back, direction) } else { f64::INFINITY }
+}
+
+/// By its sine, which is exact where the cosine is not.
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length() / (a.length() * b.length())
+}
+
 fn directions_and_back(directions: &[DVec3]) -> Measured {
     let mut worst = Worst::greatest();
     for &direction in directions {
-        let (face, u, v) = direction_to_face(direction);
-        let [forward, right, down] = face.axes();
-        let back = forward + u * right + v * down;
-        // The sine, which is exact where the cosine is not.
-        let angle = back.cross(direction).length() / (back.length() * direction.length());
-        let error = if back.dot(direction) > 0.0 && u.abs() <= 1.0 && v.abs() <= 1.0 { angle } else { f64::INFINITY };
-        worst.see(error, || format!("{direction} is on {} at ({u}, {v})", face.name()));
+        let unit = direction.normalize();
+        for asked in LENGTHS.map(|length| unit * length).into_iter().chain([direction]) {
+            worst.see(angle_to_face(asked), || format!("{asked:?}"));
+        }
     }
     worst.measured()
 }
 
-/// Points half a pixel beyond the border pixels of a face, seen from the face on either side of the seam.
-fn seams_meet(side: u32) -> Measured {
-    let mut worst = Worst::greatest();
+/// A place on the border of a face, in the middle of a pixel along it.
+struct Border {
+    face: Face,
+    pixel: u32,
+    at: [f64; 2],
+    /// The direction of an axis that it lies towards: the neighbour looks along it.
+    across: DVec3,
+}
+
+fn borders(side: u32) -> Vec<Border> {
+    let mut found = Vec::new();
     for face in Face::CUBE {
-        let [forward, right, down] = face.axes();
-        for &pixel in &some(side) {
+        let [_, right, down] = face.axes();
+        for pixel in some(side) {
             let t = pixel_to_plane(pixel, side);
-            for (u, v) in [(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)] {
-                let own = forward + u * right + v * down;
-                // The neighbour is the face that looks along the direction of the edge.
-                let across = if u.abs() == 1.0 { u * right } else { v * down };
-                let neighbour = Face::CUBE.into_iter().find(|other| other.axes()[0] == across);
-                let its = neighbour.map(|other| {
-                    let [forward, right, down] = other.axes();
-                    let (s, t) = (own.dot(right), own.dot(down));
-                    // On its border, at the centre of one of its own pixels along the seam.
-                    let along = if s.abs() == 1.0 { t } else { s };
-                    let pixel = ((along + 1.0) / 2.0 * f64::from(side) - 0.5).round() as u32;
-                    let at_pixel = pixel_to_plane(pixel, side) == along;
-                    let on_border = s.abs() == 1.0 || t.abs() == 1.0;
-                    if on_border && at_pixel { forward + s * right + t * down } else { DVec3::NAN }
-                });
-                let its = its.unwrap_or(DVec3::NAN);
-                let angle = own.cross(its).length() / own.length_squared();
-                worst.see(angle, || format!("{} at ({u}, {v})", face.name()));
-            }
+            let places = [([1.0, t], right), ([-1.0, t], -right), ([t, 1.0], down), ([t, -1.0], -down)];
+            found.extend(places.map(|(at, across)| Border { face, pixel, at, across }));
         }
+    }
+    found
+}
+
+impl Border {
+    /// The direction just inside of its face, and that just outside of it.
+    fn sides(&self) -> [DVec3; 2] {
+        let [forward, right, down] = self.face.axes();
+        let place = forward + self.at[0] * right + self.at[1] * down;
+        // By half an ulp of 1 inward and by an ulp outward, which are the next numbers.
+        [place - self.across * ROUNDING, place + self.across * f64::EPSILON]
+    }
+}
+
+/// Places on seams where the two sides are not on the face and on its neighbour, or in other pixels along the seam.
+fn seams_meet(side: u32) -> Measured {
+    let (mut wrong, mut first) = (0, None);
+    for border in borders(side) {
+        let [inner, outer] = border.sides().map(direction_to_face);
+        let neighbour = outer.0.axes()[0] == border.across;
+        let pixel = |at: f64| (((at + 1.0) / 2.0 * f64::from(side)) as u32).min(side - 1);
+        let own = if border.at[0].abs() == 1.0 { inner.2 } else { inner.1 };
+        // On the neighbour the seam is where one coordinate is at its end; the other runs along it, either way.
+        let (u, v) = (outer.1, outer.2);
+        let ends = [u, v].map(|at| 1.0 - at.abs() < 1e-15);
+        let its = [(ends[0], v), (ends[1], u)];
+        let meets = its
+            .iter()
+            .any(|&(end, along)| end && (pixel(along) == border.pixel || side - 1 - pixel(along) == border.pixel));
+        if inner.0 != border.face || !neighbour || pixel(own) != border.pixel || !meets {
+            wrong += 1;
+            first.get_or_insert_with(|| format!("{} at {:?}", border.face.name(), border.at));
+        }
+    }
+    Measured::count(wrong, first)
+}
+
+/// The angle between what both sides of a seam say of their faces and places on them.
+fn seams_gape(side: u32) -> Measured {
+    let mut worst = Worst::greatest();
+    for border in borders(side) {
+        let [inner, outer] = border.sides().map(|direction| {
+            let (face, u, v) = direction_to_face(direction);
+            let [forward, right, down] = face.axes();
+            forward + u * right + v * down
+        });
+        worst.see(angle_between(inner, outer), || format!("{} at {:?}", border.face.name(), border.at));
     }
     worst.measured()
 }
@@ -190,7 +276,7 @@ fn seams_meet(side: u32) -> Measured {
 fn wrong_faces() -> Measured {
     let (mut wrong, mut first) = (0, None);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
-    let all: Vec<DVec3> = axes.chain(edges()).chain(corners()).collect();
+    let all: Vec<DVec3> = axes.chain(edges()).chain(corners()).chain(inside()).collect();
     for direction in all.iter().chain(&beside(&all)).copied() {
         for length in LENGTHS {
             let scaled = direction * length;

@@ -26,7 +26,7 @@ use crate::error::Result;
 use crate::monitor::Monitor;
 
 pub use clip::Clip;
-pub use report::{CaseReport, FamilyRow, family_rows, number};
+pub use report::{CaseReport, FamilyRow, family_rows, notes, number};
 
 /// What cases have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

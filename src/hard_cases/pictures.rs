@@ -1,7 +1,6 @@
 //! Pictures of depth that are hard to model, from functions of column and row.
 
-use crate::gpu::random::Random;
-use crate::hard_cases::clip::Sequence;
+use crate::hard_cases::clip::{self, Sequence};
 
 /// A picture from a function of column and row.
 type Generator = fn(usize, usize) -> f64;
@@ -25,7 +24,7 @@ const BACKGROUND: f64 = 65535.0;
 
 /// A number below `n` that depends on the pixel alone.
 fn noise(x: usize, y: usize, n: u32) -> f64 {
-    f64::from(Random::new((x as u64) << 32 | y as u64 ^ 0x9E37_79B9).below(n))
+    f64::from(clip::noise([0, x as u32, y as u32], n))
 }
 
 /// All of them.

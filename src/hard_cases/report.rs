@@ -2,6 +2,9 @@
 
 use super::{Bound, Family, HardCase, Measured};
 
+/// What conditions of normal equations are counted in.
+pub(super) const CONDITION: &str = "condition number";
+
 /// What came of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseReport {
@@ -91,6 +94,17 @@ pub fn family_rows(reports: &[CaseReport]) -> Vec<FamilyRow<'_>> {
     rows
 }
 
+/// Notes for people, one line each: of the case that each row shows, and of all conditions of normal equations.
+pub fn notes(reports: &[CaseReport]) -> Vec<String> {
+    let rows = family_rows(reports);
+    let shown = |report: &CaseReport| rows.iter().any(|row| std::ptr::eq(row.worst, report));
+    let line = |report: &CaseReport| {
+        let note = report.note.as_ref().filter(|_| report.unit == CONDITION || shown(report))?;
+        Some(format!("{}, {}: {note}", report.pipeline, report.name))
+    };
+    reports.iter().filter_map(line).collect()
+}
+
 /// A figure with four digits at most, so that tables do not depend on the last bits of a logarithm.
 pub fn number(value: f64) -> String {
     match value {
@@ -140,6 +154,10 @@ mod tests {
         ];
         let rows = family_rows(&reports);
         assert_eq!((rows.len(), rows[0].cases, rows[0].failed, rows[0].worst.name.as_str()), (1, 3, 0, "b"));
+        let noted = |report: &CaseReport, unit| CaseReport { note: Some("n".into()), unit, ..report.clone() };
+        let mut all = vec![noted(&reports[0], "codes"), noted(&reports[1], "codes")];
+        all.extend([noted(&reports[2], CONDITION), noted(&reports[0], CONDITION)]);
+        assert_eq!(notes(&all), ["p, b: n", "p, c: n", "p, a: n"], "not of the first, which no row shows");
         let broken = [reports[1].clone(), report("d", Bound::AtMost(0.0), 1.0)];
         let said = broken[1].sentence();
         assert!(said.starts_with("fits: d (p)") && said.contains("1 codes, <= 0 FAILED"), "{said}");

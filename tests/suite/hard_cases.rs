@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use lightfold::depth::block::{Block, BlockMut};
-use lightfold::hard_cases::{CaseReport, FamilyRow, family_rows, number, run_all, table};
+use lightfold::hard_cases::{CaseReport, FamilyRow, family_rows, notes, number, run_all, table};
 use lightfold::monitor::Silent;
 
 /// Pipelines whose blocks a library finds in floating point, by the processor's instruction set.
@@ -21,6 +21,7 @@ fn every_hard_case_keeps_its_bound_and_the_page_of_them_is_fresh() {
     for row in &rows {
         println!("{:?}", cells(row));
     }
+    notes(&reports).iter().for_each(|note| println!("{note}"));
     let broken: Vec<String> = reports.iter().filter(|case| !case.passed()).map(CaseReport::sentence).collect();
     assert!(broken.is_empty(), "{} of {} cases:\n{}", broken.len(), cases.len(), broken.join("\n"));
     check_page(&rows);
@@ -40,7 +41,22 @@ fn cells(row: &FamilyRow<'_>) -> [String; 7] {
     ]
 }
 
-/// Compares tests/hard_cases.md with rows; figures only where they are the same on any machine.
+/// How far figures may be from those of another mathematical library, as a part of them.
+const LIBRARY: f64 = 0.01;
+
+/// Whether a cell of the page says what was found: whole numbers to the digit, others within what libraries differ by.
+fn agree(kept: &str, made: &str) -> bool {
+    let parts = |cell: &str| {
+        let (sign, figure) = cell.rsplit_once(' ').unwrap_or(("", cell));
+        figure.parse::<f64>().ok().filter(|figure| figure.fract() != 0.0).map(|figure| (sign.to_owned(), figure))
+    };
+    match (parts(kept), parts(made)) {
+        (Some((one, a)), Some((other, b))) => one == other && (a - b).abs() <= LIBRARY * a.abs().max(b.abs()),
+        _ => kept == made,
+    }
+}
+
+/// Compares tests/hard_cases.md with rows; figures only where they are alike on any machine.
 fn check_page(rows: &[FamilyRow<'_>]) {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hard_cases.md")).unwrap();
     let kept = page.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| ---")).skip(1);
@@ -51,12 +67,28 @@ fn check_page(rows: &[FamilyRow<'_>]) {
     for (kept, row) in kept.iter().zip(rows) {
         let made = cells(row);
         let by_processor = BY_PROCESSOR.iter().any(|codec| made[1].starts_with(codec));
-        let small = row.worst.measured.abs() < 1e-6 && row.worst.measured != 0.0;
-        let compared = if by_processor || small { vec![0, 1, 2, 5] } else { vec![0, 1, 2, 3, 4, 5, 6] };
+        let measured = row.worst.measured;
+        let small = measured.abs() < 1e-6 && measured != 0.0;
+        // Which case is the worst may change with the last bits of its figure.
+        let compared = match () {
+            () if by_processor || small => vec![0, 1, 2, 5],
+            () if measured.fract() != 0.0 => vec![0, 1, 2, 3, 4, 5],
+            () => vec![0, 1, 2, 3, 4, 5, 6],
+        };
         for at in compared {
-            assert_eq!(kept[at], made[at], "{again}");
+            assert!(agree(&kept[at], &made[at]), "{again}\n  {kept:?}\n  {made:?}");
         }
     }
+}
+
+#[test]
+fn a_page_is_stale_by_more_than_a_library() {
+    assert!(agree("50.09", "50.10") && agree("<= 2.109e-4", "<= 2.110e-4") && agree("codes", "codes"));
+    assert!(!agree("50.09", "51.10") && !agree("<= 2.109e-4", "<= 2.209e-4") && !agree("of 255", "codes"));
+    assert!(
+        !agree("10", "11") && !agree(">= 50", "<= 50") && !agree(">= 0.5", "<= 0.5") && !agree("1000", "1001"),
+        "whole numbers are exact"
+    );
 }
 
 #[test]
