@@ -299,19 +299,15 @@ fn copies_of_images_are_found() {
 fn the_same_sky_from_everywhere_is_no_copy() {
     let set = Set::new();
     let color = |probe: usize| set.depth_file(probe, Face::Py).with_file_name("color.0000.exr");
-    std::fs::copy(color(1), color(2)).unwrap();
+    let sky = Plane::from_fn(SIDE, SIDE, |x, y| [half::f16::from_f32((x + 2 * y) as f32 * 0.001); 3]);
+    [1, 2].map(|probe| exr::write_color(&color(probe), &sky).unwrap());
     // With surfaces below, the same picture cannot be seen from two places.
     set.rewrite(1..3, |face, plane| match face {
         Face::Py => Plane::from_fn(SIDE, SIDE, |x, y| 2.5 + (3 * x + y) as f32 * 0.01 + plane.get(x, y).min(1.0)),
         _ => plane,
     });
     let report = set.check();
-    assert!(
-        report.findings.iter().any(|finding| finding.verdict == Verdict::Suspect
-            && finding.check == "images"
-            && finding.says.contains("are the same picture")),
-        "{report:#?}"
-    );
+    assert_suspects(&report, "images", "color 01/py and color 02/py are the same picture");
     set.rewrite(1..3, |face, plane| if face == Face::Py { plane.map(|_| f32::INFINITY) } else { plane });
     let found = set.check();
     let images = finding(&found, "images");
@@ -350,7 +346,7 @@ fn what_cannot_be_told_is_said() {
 fn probes_in_a_dome_raise_no_doubt() {
     let set = Set::new();
     let towards = glam::DVec3::new(0.6, 0.48, -0.64);
-    for share in [0.005, 0.02, 0.05, 0.6] {
+    for share in [0.005, 0.02, 0.05, 0.7] {
         let places = [0.0, 1.0, -1.0, 0.5].map(|along| towards * 10.0 * share * along);
         for (probe, place) in places.into_iter().enumerate() {
             set.rewrite(probe..probe + 1, |face, _| {
