@@ -300,7 +300,9 @@ fn the_same_sky_from_everywhere_is_no_copy() {
     let set = Set::new();
     let color = |probe: usize| set.depth_file(probe, Face::Py).with_file_name("color.0000.exr");
     let sky = Plane::from_fn(SIDE, SIDE, |x, y| [half::f16::from_f32((x + 2 * y) as f32 * 0.001); 3]);
-    [1, 2].map(|probe| exr::write_color(&color(probe), &sky).unwrap());
+    for probe in [1, 2] {
+        exr::write_color(&color(probe), &sky).unwrap();
+    }
     // With surfaces below, the same picture cannot be seen from two places.
     set.rewrite(1..3, |face, plane| match face {
         Face::Py => Plane::from_fn(SIDE, SIDE, |x, y| 2.5 + (3 * x + y) as f32 * 0.01 + plane.get(x, y).min(1.0)),
