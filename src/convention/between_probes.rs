@@ -9,10 +9,12 @@ use super::finding::{Finding, Verdict, listed, percent};
 use super::readings::{Change, Extent, Subject, changes};
 use super::reproject::{Pose, Reading, Tally, look_up, look_up_all};
 use super::views::View;
-use crate::dataset::DepthKind;
+use crate::dataset::{DepthKind, Projection};
 use crate::error::Result;
 use crate::monitor::Monitor;
 
+/// Name of the finding about planar depth or distance.
+pub const KIND: &str = "depth.kind";
 /// Fewer samples that can be compared say nothing.
 const MIN_TESTED: u64 = 200;
 /// A reading under which so large a share is seen through is doubtful: ten times what true readings of renderings show.
@@ -48,7 +50,7 @@ struct Comparison<'a> {
     views: &'a [View],
     pairs: Vec<[usize; 2]>,
     names: Vec<String>,
-    equirect: bool,
+    projection: Projection,
     monitor: &'a dyn Monitor,
 }
 
@@ -56,7 +58,7 @@ struct Comparison<'a> {
 ///
 /// # Errors
 /// When the monitor is interrupted.
-pub fn check(views: &[View], kind: DepthKind, equirect: bool, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
+pub fn check(views: &[View], kind: DepthKind, projection: Projection, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
     let pairs = pairs_of(views);
     if pairs.is_empty() {
         let says = if views.len() < 2 {
@@ -69,7 +71,7 @@ pub fn check(views: &[View], kind: DepthKind, equirect: bool, monitor: &dyn Moni
     let poses = views.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
     let base = Reading { kind, scale: 1.0, poses };
     let names = views.iter().map(|view| view.name.clone()).collect();
-    Comparison { views, pairs, names, equirect, monitor }.judge(&base)
+    Comparison { views, pairs, names, projection, monitor }.judge(&base)
 }
 
 /// Which probe is looked up in which: all in all where there are few, else in those that stand nearest.
@@ -123,7 +125,7 @@ impl Comparison<'_> {
         if doubtful(&all) || (0..self.views.len()).any(|probe| alone(&of_probe(probe))) {
             return self.explain(base, &own, &figures);
         }
-        let changes = changes(base, &self.names, self.equirect, Extent::Usual);
+        let changes = changes(base, &self.names, self.projection, Extent::Usual);
         let tallies = self.tallies(&changes)?;
         let mut findings = Vec::new();
         for subject in [Subject::Kind, Subject::Scale, Subject::Positions, Subject::Orientations] {
@@ -173,7 +175,7 @@ impl Comparison<'_> {
         let mut steps: Vec<(Subject, String)> = Vec::new();
         let odd = self.odd_one_out(own, misfit(&all));
         while steps.len() < MAX_CHANGES && doubtful(&tally) {
-            let changes = changes(&reading, &self.names, self.equirect, Extent::All);
+            let changes = changes(&reading, &self.names, self.projection, Extent::All);
             let tallies = self.tallies(&changes)?;
             let best = tallies.iter().map(misfit).fold(f64::INFINITY, f64::min);
             if best * DECISIVE > misfit(&tally) {
@@ -252,7 +254,7 @@ impl Comparison<'_> {
 
 fn name_of(subject: Subject) -> &'static str {
     match subject {
-        Subject::Kind => "depth.kind",
+        Subject::Kind => KIND,
         Subject::Scale => "depth.scale",
         Subject::Positions => "positions",
         Subject::Orientations => "orientations",

@@ -2,8 +2,8 @@
 //!
 //! Along a row or a column of an image, 1/Z of a plane is linear, where Z is planar depth. Where distance is taken for Z, or
 //! Z for distance, it is not. So among three samples in a row, many are in line under the true reading and few under
-//! the other. A dome around the probe and a wall at right angles to the view cannot be told apart; values that do not
-//! change are passed over.
+//! the other. A dome around the probe and a wall at right angles to the view cannot be told apart, nor are they where the
+//! probe stands beside the middle of the dome, or the wall is a little aslant. So only what changes fast has a vote.
 
 use rayon::prelude::*;
 
@@ -18,8 +18,10 @@ const SPANS: [f64; 2] = [0.125, 0.25];
 /// A triple is in line where 1/Z in its middle is that close to the mean of both ends, times the square of the span. Between
 /// the two readings lie up to 0.5.
 const STRAIGHT: f64 = 0.05;
-/// Values that differ by no more than this share do not change.
-const CONSTANT: f64 = 1e-4;
+/// Least change of 1/stored over a triple, as a share of it and for each unit of the plane at distance 1. Inside a sphere of
+/// radius r, at e from its middle, distance changes by at most e / sqrt(r² - e²), and where it does it hardly bends: up to
+/// e = 0.44 r a dome has no vote. A plane changes so fast from 27 degrees on.
+const SLOPE: f64 = 0.5;
 /// Fewer triples that are in line under one reading only say nothing.
 const MIN_TRIPLES: u64 = 400;
 /// The same as a share of all triples.
@@ -28,7 +30,7 @@ const MIN_SHARE: f64 = 0.02;
 /// Triples of samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Triples {
-    /// All whose three samples show a surface and differ.
+    /// All whose three samples show a surface that comes nearer fast.
     pub all: u64,
     /// In line as distance only.
     pub distance: u64,
@@ -49,11 +51,11 @@ impl Triples {
 /// Counts the triples of a face, along rows and columns.
 pub fn count(samples: &Samples) -> Triples {
     let (width, height) = (samples.stored.width(), samples.stored.height());
-    // Stored depth, and 1/Z if it is a distance and if it is planar.
-    let values = |x: u32, y: u32| -> Option<[f64; 3]> {
+    // 1/Z if stored depth is a distance, and if it is planar.
+    let values = |x: u32, y: u32| -> Option<[f64; 2]> {
         let stored = f64::from(samples.stored.get(x, y));
         let factor = samples.to_distance(DepthKind::Planar, x, y);
-        stored.is_finite().then(|| [stored, factor / stored, 1.0 / stored])
+        stored.is_finite().then(|| [factor / stored, 1.0 / stored])
     };
     let mut found = Triples::default();
     for span in SPANS {
@@ -64,8 +66,7 @@ pub fn count(samples: &Samples) -> Triples {
                 for x in dx..width.saturating_sub(dx) {
                     let ends = values(x - dx, y - dy).zip(values(x + dx, y + dy));
                     let Some((middle, (before, after))) = values(x, y).zip(ends) else { continue };
-                    let change = (before[0] - middle[0]).abs().max((after[0] - middle[0]).abs());
-                    if change <= CONSTANT * middle[0] {
+                    if (after[1] - before[1]).abs() / 2.0 < SLOPE * span * middle[1] {
                         continue;
                     }
                     let straight = |reading: usize| {
@@ -73,7 +74,7 @@ pub fn count(samples: &Samples) -> Triples {
                         bend.abs() <= STRAIGHT * span * span * middle[reading]
                     };
                     found.all += 1;
-                    match (straight(1), straight(2)) {
+                    match (straight(0), straight(1)) {
                         (true, false) => found.distance += 1,
                         (false, true) => found.planar += 1,
                         _ => {}
@@ -119,4 +120,82 @@ pub fn check(views: &[View], kind: DepthKind) -> Finding {
         ("margin", margin),
         ("samples", found.all as f64),
     ])
+}
+
+/// A suspicion where probes, which see each other's surfaces, confirm what is declared: straight lines are few, and
+/// curved surfaces may look so.
+pub fn overruled(suspicion: Finding) -> Finding {
+    let says = format!("{}, but what probes see of each other fits what is declared", suspicion.says);
+    Finding { verdict: Verdict::CannotTell, says, ..suspicion }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3};
+
+    use super::*;
+    use crate::image::{Face, Plane};
+
+    const SIDE: u32 = 64;
+
+    /// A probe at the origin that sees a surface at so many metres along each direction.
+    fn probe(distance: impl Fn(DVec3) -> f64, kind: DepthKind) -> View {
+        let face = |face: Face| {
+            let plane = Plane::from_fn(SIDE, SIDE, |x, y| {
+                let [u, v] = [x, y].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE) * 2.0 - 1.0);
+                let metres = distance(face.direction(x, y, SIDE).normalize());
+                let planar = metres / (1.0 + u * u + v * v).sqrt();
+                (if kind == DepthKind::Planar { planar } else { metres }) as f32
+            });
+            Samples::new(face, &plane, None)
+        };
+        let (position, turn) = (DVec3::ZERO, DQuat::IDENTITY);
+        View { name: "0".into(), frame: 0, position, turn, faces: Face::CUBE.map(face).to_vec() }
+    }
+
+    /// From inside a dome of 10 m, at `offset` of its middle.
+    fn dome(offset: DVec3) -> View {
+        let distance = move |direction: DVec3| {
+            let along = direction.dot(offset);
+            -along + (along * along + 100.0 - offset.length_squared()).sqrt()
+        };
+        probe(distance, DepthKind::Distance)
+    }
+
+    /// From inside a box, not in its middle.
+    fn room(kind: DepthKind) -> View {
+        let (low, high) = (DVec3::new(-3.5, -1.5, -3.0), DVec3::new(2.5, 1.25, 4.0));
+        let distance = move |direction: DVec3| {
+            let walls = [0, 1, 2].map(|axis| {
+                let wall = if direction[axis] > 0.0 { high[axis] } else { low[axis] };
+                if direction[axis] == 0.0 { f64::INFINITY } else { wall / direction[axis] }
+            });
+            walls.into_iter().fold(f64::INFINITY, f64::min)
+        };
+        probe(distance, kind)
+    }
+
+    #[test]
+    fn a_dome_says_nothing_wherever_the_probe_stands() {
+        for share in [0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4] {
+            for towards in [DVec3::X, DVec3::NEG_Y, DVec3::new(1.0, 2.0, 3.0)] {
+                let views = [dome(towards.normalize() * 10.0 * share)];
+                for kind in [DepthKind::Distance, DepthKind::Planar] {
+                    let found = check(&views, kind);
+                    assert_eq!(found.verdict, Verdict::CannotTell, "{share} {towards} {kind:?}: {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_room_says_what_its_depth_is() {
+        for stored in [DepthKind::Distance, DepthKind::Planar] {
+            for declared in [DepthKind::Distance, DepthKind::Planar] {
+                let found = check(&[room(stored)], declared);
+                let verdict = if stored == declared { Verdict::Fine } else { Verdict::Suspect };
+                assert_eq!(found.verdict, verdict, "{stored:?} said to be {declared:?}: {found:?}");
+            }
+        }
+    }
 }

@@ -12,6 +12,15 @@ const ABOVE_SHARE: f64 = 1e-4;
 /// Of values that are spread evenly, no more than half are as near to a 255th as half floats allow.
 const CODES_SHARE: f64 = 0.999;
 
+/// What files of colour hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Files {
+    /// Whole numbers up to 255 or 65535: PNG.
+    Integers,
+    /// Half or single floats: EXR.
+    Floats,
+}
+
 /// What was counted of colour. All values are linear light, as read.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ColorValues {
@@ -56,15 +65,17 @@ impl ColorValues {
     }
 }
 
-/// Whether values can be what they are said to be. `space` is what is said of the files, `png` whether they hold integers.
-pub fn check(values: &ColorValues, space: ColorSpace, png: bool) -> Finding {
+/// Whether values can be what they are said to be. `space` is what is said of the files.
+pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
     let check = "color.space";
     let above = values.above_one as f64 / values.values.max(1) as f64;
     let codes = values.codes as f64 / values.dim.max(1) as f64;
     let figures = [("above_one", above), ("255ths", codes)];
     let told = values.pixels >= MIN_PIXELS;
     let (verdict, says) = match space {
-        ColorSpace::LinearRec709 if png => (Verdict::CannotTell, "PNG files rarely hold linear light".to_owned()),
+        ColorSpace::LinearRec709 if files == Files::Integers => {
+            (Verdict::CannotTell, "PNG files rarely hold linear light".to_owned())
+        }
         ColorSpace::LinearRec709 if told && above >= ABOVE_SHARE => {
             (Verdict::Fine, format!("{} of the values are above 1, as only light is", percent(above)))
         }
@@ -94,7 +105,7 @@ mod tests {
         let light = ColorValues::count(&plane(|at| at as f32 / 3000.0));
         let codes = ColorValues::count(&plane(|at| (at % 256) as f32 / 255.0));
         let dim = ColorValues::count(&plane(|at| at as f32 / 5000.0));
-        let verdict = |values, space| check(values, space, false).verdict;
+        let verdict = |values, space| check(values, space, Files::Floats).verdict;
         assert_eq!(verdict(&light, ColorSpace::LinearRec709), Verdict::Fine);
         assert_eq!(verdict(&light, ColorSpace::Srgb), Verdict::Suspect);
         assert_eq!(verdict(&codes, ColorSpace::LinearRec709), Verdict::Suspect);

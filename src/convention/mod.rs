@@ -66,9 +66,12 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
 pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
     let manifest = source.manifest();
     let depth = manifest.and_then(|manifest| manifest.depth.as_ref());
-    let stated = values::Stated::new(depth, source.background(), source.depth_scale());
+    let stated = values::Stated {
+        invalid: source.invalid_depth(),
+        ..values::Stated::new(depth, source.background(), source.depth_scale())
+    };
     let footage = read::read(source, choice, &stated, monitor)?;
-    let equirect = manifest.is_some_and(|manifest| manifest.projection == Projection::Equirect);
+    let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
     let mut findings = Vec::new();
     // Faces that are cut from panoramas, crosses and strips are where they should be, or all of them are not.
     let own_faces = manifest.is_none_or(Manifest::has_face_files);
@@ -86,18 +89,28 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
             let says = "the lens of the perspective views is not known";
             findings.push(Finding::new("depth.kind.flatness", Verdict::CannotTell, says));
         } else {
-            if !equirect {
-                findings.push(flatness::check(&footage.views, kind));
+            let between = between_probes::check(&footage.views, kind, projection, monitor)?;
+            if projection != Projection::Equirect {
+                let alone = flatness::check(&footage.views, kind);
+                let confirmed = between
+                    .iter()
+                    .any(|finding| finding.check == between_probes::KIND && finding.verdict == Verdict::Fine);
+                let overruled = alone.verdict == Verdict::Suspect && confirmed;
+                findings.push(if overruled { flatness::overruled(alone) } else { alone });
             }
-            findings.extend(between_probes::check(&footage.views, kind, equirect, monitor)?);
+            findings.extend(between);
         }
         findings.extend(values::check(values, &stated));
     }
     if let Some(values) = &footage.color {
-        let png = manifest.and_then(|manifest| manifest.files.get(StreamKind::Color));
-        let png = png.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
-        let space = source.color_space().unwrap_or(if png { ColorSpace::Srgb } else { ColorSpace::LinearRec709 });
-        findings.push(light::check(values, space, png));
+        let pattern = manifest.and_then(|manifest| manifest.files.get(StreamKind::Color));
+        let png = pattern.is_some_and(|pattern| pattern.to_ascii_lowercase().ends_with(".png"));
+        let files = if png { light::Files::Integers } else { light::Files::Floats };
+        let space = source.color_space().unwrap_or(match files {
+            light::Files::Integers => ColorSpace::Srgb,
+            light::Files::Floats => ColorSpace::LinearRec709,
+        });
+        findings.push(light::check(values, space, files));
     }
     findings.extend(copies(&footage));
     let probes = read::chosen_probes(source, choice)?.len();
@@ -106,23 +119,50 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
 
 /// Images that are the same although they should not be, and images of nothing.
 fn copies(footage: &read::Footage) -> Vec<Finding> {
-    let mut by_mark: BTreeMap<u64, Vec<&str>> = BTreeMap::new();
-    for image in &footage.marked {
-        by_mark.entry(image.mark).or_default().push(&image.name);
-    }
-    let mut pairs: Vec<&[&str]> = by_mark.values().filter(|names| names.len() > 1).map(Vec::as_slice).collect();
-    pairs.sort_unstable();
+    let pairs = equal_images(footage, &[read::Shows::Surfaces]);
     let mut findings = Vec::new();
     match pairs.first() {
         Some(names) => {
             let says = format!("{} are the same picture, pixel by pixel", names[..2].join(" and "));
             findings.push(Finding::new("images", Verdict::Suspect, says).with(&[("copies", pairs.len() as f64)]));
         }
-        None => findings.push(Finding::new("images", Verdict::Fine, "no two images are the same")),
+        None => findings.push(no_copies(footage)),
     }
     if let Some(name) = footage.blank.first() {
         let says = format!("{name} is of one colour, but its depth is not of one value");
         findings.push(Finding::new("images", Verdict::Suspect, says).with(&[("blank", footage.blank.len() as f64)]));
     }
     findings
+}
+
+/// Names of images that are pixel by pixel the same, among those that show what is asked for.
+fn equal_images<'a>(footage: &'a read::Footage, shows: &[read::Shows]) -> Vec<Vec<&'a str>> {
+    let mut by_mark: BTreeMap<u64, Vec<&str>> = BTreeMap::new();
+    for image in footage.marked.iter().filter(|image| shows.contains(&image.shows)) {
+        by_mark.entry(image.mark).or_default().push(&image.name);
+    }
+    let mut pairs: Vec<Vec<&str>> = by_mark.into_values().filter(|names| names.len() > 1).collect();
+    pairs.sort_unstable();
+    pairs
+}
+
+/// What is to be said where no surface is shown twice: the same sky is seen from everywhere.
+fn no_copies(footage: &read::Footage) -> Finding {
+    let skies = equal_images(footage, &[read::Shows::Background]);
+    let unknown = equal_images(footage, &[read::Shows::Unknown]);
+    let figures = [("copies", 0.0), ("equal_backgrounds", skies.len() as f64), ("equal_unknown", unknown.len() as f64)];
+    let finding = if let Some(names) = unknown.first() {
+        let says =
+            format!("{} are the same picture, as they may be where they show the sky alone", names[..2].join(" and "));
+        Finding::new("images", Verdict::CannotTell, says)
+    } else if let Some(names) = skies.first() {
+        let says = format!(
+            "no two images of surfaces are the same; {} are, but have no depth that varies, as a sky",
+            names[..2].join(" and ")
+        );
+        Finding::new("images", Verdict::Fine, says)
+    } else {
+        Finding::new("images", Verdict::Fine, "no two images are the same")
+    };
+    finding.with(&figures)
 }

@@ -1,5 +1,6 @@
 //! Reads one frame of each probe, and keeps of every image what the checks need: thinned depth, borders, counts.
 
+use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::DQuat;
@@ -30,6 +31,17 @@ pub struct Choice {
     pub frame: Option<u32>,
 }
 
+/// What an image shows, by the depth of its face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shows {
+    /// Surfaces at more than one depth: no other image is like it.
+    Surfaces,
+    /// Nothing, or surfaces at one depth only, such as a sky, which looks the same from everywhere.
+    Background,
+    /// The face has no depth.
+    Unknown,
+}
+
 /// An image that is not of one value, and a mark of its pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Marked {
@@ -37,6 +49,8 @@ pub struct Marked {
     pub name: String,
     /// Equal for equal pixels.
     pub mark: u64,
+    /// What is to be seen.
+    pub shows: Shows,
 }
 
 /// What was read.
@@ -144,9 +158,11 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
 
 fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
     let mut footage = Footage::default();
-    // Whether depth of a (probe, face) has more than one value.
+    // Whether depth of a (probe, face) has more than one value, and what it shows.
     let mut varied = Vec::new();
     let mut blank = Vec::new();
+    let mut shown = HashMap::new();
+    let mut marked = Vec::new();
     for (index, frame, faces) in kept {
         let probe = &source.probes()[index];
         for kept in faces {
@@ -157,12 +173,14 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
             };
             let name = format!("{} {}/{}", kind.name(), probe.name, face.name());
             match (mark, kind) {
-                (Some(mark), _) => footage.marked.push(Marked { name, mark }),
+                (Some(mark), _) => marked.push((index, face, name, mark)),
                 (None, StreamKind::Color) => blank.push((index, face, name)),
                 (None, _) => {}
             }
             match kept {
                 Kept::Depth(kept) => {
+                    let surfaces = kept.values.surfaces > 0 && kept.values.min < kept.values.max;
+                    shown.insert((index, face), if surfaces { Shows::Surfaces } else { Shows::Background });
                     if kept.mark.is_some() {
                         varied.push((index, face));
                     }
@@ -192,6 +210,13 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
         }
     }
     let of_varied = |(index, face, _): &(usize, Face, String)| varied.contains(&(*index, *face));
+    footage.marked = marked
+        .into_iter()
+        .map(|(index, face, name, mark)| {
+            let shows = shown.get(&(index, face)).copied().unwrap_or(Shows::Unknown);
+            Marked { name, mark, shows }
+        })
+        .collect();
     footage.blank = blank.into_iter().filter(of_varied).map(|(_, _, name)| name).collect();
     footage
 }

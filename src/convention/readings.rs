@@ -3,7 +3,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 use super::reproject::{Pose, Reading};
-use crate::dataset::DepthKind;
+use crate::dataset::{DepthKind, Projection};
 
 /// Scales by which units are mixed up: metres with milli- and centimetres, feet, and decades.
 const UNITS: [f64; 9] = [0.001, 0.01, 0.1, 0.3048, 1.0 / 0.3048, 10.0, 100.0, 1000.0, 1.0];
@@ -46,9 +46,10 @@ pub enum Extent {
 }
 
 /// All readings that differ from `base` in one thing; common mistakes first.
-pub fn changes(base: &Reading, names: &[String], equirect: bool, extent: Extent) -> Vec<Change> {
+pub fn changes(base: &Reading, names: &[String], projection: Projection, extent: Extent) -> Vec<Change> {
     let mut all = Vec::new();
-    if !equirect {
+    // A panorama has no planar depth.
+    if projection != Projection::Equirect {
         let (kind, words) = match base.kind {
             DepthKind::Distance => (DepthKind::Planar, "depth as planar"),
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),

@@ -1,6 +1,7 @@
 //! Single values of depth: what is none, what looks like a background that nobody declared, and near and far.
 
-use super::finding::{Finding, Verdict, percent};
+use super::finding::{Finding, Verdict, listed, percent};
+use crate::dataset::InvalidDepth;
 use crate::dataset::manifest::DepthInfo;
 use crate::image::DepthPlane;
 
@@ -29,6 +30,9 @@ const USUAL_BACKGROUNDS: [f32; 18] = [
     4_294_967_295.0,
     f32::MAX,
 ];
+/// Fewer pixels that are neither surface nor background are flaws of single pixels, and no value with a meaning: one in
+/// ten thousand.
+const INVALID_SHARE: f64 = 1e-4;
 /// A share of pixels outside near and far that is no chance.
 const OUTSIDE_SHARE: f64 = 0.001;
 /// Whole numbers of metres as far as this are no metres.
@@ -93,14 +97,16 @@ pub struct Stated {
     pub scale: f64,
     /// Nearest and farthest depth in metres; 0 and +inf where not stated.
     pub range_m: [f64; 2],
+    /// What becomes of what is neither a surface nor the background.
+    pub invalid: InvalidDepth,
 }
 
 impl Stated {
-    /// From the manifest's keys and what else the caller says.
+    /// From the manifest's keys and what else the caller says; invalid depth is refused.
     pub fn new(depth: Option<&DepthInfo>, background: f32, scale: f64) -> Stated {
         let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
         let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);
-        Stated { background, scale, range_m: [near, far] }
+        Stated { background, scale, range_m: [near, far], invalid: InvalidDepth::Refuse }
     }
 
     fn is_outside(&self, metres: f64) -> bool {
@@ -154,37 +160,46 @@ impl DepthValues {
 
 /// All findings about values.
 pub fn check(values: &DepthValues, stated: &Stated) -> Vec<Finding> {
-    vec![invalid(values), background(values, stated), near_far(values, stated)]
+    vec![invalid(values, stated.invalid), background(values, stated), near_far(values, stated)]
 }
 
 fn share(count: u64, values: &DepthValues) -> f64 {
     count as f64 / values.pixels.max(1) as f64
 }
 
-fn invalid(values: &DepthValues) -> Finding {
+fn invalid(values: &DepthValues, rule: InvalidDepth) -> Finding {
     let counts = [("NaN", values.not_a_number), ("zero", values.zero), ("negative", values.negative)];
-    let found: Vec<String> = counts
-        .iter()
-        .filter(|(_, count)| *count > 0)
-        .map(|(name, count)| format!("{} {name}", percent(share(*count, values))))
-        .collect();
+    let found: Vec<String> =
+        counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{count} {name}")).collect();
+    let all = counts.iter().map(|(_, count)| count).sum();
+    let what = || format!("of {} pixels of depth {}, neither a surface nor the background", values.pixels, are(&found));
     let figures = [
         ("not_a_number", values.not_a_number as f64),
         ("zero", values.zero as f64),
         ("negative", values.negative as f64),
         ("pixels", values.pixels as f64),
     ];
-    let finding = if found.is_empty() {
-        Finding::new("depth.values", Verdict::Fine, "every pixel is a surface or the background")
-    } else {
-        let says = format!(
-            "of all depth is {}, which is neither a surface nor the background: name the value in \"background\", or say \
-             --invalid-depth far|near",
-            found.join(", ")
-        );
-        Finding::new("depth.values", Verdict::Suspect, says)
+    let (verdict, says) = match rule {
+        _ if found.is_empty() => (Verdict::Fine, "every pixel is a surface or the background".to_owned()),
+        InvalidDepth::Far => (Verdict::Fine, format!("{}; --invalid-depth far takes them for the background", what())),
+        InvalidDepth::Near => (Verdict::Fine, format!("{}; --invalid-depth near takes them for the nearest", what())),
+        InvalidDepth::Refuse if share(all, values) < INVALID_SHARE => {
+            let says = format!("{}, which is too few to mean anything; encode wants --invalid-depth far|near", what());
+            (Verdict::Fine, says)
+        }
+        InvalidDepth::Refuse => {
+            let says = format!("{}: name the value in \"background\", or say --invalid-depth far|near", what());
+            (Verdict::Suspect, says)
+        }
     };
+    let finding = Finding::new("depth.values", verdict, says);
     finding.with(&figures)
+}
+
+/// `is 1 NaN`, `are 2 NaN and 70 zero`.
+fn are(found: &[String]) -> String {
+    let verb = if matches!(found, [only] if only.starts_with("1 ")) { "is" } else { "are" };
+    format!("{verb} {}", listed(found, "and"))
 }
 
 fn background(values: &DepthValues, stated: &Stated) -> Finding {
@@ -251,7 +266,7 @@ mod tests {
     use crate::image::Plane;
 
     fn stated() -> Stated {
-        Stated { background: f32::INFINITY, scale: 1.0, range_m: [0.0, f64::INFINITY] }
+        Stated::new(None, f32::INFINITY, 1.0)
     }
 
     fn plane(value: impl Fn(u32) -> f32) -> DepthPlane {
@@ -279,9 +294,26 @@ mod tests {
         for odd in [f32::NAN, 0.0, -3.0] {
             let bad = plane(|at| if at == 70 { odd } else { 1.25 + at as f32 * 0.001 });
             assert_eq!(verdicts(&bad, &stated())[0], Verdict::Suspect, "{odd}");
+            for invalid in [InvalidDepth::Far, InvalidDepth::Near] {
+                assert_eq!(verdicts(&bad, &Stated { invalid, ..stated() })[0], Verdict::Fine, "{odd}");
+            }
         }
         let declared = Stated { background: 0.0, ..stated() };
         assert_eq!(verdicts(&plane(|at| at as f32 * 0.01), &declared)[0], Verdict::Fine);
+    }
+
+    #[test]
+    fn a_single_flaw_is_a_figure() {
+        let found = |flaws: u64| {
+            let values = DepthValues { pixels: 1_000_000, not_a_number: flaws, ..DepthValues::default() };
+            check(&values, &stated()).swap_remove(0)
+        };
+        let one = found(1);
+        assert_eq!(one.verdict, Verdict::Fine);
+        assert!(one.says.starts_with("of 1000000 pixels of depth is 1 NaN,"), "{}", one.says);
+        assert!(one.figures.contains(&("not_a_number", 1.0)), "{:?}", one.figures);
+        assert_eq!(found(99).verdict, Verdict::Fine);
+        assert_eq!(found(100).verdict, Verdict::Suspect);
     }
 
     #[test]

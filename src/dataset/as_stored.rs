@@ -1,6 +1,6 @@
 //! Depth as files have it, for those who doubt what the manifest says of it.
 
-use super::source::{Source, SourceGroup};
+use super::source::{InvalidDepth, Source, SourceGroup};
 use super::stream::DepthKind;
 use crate::error::Result;
 use crate::image::equirect::resample_depth;
@@ -21,6 +21,11 @@ impl Source {
     /// Metres per unit of depth, as stated or 1.
     pub fn depth_scale(&self) -> f64 {
         self.rules.scale
+    }
+
+    /// What becomes of a depth that is neither a surface nor the background.
+    pub fn invalid_depth(&self) -> InvalidDepth {
+        self.rules.invalid
     }
 
     /// What the files' depth is said to measure.

@@ -36,6 +36,14 @@ impl Table {
         Table { table }
     }
 
+    /// Breaks words in the widest columns, so that no line is longer than `columns`; later lines of a cell stand under its
+    /// first.
+    #[must_use]
+    pub fn wrapped(mut self, columns: u16) -> Table {
+        self.table.set_content_arrangement(ContentArrangement::Dynamic).set_width(columns);
+        self
+    }
+
     /// Adds a row of as many cells as there are columns.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.table.add_row(cells.into_iter().collect::<Vec<_>>());
@@ -58,5 +66,12 @@ mod tests {
         table.row(["a".to_owned(), "7 B".to_owned(), String::new()]);
         table.row(["longer".to_owned(), "1.25 MB".to_owned(), "x y".to_owned()]);
         assert_eq!(table.to_string(), "What       Size  Note\na           7 B\nlonger  1.25 MB  x y\n");
+    }
+
+    #[test]
+    fn long_sentences_are_wrapped_under_themselves() {
+        let mut table = Table::new(&[Column::Left("What"), Column::Left("Why")]).wrapped(24);
+        table.row(["short".to_owned(), "one two three four five".to_owned()]);
+        assert_eq!(table.to_string(), "What   Why\nshort  one two three\n       four five\n");
     }
 }

@@ -296,6 +296,34 @@ fn copies_of_images_are_found() {
 }
 
 #[test]
+fn the_same_sky_from_everywhere_is_no_copy() {
+    let set = Set::new();
+    let color = |probe: usize| set.depth_file(probe, Face::Py).with_file_name("color.0000.exr");
+    let sky = Plane::from_fn(SIDE, SIDE, |x, y| [half::f16::from_f32((x + 2 * y) as f32 * 0.001); 3]);
+    for probe in [1, 2] {
+        exr::write_color(&color(probe), &sky).unwrap();
+    }
+    // With surfaces below, the same picture cannot be seen from two places.
+    set.rewrite(1..3, |face, plane| match face {
+        Face::Py => Plane::from_fn(SIDE, SIDE, |x, y| 2.5 + (3 * x + y) as f32 * 0.01 + plane.get(x, y).min(1.0)),
+        _ => plane,
+    });
+    let report = set.check();
+    assert_suspects(&report, "images", "color 01/py and color 02/py are the same picture");
+    set.rewrite(1..3, |face, plane| if face == Face::Py { plane.map(|_| f32::INFINITY) } else { plane });
+    let found = set.check();
+    let images = finding(&found, "images");
+    assert_eq!(images.verdict, Verdict::Fine, "{found:#?}");
+    assert!(images.says.contains("color 01/py and color 02/py are"), "{}", images.says);
+    // Without depth nobody knows what is seen.
+    let report = set.check_as(|manifest| {
+        manifest.files.depth = None;
+        manifest.depth = None;
+    });
+    assert_eq!(finding(&report, "images").verdict, Verdict::CannotTell, "{report:#?}");
+}
+
+#[test]
 fn what_cannot_be_told_is_said() {
     let set = Set::new();
     // Nothing but background.
@@ -313,6 +341,34 @@ fn what_cannot_be_told_is_said() {
     let found = suspected(&report);
     // Colour has more than depth shows, and that is no mistake.
     assert!(found.is_empty(), "{found:#?}");
+}
+
+/// Distance seen by probes in a dome, none of them in its middle.
+#[test]
+fn probes_in_a_dome_raise_no_doubt() {
+    let set = Set::new();
+    let towards = glam::DVec3::new(0.6, 0.48, -0.64);
+    for share in [0.005, 0.02, 0.05, 0.7] {
+        let places = [0.0, 1.0, -1.0, 0.5].map(|along| towards * 10.0 * share * along);
+        for (probe, place) in places.into_iter().enumerate() {
+            set.rewrite(probe..probe + 1, |face, _| {
+                Plane::from_fn(SIDE, SIDE, |x, y| {
+                    let along = face.direction(x, y, SIDE).normalize().dot(place);
+                    (-along + (along * along + 100.0 - place.length_squared()).sqrt()) as f32
+                })
+            });
+        }
+        let report = set.check_as(|manifest| {
+            for (probe, place) in manifest.probes.iter_mut().zip(places) {
+                probe.position = place.to_array();
+            }
+            (depth(manifest).near, depth(manifest).far) = (None, None);
+        });
+        assert_clean(&report);
+        // Far from the middle a dome looks straight here and there, but probes that see the same know better.
+        let overruled = finding(&report, "depth.kind.flatness").says.contains("but what probes see of each other");
+        assert_eq!(overruled, share > 0.5, "{report:#?}");
+    }
 }
 
 #[test]
@@ -345,6 +401,10 @@ fn the_command_answers_with_an_exit_code_and_json() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(text.starts_with("courtyard: 4 of 4 probes, 48 images\n"), "{text}");
     assert!(text.contains("depth.kind ") && text.ends_with("Nothing is suspected.\n"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    // The sentences are broken, and go on where they began.
+    let began = text.lines().find_map(|line| line.find("Why")).unwrap();
+    assert!(text.lines().any(|line| line.len() > began && line[..began].trim().is_empty()), "{text}");
     let output = run(&["lightfield.json", "--check", "--depth-kind", "planar", "--json"]);
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -364,6 +424,7 @@ fn the_command_answers_with_an_exit_code_and_json() {
         (&[".", "--check", "--probe", "07"], "no probe \"07\""),
         (&[".", "--check", "--face", "px"], "only --probe and --frame"),
         (&[".", "--check", "--verify"], "cannot be used with"),
+        (&[".", "--check", "--memory", "1G"], "--memory does not bound --check"),
     ] {
         let output = run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

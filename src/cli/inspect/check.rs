@@ -15,6 +15,9 @@ use crate::dataset::Source;
 use crate::error::{Error, Result};
 use crate::report::table::{Column, Table};
 
+/// Lines of text are no longer.
+const COLUMNS: u16 = 100;
+
 /// Checks, reports, and answers [`Outcome::Differs`] where something is suspected.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     if !is_dataset(&args.input) {
@@ -23,6 +26,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     }
     if !args.selection.face.is_empty() || !args.selection.stream.is_empty() {
         return Err(Error::Usage("--check looks at all faces and kinds: only --probe and --frame choose".into()));
+    }
+    if args.memory.memory.is_some() {
+        let message = "--memory does not bound --check, which holds one image for each thread and at most 65,536 samples of \
+                       every face: leave it out, or choose fewer probes with --probe";
+        return Err(Error::Usage(message.into()));
     }
     let start = Instant::now();
     let options = args.reading.options(args.selection.with(None))?.source;
@@ -68,7 +76,7 @@ fn json_report(report: &Report) -> Value {
 
 fn text(name: &str, report: &Report) -> String {
     let mut out = format!("{name}: {} of {} probes, {} images\n\n", report.probes, report.all_probes, report.images);
-    let mut table = Table::new(&[Column::Left("Check"), Column::Left("Verdict"), Column::Left("Why")]);
+    let mut table = Table::new(&[Column::Left("Check"), Column::Left("Verdict"), Column::Left("Why")]).wrapped(COLUMNS);
     for finding in &report.findings {
         let verdict = match finding.verdict {
             Verdict::Fine => "fine",
