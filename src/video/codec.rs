@@ -213,6 +213,10 @@ impl CodecHeader {
         }
     }
 
+    /// The most bytes that a unit takes besides its pixels and payloads: its decoder and what it has parsed, and in reports
+    /// what is counted of it. Half a page of fields, and some twenty allocations of a few bytes each.
+    pub const HELD_UNIT_BYTES: u64 = 4 << 10;
+
     /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
     /// keyframes; half floats are held as keys as well.
     pub fn held_pixel_bytes(&self) -> u64 {

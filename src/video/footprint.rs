@@ -36,7 +36,8 @@ pub fn unit_bytes(decoder: &Decoder, stream: &StreamInfo, unit: u32) -> u64 {
     let [_, _, width, height] = stream.entry.unit_rect(unit);
     let chunks = decoder.reader().index().unit_chunks(stream.index, unit);
     let largest = chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
-    u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
+    CodecHeader::HELD_UNIT_BYTES
+        + u64::from(width) * u64::from(height) * stream.header.held_pixel_bytes()
         + stream.header.held_payload_bytes(largest)
         + most_reading_bytes(chunks)
 }

@@ -27,12 +27,13 @@ pub struct StreamInfo {
 }
 
 impl StreamInfo {
-    /// The most bytes that decoding its images takes, one after the other: images and keyframes of all units, the image
-    /// that is made of them, and what one payload of each unit becomes (container.md 2).
+    /// The most bytes that decoding its images takes, one after the other: its units, their images and keyframes, the
+    /// image that is made of them, and what one payload of each unit becomes (container.md 2).
     pub fn memory_bytes(&self, index: &Index) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
         let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
-        (pixels * self.header.held_pixel_bytes()).saturating_add(payloads)
+        let units = u64::from(self.entry.unit_count()) * CodecHeader::HELD_UNIT_BYTES;
+        (pixels * self.header.held_pixel_bytes() + units).saturating_add(payloads)
     }
 }
 

@@ -22,7 +22,6 @@ impl Fingerprint {
         let mut fields = vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned())];
         // Versions may have other encoders between them: build.rs hashes the sources.
         fields.push(("the sources of lightfold", env!("LIGHTFOLD_SOURCES").to_owned()));
-        fields.push(("the kind of machine", machine(settings)));
         fields.extend(of_settings(settings));
         fields.push(("the name of the dataset", source.name().to_owned()));
         fields.push(("the frame rate", format!("{:?}", source.fps())));
@@ -31,6 +30,8 @@ impl Fingerprint {
         fields
             .push(("the streams, their frames and sizes", digest(&format!("{:?}", selected_groups(source, settings)))));
         fields.extend(source.reading_rules());
+        // Last: it may differ only because an option chooses another encoder.
+        fields.push(("the kind of machine", machine(settings)));
         Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
 
