@@ -37,7 +37,7 @@ pub fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     vec![
         ("color-last-leads-nowhere-late", leads_nowhere_late(), LEADS_NOWHERE),
         ("stream-frames-for-hours", samples::static_for(1 << 31), "claim 2147483648 units and 8589934592 pixels"),
-        ("chunk-shared-by-some-units", samples::shared_chunk(7), "would take 117440"),
+        ("chunk-shared-by-some-units", samples::shared_chunk(7), "of 7x2 pixels would take"),
         ("chunk-shared-by-many-units", samples::shared_chunk(256), "payloads of 4294967296 bytes"),
     ]
 }
