@@ -129,8 +129,9 @@ fn copies(footage: &read::Footage) -> Vec<Finding> {
         None => findings.push(no_copies(footage)),
     }
     if let Some(name) = footage.blank.first() {
-        let says = format!("{name} is of one colour, but its depth is not of one value");
-        findings.push(Finding::new("images", Verdict::Suspect, says).with(&[("blank", footage.blank.len() as f64)]));
+        // A wall or a dome may be of one colour, too.
+        let says = format!("{name} is of one colour, but its depth is not of one value: an image that was never made?");
+        findings.push(Finding::new("images", Verdict::CannotTell, says).with(&[("blank", footage.blank.len() as f64)]));
     }
     findings
 }

@@ -164,8 +164,13 @@ fn all_damaged_units_of_an_image_are_listed_and_people_can_read_it() {
     std::fs::write(folder.path().join("bad.lfold"), &file).unwrap();
     let (code, _, said) = run("decode bad.lfold -o out --keep-going", folder.path());
     assert_eq!(code, 2);
-    let lines = said.lines().filter(|line| line.starts_with("  stream ")).count();
-    assert_eq!(lines, expected.len(), "{said}");
+    // Chunks of the same bytes share a line.
+    let chunks_of = |line: &str| match line.split_once(" and ").and_then(|(_, rest)| rest.split_once(" chunks of")) {
+        Some((more, _)) => 1 + more.parse::<usize>().unwrap(),
+        None => 1,
+    };
+    let listed: usize = said.lines().filter(|line| line.starts_with("  stream ")).map(chunks_of).sum();
+    assert_eq!(listed, expected.len(), "{said}");
     assert!(expected.len() >= 6, "{expected:?}");
     assert!(said.contains("  stream 0 (depth of probe 00 face px), unit 1, frames 3-"), "{said}");
     // Of the damaged stream alone nothing is left, and so nothing is made.
