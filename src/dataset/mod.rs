@@ -2,11 +2,13 @@
 //! metres and linear light.
 
 mod as_stored;
+pub mod cameras;
 pub mod manifest;
 mod pixels;
 pub mod source;
 pub mod stream;
 
+pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
 pub(crate) use pixels::{Geometry, planar_to_distance};
 pub use source::{

@@ -3,16 +3,26 @@
 //! Enters: a time and a camera position. Leaves: colour and depth planes whose every value has a known reason, which
 //! is what `lightfold demo` and the tests of a codec need.
 
+pub mod animated;
+pub mod bvh;
 pub mod capture;
 pub mod footage;
 pub mod material;
+pub mod mesh;
+pub mod model;
 pub mod primitive;
 pub mod procedural;
 pub mod raycast;
+pub mod texture;
 
+pub use animated::Scene;
+pub use bvh::{MeshBvh, MeshHit};
 pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
 pub use footage::FootagePlan;
 pub use material::{Material, Texture};
+pub use mesh::{Mesh, MeshMaterial, Optics, Phong};
+pub use model::Model;
 pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
-pub use raycast::{CastsShadow, Hit, Lamp, Light, Object, SceneAtTime, Sky, Sun, trace};
+pub use raycast::{CastsShadow, Cone, Hit, Lamp, Light, OPAQUE, Object, SceneAtTime, Sky, Sun, trace};
+pub use texture::{ImageTexture, Wrap};

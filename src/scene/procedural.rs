@@ -9,7 +9,7 @@ use glam::{DQuat, DVec2, DVec3};
 
 use super::material::{Material, Texture};
 use super::primitive::{AxisBox, Fence, Quad, Shape, Sphere, TurnedBox};
-use super::raycast::{CastsShadow, Lamp, Light, Object, SceneAtTime, Sky, Sun};
+use super::raycast::{CastsShadow, Lamp, Light, Object, SceneAtTime};
 
 /// The scenes there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -223,9 +223,8 @@ fn courtyard_at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     objects.push(bulb);
 
     let light = Light {
-        sun: Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: rgb(1.75, 1.6, 1.35) },
-        lamp: Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0 },
-        sky: Sky { horizon: rgb(0.5, 0.66, 0.86), zenith: rgb(0.16, 0.32, 0.68), ambient: rgb(0.3, 0.36, 0.46) },
+        lamps: vec![Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0, cone: None }],
+        ..Light::default()
     };
     SceneAtTime::new(objects, light)
 }

@@ -1,12 +1,15 @@
-//! What a ray sees: the nearest surface, lit by a sun with hard shadows, an ambient sky and a lamp.
+//! What a ray sees: the nearest surface, lit by suns and lamps with hard shadows, and an ambient sky.
 //!
 //! Enters: a scene frozen at one time, a ray. Leaves: [`Hit`]: distance in metres and linear radiance.
 //!
 //! Nothing here depends on time or on chance: the same scene and ray give the same bits, so that what does not move
 //! and is not lit anew is exactly static.
 
+use std::sync::Arc;
+
 use glam::{DQuat, DVec2, DVec3};
 
+use super::bvh::MeshBvh;
 use super::material::Material;
 use super::primitive::{AxisBox, Intersection, Ray, Shape};
 
@@ -79,8 +82,21 @@ pub struct Lamp {
     pub position: DVec3,
     /// Radiance of a white surface that faces it at 1 m, before the fall-off to the reach.
     pub radiance: DVec3,
-    /// Distance in metres from which on it lights nothing.
+    /// Distance in metres from which on it lights nothing; may be `+inf`.
     pub reach: f64,
+    /// Where it shines to, `None` for all around.
+    pub cone: Option<Cone>,
+}
+
+/// The light of a spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cone {
+    /// Its middle, length 1.
+    pub axis: DVec3,
+    /// Cosine of the angle from the axis within which it has its full strength.
+    pub cos_inner: f64,
+    /// Cosine of the angle from which on it lights nothing, below `cos_inner`.
+    pub cos_outer: f64,
 }
 
 /// What is seen where there is nothing, and the light that comes from there.
@@ -110,19 +126,34 @@ impl Sky {
 #[derive(Debug, Clone)]
 pub struct SceneAtTime {
     objects: Vec<Object>,
+    meshes: Vec<Arc<MeshBvh>>,
     light: Light,
-    shadows: ShadowGrid,
+    /// One for each sun.
+    shadows: Vec<ShadowGrid>,
 }
 
-/// All that shines in a scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// All that shines in a scene, but for surfaces.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// The sun.
-    pub sun: Sun,
-    /// The lamp.
-    pub lamp: Lamp,
+    /// Lights at infinity.
+    pub suns: Vec<Sun>,
+    /// Lights at points.
+    pub lamps: Vec<Lamp>,
     /// The background.
     pub sky: Sky,
+}
+
+impl Default for Light {
+    /// A bright day, for scenes that bring no light.
+    fn default() -> Self {
+        let sun = Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: DVec3::new(1.75, 1.6, 1.35) };
+        let sky = Sky {
+            horizon: DVec3::new(0.5, 0.66, 0.86),
+            zenith: DVec3::new(0.16, 0.32, 0.68),
+            ambient: DVec3::new(0.3, 0.36, 0.46),
+        };
+        Light { suns: vec![sun], lamps: Vec::new(), sky }
+    }
 }
 
 /// What a ray sees.
@@ -134,16 +165,28 @@ pub struct Hit {
     pub color: DVec3,
     /// Normal on the ray's side, length 1; zero for nothing.
     pub normal: DVec3,
-    /// Index into [`SceneAtTime::objects`], `None` for nothing.
+    /// Index into [`SceneAtTime::objects`], `None` for nothing and for a mesh.
     pub object: Option<usize>,
+    /// Weight of mirror reflection, weight of refraction, and index of refraction, as a material stream has them:
+    /// 0, 0, 1 for what is opaque, and for nothing.
+    pub optics: [f64; 3],
 }
+
+/// [`Hit::optics`] of what neither mirrors nor refracts.
+pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Looks from `origin` along `direction` (any length).
 ///
 /// A direction without length, or anything not finite, sees nothing: distance `+inf` and the horizon's colour.
 pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     let Some(ray) = Ray::new(origin, direction) else {
-        return Hit { distance: f64::INFINITY, color: scene.light.sky.horizon, normal: DVec3::ZERO, object: None };
+        return Hit {
+            distance: f64::INFINITY,
+            color: scene.light.sky.horizon,
+            normal: DVec3::ZERO,
+            object: None,
+            optics: OPAQUE,
+        };
     };
     scene.look(&ray, 0..scene.objects.len())
 }
@@ -151,8 +194,18 @@ pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
 impl SceneAtTime {
     /// A scene of `objects`. Where two lie equally far along a ray, the earlier one is seen.
     pub fn new(objects: Vec<Object>, light: Light) -> Self {
-        let shadows = ShadowGrid::new(&objects, light.sun.direction);
-        SceneAtTime { objects, light, shadows }
+        Self::with_meshes(objects, Vec::new(), light)
+    }
+
+    /// The same with meshes. What moves lies in other meshes than what does not, so that the latter are shared.
+    pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<MeshBvh>>, light: Light) -> Self {
+        let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
+        SceneAtTime { objects, meshes, light, shadows }
+    }
+
+    /// Everything made of triangles.
+    pub fn meshes(&self) -> &[Arc<MeshBvh>] {
+        &self.meshes
     }
 
     /// Everything solid.
@@ -190,12 +243,13 @@ impl SceneAtTime {
                 color: self.light.sky.radiance(ray.direction()),
                 normal: DVec3::ZERO,
                 object: None,
+                optics: OPAQUE,
             },
             Some((index, hit)) => {
                 // The side that is seen is the side that is lit: quads and rays from inside a solid.
                 let normal = if hit.normal.dot(ray.direction()) > 0.0 { -hit.normal } else { hit.normal };
                 let color = self.shade(index, ray.at(hit.distance), normal);
-                Hit { distance: hit.distance, color, normal, object: Some(index) }
+                Hit { distance: hit.distance, color, normal, object: Some(index), optics: OPAQUE }
             }
         }
     }
@@ -213,18 +267,22 @@ impl SceneAtTime {
         // A surface that faces down sees ground instead of sky: a bit less than half the light.
         let mut light = self.light.sky.ambient * (0.7 + 0.3 * normal.y);
         let above = point + SHADOW_OFFSET_M * normal;
-        let facing_sun = normal.dot(self.light.sun.direction);
-        if facing_sun > 0.0 && !self.in_sun_shadow(above) {
-            light += facing_sun * self.light.sun.radiance;
+        for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
+            let facing_sun = normal.dot(sun.direction);
+            if facing_sun > 0.0 && !self.in_sun_shadow(sun, shadows, above) {
+                light += facing_sun * sun.radiance;
+            }
         }
-        light += self.lamp_light(above, normal);
+        for lamp in &self.light.lamps {
+            light += self.lamp_light(lamp, above, normal);
+        }
         object.material.emission + albedo * light
     }
 
-    fn lamp_light(&self, point: DVec3, normal: DVec3) -> DVec3 {
-        let to_lamp = self.light.lamp.position - point;
+    fn lamp_light(&self, lamp: &Lamp, point: DVec3, normal: DVec3) -> DVec3 {
+        let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
-        let reach = self.light.lamp.reach * self.light.lamp.reach;
+        let reach = lamp.reach * lamp.reach;
         let cosine = normal.dot(to_lamp);
         // Out of reach, behind the surface, or in the lamp itself, where the direction is lost.
         if squared >= reach || cosine <= 0.0 || squared < 1e-12 {
@@ -236,12 +294,12 @@ impl SceneAtTime {
         }
         // Inverse square times a window that reaches 0 with slope 0.
         let window = 1.0 - squared / reach;
-        self.light.lamp.radiance * (cosine / distance * window * window / squared.max(0.01))
+        lamp.radiance * (cosine / distance * window * window / squared.max(0.01))
     }
 
-    fn in_sun_shadow(&self, point: DVec3) -> bool {
-        let ray = Ray::from_unit(point, self.light.sun.direction);
-        self.shadows.casters(point).iter().any(|&index| self.objects[index].shape.intersect(&ray, 0.0).is_some())
+    fn in_sun_shadow(&self, sun: &Sun, shadows: &ShadowGrid, point: DVec3) -> bool {
+        let ray = Ray::from_unit(point, sun.direction);
+        shadows.casters(point).iter().any(|&index| self.objects[index].shape.intersect(&ray, 0.0).is_some())
     }
 
     /// Whether something that casts shadows lies on the first `length` metres.
@@ -337,8 +395,8 @@ mod tests {
         let objects =
             vec![white(Shape::Quad(floor)), white(Shape::Sphere(Sphere { center: DVec3::Y * 3.0, radius: 1.0 }))];
         let light = Light {
-            sun: Sun { direction: DVec3::Y, radiance: DVec3::splat(2.0) },
-            lamp: Lamp { position: DVec3::new(4.0, 1.0, 0.0), radiance: DVec3::ONE, reach: 2.0 },
+            suns: vec![Sun { direction: DVec3::Y, radiance: DVec3::splat(2.0) }],
+            lamps: vec![Lamp { position: DVec3::new(4.0, 1.0, 0.0), radiance: DVec3::ONE, reach: 2.0, cone: None }],
             sky: SKY,
         };
         SceneAtTime::new(objects, light)
@@ -390,12 +448,12 @@ mod tests {
 
     #[test]
     fn an_empty_scene_is_sky() {
-        let empty = SceneAtTime::new(vec![], *scene().light());
+        let empty = SceneAtTime::new(vec![], scene().light().clone());
         assert_eq!(trace(&empty, DVec3::ZERO, DVec3::Z).color, SKY.horizon);
         // And a scene in which nothing casts a shadow is lit everywhere.
         let mut floor = scene().objects()[0];
         floor.casts_shadow = CastsShadow::No;
-        let bare = SceneAtTime::new(vec![floor], *scene().light());
+        let bare = SceneAtTime::new(vec![floor], scene().light().clone());
         assert!((trace(&bare, DVec3::Y, DVec3::new(0.1, -1.0, 0.0)).color.x - 2.1).abs() < 1e-12);
     }
 }

@@ -1,0 +1,223 @@
+//! `cameras.json`: where probes are to stand. Written by `place`, read by `capture`, and easy to write by hand.
+//!
+//! ```json
+//! { "lightfold_cameras": 1, "cameras": [ { "name": "00", "position": [0, 1.5, 0] } ] }
+//! ```
+
+use std::collections::BTreeSet;
+use std::io::Read;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::manifest::{MAX_MANIFEST_BYTES, Manifest, Probe, is_probe_name};
+use crate::error::{Error, Result};
+
+/// Version of the schema that this program reads and writes.
+pub const CAMERAS_VERSION: u32 = 1;
+
+/// The whole file. Unknown keys are errors, except inside `extra`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSet {
+    /// Version of the schema, 1.
+    pub lightfold_cameras: u32,
+    /// The cameras, in the order in which they were placed.
+    pub cameras: Vec<PlacedCamera>,
+    /// Anything else, such as what they were placed for; kept, never read.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extra: Option<serde_json::Value>,
+}
+
+/// One camera: what becomes a probe when it is captured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlacedCamera {
+    /// Name of the probe; its number in two digits or more when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Centre in metres.
+    pub position: [f64; 3],
+    /// Unit quaternion x, y, z, w that turns the probe's axes into the world's; none when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<[f64; 4]>,
+    /// Vertical field of view in degrees, for perspective captures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fov_y_deg: Option<f64>,
+    /// First and last frame to capture; all when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<[u32; 2]>,
+    /// What it added to the objective when it was placed, as a fraction of the surfaces' area (times frames).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain: Option<f64>,
+    /// What it and the cameras before it cover, 0..=1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
+}
+
+impl PlacedCamera {
+    /// A camera of which only the place is known.
+    pub fn at(position: [f64; 3]) -> PlacedCamera {
+        PlacedCamera {
+            name: None,
+            position,
+            orientation: None,
+            fov_y_deg: None,
+            frames: None,
+            gain: None,
+            coverage: None,
+        }
+    }
+}
+
+impl CameraSet {
+    /// A set without anything else.
+    pub fn new(cameras: Vec<PlacedCamera>) -> CameraSet {
+        CameraSet { lightfold_cameras: CAMERAS_VERSION, cameras, extra: None }
+    }
+
+    /// Reads a set, `-` for standard input. A `lightfield.json` is taken for the set of its probes.
+    ///
+    /// # Errors
+    /// When it cannot be read, is larger than 16 MiB, is neither, or contradicts itself.
+    pub fn read(path: &Path) -> Result<CameraSet> {
+        let source: Box<dyn Read> = match path == Path::new("-") {
+            true => Box::new(std::io::stdin().lock()),
+            false => Box::new(crate::image::open_regular(path)?),
+        };
+        let mut text = Vec::new();
+        source.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+        if text.len() as u64 > MAX_MANIFEST_BYTES {
+            return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
+        }
+        Self::from_json(&text).map_err(|error| error.in_file(path))
+    }
+
+    /// Parses and validates the text of a set, or of a manifest.
+    ///
+    /// # Errors
+    /// As for [`CameraSet::read`].
+    pub fn from_json(text: &[u8]) -> Result<CameraSet> {
+        let value: serde_json::Value =
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
+        if value.get("lightfield").is_some() {
+            return Ok(Self::of_probes(&Manifest::from_json(text)?.probes));
+        }
+        let set: CameraSet = serde_json::from_value(value)
+            .map_err(|error| Error::invalid(format!("this is not a file of cameras: {error}")))?;
+        set.validate()?;
+        Ok(set)
+    }
+
+    fn of_probes(probes: &[Probe]) -> CameraSet {
+        let camera = |probe: &Probe| PlacedCamera {
+            name: Some(probe.name.clone()),
+            orientation: probe.orientation,
+            fov_y_deg: probe.fov_y_deg,
+            frames: probe.frames,
+            ..PlacedCamera::at(probe.position)
+        };
+        Self::new(probes.iter().map(camera).collect())
+    }
+
+    /// The text of the file, indented, with a newline at its end.
+    ///
+    /// # Errors
+    /// When the set does not validate.
+    pub fn to_json(&self) -> Result<String> {
+        self.validate()?;
+        let mut text = serde_json::to_string_pretty(self)
+            .map_err(|error| Error::invalid(format!("the cameras cannot be written: {error}")))?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// Name of the probe that a camera becomes.
+    pub fn name_of(&self, camera: usize) -> String {
+        let digits = (self.cameras.len().saturating_sub(1)).to_string().len().max(2);
+        match self.cameras.get(camera).and_then(|camera| camera.name.clone()) {
+            Some(name) => name,
+            None => format!("{camera:0digits$}"),
+        }
+    }
+
+    fn validate(&self) -> Result<()> {
+        if self.lightfold_cameras != CAMERAS_VERSION {
+            return Err(Error::invalid(format!(
+                "\"lightfold_cameras\" is {}, this program reads version {CAMERAS_VERSION}",
+                self.lightfold_cameras
+            )));
+        }
+        if self.cameras.is_empty() {
+            return Err(Error::invalid("\"cameras\" is empty: at least one was expected"));
+        }
+        let mut names = BTreeSet::new();
+        for (at, camera) in self.cameras.iter().enumerate() {
+            let wrong = |what: &str| Err(Error::invalid(format!("camera {at}: {what}")));
+            let name = self.name_of(at);
+            if !is_probe_name(&name) {
+                return wrong("a name is 1 to 100 letters, digits, '.', '_' or '-', and does not begin with '.'");
+            }
+            if !names.insert(name) {
+                return wrong("there is another camera of this name");
+            }
+            if camera.position.iter().any(|value| !value.is_finite()) {
+                return wrong("\"position\" must be three finite numbers");
+            }
+            if camera.orientation.is_some_and(|orientation| crate::math::camera::rotation(orientation).is_none()) {
+                return wrong("\"orientation\" must be a quaternion of length 1");
+            }
+            if camera.fov_y_deg.is_some_and(|fov| !(fov > 0.0 && fov < 180.0)) {
+                return wrong("\"fov_y_deg\" must lie between 0 and 180");
+            }
+            if camera.frames.is_some_and(|[first, last]| first > last) {
+                return wrong("the first of its \"frames\" comes after the last");
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_round_trips_and_names_its_cameras() {
+        let text = br#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1.5, 0]},
+            {"name": "left", "position": [-1, 1.5, 0], "gain": 0.25, "coverage": 0.5}]}"#;
+        let set = CameraSet::from_json(text).unwrap();
+        assert_eq!([set.name_of(0), set.name_of(1)], ["00", "left"]);
+        assert_eq!(CameraSet::from_json(set.to_json().unwrap().as_bytes()).unwrap(), set);
+        let many = CameraSet::new(vec![PlacedCamera::at([0.0; 3]); 1001]);
+        assert_eq!([many.name_of(0), many.name_of(1000)], ["0000", "1000"]);
+    }
+
+    #[test]
+    fn a_manifest_is_the_set_of_its_probes() {
+        let text = br#"{"lightfield": 1, "name": "a", "fps": 24, "frames": [0, 0], "projection": "cubemap",
+            "size": [8, 8], "files": {"depth": "{probe}/{face}.%04d.exr"},
+            "probes": [{"name": "a", "position": [1, 2, 3]}]}"#;
+        let set = CameraSet::from_json(text).unwrap();
+        assert_eq!((set.name_of(0).as_str(), set.cameras[0].position), ("a", [1.0, 2.0, 3.0]));
+    }
+
+    #[test]
+    fn sets_that_contradict_themselves_are_refused() {
+        for (cameras, says) in [
+            (r#""#, "empty"),
+            (r#"{"position": [0, 0]}"#, "not a file of cameras"),
+            (r#"{"position": [0, 0, 1e999]}"#, "JSON"),
+            (r#"{"position": [0, 0, 0], "name": "../a"}"#, "letters"),
+            (r#"{"position": [0, 0, 0], "name": "01"}, {"position": [0, 0, 0]}"#, "another camera"),
+            (r#"{"position": [0, 0, 0], "orientation": [0, 0, 0, 2]}"#, "quaternion"),
+            (r#"{"position": [0, 0, 0], "fov_y_deg": 180}"#, "fov_y_deg"),
+            (r#"{"position": [0, 0, 0], "frames": [2, 1]}"#, "frames"),
+            (r#"{"position": [0, 0, 0], "colour": 1}"#, "colour"),
+        ] {
+            let text = format!(r#"{{"lightfold_cameras": 1, "cameras": [{cameras}]}}"#);
+            let error = CameraSet::from_json(text.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(says), "{cameras}: {error}");
+        }
+    }
+}
