@@ -21,7 +21,7 @@ pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
 pub use footage::FootagePlan;
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, MeshMaterial, Optics, Phong};
-pub use model::Model;
+pub use model::{Model, Play};
 pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
 pub use raycast::{CastsShadow, Cone, Hit, Lamp, Light, OPAQUE, Object, SceneAtTime, Sky, Sun, trace};

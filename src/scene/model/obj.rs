@@ -12,9 +12,8 @@ use std::path::Path;
 use glam::{DVec3, Vec2};
 
 use super::assembly::{Assembly, Channels, Part, Winding};
-use super::budget::Budget;
+use super::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use super::folder::Folder;
-use super::gltf::{CORNER_BYTES, TRIANGLE_BYTES};
 use super::mtl;
 use crate::error::{Error, Result};
 use crate::scene::mesh::{Mesh, MeshMaterial};
@@ -73,7 +72,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
             triangles: mesh.indices.as_chunks::<3>().0,
             material: material as u32,
             winding: Winding::Outward,
-        })?;
+        });
     }
     assembly.left_out.note(notes);
     Ok(assembly.finish(paints.into()))
