@@ -89,17 +89,17 @@ impl Library<'_> {
         // A map replaces what a file leaves out, and is multiplied with what it gives.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
         let base_color = color(material.diffuse).unwrap_or(default);
+        let given =
+            material.emissive.map(|value| DVec3::from_array(value.map(f64::from))).filter(|value| value.is_finite());
+        let default = if emissive_texture.is_some() { DVec3::ONE } else { DVec3::ZERO };
+        let emission = given.map_or(default, |value| value.max(DVec3::ZERO));
         MeshMaterial {
             name: material.name.clone(),
             base_color: if plain { base_color } else { DVec3::ZERO },
             base_texture,
             alpha_cutoff: holes.then_some(CUTOFF),
             alpha,
-            emission: other("Ke").and_then(three).unwrap_or(if emissive_texture.is_some() {
-                DVec3::ONE
-            } else {
-                DVec3::ZERO
-            }),
+            emission,
             emissive_texture,
             phong: Phong { weight, exponent },
             optics,
