@@ -86,8 +86,8 @@ impl View<'_> {
     /// Distance through the centre of a pixel.
     fn depth(&self, col: u32, row: u32, candidates: &[usize]) -> f32 {
         let ray = self.ray(col, row, self.size);
-        let nearest = self.scene.nearest(&ray, candidates.iter().copied());
-        nearest.map_or(f32::INFINITY, |(_, hit)| hit.distance as f32)
+        let first = self.scene.first_hit(&ray, candidates.iter().copied());
+        first.map_or(f32::INFINITY, |hit| hit.distance as f32)
     }
 
     fn ray(&self, col: u32, row: u32, size: u32) -> Ray {
