@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod blocks;
+mod capture;
 mod cli;
 mod commands;
 mod convention;

@@ -8,6 +8,7 @@ use super::Args;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
+use crate::image::FrameRange;
 use crate::reconstruct::CameraFile;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
@@ -111,7 +112,8 @@ impl Args {
             (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
         };
         let fps = self.fps;
-        let frames = self.frames.frames.unwrap_or_else(|| frames_of_animation(scene.duration_s(), fps));
+        let frames =
+            self.frames.frames.unwrap_or_else(|| wanted_frames(&cameras, frames_of_animation(scene.duration_s(), fps)));
         Ok(CapturePlan {
             name: self.name(),
             fps,
@@ -178,6 +180,13 @@ impl Args {
     }
 }
 
+/// From the first to the last frame in which a camera looks: all of the animation where it does not say.
+fn wanted_frames(cameras: &CameraSet, all: FrameRange) -> FrameRange {
+    let own = cameras.cameras.iter().map(|camera| camera.frames.unwrap_or([all.first, all.last]));
+    let hull = own.reduce(|[first, last], [other_first, other_last]| [first.min(other_first), last.max(other_last)]);
+    hull.map_or(all, |[first, last]| FrameRange { first, last })
+}
+
 /// Whether a file's cameras have eyes. What is no JSON is said later.
 fn are_viewers(text: &[u8]) -> bool {
     let value: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
@@ -200,6 +209,19 @@ mod tests {
         for text in ["", "0", "-1", "inf", "nan", "x"] {
             assert!(parse_fps(text).is_err() && parse_metres(text).is_err(), "{text}");
         }
+    }
+
+    #[test]
+    fn frames_are_those_that_cameras_ask_for() {
+        let all = FrameRange { first: 0, last: 6 };
+        let at = |frames| PlacedCamera { frames, ..PlacedCamera::at([0.0; 3]) };
+        let wanted = |own: &[Option<[u32; 2]>]| {
+            let frames = wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), all);
+            [frames.first, frames.last]
+        };
+        assert_eq!(wanted(&[None, None]), [0, 6]);
+        assert_eq!(wanted(&[Some([4, 5]), Some([5, 9])]), [4, 9]);
+        assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
     }
 
     #[test]
