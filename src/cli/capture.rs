@@ -15,6 +15,7 @@ use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
+use crate::scene::capture::hash_of_scene;
 use crate::scene::{CapturePlan, CaptureSummary, Kept, Scene};
 
 use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_size};
@@ -220,7 +221,10 @@ impl Work<'_> {
             Scene::Procedural(scene) => scene.kind().name().to_owned(),
             Scene::Model(_) => {
                 let path = Path::new(&self.args.scene);
-                digest(&std::fs::read(path).map_err(|error| Error::io(path, error))?)
+                let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
+                // A GLB holds all that it is; others name files beside them.
+                let named = if bytes.starts_with(b"glTF") { 0 } else { hash_of_scene(self.scene) };
+                format!("{}{named:016x}", digest(&bytes))
             }
         };
         fields.push(("the contents of the scene", scene));

@@ -3,6 +3,7 @@
 //! Enters: a scene, cameras, frames, sizes. Leaves: images, one by one ([`view`]), or a folder of them that is a dataset
 //! ([`plan`], [`write`]).
 
+pub mod contents;
 pub mod plan;
 pub mod samples;
 pub mod view;
@@ -16,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face};
 use crate::monitor::Silent;
 
+pub use contents::hash_of_scene;
 pub use plan::{CapturePlan, Take, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, Window, capture_view};

@@ -250,25 +250,23 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
 #[test]
 fn a_dataset_is_not_mixed_with_another() {
     let place = place();
-    let capture = "capture courtyard --frames 3-4 --size 8 --samples 1 -q -o out";
-    fine(&format!("{capture} --cameras cameras.json"), place.path());
+    let capture = "capture courtyard --samples 1 -q -o out";
+    fine(&format!("{capture} --size 8 --cameras cameras.json --frames 3-4"), place.path());
     let before = files(&place.path().join("out"));
-    for other in ["--position 0,1.5,0", "--cameras cameras.json --frames 3", "--cameras cameras.json --aov none"] {
-        let line = format!("{capture} {other}").replacen(
-            "--frames 3-4 ",
-            if other.contains("frames") { "" } else { "--frames 3-4 " },
-            1,
-        );
-        assert!(refused(&line, place.path()).contains("mixed"), "{line}");
+    for other in [
+        "--position 0,1.5,0 --frames 3-4",
+        "--cameras cameras.json --frames 3",
+        "--cameras cameras.json --frames 3-4 --aov none",
+        "--cameras cameras.json --frames 3-4 --projection equirect",
+    ] {
+        let said = refused(&format!("{capture} --size 8 {other}"), place.path());
+        assert!(said.contains("mixed"), "{other}: {said}");
     }
     let said = refused(&format!("{capture} --cameras out/lightfield.json"), place.path());
     assert!(said.contains("overwritten"), "{said}");
     assert_eq!(files(&place.path().join("out")), before);
     // One that has all of its images takes its place.
-    fine(
-        &format!("{capture} --cameras cameras.json --aov depth,normal").replace("--size 8", "--size 12"),
-        place.path(),
-    );
+    fine(&format!("{capture} --size 12 --cameras cameras.json --frames 3-4 --aov depth,normal"), place.path());
     assert_eq!(Manifest::read(&place.path().join("out")).unwrap().size, [12, 12]);
     assert_eq!(files(&place.path().join("out")).len(), before.len() + 36);
     assert_eq!(fs::read_dir(place.path()).unwrap().count(), 2, "something is left beside it");
