@@ -42,7 +42,7 @@ impl Scene {
     /// Length of its animation in seconds, 0 where nothing moves.
     pub fn duration_s(&self) -> f64 {
         match self {
-            Scene::Procedural(_) => DemoScene::PERIOD_S,
+            Scene::Procedural(scene) => scene.duration_s(),
             Scene::Model(model) => model.duration_s(),
         }
     }

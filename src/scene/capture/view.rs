@@ -297,8 +297,8 @@ impl View<'_> {
     /// What lies on a ray, without its colour where that costs more.
     fn centre(&self, ray: &Ray, candidates: &[usize]) -> Centre {
         if !self.shot.wants(Pass::Normal) && !self.shot.wants(Pass::Material) {
-            let nearest = self.scene.nearest(ray, candidates.iter().copied());
-            let distance = nearest.map_or(f64::INFINITY, |(_, hit)| hit.distance);
+            let first = self.scene.first_hit(ray, candidates.iter().copied());
+            let distance = first.map_or(f64::INFINITY, |first| first.distance);
             return Centre { distance, normal: DVec3::ZERO, optics: OPAQUE };
         }
         let hit = self.scene.look(ray, candidates.iter().copied());
