@@ -25,12 +25,12 @@ use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_si
 #[command(
     group(clap::ArgGroup::new("from").required(true).args(["cameras", "position"])),
     after_help = "Examples:\n  lightfold capture sponza.glb --cameras cameras.json --size 256 -o cap\n  \
-    lightfold capture courtyard --position 0,1.5,0 --frames 0-23 --samples 4 -o cap\n  \
+    lightfold capture mirrors --position 0,1.5,0 --frames 0-23 --samples 4 --aov depth,material -o cap\n  \
     lightfold capture scene.gltf --cameras old/lightfield.json --aov depth,normal,material -o cap\n  \
     lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or a scene that is built in (courtyard). Cameras are those of `place`:\n\
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell. Cameras are as of `place`:\n\
     {\"lightfold_cameras\": 1, \"cameras\": [{\"name\": \"00\", \"position\": [0, 1.5, 0]}]}, with \"orientation\",\n\
     \"fov_y_deg\" and \"frames\" where wanted; the probes of a lightfield.json; or viewers as of `decode --camera`\n\
     ({\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 60}]}), in perspective: the truth\n\

@@ -3,6 +3,7 @@
 mod anatomy;
 mod blocks;
 mod capture;
+mod capture_footage;
 mod cli;
 mod commands;
 mod convention;
