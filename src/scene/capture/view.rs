@@ -191,6 +191,11 @@ fn turned(from: &Viewpoint, direction: DVec3) -> DVec3 {
     from.orientation.map_or(direction, |turn| turn * direction)
 }
 
+/// Light as halves. What is brighter than the largest of them, 65,504, is that: infinities are no light.
+fn halves(light: DVec3) -> [f16; 3] {
+    light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
+}
+
 /// Some rows of all planes.
 struct Band<'a> {
     top: u32,
@@ -256,7 +261,7 @@ impl View<'_> {
         if let Some(color) = &mut band.color {
             if self.shot.samples.is_centre() {
                 let hit = self.scene.look(&self.ray(x, y), candidates.iter().copied());
-                color[pixel] = hit.color.to_array().map(f16::from_f64);
+                color[pixel] = halves(hit.color);
                 centre = Some(Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics });
             } else {
                 color[pixel] = self.color([col, row], candidates);
@@ -291,7 +296,7 @@ impl View<'_> {
             self.scene.look(&ray, candidates.iter().copied()).color
         };
         let sum = points.iter().fold(DVec3::ZERO, |sum, &point| sum + look(point));
-        (sum / points.len() as f64).to_array().map(f16::from_f64)
+        halves(sum / points.len() as f64)
     }
 
     /// What lies on a ray, without its colour where that costs more.
@@ -442,6 +447,11 @@ mod tests {
         let rays = |passes: &[Pass], at: usize| shot(passes, &patterns[at]).rays_per_pixel();
         assert_eq!([rays(&Pass::ALL, 0), rays(&Pass::ALL, 1), rays(&[Pass::Color], 2)], [1, 4, 16]);
         assert_eq!([rays(&[Pass::Depth], 2), rays(&[Pass::Color, Pass::Depth], 2)], [1, 17]);
+    }
+
+    #[test]
+    fn light_stays_finite() {
+        assert_eq!(halves(DVec3::new(1e9, 65_504.0, 0.5)).map(f16::to_f32), [65_504.0, 65_504.0, 0.5]);
     }
 
     #[test]
