@@ -1,6 +1,7 @@
 //! The command line: one file for each subcommand. Only this room prints, reads arguments and chooses exit codes.
 
 pub mod bc4w;
+pub mod capture;
 pub mod completions;
 mod damage;
 pub mod decode;
@@ -66,6 +67,8 @@ pub struct Cli {
 pub enum Command {
     /// Capture, encode, decode and compare a built-in scene
     Demo(demo::Args),
+    /// Capture a scene from probes or cameras: a dataset of colour, depth, normals and materials
+    Capture(capture::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),
     /// Encode one colour sequence
@@ -137,6 +140,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
     let global = &cli.global;
     match cli.command {
         Command::Demo(args) => demo::run(&args, global),
+        Command::Capture(args) => capture::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
