@@ -16,6 +16,7 @@ pub mod man;
 pub mod options;
 pub mod output;
 pub mod pack;
+pub mod place;
 pub mod progress;
 pub mod quadtree;
 pub mod selftest;
@@ -66,6 +67,8 @@ pub struct Cli {
 pub enum Command {
     /// Capture, encode, decode and compare a built-in scene
     Demo(demo::Args),
+    /// Find where cameras see a scene best, one after the other
+    Place(place::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),
     /// Encode one colour sequence
@@ -137,6 +140,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
     let global = &cli.global;
     match cli.command {
         Command::Demo(args) => demo::run(&args, global),
+        Command::Place(args) => place::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),
