@@ -14,6 +14,7 @@ pub mod primitive;
 pub mod procedural;
 pub mod raycast;
 pub mod texture;
+mod triangle;
 
 pub use animated::Scene;
 pub use bvh::{MeshBvh, MeshHit};

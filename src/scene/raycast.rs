@@ -13,9 +13,12 @@ use super::bvh::MeshBvh;
 use super::material::Material;
 use super::primitive::{AxisBox, Intersection, Ray, Shape};
 
-/// How far a shadow ray starts above the surface, metres: far above the rounding of f64 at 100 m, far below a
-/// fence post.
-const SHADOW_OFFSET_M: f64 = 1e-6;
+/// How far rays start off the surface that they leave, in metres, in a scene that is `size` metres across: a micrometre
+/// from 1 to 100 m, which is far above the rounding of f64 and far below a fence post; a millionth of smaller scenes, a
+/// hundred-millionth of larger ones.
+fn lift_m(size: f64) -> f64 {
+    if size < 1.0 { 1e-6 * size } else { f64::max(1e-6, 1e-8 * size) }
+}
 
 /// A shape somewhere, with its paint.
 #[derive(Debug, Clone, Copy)]
@@ -130,6 +133,9 @@ pub struct SceneAtTime {
     light: Light,
     /// One for each sun.
     shadows: Vec<ShadowGrid>,
+    bounds: Option<AxisBox>,
+    /// How far rays start off a surface that they leave, metres.
+    lift: f64,
 }
 
 /// All that shines in a scene, but for surfaces.
@@ -200,7 +206,43 @@ impl SceneAtTime {
     /// The same with meshes. What moves lies in other meshes than what does not, so that the latter are shared.
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<MeshBvh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
-        SceneAtTime { objects, meshes, light, shadows }
+        let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
+        let bounds = boxes.reduce(|a, b| AxisBox { min: a.min.min(b.min), max: a.max.max(b.max) });
+        let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length());
+        SceneAtTime { objects, meshes, light, shadows, bounds, lift: lift_m(size) }
+    }
+
+    /// The smallest box along the axes around the boxes of all objects and meshes; `None` for an empty scene.
+    pub fn bounds(&self) -> Option<AxisBox> {
+        self.bounds
+    }
+
+    /// Whether nothing lies between two points. What lies at the points themselves, within a millionth of the scene's
+    /// size, does not count: either may be on a surface. Surfaces hide, the
+    /// inside of a solid does not. Glass is something; holes in textures are not.
+    /// Points that are not finite are not seen, and equal points are.
+    pub fn sees(&self, from: DVec3, to: DVec3) -> bool {
+        let way = to - from;
+        let length = way.length();
+        if !length.is_finite() {
+            return false;
+        }
+        let ends = [self.lift(from), length - self.lift(to)];
+        if ends[0] >= ends[1] {
+            return true;
+        }
+        let ray = Ray::from_unit(from, way / length);
+        let hidden = self.objects.iter().any(|object| {
+            object.bounds.intersect(&ray, 0.0).is_some()
+                && object.shape.intersect(&ray, ends[0]).is_some_and(|hit| hit.distance < ends[1])
+        });
+        !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0], ends[1]))
+    }
+
+    /// How far a ray starts off the surface at `point` that it leaves, metres: more for points so far from the origin
+    /// that f64 resolves less.
+    fn lift(&self, point: DVec3) -> f64 {
+        self.lift.max(1e-13 * point.abs().max_element())
     }
 
     /// Everything made of triangles.
@@ -266,7 +308,7 @@ impl SceneAtTime {
         let albedo = object.material.texture.albedo(local_point, local_normal);
         // A surface that faces down sees ground instead of sky: a bit less than half the light.
         let mut light = self.light.sky.ambient * (0.7 + 0.3 * normal.y);
-        let above = point + SHADOW_OFFSET_M * normal;
+        let above = point + self.lift(point) * normal;
         for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
             let facing_sun = normal.dot(sun.direction);
             if facing_sun > 0.0 && !self.in_sun_shadow(sun, shadows, above) {
@@ -444,6 +486,22 @@ mod tests {
         for (origin, direction) in [(DVec3::NAN, DVec3::X), (DVec3::ZERO, DVec3::ZERO), (DVec3::ZERO, DVec3::NAN)] {
             assert_eq!(trace(&scene(), origin, direction).distance, f64::INFINITY);
         }
+    }
+
+    #[test]
+    fn points_see_each_other_unless_something_lies_between() {
+        let scene = scene();
+        let (top, bottom) = (DVec3::Y * 4.0, DVec3::Y * 2.0);
+        assert!(scene.sees(DVec3::Y * 8.0, top) && scene.sees(top, DVec3::Y * 8.0));
+        assert!(!scene.sees(top + 0.1 * DVec3::Y, bottom) && !scene.sees(DVec3::Y * 8.0, bottom));
+        assert!(!scene.sees(DVec3::Y * 8.0, DVec3::ZERO) && scene.sees(DVec3::ZERO, bottom));
+        // Through the floor, along it, and at its edge.
+        assert!(!scene.sees(DVec3::new(3.0, 1.0, 0.0), DVec3::new(3.0, -1.0, 0.0)));
+        assert!(scene.sees(DVec3::new(3.0, 0.0, 0.0), DVec3::new(-5.0, 0.0, 1.0)));
+        assert!(scene.sees(DVec3::new(9.1, 1.0, 0.0), DVec3::new(9.1, -1.0, 0.0)));
+        assert!(scene.sees(top, top) && !scene.sees(DVec3::NAN, top) && !scene.sees(top, DVec3::INFINITY));
+        assert_eq!(scene.bounds(), Some(AxisBox { min: DVec3::new(-9.0, 0.0, -9.0), max: DVec3::new(9.0, 4.0, 9.0) }));
+        assert_eq!(SceneAtTime::new(vec![], scene.light().clone()).bounds(), None);
     }
 
     #[test]
