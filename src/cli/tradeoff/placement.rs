@@ -34,7 +34,12 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
     let start = Instant::now();
     refuse_others(args)?;
     let axes = axes(args)?;
-    let (fixed, ruler) = options_of_all(scene, &args.fixed, &axes)?;
+    let (mut fixed, mut ruler) = options_of_all(scene, &args.fixed, &axes)?;
+    for (name, value) in implied(&axes, &fixed) {
+        let word = format!("--{name}={value}");
+        fixed.push(word.clone());
+        ruler.push(word);
+    }
     let sweep = Sweep { scene, fixed: &fixed, ruler: &ruler, axes: &axes, repeats: args.repeats };
     for settings in sweep.points() {
         input::parse(&sweep.command(&settings).into_iter().chain(["-o".into(), "a.json".into()]).collect::<Vec<_>>())?;
@@ -111,12 +116,22 @@ fn axes(args: &Args) -> Result<Vec<Axis>> {
     Ok(axes)
 }
 
+/// What swept knobs imply, unless it is swept or given.
+fn implied(axes: &[Axis], given: &[String]) -> Vec<(&'static str, &'static str)> {
+    let knobs = axes.iter().filter_map(|axis| placement::find(axis.knob));
+    let is_open = |name: &str| {
+        axes.iter().all(|axis| axis.knob != name) && given.iter().all(|word| !word.starts_with(&format!("--{name}=")))
+    };
+    knobs.flat_map(|knob| knob.implies.iter().copied()).filter(|(name, _)| is_open(name)).collect()
+}
+
 /// The options that all points have, and those of them that the ruler has, one word each.
 fn options_of_all(scene: &str, words: &[String], axes: &[Axis]) -> Result<(Vec<String>, Vec<String>)> {
     let mut root = Cli::command();
     root.build();
     let line = ["lightfold", "place", scene, "-o", "a.json"].map(str::to_owned);
-    let matches = root.clone().try_get_matches_from(line.iter().chain(words)).map_err(|error| input::refused(&error))?;
+    let matches =
+        root.clone().try_get_matches_from(line.iter().chain(words)).map_err(|error| input::refused(&error))?;
     let (Some((_, matches)), Some(place)) = (matches.subcommand(), root.find_subcommand("place")) else {
         return Ok((Vec::new(), Vec::new()));
     };
@@ -174,7 +189,9 @@ mod tests {
             for value in knob.usual {
                 let option = knob.option(value).unwrap();
                 let line = ["place", "cornell", "--region=0,0,0,1,1,1", option.as_str(), "-o", "a.json"];
-                input::parse(&line.map(Into::into)).unwrap_or_else(|error| panic!("{option}: {error}"));
+                let implied = knob.implies.iter().map(|(name, value)| format!("--{name}={value}").into());
+                let line: Vec<_> = line.map(Into::into).into_iter().chain(implied).collect();
+                input::parse(&line).unwrap_or_else(|error| panic!("{option}: {error}"));
             }
         }
     }
@@ -192,6 +209,9 @@ mod tests {
         assert_eq!(fixed.len(), 3);
         assert!(fixed.contains(&"--cameras=4".to_owned()));
         assert!(of("--region 0,0,0,1,1,1 --cameras 4", "cameras").unwrap_err().to_string().contains("swept"));
+        let theta = [Axis { knob: "theta", values: vec!["20".to_owned()] }];
+        assert_eq!(implied(&theta, &fixed), [("lighting", "specular")]);
+        assert_eq!(implied(&theta, &["--lighting=diffuse".to_owned()]), []);
         assert!(of("--region 0,0,0,1,1,1 --json", "k").unwrap_err().to_string().contains("itself"));
     }
 }

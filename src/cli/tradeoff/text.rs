@@ -167,7 +167,9 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
                 "usual": knob.usual,
             })
         };
-        return output::print_json(&json!({ "knobs": KNOBS.iter().chain(placement::KNOBS).map(row).collect::<Vec<_>>() }));
+        return output::print_json(
+            &json!({ "knobs": KNOBS.iter().chain(placement::KNOBS).map(row).collect::<Vec<_>>() }),
+        );
     }
     let mut table = Table::new(&[
         Column::Left("Knob"),

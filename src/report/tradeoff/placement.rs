@@ -16,10 +16,10 @@ use super::study::{Axis, product};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::report::csv;
+use crate::report::plot::Drawing;
 use crate::report::plot::axis;
 use crate::report::plot::chart::{Chart, Kind, Mark, Series};
 use crate::report::plot::marker::Look;
-use crate::report::plot::Drawing;
 use crate::report::{Column, Table};
 
 /// Options of `place` that trade coverage for cameras or time, in the order of reports.
@@ -28,18 +28,16 @@ pub const KNOBS: &[Knob] = &[
     knob("candidates", "candidate positions", "by effort", &["128", "256", "512", "1024", "2048"]),
     knob("surface-samples", "samples of the surfaces", "by effort", &["1000", "2000", "4000", "8000", "16000"]),
     knob("lighting", "lighting", "diffuse", &["diffuse", "specular"]),
-    knob("theta", "least angle between views (degrees)", "50", &["25", "50", "75"]),
+    Knob {
+        implies: &[("lighting", "specular")],
+        ..knob("theta", "least angle between views (degrees)", "50", &["25", "50", "75"])
+    },
     knob("k", "decay beyond the viewer distance (1/m)", "by region", &["0.1", "0.3", "1", "3"]),
     knob("cameras", "cameras", "until the gain is small", &["1", "2", "4", "8", "16"]),
     knob("threads", "threads", "all", &["1", "2", "4"]),
 ];
 
-const fn knob(
-    name: &'static str,
-    label: &'static str,
-    default: &'static str,
-    usual: &'static [&'static str],
-) -> Knob {
+const fn knob(name: &'static str, label: &'static str, default: &'static str, usual: &'static [&'static str]) -> Knob {
     Knob { name, label, kinds: &[], stage: Stage::Place, implies: &[], without: None, default, usual }
 }
 
@@ -191,9 +189,7 @@ pub fn to_csv(axes: &[Axis], placed: &[Placed]) -> Result<String> {
 /// The same as a table for people.
 pub fn table(axes: &[Axis], placed: &[Placed]) -> Table {
     let mut columns: Vec<Column<'_>> = axes.iter().map(|axis| Column::Left(axis.knob)).collect();
-    columns.extend(
-        ["Cameras", "Objective calls", "Coverage, own %", "Coverage %", "Seconds"].map(Column::Right),
-    );
+    columns.extend(["Cameras", "Objective calls", "Coverage, own %", "Coverage %", "Seconds"].map(Column::Right));
     let mut table = Table::new(&columns);
     for point in placed {
         let figures = [
