@@ -119,7 +119,7 @@ impl AxisBox {
     ///
     /// A ray parallel to a slab is inside it for ever or never: −inf..+inf or an empty stretch. The product alone
     /// would give 0 · inf = NaN on the slab's own plane.
-    fn slabs(&self, ray: &Ray) -> (DVec3, DVec3) {
+    pub(super) fn slabs(&self, ray: &Ray) -> (DVec3, DVec3) {
         let a = (self.min - ray.origin) * ray.inverse;
         let b = (self.max - ray.origin) * ray.inverse;
         let (mut enters, mut leaves) = (a.min(b), a.max(b));

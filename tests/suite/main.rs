@@ -2,6 +2,8 @@
 
 mod anatomy;
 mod blocks;
+mod capture;
+mod capture_footage;
 mod cli;
 mod commands;
 mod convention;
@@ -22,6 +24,8 @@ mod memory;
 mod model_files;
 mod models;
 mod models_broken;
+mod models_paint;
+mod place;
 mod properties;
 mod quadtree;
 mod quality;

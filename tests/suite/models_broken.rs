@@ -67,7 +67,7 @@ fn each_broken_document_has_its_sentence() {
         ("3 normals for 4", |root| root["accessors"][1]["count"] = json!(3)),
         ("not allowed", |root| root["meshes"][0]["primitives"][0]["mode"] = json!(9)),
         ("its own ancestor", |root| root["nodes"][1]["children"] = json!([2])),
-        ("its own ancestor", |root| root["nodes"].as_array_mut().unwrap().push(json!({ "children": [6] }))),
+        ("its own ancestor", |root| root["nodes"].as_array_mut().unwrap().push(json!({ "children": [5] }))),
         ("child of node", |root| root["nodes"][0]["children"] = json!([1])),
         ("a root of the scene", |root| root["scenes"][0]["nodes"] = json!([0, 1])),
         ("index of something", |root| root["nodes"][0]["mesh"] = json!(99)),
@@ -85,10 +85,14 @@ fn each_broken_document_has_its_sentence() {
         ("index of something", |root| root["nodes"][4]["extensions"]["KHR_lights_punctual"]["light"] = json!(99)),
         ("below 0", |root| root["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(-1.0)),
     ];
-    for (number, (words, change)) in cases.iter().enumerate() {
-        println!("case {number}: {words}");
-        refused(changed(change), words);
-    }
+    let wrong: Vec<String> = cases
+        .iter()
+        .filter_map(|(words, change)| match changed(change) {
+            Err(message) if message.contains(words) && message.contains("a.glb") && !message.contains('\n') => None,
+            other => Some(format!("{words}: {other:?}")),
+        })
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert_eq!(changed(|_| ()), Ok(()));
 }
 
