@@ -67,11 +67,14 @@ pub fn on_node(node: &Value) -> Gltf {
     file
 }
 
+/// A name, its bytes, and files beside it.
+type Files<'a> = (&'a str, Vec<u8>, Vec<(&'a str, &'a [u8])>);
+
 #[test]
 fn a_triangle_comes_out_of_each_kind_of_file() {
     let file = on_node(&json!({}));
     let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let cases: [(&str, Vec<u8>, Vec<(&str, &[u8])>); 5] = [
+    let cases: [Files; 5] = [
         ("a.glb", file.glb(), vec![]),
         ("a.gltf", file.text(), vec![]),
         ("a.gltf", [b"\xef\xbb\xbf \n".to_vec(), file.text()].concat(), vec![]),
@@ -149,38 +152,41 @@ fn parts_without_normals_are_flat_beside_parts_with_some() {
     }
 }
 
+/// Property, interpolation, type and values of a curve, and where a corner is at 1, 1.5 and 3 seconds.
+type Moved<'a> = (&'a str, &'a str, &'a str, &'a [f32], [[f64; 3]; 3]);
+
 #[test]
 fn a_node_turns_steps_and_eases_and_stays_at_the_ends() {
-    let cases: [(&str, &str, Value, &[f32], [[f64; 3]; 3]); 4] = [
+    let cases: [Moved; 4] = [
         (
             "translation",
             "LINEAR",
-            json!("VEC3"),
+            "VEC3",
             &[0.0, 0.0, 0.0, 4.0, 0.0, 8.0],
             [[0.0; 3], [1.0, 0.0, 2.0], [4.0, 0.0, 8.0]],
         ),
         (
             "translation",
             "STEP",
-            json!("VEC3"),
+            "VEC3",
             &[1.0, 0.0, 0.0, 4.0, 0.0, 8.0],
             [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [4.0, 0.0, 8.0]],
         ),
         (
             "translation",
             "CUBICSPLINE",
-            json!("VEC3"),
+            "VEC3",
             &[[0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3], [64.0, 0.0, 0.0], [0.0; 3]].concat(),
             // At a quarter 3/16 − 2/64 of the way.
             [[0.0; 3], [10.0, 0.0, 0.0], [64.0, 0.0, 0.0]],
         ),
         // Corner (0, 0, 0) does not turn; the others are looked at below.
-        ("rotation", "LINEAR", json!("VEC4"), &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, HALF, HALF], [[0.0; 3]; 3]),
+        ("rotation", "LINEAR", "VEC4", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, HALF, HALF], [[0.0; 3]; 3]),
     ];
     for (path, how, kind, values, expected) in cases {
         let mut file = on_node(&json!({}));
         let times = file.floats("SCALAR", &[1.0, 3.0]);
-        let output = file.floats(kind.as_str().unwrap(), values);
+        let output = file.floats(kind, values);
         file.animate(0, path, json!({ "input": times, "output": output, "interpolation": how }));
         let (model, notes) = open(&file);
         assert_eq!((model.duration_s(), notes.len()), (3.0, 0));

@@ -104,9 +104,9 @@ pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     }
     let winding = match carrier {
         Carrier::Joints(joints) if !joints.is_empty() && !geometry.influences.is_empty() => {
-            for corner in 0..positions.len() {
+            for (corner, position) in positions.iter_mut().enumerate() {
                 let matrix = blend(&geometry.influences, corner, joints);
-                positions[corner] = matrix.transform_point3(positions[corner]);
+                *position = matrix.transform_point3(*position);
                 if let Some(normal) = normals.get_mut(corner) {
                     *normal = turn(&DMat3::from_mat4(matrix)) * *normal;
                 }

@@ -33,6 +33,10 @@ mod primitives;
 mod stage;
 mod textures;
 
+/// Most notes about a file, and most characters of one.
+const MAX_NOTES: usize = 40;
+const MAX_NOTE: usize = 400;
+
 /// A scene read from a file of meshes: glTF, GLB or OBJ.
 #[derive(Debug)]
 pub struct Model {
@@ -79,6 +83,12 @@ impl Model {
     pub fn open_to_play(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
         let mut notes = Vec::new();
         let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
+        let more = notes.len().saturating_sub(MAX_NOTES);
+        notes.truncate(MAX_NOTES);
+        let mut notes: Vec<String> = notes.iter().map(|note| printable(note)).collect();
+        if more > 0 {
+            notes.push(format!("{more} more of such notes are left out"));
+        }
         Ok((model, notes))
     }
 
@@ -91,7 +101,7 @@ impl Model {
             let read = gltf::read(&bytes, path, play, notes)?;
             return Model::of_stage(read.stage, read.animations, notes);
         }
-        if !extension.is_some_and(|extension| extension == "obj") {
+        if extension.is_none_or(|extension| extension != "obj") {
             return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
         }
         if let Play::Named(name) = play {
@@ -153,6 +163,12 @@ impl Model {
         }
         SceneAtTime::with_meshes(Vec::new(), meshes, light)
     }
+}
+
+/// A note without what a terminal would obey: names in it are those of the file.
+fn printable(note: &str) -> String {
+    let plain = |c: char| if c.is_control() { c.escape_default().collect() } else { c.to_string() };
+    note.chars().take(MAX_NOTE).map(plain).collect()
 }
 
 fn nothing() -> Error {

@@ -6,6 +6,7 @@
 //! of corners that no file can have are refused.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -34,7 +35,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
     }
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let mut folder = Folder::of(path);
-    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes };
+    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes, pictures: BTreeMap::new() };
     let library = RefCell::new(library);
     let loaded =
         tobj::load_obj_buf(&mut BufReader::new(text.as_slice()), &options, |name| library.borrow_mut().load(name));
