@@ -5,6 +5,9 @@
 //! call for them. Light passes clear glass on its way to a surface as if the glass were not there: there are no caustics
 //! and glass casts no shadow.
 
+#[cfg(test)]
+mod tests;
+
 use glam::DVec3;
 
 use super::bvh::Stops;
@@ -210,6 +213,8 @@ impl Surface {
     /// Reflected share of unpolarised light by Fresnel's equations, and where the rest goes: nowhere in total
     /// reflection.
     fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
+        // Not for matter that exists: keeps what follows finite.
+        let ior = ior.max(1.0).min(1e3);
         let ratio = if self.from_within { ior } else { ior.recip() };
         let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
         let sin_out_squared = ratio * ratio * (1.0 - cos_in * cos_in);
