@@ -213,8 +213,8 @@ impl Surface {
     /// Reflected share of unpolarised light by Fresnel's equations, and where the rest goes: nowhere in total
     /// reflection.
     fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
-        // Not for matter that exists: keeps what follows finite.
-        let ior = ior.max(1.0).min(1e3);
+        // Whatever a file says, what follows stays finite.
+        let ior = if ior > 1.0 { ior.min(1e3) } else { 1.0 };
         let ratio = if self.from_within { ior } else { ior.recip() };
         let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
         let sin_out_squared = ratio * ratio * (1.0 - cos_in * cos_in);

@@ -217,6 +217,26 @@ fn a_pane_moves_what_is_behind_it_aside_by_snells_law() {
 }
 
 #[test]
+fn a_glass_ball_bends_rays_twice_towards_its_axis() {
+    let glass = Optics::Glass { ior: 1.5, tint: DVec3::ONE };
+    let ball = optical(Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 1.0 }), glass);
+    for height in [0.0_f64, 0.3, -0.6, 0.85] {
+        let (outside, inside) = (height.asin(), (height / 1.5).asin());
+        let leaves = 2.0 * inside - outside;
+        let lands = leaves.sin() - (2.0 * (outside - inside)).tan() * (3.0 - leaves.cos());
+        let spot = |from: f64| {
+            let quad = Quad { corner: DVec3::new(3.0, from, -1.0), u: DVec3::Z * 2.0, v: DVec3::Y * 0.01 };
+            let mut spot = white(Shape::Quad(quad));
+            spot.material.emission = DVec3::X;
+            let light = Light { suns: vec![], lamps: vec![], sky: Sky::NONE };
+            trace(&SceneAtTime::new(vec![ball, spot], light), DVec3::new(-5.0, height, 0.0), DVec3::X).color.x
+        };
+        assert!(spot(lands - 0.005) > 0.6, "{height}: {}", spot(lands - 0.005));
+        assert!(spot(lands + 0.001) < 0.1 && spot(lands - 0.011) < 0.1, "{height}");
+    }
+}
+
+#[test]
 fn glass_lets_light_through_and_mirrors_do_not() {
     let below = |optics: Optics| {
         let scene = SceneAtTime::new(vec![white(floor(0.0)), optical(floor(1.0), optics)], overhead());
