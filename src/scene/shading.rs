@@ -1,7 +1,7 @@
 //! The light that leaves a surface towards a ray: Lambert and Phong under suns, lamps and an ambient sky, with hard
 //! shadows; mirrors and clear glass, which send further rays.
 //!
-//! Enters: a [`Surface`] and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
+//! Enters: a `Surface` and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
 //! call for them. Light passes clear glass on its way to a surface as if the glass were not there: there are no caustics
 //! and glass casts no shadow.
 

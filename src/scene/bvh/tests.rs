@@ -127,26 +127,38 @@ fn axis_parallel_rays_and_negative_zeros_miss_nothing() {
 
 #[test]
 fn a_million_rays_at_edges_and_corners_leave_no_gap() {
-    let bvh = MeshBvh::new(pebble(6));
-    let triangles = bvh.mesh().triangles.clone();
-    assert_eq!(triangles.len(), 32_768);
-    let mut numbers = Numbers::new(5);
-    let mut leaks = 0;
-    for turn in 0..1_000_000_usize {
-        let [a, b, _] = bvh.mesh().corners(turn % triangles.len());
-        let share = match turn % 3 {
-            0 => 0.0,
-            1 => 0.5,
-            _ => 0.5 + 0.5 * numbers.next(),
-        };
-        let target = a + share * (b - a);
-        // From inside, and from outside: the far side must be met, too.
-        let origin = if turn % 2 == 0 { 0.3 * numbers.point() } else { 3.0 * target + numbers.point() };
-        let ray = Ray::new(origin, target - origin).unwrap();
-        leaks += usize::from(bvh.nearest(&ray, 0.0).is_none());
-        leaks += usize::from(!bvh.occluded(&ray, 0.0, f64::INFINITY));
+    for (scale, shift, rays) in [
+        (1.0, DVec3::ZERO, 700_000),
+        (1e-6, DVec3::ZERO, 100_000),
+        (1e6, DVec3::ZERO, 100_000),
+        (1.0, DVec3::splat(1e6), 100_000),
+    ] {
+        let mut closed = pebble(6);
+        for position in &mut closed.positions {
+            *position = scale * *position + shift;
+        }
+        let bvh = MeshBvh::new(closed);
+        let triangles = bvh.mesh().triangles.len();
+        assert_eq!(triangles, 32_768);
+        let mut numbers = Numbers::new(5);
+        let mut leaks = 0;
+        for turn in 0..rays {
+            let [a, b, _] = bvh.mesh().corners(turn % triangles);
+            let share = match turn % 3 {
+                0 => 0.0,
+                1 => 0.5,
+                _ => 0.5 + 0.5 * numbers.next(),
+            };
+            let target = a + share * (b - a);
+            // From inside, and from outside towards it.
+            let near = if turn % 2 == 0 { shift } else { 3.0 * target - 2.0 * shift };
+            let origin = near + 0.3 * scale * numbers.point();
+            let ray = Ray::new(origin, target - origin).unwrap();
+            leaks += usize::from(bvh.nearest(&ray, 0.0).is_none());
+            leaks += usize::from(!bvh.occluded(&ray, 0.0, f64::INFINITY));
+        }
+        assert_eq!(leaks, 0, "{scale} {shift}");
     }
-    assert_eq!(leaks, 0);
 }
 
 #[test]
