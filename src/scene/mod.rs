@@ -22,7 +22,7 @@ mod triangle;
 
 pub use animated::Scene;
 pub use bvh::{MeshBvh, MeshHit};
-pub use capture::{COLOR_SAMPLES_PER_SIDE, MAX_FACE_SIZE, capture_face};
+pub use capture::{CapturePlan, CaptureSummary, Kept, MAX_FACE_SIZE, Pass, capture_face};
 pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun};
 pub use material::{Material, Texture};

@@ -2,10 +2,14 @@
 //!
 //! Enters: texture coordinates. Leaves: linear Rec. 709 light and alpha.
 
+use std::sync::OnceLock;
+
 use glam::{DVec2, DVec3};
 
+use crate::image::Transfer;
+
 /// What lies beyond the edge of an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub enum Wrap {
     /// The image again.
     #[default]
@@ -29,9 +33,137 @@ pub struct ImageTexture {
     pub wrap: [Wrap; 2],
 }
 
+/// Linear light of each sRGB code.
+fn linear() -> &'static [f64; 256] {
+    static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
+    TABLE.get_or_init(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)))
+}
+
+impl Wrap {
+    /// Two neighbouring pixels of a side of `size`, and where between their centres a coordinate lies (0..1).
+    fn neighbours(self, at: f64, size: u32) -> (usize, usize, f64) {
+        let side = f64::from(size);
+        // What is not finite is 0; the rest is brought near the image first, so that integers cannot overflow.
+        let at = if at.is_finite() { at } else { 0.0 };
+        let near = match self {
+            Wrap::Repeat => at - at.floor(),
+            Wrap::Mirror => at.rem_euclid(2.0),
+            Wrap::Clamp => at.clamp(0.0, 1.0),
+        };
+        let place = near * side - 0.5;
+        let left = place.floor();
+        let pixel = |at: f64| -> usize {
+            let at = at as i64;
+            let size = i64::from(size);
+            let index = match self {
+                Wrap::Repeat => at.rem_euclid(size),
+                Wrap::Mirror => {
+                    let folded = at.rem_euclid(2 * size);
+                    folded.min(2 * size - 1 - folded)
+                }
+                Wrap::Clamp => at.clamp(0, size - 1),
+            };
+            index as usize
+        };
+        (pixel(left), pixel(left + 1.0), place - left)
+    }
+}
+
 impl ImageTexture {
-    /// Colour and alpha at texture coordinates, (0, 0) the top left corner of the image.
-    pub fn sample(&self, _uv: DVec2) -> (DVec3, f64) {
-        (DVec3::ONE, 1.0)
+    /// Colour and alpha at texture coordinates, (0, 0) the top left corner of the image: bilinear between the centres of
+    /// the four pixels around, in linear light. Coordinates that are not finite count as 0.
+    pub fn sample(&self, uv: DVec2) -> (DVec3, f64) {
+        let (left, right, along) = self.wrap[0].neighbours(uv.x, self.width);
+        let (top, bottom, down) = self.wrap[1].neighbours(uv.y, self.height);
+        let table = linear();
+        let pixel = |x: usize, y: usize| -> (DVec3, f64) {
+            let [r, g, b, a] = self.pixels[y * self.width as usize + x];
+            (DVec3::new(table[r as usize], table[g as usize], table[b as usize]), f64::from(a) / 255.0)
+        };
+        let between = |one: (DVec3, f64), other: (DVec3, f64), at: f64| {
+            (one.0 + at * (other.0 - one.0), one.1 + at * (other.1 - one.1))
+        };
+        let upper = between(pixel(left, top), pixel(right, top), along);
+        let lower = between(pixel(left, bottom), pixel(right, bottom), along);
+        between(upper, lower, down)
+    }
+
+    /// Mean of the linear colour over all pixels.
+    pub fn mean(&self) -> DVec3 {
+        let table = linear();
+        let mut counts = [[0u64; 256]; 3];
+        for pixel in &self.pixels {
+            for (counts, &code) in counts.iter_mut().zip(pixel) {
+                counts[code as usize] += 1;
+            }
+        }
+        let mean = |counts: &[u64; 256]| -> f64 {
+            let sum: f64 = counts.iter().zip(table).map(|(&count, light)| count as f64 * light).sum();
+            sum / self.pixels.len().max(1) as f64
+        };
+        DVec3::from_array([mean(&counts[0]), mean(&counts[1]), mean(&counts[2])])
+    }
+
+    /// Mean of the codes themselves over all pixels, 0..=1, red, green, blue: of images that hold no colours.
+    pub fn mean_codes(&self) -> DVec3 {
+        let mut sums = [0u64; 3];
+        for pixel in &self.pixels {
+            for (sum, &code) in sums.iter_mut().zip(pixel) {
+                *sum += u64::from(code);
+            }
+        }
+        DVec3::from_array(sums.map(|sum| sum as f64)) / (255.0 * self.pixels.len().max(1) as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texture(wrap: Wrap) -> ImageTexture {
+        let pixels = vec![[0, 0, 0, 0], [255, 255, 255, 255], [255, 0, 0, 255], [128, 128, 128, 51]];
+        ImageTexture { width: 2, height: 2, pixels, wrap: [wrap; 2] }
+    }
+
+    #[test]
+    fn pixels_are_met_at_their_centres_and_mixed_as_light_between() {
+        let image = texture(Wrap::Clamp);
+        assert_eq!(image.sample(DVec2::new(0.25, 0.25)), (DVec3::ZERO, 0.0));
+        assert_eq!(image.sample(DVec2::new(0.75, 0.25)), (DVec3::ONE, 1.0));
+        assert_eq!(image.sample(DVec2::new(0.25, 0.75)), (DVec3::X, 1.0));
+        let (gray, alpha) = image.sample(DVec2::new(0.75, 0.75));
+        assert!((gray.x - 0.215_860_5).abs() < 1e-6 && (alpha - 0.2).abs() < 1e-12, "{gray} {alpha}");
+        // Half of the light, which is not the code between.
+        assert_eq!(image.sample(DVec2::new(0.5, 0.25)), (DVec3::splat(0.5), 0.5));
+        assert_eq!(image.sample(DVec2::new(0.375, 0.25)), (DVec3::splat(0.25), 0.25));
+    }
+
+    #[test]
+    fn beyond_the_edge_is_what_wrap_says() {
+        let at = |wrap: Wrap, x: f64| texture(wrap).sample(DVec2::new(x, 0.25)).0.x;
+        assert_eq!(
+            [at(Wrap::Clamp, -3.0), at(Wrap::Clamp, 0.0), at(Wrap::Clamp, 1.0), at(Wrap::Clamp, 1e300)],
+            [0.0, 0.0, 1.0, 1.0]
+        );
+        assert_eq!([at(Wrap::Repeat, 0.0), at(Wrap::Repeat, 1.25), at(Wrap::Repeat, -0.25)], [0.5, 0.0, 1.0]);
+        assert_eq!(
+            [at(Wrap::Mirror, 0.0), at(Wrap::Mirror, 1.25), at(Wrap::Mirror, 1.75), at(Wrap::Mirror, -0.25)],
+            [0.0, 1.0, 0.0, 0.0]
+        );
+        for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e18, -1e-300] {
+                let (color, alpha) = texture(wrap).sample(DVec2::splat(bad));
+                assert!(color.is_finite() && (0.0..=1.0).contains(&alpha), "{wrap:?} {bad}");
+            }
+        }
+    }
+
+    #[test]
+    fn means_are_of_light_and_of_codes() {
+        let image = texture(Wrap::Repeat);
+        let gray = Transfer::Srgb.decode(128.0 / 255.0);
+        assert!((image.mean() - DVec3::new(2.0 + gray, 1.0 + gray, 1.0 + gray) / 4.0).length() < 1e-12);
+        let codes = DVec3::new(2.0 + 128.0 / 255.0, 1.0 + 128.0 / 255.0, 1.0 + 128.0 / 255.0) / 4.0;
+        assert!((image.mean_codes() - codes).length() < 1e-12);
     }
 }

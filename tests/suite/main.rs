@@ -2,6 +2,8 @@
 
 mod anatomy;
 mod blocks;
+mod capture;
+mod capture_footage;
 mod cli;
 mod commands;
 mod convention;
@@ -19,6 +21,7 @@ mod inspect;
 mod interrupted;
 mod keep_going;
 mod memory;
+mod place;
 mod properties;
 mod quadtree;
 mod quality;

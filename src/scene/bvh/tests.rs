@@ -10,12 +10,11 @@ use super::*;
 fn plainly(bvh: &MeshBvh, ray: &Ray, min_distance: f64) -> Option<MeshHit> {
     let frame = RayFrame::new(ray);
     let mut best: Option<MeshHit> = None;
-    for triangle in 0..bvh.mesh().triangles.len() {
-        let corners = bvh.mesh().corners(triangle);
-        let Some((distance, barycentric)) = sound(&corners).then(|| frame.meet(&corners)).flatten() else { continue };
-        let leaf = bvh.leaves.iter().find(|leaf| leaf.triangle as usize == triangle).unwrap();
-        let counts = distance > min_distance && best.is_none_or(|best| distance < best.distance);
-        if counts && !bvh.hole(leaf, barycentric) {
+    for leaf in &bvh.leaves {
+        let Some((distance, barycentric)) = frame.meet(&leaf.corners) else { continue };
+        let triangle = leaf.triangle as usize;
+        let first = best.is_none_or(|best| (distance, triangle) < (best.distance, best.triangle));
+        if first && distance > min_distance && !bvh.hole(leaf, barycentric) {
             best = Some(MeshHit { distance, triangle, barycentric });
         }
     }
@@ -108,6 +107,30 @@ fn tree_and_plain_search_agree_to_the_bit() {
             assert_eq!(bvh.occluded(&ray, from, above), expected.is_some_and(|hit| hit.distance < above));
         }
         assert!(hits > 3000, "{hits}");
+    }
+}
+
+#[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn tree_and_plain_search_agree_on_files() {
+    let meshes = std::path::Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes");
+    for file in ["sponza.glb", "dragon.glb", "bunny.obj"] {
+        let (model, _) = super::super::Model::open(&meshes.join(file)).unwrap();
+        let moment = model.at(0.0);
+        let bounds = moment.bounds().unwrap();
+        let mut numbers = Numbers::new(7);
+        let mut anywhere = || 0.5 * (bounds.min + bounds.max) + 0.5 * (bounds.max - bounds.min) * numbers.point();
+        let mut hits = 0;
+        for bvh in moment.meshes() {
+            for _ in 0..60 {
+                let (from, to) = (anywhere(), anywhere());
+                let ray = Ray::new(from, to - from).unwrap();
+                let expected = plainly(bvh, &ray, 0.0);
+                assert_eq!(bvh.nearest(&ray, 0.0), expected, "{file} {from} {to}");
+                hits += usize::from(expected.is_some());
+            }
+        }
+        assert!(hits > 10, "{file}: {hits}");
     }
 }
 

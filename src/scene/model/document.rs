@@ -1,0 +1,188 @@
+//! The JSON of a glTF file, checked before anything is read through it (glTF 2.0, sections 3 and 4.4).
+//!
+//! Enters: the bytes of a `.gltf` or `.glb` file. Leaves: a document whose indices all lead somewhere, and the binary
+//! chunk.
+
+use gltf::json::validation::{Error as Fault, Validate};
+use gltf::{Document, json};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use crate::error::{Error, Result};
+
+/// Extensions that a file may require.
+const KNOWN: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_unlit",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
+
+/// Most things of a kind in a file: `{}` is a node to its author and some hundred bytes in memory.
+const MAX_COUNT: usize = 1 << 18;
+
+/// What is looked at before the rest is read into memory.
+#[derive(Deserialize)]
+struct Preview {
+    asset: Version,
+    #[serde(default, rename = "extensionsRequired")]
+    required: Vec<String>,
+    #[serde(default)]
+    nodes: Vec<IgnoredAny>,
+    #[serde(default)]
+    meshes: Vec<IgnoredAny>,
+    #[serde(default)]
+    materials: Vec<IgnoredAny>,
+    #[serde(default)]
+    textures: Vec<IgnoredAny>,
+    #[serde(default)]
+    images: Vec<IgnoredAny>,
+    #[serde(default)]
+    samplers: Vec<IgnoredAny>,
+    #[serde(default)]
+    buffers: Vec<IgnoredAny>,
+    #[serde(default)]
+    scenes: Vec<IgnoredAny>,
+    #[serde(default)]
+    skins: Vec<IgnoredAny>,
+    #[serde(default)]
+    animations: Vec<IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct Version {
+    version: String,
+}
+
+/// A document, and the binary chunk of a `.glb` file.
+#[derive(Debug)]
+pub struct Parsed {
+    /// The JSON.
+    pub document: Document,
+    /// What the first buffer without a URI is.
+    pub blob: Option<Vec<u8>>,
+}
+
+/// Whether a file begins as binary glTF does.
+pub fn is_glb(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"glTF")
+}
+
+/// Reads the JSON, of either kind of file.
+///
+/// # Errors
+/// When it is not glTF 2, requires an extension that is not known here, or leads to what is not there.
+pub fn parse(bytes: &[u8]) -> Result<Parsed> {
+    let (text, blob) = if is_glb(bytes) { split(bytes)? } else { (bytes, None) };
+    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+    let damaged = |error: serde_json::Error| Error::invalid(format!("the JSON of the glTF file is damaged: {error}"));
+    let preview: Preview = serde_json::from_slice(text).map_err(damaged)?;
+    judge(&preview)?;
+    let mut root: json::Root = json::deserialize::from_slice(text).map_err(damaged)?;
+    // Judged above, by what is done here instead of by what the crate does.
+    root.extensions_required.clear();
+    check(&root)?;
+    Ok(Parsed { document: Document::from_json_without_validation(root), blob: blob.map(<[u8]>::to_vec) })
+}
+
+/// The JSON and the binary chunk of a `.glb` file (glTF 2.0, section 4.4). Other chunks are passed over.
+fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
+    let word =
+        |at: usize| bytes.get(at..at + 4).and_then(|word| word.first_chunk::<4>()).map(|w| u32::from_le_bytes(*w));
+    let ends = |at: usize| {
+        Error::invalid(format!("the GLB file ends early: {} bytes, of which {at} were needed", bytes.len()))
+    };
+    let version = word(4).ok_or_else(|| ends(12))?;
+    if version != 2 {
+        return Err(Error::unsupported(format!("GLB version {version}; save it as version 2")));
+    }
+    let length = word(8).ok_or_else(|| ends(12))? as usize;
+    if length > bytes.len() {
+        return Err(ends(length));
+    }
+    let (mut text, mut binary) = (None, None);
+    let mut at = 12;
+    while at + 8 <= length {
+        let (size, kind) = (word(at).unwrap_or(0) as usize, &bytes[at + 4..at + 8]);
+        let body = bytes[..length].get(at + 8..at + 8 + size).ok_or_else(|| ends(at + 8 + size))?;
+        match kind {
+            b"JSON" if text.is_none() => text = Some(body),
+            b"BIN\0" if binary.is_none() => binary = Some(body),
+            _ => {}
+        }
+        at += 8 + size;
+    }
+    Ok((text.ok_or_else(|| Error::invalid("the GLB file has no JSON chunk"))?, binary))
+}
+
+fn judge(preview: &Preview) -> Result<()> {
+    if preview.asset.version.split('.').next() != Some("2") {
+        let version: String = preview.asset.version.chars().take(20).collect();
+        return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
+    }
+    if let Some(unknown) = preview.required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
+        let name: String = unknown.chars().take(80).collect();
+        let compressed = matches!(unknown.as_str(), "KHR_draco_mesh_compression" | "EXT_meshopt_compression");
+        let advice = if compressed { "save it without compression of meshes" } else { "save it without that" };
+        return Err(Error::unsupported(format!("the file requires the extension {name}; {advice}")));
+    }
+    let counts = [
+        ("nodes", &preview.nodes),
+        ("meshes", &preview.meshes),
+        ("materials", &preview.materials),
+        ("textures", &preview.textures),
+        ("images", &preview.images),
+        ("samplers", &preview.samplers),
+        ("buffers", &preview.buffers),
+        ("scenes", &preview.scenes),
+        ("skins", &preview.skins),
+        ("animations", &preview.animations),
+    ];
+    match counts.iter().find(|(_, list)| list.len() > MAX_COUNT) {
+        Some((name, list)) => Err(Error::unsupported(format!("{} {name}, where {MAX_COUNT} are the most", list.len()))),
+        None => Ok(()),
+    }
+}
+
+/// Whether all indices lead somewhere, and all words are known ones.
+fn check(root: &json::Root) -> Result<()> {
+    // The crate's own check reads this one accessor before it has looked whether there is one.
+    for (number, mesh) in root.meshes.iter().enumerate() {
+        for primitive in &mesh.primitives {
+            let positions = primitive
+                .attributes
+                .iter()
+                .find(|(name, _)| matches!(name, json::validation::Checked::Valid(json::mesh::Semantic::Positions)));
+            if positions.is_some_and(|(_, accessor)| accessor.value() >= root.accessors.len()) {
+                return Err(Error::invalid(format!(
+                    "mesh {number} has its positions in an accessor that is not there"
+                )));
+            }
+        }
+    }
+    let mut first: Option<(String, Fault)> = None;
+    root.validate(root, json::Path::new, &mut |path, fault| {
+        if first.is_none() {
+            let path = path().to_string();
+            // Bounds of positions are required of files, but not used here.
+            let bounds = path.ends_with("POSITION\"].min") || path.ends_with("POSITION\"].max");
+            if !bounds {
+                first = Some((path, fault));
+            }
+        }
+    });
+    match first {
+        None => Ok(()),
+        Some((path, fault)) => Err(Error::invalid(match fault {
+            Fault::IndexOutOfBounds => format!("glTF: {path} is an index of something that is not there"),
+            Fault::Missing => format!("glTF: {path} is missing"),
+            _ => format!("glTF: {path} has a value that is not allowed"),
+        })),
+    }
+}

@@ -1,0 +1,136 @@
+//! The folder of a scene's file, and the files in it that the scene names.
+//!
+//! Enters: a name or URI as a file of somebody else has it. Leaves: the bytes of a file in that folder or below.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::budget::Budget;
+use crate::error::{Error, Result};
+use crate::image::open_regular;
+
+/// Where names of other files lead.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    /// What was read, so that a file that is named twice is read once.
+    read: Vec<(PathBuf, Arc<Vec<u8>>)>,
+}
+
+impl Folder {
+    /// The folder that a scene's file lies in.
+    pub fn of(file: &Path) -> Folder {
+        Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new() }
+    }
+
+    /// Bytes of the file that `name` leads to.
+    ///
+    /// # Errors
+    /// When the name leads out of the folder, or the file cannot be read.
+    pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
+        let path = self.path.join(inside(name)?);
+        if let Some((_, bytes)) = self.read.iter().find(|(read, _)| *read == path) {
+            return Ok(bytes.clone());
+        }
+        let bytes = Arc::new(read(&path)?);
+        budget.grow(bytes.len() as u64);
+        self.read.push((path, bytes.clone()));
+        Ok(bytes)
+    }
+}
+
+/// All bytes of a file.
+///
+/// # Errors
+/// When it cannot be read, or is not a regular file.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    use std::io::Read;
+    let mut bytes = Vec::new();
+    open_regular(path)?.read_to_end(&mut bytes).map_err(|error| Error::io(path, error))?;
+    Ok(bytes)
+}
+
+/// The path below the folder that a name stands for.
+///
+/// # Errors
+/// For absolute names, other schemes than files, and names with `..`.
+fn inside(name: &str) -> Result<PathBuf> {
+    let shown = name.chars().take(80).collect::<String>();
+    let refuse = |why: &str| Err(Error::invalid(format!("“{shown}” {why}")));
+    if name.contains(':') {
+        return refuse("is no file beside the scene: remote and absolute names are not followed");
+    }
+    if name.contains('\0') || name.is_empty() {
+        return refuse("is no name of a file");
+    }
+    let slashed = name.replace('\\', "/");
+    if slashed.starts_with('/') {
+        return refuse("is an absolute name: only files in the scene's folder are read");
+    }
+    let parts: Vec<&str> = slashed.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+    if parts.contains(&"..") {
+        return refuse("leads out of the scene's folder, which is not followed");
+    }
+    Ok(parts.iter().collect())
+}
+
+/// A URI without its percent signs (RFC 3986, 2.1). What is not UTF-8 then is left as it was.
+pub fn percent_decoded(uri: &str) -> String {
+    let bytes = uri.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while at < bytes.len() {
+        let hex = bytes.get(at + 1..at + 3).and_then(|hex| std::str::from_utf8(hex).ok());
+        let code = hex.filter(|hex| !hex.starts_with('+')).and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        match (bytes[at], code) {
+            (b'%', Some(code)) => {
+                out.push(code);
+                at += 3;
+            }
+            (byte, _) => {
+                out.push(byte);
+                at += 1;
+            }
+        }
+    }
+    String::from_utf8(out).unwrap_or_else(|_| uri.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stay_in_the_folder() {
+        assert_eq!(inside("a/b.png").unwrap(), Path::new("a/b.png"));
+        assert_eq!(inside("./a\\b c.png").unwrap(), Path::new("a/b c.png"));
+        for bad in
+            ["../a", "a/../b", "..", "/etc/passwd", "\\a", "c:\\a", "http://a/b", "file:///a", "", "a\0b", "a\\..\\b"]
+        {
+            assert!(inside(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn percent_signs_are_undone() {
+        assert_eq!(percent_decoded("a%20b%2Fc"), "a b/c");
+        assert_eq!(percent_decoded("100%"), "100%");
+        assert_eq!(percent_decoded("%zz%4"), "%zz%4");
+        assert_eq!(percent_decoded("%ff"), "%ff");
+        assert_eq!(percent_decoded("%C3%A4"), "ä");
+        assert!(inside(&percent_decoded("%2e%2e/a")).is_err());
+    }
+
+    #[test]
+    fn a_file_is_read_once() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.bin"), [1, 2, 3]).unwrap();
+        let mut files = Folder::of(&folder.path().join("scene.gltf"));
+        let mut budget = Budget::new(0);
+        let first = files.fetch("a.bin", &mut budget).unwrap();
+        let second = files.fetch("./a.bin", &mut budget).unwrap();
+        assert!(Arc::ptr_eq(&first, &second) && **first == [1, 2, 3]);
+        assert!(files.fetch("b.bin", &mut budget).unwrap_err().to_string().contains("b.bin"));
+        assert!(files.fetch(".", &mut budget).is_err(), "a folder is no file");
+    }
+}

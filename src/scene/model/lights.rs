@@ -1,0 +1,97 @@
+//! Lights of a glTF file (KHR_lights_punctual).
+//!
+//! Enters: colours, lux and candela, and where their nodes are. Leaves: suns and lamps.
+//!
+//! A white matt surface sends back 1/π of the light that falls on it into each direction. So E lux make a radiance of
+//! E/π, and I candela one of I/π at 1 m; the unit of radiance is then lm/(sr·m²).
+
+use std::f64::consts::PI;
+
+use glam::{DMat4, DVec3};
+use gltf::khr_lights_punctual::Kind;
+
+use crate::error::{Error, Result};
+use crate::scene::raycast::{Cone, Lamp, Light, Sun};
+
+/// Most lights of a scene: each surface point asks for each of them whether it is in its shadow.
+const MAX_SUNS: usize = 64;
+const MAX_LAMPS: usize = 4096;
+
+/// A light on a node, along its −Z.
+#[derive(Debug, Clone, Copy)]
+pub struct NodeLight {
+    node: usize,
+    color: DVec3,
+    reach: f64,
+    kind: LightKind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum LightKind {
+    Sun,
+    Lamp,
+    Spot { cos_inner: f64, cos_outer: f64 },
+}
+
+/// The lights of all nodes that are shown.
+///
+/// # Errors
+/// When there are too many.
+pub fn read(document: &gltf::Document, shown: &[bool]) -> Result<Vec<NodeLight>> {
+    let mut all = Vec::new();
+    let mut counts = [0; 2];
+    for node in document.nodes().filter(|node| shown[node.index()]) {
+        let Some(light) = node.light() else { continue };
+        let kind = match light.kind() {
+            Kind::Directional => LightKind::Sun,
+            Kind::Point => LightKind::Lamp,
+            Kind::Spot { inner_cone_angle, outer_cone_angle } => spot(inner_cone_angle, outer_cone_angle),
+        };
+        let intensity = f64::from(light.intensity());
+        let color = DVec3::from_array(light.color().map(f64::from)) * intensity / PI;
+        let reach = light.range().map_or(f64::INFINITY, f64::from);
+        if !color.is_finite() || color.min_element() < 0.0 || reach.is_nan() || reach <= 0.0 {
+            return Err(Error::invalid(format!("light {} has a color, intensity or range below 0", light.index())));
+        }
+        counts[usize::from(kind != LightKind::Sun)] += 1;
+        if counts[0] > MAX_SUNS || counts[1] > MAX_LAMPS {
+            let message = format!("more than {MAX_SUNS} directional lights or {MAX_LAMPS} others in a scene");
+            return Err(Error::unsupported(message));
+        }
+        all.push(NodeLight { node: node.index(), color, reach, kind });
+    }
+    Ok(all)
+}
+
+fn spot(inner: f32, outer: f32) -> LightKind {
+    let angle = |value: f32| if value.is_finite() { f64::from(value).clamp(0.0, PI) } else { 0.0 };
+    let cos_outer = angle(outer).cos();
+    // An edge without width is as narrow as can be.
+    LightKind::Spot { cos_inner: angle(inner).cos().max(cos_outer + 1e-9), cos_outer }
+}
+
+/// All of them at one moment; a bright day where there are none. The sky is that of the day either way, as glTF has none.
+pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
+    let mut light = Light::default();
+    if !lights.is_empty() {
+        light.suns.clear();
+    }
+    for one in lights {
+        let matrix = &to_world[one.node];
+        let axis = (-matrix.z_axis.truncate()).try_normalize();
+        let position = matrix.w_axis.truncate();
+        match (one.kind, axis) {
+            (LightKind::Sun, Some(axis)) => light.suns.push(Sun { direction: -axis, radiance: one.color }),
+            (LightKind::Lamp, _) if position.is_finite() => {
+                light.lamps.push(Lamp { position, radiance: one.color, reach: one.reach, cone: None });
+            }
+            (LightKind::Spot { cos_inner, cos_outer }, Some(axis)) if position.is_finite() => {
+                let cone = Some(Cone { axis, cos_inner, cos_outer });
+                light.lamps.push(Lamp { position, radiance: one.color, reach: one.reach, cone });
+            }
+            // Scaled to nothing, it shines nowhere.
+            _ => {}
+        }
+    }
+    light
+}

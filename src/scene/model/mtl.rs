@@ -1,0 +1,192 @@
+//! MTL files: materials of OBJ files.
+//!
+//! Enters: the names of files, and materials as they are in them. Leaves: diffuse, a highlight, emission, mirror or glass.
+//!
+//! Ks and Ns are Phong's highlight without normalisation, whose peak is Ks; here it is weighted so that its peak stays.
+//! Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
+
+use std::io::BufReader;
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+
+use super::budget::Budget;
+use super::folder::Folder;
+use super::pictures;
+use crate::error::Result;
+use crate::scene::mesh::{MeshMaterial, Optics, Phong};
+use crate::scene::texture::{ImageTexture, Wrap};
+
+/// Alpha below this is a hole.
+const CUTOFF: f64 = 0.5;
+
+/// Where materials and their textures are read from.
+pub struct Library<'a> {
+    /// The folder of the OBJ file.
+    pub folder: &'a mut Folder,
+    /// What may still be asked for.
+    pub budget: &'a mut Budget,
+    /// Sentences about what is left out.
+    pub notes: &'a mut Vec<String>,
+}
+
+impl Library<'_> {
+    /// Reads the materials of a file. Where that fails there are none, and a note.
+    pub fn load(&mut self, name: &Path) -> tobj::MTLLoadResult {
+        let name = name.to_string_lossy();
+        let bytes = match self.folder.fetch(&name, self.budget) {
+            Ok(bytes) => bytes,
+            Err(error) => {
+                self.notes.push(format!("materials are left out: {error}"));
+                return Err(tobj::LoadError::OpenFileFailed);
+            }
+        };
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let loaded = tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes()));
+        if let Err(error) = &loaded {
+            self.notes.push(format!("materials are left out: {name} is damaged: {error}"));
+        }
+        loaded
+    }
+
+    /// A material as rays are shaded with.
+    pub fn convert(&mut self, material: &tobj::Material) -> MeshMaterial {
+        let color = |value: Option<[f32; 3]>| value.map(|value| DVec3::from_array(value.map(unit)));
+        let other = |name: &str| material.unknown_param.get(name).map(String::as_str);
+        let diffuse_map = material.diffuse_texture.as_deref().and_then(|name| self.picture(name));
+        let mask = material.dissolve_texture.as_deref().and_then(|name| self.picture(name));
+        let emissive_texture = other("map_Ke").and_then(|name| self.picture(name)).map(Arc::new);
+        let masked = mask.is_some();
+        let base_texture = match (diffuse_map, mask) {
+            (map, Some(mask)) => Some(Arc::new(with_alpha(map, &mask))),
+            (map, None) => map.map(Arc::new),
+        };
+        let transparency = other("Tr").and_then(|value| value.trim().parse::<f32>().ok()).map(|tr| 1.0 - tr);
+        let alpha = material.dissolve.or(transparency).map_or(1.0, unit);
+        let specular = color(material.specular).unwrap_or(DVec3::ZERO);
+        let ior = material.optical_density.map_or(1.0, f64::from);
+        let optics = match material.illumination_model {
+            Some(3 | 5) => Optics::Mirror { tint: if specular == DVec3::ZERO { DVec3::ONE } else { specular } },
+            Some(4 | 6 | 7 | 9) => Optics::Glass {
+                ior: if ior > 1.0 && ior < 100.0 { ior } else { 1.5 },
+                tint: other("Tf").and_then(three).unwrap_or(DVec3::ONE),
+            },
+            _ => Optics::Opaque,
+        };
+        let exponent = material.shininess.map_or(1.0, f64::from).clamp(1.0, 1e4);
+        let plain = optics == Optics::Opaque;
+        let weight = if material.illumination_model.is_some_and(|model| model < 2) || !plain {
+            DVec3::ZERO
+        } else {
+            specular * 2.0 / (exponent + 2.0)
+        };
+        let holes = plain && (masked || alpha < 1.0);
+        if plain && alpha < CUTOFF {
+            let name: String = material.name.chars().take(80).collect();
+            self.notes.push(format!("“{name}” is blended by its alpha {alpha}; below {CUTOFF} it is not seen here"));
+        }
+        // A map replaces what a file leaves out, and is multiplied with what it gives.
+        let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
+        let base_color = color(material.diffuse).unwrap_or(default);
+        MeshMaterial {
+            name: material.name.clone(),
+            base_color: if plain { base_color } else { DVec3::ZERO },
+            base_texture,
+            alpha_cutoff: holes.then_some(CUTOFF),
+            alpha,
+            emission: other("Ke").and_then(three).unwrap_or(if emissive_texture.is_some() {
+                DVec3::ONE
+            } else {
+                DVec3::ZERO
+            }),
+            emissive_texture,
+            phong: Phong { weight, exponent },
+            optics,
+            unlit: false,
+        }
+    }
+
+    fn picture(&mut self, statement: &str) -> Option<ImageTexture> {
+        let (name, wrap) = file_of(statement);
+        let read = |library: &mut Self| -> Result<ImageTexture> {
+            let bytes = library.folder.fetch(name, library.budget)?;
+            pictures::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
+        };
+        read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}"))).ok()
+    }
+}
+
+/// The name in a statement of a map, behind its options, and whether one of them clamps it.
+fn file_of(statement: &str) -> (&str, Wrap) {
+    let mut rest = statement.trim();
+    let mut wrap = Wrap::Repeat;
+    while rest.starts_with('-') {
+        let cut = |text: &mut &str| -> String {
+            let end = text.find(char::is_whitespace).unwrap_or(text.len());
+            let word = text[..end].to_string();
+            *text = text[end..].trim_start();
+            word
+        };
+        let option = cut(&mut rest);
+        match option.as_str() {
+            "-o" | "-s" | "-t" => {
+                for _ in 0..3 {
+                    let next = rest.split_whitespace().next().unwrap_or("");
+                    if next.parse::<f32>().is_err() {
+                        break;
+                    }
+                    cut(&mut rest);
+                }
+            }
+            "-mm" => {
+                cut(&mut rest);
+                cut(&mut rest);
+            }
+            "-clamp" => {
+                if cut(&mut rest) == "on" {
+                    wrap = Wrap::Clamp;
+                }
+            }
+            "-blendu" | "-blendv" | "-cc" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
+                cut(&mut rest);
+            }
+            _ => {}
+        }
+    }
+    (rest, wrap)
+}
+
+/// Three numbers, not below 0.
+fn three(text: &str) -> Option<DVec3> {
+    let numbers: Vec<f32> = text.split_whitespace().map_while(|word| word.parse().ok()).collect();
+    let value = match numbers[..] {
+        [r, g, b, ..] => [r, g, b],
+        [gray] => [gray; 3],
+        _ => return None,
+    };
+    let value = DVec3::from_array(value.map(f64::from));
+    value.is_finite().then(|| value.max(DVec3::ZERO))
+}
+
+/// The colours of one image with the alpha of another, whose brightness it is unless it has alpha itself.
+fn with_alpha(map: Option<ImageTexture>, mask: &ImageTexture) -> ImageTexture {
+    let own = mask.pixels.iter().any(|pixel| pixel[3] != 255);
+    let alpha = |pixel: [u8; 4]| if own { pixel[3] } else { pixel[1] };
+    let mut map = map.unwrap_or_else(|| ImageTexture { pixels: vec![[255; 4]; mask.pixels.len()], ..mask.clone() });
+    for y in 0..map.height {
+        for x in 0..map.width {
+            let at =
+                DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / DVec2::new(map.width.into(), map.height.into());
+            let place = (at * DVec2::new(mask.width.into(), mask.height.into())).floor().as_uvec2();
+            let pixel = mask.pixels[(place.y * mask.width + place.x) as usize];
+            map.pixels[(y * map.width + x) as usize][3] = alpha(pixel);
+        }
+    }
+    map
+}
+
+/// A factor of a file, which should lie in 0..=1.
+fn unit(value: f32) -> f64 {
+    if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
+}

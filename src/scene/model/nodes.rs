@@ -1,0 +1,164 @@
+//! The tree of nodes (glTF 2.0, section 3.5.3).
+//!
+//! Enters: the nodes of a document. Leaves: where each of them is, parents before children, however deep the tree.
+
+use glam::{DMat4, DQuat, DVec3};
+use gltf::Document;
+use gltf::scene::Transform;
+
+use crate::error::{Error, Result};
+
+/// Where a node is in its parent: scaled, then turned, then moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Moved by, metres.
+    pub translation: DVec3,
+    /// Turned by, length 1.
+    pub rotation: DQuat,
+    /// Scaled by.
+    pub scale: DVec3,
+}
+
+impl Pose {
+    /// The matrix.
+    pub fn matrix(&self) -> DMat4 {
+        DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
+    }
+}
+
+/// Where a node is in its parent, as its file has it.
+#[derive(Debug, Clone, Copy)]
+pub enum Local {
+    /// As a matrix, which may shear.
+    Matrix(DMat4),
+    /// In parts, which may be animated.
+    Pose(Pose),
+}
+
+impl Local {
+    /// The matrix.
+    pub fn matrix(&self) -> DMat4 {
+        match self {
+            Local::Matrix(matrix) => *matrix,
+            Local::Pose(pose) => pose.matrix(),
+        }
+    }
+
+    /// The parts; those of a matrix without its shear.
+    pub fn pose(&self) -> Pose {
+        match self {
+            Local::Pose(pose) => *pose,
+            Local::Matrix(matrix) => {
+                let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+                Pose { translation, rotation, scale }
+            }
+        }
+    }
+}
+
+/// All nodes of a document.
+#[derive(Debug)]
+pub struct Nodes {
+    parents: Vec<Option<usize>>,
+    /// All nodes, parents first.
+    order: Vec<usize>,
+    /// Where each node is in its parent.
+    pub locals: Vec<Local>,
+    /// Whether the node belongs to the scene that is shown.
+    pub shown: Vec<bool>,
+}
+
+impl Nodes {
+    /// The tree of a document; its default scene is shown, or the first one, or all nodes where there is none.
+    ///
+    /// # Errors
+    /// When a node has two parents, or is its own ancestor.
+    pub fn read(document: &Document) -> Result<Nodes> {
+        let count = document.nodes().len();
+        let mut parents: Vec<Option<usize>> = vec![None; count];
+        let mut children: Vec<Vec<usize>> = vec![Vec::new(); count];
+        let mut locals = Vec::with_capacity(count);
+        for node in document.nodes() {
+            locals.push(local(&node.transform()));
+            for child in node.children() {
+                let (parent, child) = (node.index(), child.index());
+                if let Some(other) = parents[child].replace(parent) {
+                    return Err(Error::invalid(format!(
+                        "node {child} is a child of node {other} and of node {parent}"
+                    )));
+                }
+                children[parent].push(child);
+            }
+        }
+        let roots = (0..count).filter(|&node| parents[node].is_none());
+        let order = below(roots, &children);
+        if order.len() < count {
+            let mut met = vec![false; count];
+            order.iter().for_each(|&node| met[node] = true);
+            let looped = met.iter().position(|met| !met).unwrap_or(0);
+            return Err(Error::invalid(format!("node {looped} is its own ancestor")));
+        }
+        let shown = match document.default_scene().or_else(|| document.scenes().next()) {
+            None => vec![true; count],
+            Some(scene) => {
+                let mut shown = vec![false; count];
+                let mut roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
+                roots.sort_unstable();
+                roots.dedup();
+                if let Some((root, parent)) = roots.iter().find_map(|&root| Some((root, parents[root]?))) {
+                    let message = format!("node {root} is a root of the scene, and a child of node {parent}");
+                    return Err(Error::invalid(message));
+                }
+                below(roots.into_iter(), &children).into_iter().for_each(|node| shown[node] = true);
+                shown
+            }
+        };
+        Ok(Nodes { parents, order, locals, shown })
+    }
+
+    /// From each node to the world, with these matrices from each node to its parent.
+    pub fn to_world(&self, locals: &[DMat4]) -> Vec<DMat4> {
+        let mut world = locals.to_vec();
+        for &node in &self.order {
+            if let Some(parent) = self.parents[node] {
+                world[node] = world[parent] * locals[node];
+            }
+        }
+        world
+    }
+
+    /// Marks what lies below marked nodes, too.
+    pub fn spread(&self, marked: &mut [bool]) {
+        for &node in &self.order {
+            marked[node] |= self.parents[node].is_some_and(|parent| marked[parent]);
+        }
+    }
+}
+
+/// The nodes and all their descendants, parents first. Each node has one parent at most, so it is met once.
+fn below(roots: impl Iterator<Item = usize>, children: &[Vec<usize>]) -> Vec<usize> {
+    let mut order: Vec<usize> = roots.collect();
+    let mut at = 0;
+    while at < order.len() {
+        order.extend_from_slice(&children[order[at]]);
+        at += 1;
+    }
+    order
+}
+
+fn local(transform: &Transform) -> Local {
+    match transform {
+        Transform::Matrix { matrix } => Local::Matrix(DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))),
+        Transform::Decomposed { translation, rotation, scale } => Local::Pose(Pose {
+            translation: DVec3::from_array(translation.map(f64::from)),
+            rotation: quaternion(rotation.map(f64::from)),
+            scale: DVec3::from_array(scale.map(f64::from)),
+        }),
+    }
+}
+
+/// A rotation of length 1; none, where the file's has no length.
+pub fn quaternion(xyzw: [f64; 4]) -> DQuat {
+    let length = xyzw.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if length.is_finite() && length > 0.0 { DQuat::from_array(xyzw.map(|part| part / length)) } else { DQuat::IDENTITY }
+}

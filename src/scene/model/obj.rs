@@ -1,0 +1,129 @@
+//! OBJ files.
+//!
+//! Enters: the text of a file and its folder. Leaves: a mesh.
+//!
+//! The text is made plain before it is parsed: lines that go on are joined, what is no surface is left out, and numbers
+//! of corners that no file can have are refused.
+
+use std::cell::RefCell;
+use std::io::BufReader;
+use std::path::Path;
+
+use glam::{DVec3, Vec2};
+
+use super::assembly::{Assembly, Channels, Part, Winding};
+use super::budget::Budget;
+use super::folder::Folder;
+use super::gltf::{CORNER_BYTES, TRIANGLE_BYTES};
+use super::mtl;
+use crate::error::{Error, Result};
+use crate::scene::mesh::{Mesh, MeshMaterial};
+
+/// Bytes that the parser takes for each byte of text, at most.
+const PARSED: u64 = 32;
+
+/// Reads a file.
+///
+/// # Errors
+/// When a line cannot be read, or a face has a corner that is not there.
+pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> {
+    let mut budget = Budget::new(bytes.len() as u64);
+    budget.take(bytes.len() as u64, PARSED, "the text")?;
+    let Plain { text, no_surface } = plain(bytes)?;
+    if no_surface > 0 {
+        notes.push(format!("{no_surface} points, lines or curves are left out: they have no surface"));
+    }
+    let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    let mut folder = Folder::of(path);
+    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes };
+    let library = RefCell::new(library);
+    let loaded =
+        tobj::load_obj_buf(&mut BufReader::new(text.as_slice()), &options, |name| library.borrow_mut().load(name));
+    let (models, materials) = loaded.map_err(|error| Error::invalid(format!("the OBJ file is damaged: {error}")))?;
+    let mut library = library.into_inner();
+    let mut paints = vec![MeshMaterial::default()];
+    paints.extend(materials.unwrap_or_default().iter().map(|material| library.convert(material)));
+    drop(text);
+
+    let count = |numbers: &[f32], size: usize| numbers.len() / size;
+    let aligned = |mesh: &tobj::Mesh, numbers: &[f32], size: usize| {
+        !numbers.is_empty() && count(numbers, size) == count(&mesh.positions, 3)
+    };
+    let channels = Channels {
+        normals: models.iter().any(|model| aligned(&model.mesh, &model.mesh.normals, 3)),
+        uvs: models.iter().any(|model| aligned(&model.mesh, &model.mesh.texcoords, 2)),
+    };
+    let mut assembly = Assembly::new(channels);
+    for tobj::Model { mesh, name } in &models {
+        budget.take(mesh.indices.len() as u64 / 3, TRIANGLE_BYTES, name)?;
+        budget.take(count(&mesh.positions, 3) as u64, CORNER_BYTES, name)?;
+        // Corners with and without a normal in one group: none of them counts, as which is whose is lost.
+        let normals = if aligned(mesh, &mesh.normals, 3) { mesh.normals.as_slice() } else { &[] };
+        let uvs = if aligned(mesh, &mesh.texcoords, 2) { mesh.texcoords.as_slice() } else { &[] };
+        let vectors = |numbers: &[f32]| -> Vec<DVec3> {
+            numbers.as_chunks::<3>().0.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
+        };
+        let material = mesh.material_id.map_or(0, |id| id + 1).min(paints.len() - 1);
+        // The first row of an image is the top one here, and the bottom one there.
+        let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect();
+        assembly.add(&Part {
+            positions: &vectors(&mesh.positions),
+            normals: &vectors(normals),
+            uvs: &uvs,
+            triangles: mesh.indices.as_chunks::<3>().0,
+            material: material as u32,
+            winding: Winding::Outward,
+        })?;
+    }
+    assembly.left_out.note(notes);
+    Ok(assembly.finish(paints.into()))
+}
+
+/// A text that the parser cannot stumble over.
+struct Plain {
+    text: Vec<u8>,
+    /// Elements without a surface.
+    no_surface: usize,
+}
+
+fn plain(bytes: &[u8]) -> Result<Plain> {
+    let mut text = Vec::with_capacity(bytes.len());
+    let mut no_surface = 0;
+    let mut joined = Vec::new();
+    for (number, line) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        if let Some(begun) = line.strip_suffix(b"\\") {
+            joined.extend_from_slice(begun);
+            joined.push(b' ');
+            continue;
+        }
+        joined.extend_from_slice(line);
+        let mut words = joined.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        match words.next() {
+            Some(b"v") => {
+                // Weights and colours of corners are not used.
+                text.push(b'v');
+                for word in words.take(3) {
+                    text.push(b' ');
+                    text.extend_from_slice(word);
+                }
+            }
+            Some(b"f") => {
+                let long = |word: &[u8]| word.split(|&byte| byte == b'/').any(|index| index.len() > 11);
+                if let Some(word) = words.find(|word| long(word)) {
+                    let word = String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned();
+                    return Err(Error::invalid(format!("line {number}: “{word}” is no corner of a face")));
+                }
+                text.extend_from_slice(&joined);
+            }
+            Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => no_surface += 1,
+            Some(b"vt" | b"vn" | b"o" | b"g" | b"usemtl" | b"mtllib") => {
+                text.extend_from_slice(String::from_utf8_lossy(&joined).as_bytes());
+            }
+            _ => {}
+        }
+        text.push(b'\n');
+        joined.clear();
+    }
+    Ok(Plain { text, no_surface })
+}

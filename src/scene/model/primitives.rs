@@ -1,0 +1,117 @@
+//! The triangles of a glTF mesh (glTF 2.0, sections 3.7.2 and 5.24).
+//!
+//! Enters: a primitive of a document. Leaves: its corners and triangles as they are before nodes move them.
+
+use glam::{Affine2, Vec2, Vec3};
+use gltf::Semantic;
+use gltf::mesh::Mode;
+
+use super::buffers::Buffers;
+use crate::error::{Error, Result};
+
+/// Triangles in the space of their node.
+#[derive(Debug, Default)]
+pub struct Geometry {
+    /// Corners.
+    pub positions: Vec<Vec3>,
+    /// A normal for each corner, or none at all.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates for each corner, or none at all.
+    pub uvs: Vec<Vec2>,
+    /// Corners of each triangle; all of them exist.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index of the material.
+    pub material: u32,
+}
+
+/// Which texture coordinates a material wants, and how they are moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinates {
+    /// Number of the set.
+    pub set: u32,
+    /// From the file's coordinates to the image's.
+    pub transform: Affine2,
+}
+
+/// Reads a primitive; `None` for points and lines.
+///
+/// # Errors
+/// When accessors are broken, of different length, or indices lead to corners that are not there.
+pub fn read(
+    primitive: &gltf::Primitive,
+    material: u32,
+    coordinates: Option<Coordinates>,
+    buffers: &mut Buffers,
+) -> Result<Option<Geometry>> {
+    let mode = primitive.mode();
+    if matches!(mode, Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip) {
+        return Ok(None);
+    }
+    let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::invalid("it has no positions"))?;
+    let positions: Vec<Vec3> = buffers.floats::<3>(accessor.index())?.into_iter().map(Vec3::from_array).collect();
+    let count = positions.len();
+    let mut normals = Vec::new();
+    if let Some(accessor) = primitive.get(&Semantic::Normals) {
+        normals = buffers.floats::<3>(accessor.index())?.into_iter().map(Vec3::from_array).collect();
+        same(count, normals.len(), "normals")?;
+    }
+    let mut uvs = Vec::new();
+    if let Some(Coordinates { set, transform }) = coordinates
+        && let Some(accessor) = primitive.get(&Semantic::TexCoords(set))
+    {
+        let read = buffers.floats::<2>(accessor.index())?;
+        uvs = read.into_iter().map(|uv| transform.transform_point2(Vec2::from_array(uv))).collect();
+        same(count, uvs.len(), "texture coordinates")?;
+    }
+    let order: Option<Vec<u32>> = match primitive.indices() {
+        Some(accessor) => Some(buffers.integers::<1>(accessor.index())?.into_iter().flatten().collect()),
+        None => None,
+    };
+    let most = order.as_ref().and_then(|order| order.iter().max());
+    if let Some(most) = most.filter(|&&most| most as usize >= count) {
+        return Err(Error::invalid(format!("a triangle has corner {most}, where there are {count} corners")));
+    }
+    let corners = order.as_ref().map_or(count, Vec::len);
+    buffers.budget.take(corners as u64, 12, "triangles")?;
+    let corner = |at: usize| order.as_ref().map_or(at as u32, |order| order[at]);
+    let triangles = triangles(mode, corners).map(|triangle| triangle.map(corner)).collect();
+    Ok(Some(Geometry { positions, normals, uvs, triangles, material }))
+}
+
+/// Which of so many corners, in their order, make triangles.
+fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>> {
+    let last = corners.saturating_sub(2);
+    match mode {
+        // Every other triangle of a strip is turned, so that all have the same side outside.
+        Mode::TriangleStrip => Box::new((0..last).map(|at| [at, at + 1 + at % 2, at + 2 - at % 2])),
+        Mode::TriangleFan => Box::new((0..last).map(|at| [at + 1, at + 2, 0])),
+        _ => Box::new((0..corners / 3).map(|at| [3 * at, 3 * at + 1, 3 * at + 2])),
+    }
+}
+
+/// # Errors
+/// When there are not as many as positions.
+pub fn same(positions: usize, others: usize, what: &str) -> Result<()> {
+    if positions == others {
+        return Ok(());
+    }
+    Err(Error::invalid(format!("{others} {what} for {positions} positions")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_keep_their_side() {
+        let all = |mode: Mode, corners: usize| triangles(mode, corners).collect::<Vec<_>>();
+        assert_eq!(all(Mode::TriangleStrip, 5), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        assert_eq!(all(Mode::TriangleFan, 5), [[1, 2, 0], [2, 3, 0], [3, 4, 0]]);
+        assert_eq!(all(Mode::Triangles, 7), [[0, 1, 2], [3, 4, 5]]);
+        for mode in [Mode::TriangleStrip, Mode::TriangleFan, Mode::Triangles] {
+            for corners in 0..3 {
+                assert!(all(mode, corners).is_empty());
+            }
+        }
+    }
+}

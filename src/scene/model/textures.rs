@@ -1,0 +1,86 @@
+//! Textures of a glTF file (glTF 2.0, section 3.8).
+//!
+//! Enters: references to textures. Leaves: decoded images, each of them once, or a note about what is wrong with one.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{Affine2, Vec2};
+use gltf::texture::{Info, Texture, WrappingMode};
+
+use super::buffers::Buffers;
+use super::pictures;
+use super::primitives::Coordinates;
+use crate::error::{Error, Result};
+use crate::scene::texture::{ImageTexture, Wrap};
+
+/// Decoded images; `None` for those that cannot be read.
+#[derive(Debug, Default)]
+pub struct Textures {
+    images: BTreeMap<(usize, [Wrap; 2]), Option<Arc<ImageTexture>>>,
+    /// A sentence for each image that cannot be read.
+    pub notes: Vec<String>,
+}
+
+impl Textures {
+    /// The image of a texture.
+    pub fn get(&mut self, texture: &Texture, buffers: &mut Buffers) -> Option<Arc<ImageTexture>> {
+        let image = texture.source().index();
+        let sampler = texture.sampler();
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+            WrappingMode::Repeat => Wrap::Repeat,
+        });
+        if let Some(known) = self.images.get(&(image, wrap)) {
+            return known.clone();
+        }
+        let other = self.images.range((image, [Wrap::Repeat; 2])..=(image, [Wrap::Clamp; 2])).next();
+        let read = match other.map(|(_, known)| known.clone()) {
+            // Wrapped otherwise it is known already, or known to be broken.
+            Some(None) => None,
+            Some(Some(known)) => {
+                let size = known.pixels.len() as u64;
+                let taken = buffers.budget.take(size, 4, format_args!("image {image}"));
+                self.noted(image, taken.map(|()| Arc::new(ImageTexture { wrap, ..(*known).clone() })))
+            }
+            None => self.noted(image, read(texture, wrap, buffers).map(Arc::new)),
+        };
+        self.images.insert((image, wrap), read.clone());
+        read
+    }
+
+    fn noted(&mut self, image: usize, read: Result<Arc<ImageTexture>>) -> Option<Arc<ImageTexture>> {
+        read.map_err(|error| self.notes.push(format!("image {image} is left out: {error}"))).ok()
+    }
+}
+
+fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<ImageTexture> {
+    let image = buffers.image(texture.source().index()).ok_or_else(|| Error::invalid("it is not there"))?;
+    match (image.buffer_view, &image.uri) {
+        (Some(view), _) => {
+            let (bytes, range) = buffers.view(view.value())?;
+            pictures::decode(&bytes[range], wrap, &mut buffers.budget)
+        }
+        (None, Some(uri)) => {
+            let bytes = buffers.fetch(uri)?;
+            let shown = if uri.starts_with("data:") { "data in a URI" } else { uri };
+            pictures::decode(&bytes, wrap, &mut buffers.budget).map_err(|error| error.context(shown))
+        }
+        (None, None) => Err(Error::invalid("it has neither a URI nor a buffer view")),
+    }
+}
+
+/// Which coordinates a texture is looked up at, with its KHR_texture_transform: scaled, then turned, then moved.
+pub fn coordinates(info: &Info) -> Coordinates {
+    let Some(moved) = info.texture_transform() else {
+        return Coordinates { set: info.tex_coord(), transform: Affine2::IDENTITY };
+    };
+    // Counter-clockwise as one sees it, where v grows downwards.
+    let transform = Affine2::from_scale_angle_translation(
+        Vec2::from_array(moved.scale()),
+        -moved.rotation(),
+        Vec2::from_array(moved.offset()),
+    );
+    Coordinates { set: moved.tex_coord().unwrap_or(info.tex_coord()), transform }
+}
