@@ -12,7 +12,7 @@ use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{DepthKind, Manifest};
 use lightfold::image::{Face, ReadLimits, exr};
 use lightfold::monitor::Silent;
-use lightfold::scene::{DemoKind, FootagePlan};
+use lightfold::scene::{DemoKind, DemoScene, FootagePlan};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
@@ -178,6 +178,32 @@ fn panoramas_and_viewers_are_captured_too() {
         assert!(found == expected || (found / expected - 1.0).abs() < 1e-5, "{col} {row}: {found} {expected}");
     }
     fine("encode view -o view.lfold", place.path());
+}
+
+#[test]
+fn mirrors_and_glass_are_in_the_material() {
+    let place = place();
+    let (at, _) = DemoScene::new(DemoKind::Mirrors).probe_region();
+    let line = format!("capture mirrors --position {},{},{} --frames 0-1 --size 48 --aov material", at.x, at.y, at.z);
+    fine(&format!("{line} --samples 1 -o cap"), place.path());
+    let (mut mirror, mut glass, mut opaque) = (0, 0, 0);
+    for face in Face::CUBE {
+        let path = place.path().join(format!("cap/probe_00/face_{}/material.0000.exr", face.name()));
+        let plane = exr::read_material(&path, ["reflect", "refract", "ior"], &ReadLimits::default()).unwrap();
+        for &[reflect, refract, ior] in plane.data() {
+            match (reflect, refract, ior) {
+                (1.0, 0.0, 1.0) => mirror += 1,
+                (0.0, 0.0, 1.0) => opaque += 1,
+                _ => {
+                    // Halves: what they add up to is one to their last digit.
+                    assert!((reflect + refract - 1.0).abs() < 1e-3 && ior > 1.2, "{reflect} {refract} {ior}");
+                    glass += 1;
+                }
+            }
+        }
+    }
+    assert!(mirror > 50 && glass > 50 && opaque > 1000, "{mirror} {glass} {opaque}");
+    fine("encode cap -o cap.lfold", place.path());
 }
 
 /// What `-` reads is what a file says.
