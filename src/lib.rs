@@ -21,6 +21,7 @@ pub mod memory;
 pub mod metrics;
 pub mod monitor;
 pub mod ordered;
+pub mod placement;
 pub mod reconstruct;
 pub mod report;
 pub mod scene;

@@ -17,6 +17,7 @@ pub mod man;
 pub mod options;
 pub mod output;
 pub mod pack;
+pub mod place;
 pub mod progress;
 pub mod quadtree;
 pub mod selftest;
@@ -67,6 +68,8 @@ pub struct Cli {
 pub enum Command {
     /// Capture, encode, decode and compare a built-in scene
     Demo(demo::Args),
+    /// Find where cameras see a scene best, one after the other
+    Place(place::Args),
     /// Capture a scene from probes or cameras: a dataset of colour, depth, normals and materials
     Capture(capture::Args),
     /// Encode a dataset: all its streams into one container
@@ -140,6 +143,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
     let global = &cli.global;
     match cli.command {
         Command::Demo(args) => demo::run(&args, global),
+        Command::Place(args) => place::run(&args, global),
         Command::Capture(args) => capture::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),

@@ -84,11 +84,7 @@ pub struct EffortArgs {
 impl EffortArgs {
     /// The effort.
     pub fn get(self) -> Effort {
-        match self.effort {
-            EffortArg::Fast => Effort::Fast,
-            EffortArg::Normal => Effort::Normal,
-            EffortArg::Exhaustive => Effort::Exhaustive,
-        }
+        self.effort.into()
     }
 
     /// Puts the option where the encoder reads it; after those of depth and colour.
@@ -107,6 +103,16 @@ pub enum EffortArg {
     Normal,
     /// Everything is tried: the reference, slow
     Exhaustive,
+}
+
+impl From<EffortArg> for Effort {
+    fn from(effort: EffortArg) -> Effort {
+        match effort {
+            EffortArg::Fast => Effort::Fast,
+            EffortArg::Normal => Effort::Normal,
+            EffortArg::Exhaustive => Effort::Exhaustive,
+        }
+    }
 }
 
 /// Where a container is written, how its chunks are stored, and how that is reported.

@@ -3,6 +3,7 @@
 pub mod anatomy;
 pub mod csv;
 pub mod machine;
+pub mod placement;
 pub mod plot;
 pub mod table;
 pub mod tradeoff;

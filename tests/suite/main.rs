@@ -21,6 +21,7 @@ mod inspect;
 mod interrupted;
 mod keep_going;
 mod memory;
+mod place;
 mod properties;
 mod quadtree;
 mod quality;

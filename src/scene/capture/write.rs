@@ -305,7 +305,7 @@ mod tests {
         assert_eq!(whole.len(), 73);
         assert_eq!(
             first.bytes,
-            whole.iter().filter(|(path, _)| path.extension().unwrap() == "exr").map(|f| f.1.len() as u64).sum()
+            whole.iter().filter(|(path, _)| path.extension().unwrap() == "exr").map(|f| f.1.len() as u64).sum::<u64>()
         );
         let image = |name: &str| folder.path().join("probe_00/face_nx").join(name);
         // Missing, cut short, of another size, no image at all.

@@ -1,0 +1,329 @@
+//! `lightfold place SCENE --region BOX -o cameras.json`: where cameras are to stand.
+
+mod report;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::ValueEnum;
+use glam::DVec3;
+
+use crate::cli::options::{self, EffortArg};
+use crate::cli::output::{self, OutputFile, OutputFolder};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::cameras::{CameraSet, PlacedCamera};
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::image::sequence::FrameRange;
+use crate::placement::search::{self, DEFAULT_UNTIL, Extent};
+use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Settings, Stop};
+use crate::report::placement as figures;
+use crate::report::plot::save;
+use crate::scene::Scene;
+
+use report::Report;
+
+/// Frames a second where nobody says.
+const DEFAULT_FPS: f64 = 24.0;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:\n  \
+    lightfold place courtyard --region=-0.5,1.2,-0.5,0.5,1.8,0.5 -o cameras.json\n  \
+    lightfold place dragon.glb --region=-2,-2,-2,2,2,2 --cameras 8 -o cameras.json --json\n  \
+    lightfold place room.glb --region walk.obj --lighting specular --theta 30 --until 0.005 -o cameras.json\n  \
+    lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv coverage.csv -o cameras.json\n  \
+    lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n\n\
+    Cameras are placed one after the other, each where it adds most to what is seen and not seen well already. Within the \
+    viewer distance, which is that of a surface from the region and at least --min-distance, a camera sees as well as any \
+    viewer; with each metre beyond, it is worth less by the factor exp(-K). Candidates lie in the region, outside of solids.\n\n\
+    Coverage is, for diffuse surfaces, the part of all surface that cameras see; for specular ones, the part of all directions \
+    above the surface that are less than --theta degrees from a camera that sees it. 'Reachable' is what all candidates \
+    together cover: the rest is hidden from everywhere in the region. 'Within' counts only what is seen from within the viewer \
+    distance, 'weighted' counts the rest at its reduced worth, as in figure 3 of the paper.")]
+pub struct Args {
+    /// The scene: a glTF, GLB or OBJ file, or the name of a built-in one, such as courtyard
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Where viewers may be: x0,y0,z0,x1,y1,z1 (two corners, metres), sphere:x,y,z,r, or a file with a closed mesh. May be
+    /// given more than once, for the union
+    #[arg(long, value_name = "BOX|MESH", required = true, allow_hyphen_values = true)]
+    pub region: Vec<String>,
+    /// The file of cameras to write, - for standard output
+    #[arg(long, short, value_name = "CAMERAS.json")]
+    pub output: PathBuf,
+    /// Place so many cameras; fewer only where no further one adds anything
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    pub cameras: Option<u32>,
+    /// Stop where the next camera adds no more than this part of the surface, such as 0.005 or 0.5% [default: 0.1%, or 0 with
+    /// --cameras]
+    #[arg(long, value_name = "GAIN", value_parser = options::parse_share)]
+    pub until: Option<f64>,
+    /// Go on behind the cameras of this file (or a lightfield.json): they count, and are written first; --cameras 0 only
+    /// measures them
+    #[arg(long, value_name = "CAMERAS.json")]
+    pub start: Option<PathBuf>,
+    /// Whether surfaces look alike from everywhere, or each side has to be seen
+    #[arg(long, value_enum, default_value_t = LightingArg::Diffuse)]
+    pub lighting: LightingArg,
+    /// With specular lighting: cameras less than so many degrees apart, seen from a surface, see the same there [default: 50]
+    #[arg(long, value_name = "DEGREES", value_parser = parse_theta)]
+    pub theta: Option<f64>,
+    /// The least distance in metres that a viewer has from a surface [default: 5% of the region's diagonal]
+    #[arg(long, value_name = "Z", value_parser = parse_not_negative)]
+    pub min_distance: Option<f64>,
+    /// How much less a camera is worth with each metre beyond the viewer distance, exp(-K) [default: 4 divided by the region's
+    /// diagonal]
+    #[arg(long, value_name = "K", value_parser = parse_not_negative)]
+    pub k: Option<f64>,
+    /// The frames that the cameras are to serve, such as 0-95 [default: all of the animation]
+    #[arg(long, value_name = "A-B", value_parser = options::parse_frames)]
+    pub frames: Option<FrameRange>,
+    /// Frames a second [default: 24]
+    #[arg(long, value_name = "N", value_parser = parse_positive)]
+    pub fps: Option<f64>,
+    /// How hard to look: 256 candidates and 2048 points on surfaces, 1024 and 8192, or 4096 and 32768 with the plain search;
+    /// of an animation, up to 4, 16 or 64 frames
+    #[arg(long, value_enum, default_value_t = EffortArg::Normal)]
+    pub effort: EffortArg,
+    /// Candidates [default: as --effort says]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub candidates: Option<u32>,
+    /// Points on surfaces, over all frames that are looked at [default: as --effort says]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub surface_samples: Option<u32>,
+    /// Candidates on a uniform grid and nowhere else, as in the paper
+    #[arg(long)]
+    pub grid: bool,
+    /// Folder for charts: coverage by camera within and beyond the viewer distance, and how both kinds of lighting converge
+    #[arg(long, value_name = "DIR")]
+    pub plot: Option<PathBuf>,
+    /// File for coverage by camera, of both kinds of lighting on the same candidates
+    #[arg(long, value_name = "FILE.csv")]
+    pub csv: Option<PathBuf>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `--lighting`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LightingArg {
+    /// Surfaces look alike from everywhere: one camera is enough for each
+    Diffuse,
+    /// Surfaces mirror or shine: they are to be seen from each side
+    Specular,
+}
+
+/// θ where nobody says, as in the paper's figure 4.
+const DEFAULT_THETA_DEG: f64 = 50.0;
+
+fn number(text: &str) -> Result<f64, String> {
+    let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| format!("'{text}' is no number"))
+}
+
+fn parse_theta(text: &str) -> Result<f64, String> {
+    let degrees = number(text)?;
+    if (0.0..=180.0).contains(&degrees) {
+        Ok(degrees)
+    } else {
+        Err(format!("'{text}': 0 to 180 degrees were expected"))
+    }
+}
+
+fn parse_not_negative(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value >= 0.0 { Ok(value) } else { Err(format!("'{text}': 0 or more was expected")) }
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    let value = number(text)?;
+    if value > 0.0 { Ok(value) } else { Err(format!("'{text}': more than 0 was expected")) }
+}
+
+impl Args {
+    fn lighting(&self) -> Lighting {
+        match self.lighting {
+            LightingArg::Diffuse => Lighting::Diffuse,
+            LightingArg::Specular => Lighting::Specular { theta_deg: self.theta.unwrap_or(DEFAULT_THETA_DEG) },
+        }
+    }
+
+    /// The lighting that is not asked for, for comparison.
+    fn other_lighting(&self) -> Lighting {
+        match self.lighting {
+            LightingArg::Diffuse => Lighting::Specular { theta_deg: DEFAULT_THETA_DEG },
+            LightingArg::Specular => Lighting::Diffuse,
+        }
+    }
+
+    fn effort(&self) -> Effort {
+        self.effort.into()
+    }
+
+    fn settings(&self) -> Settings {
+        Settings {
+            rate_per_m: self.k,
+            min_distance_m: self.min_distance,
+            effort: self.effort(),
+            kind: if self.grid { CandidateKind::Grid } else { CandidateKind::Refined },
+            candidates: self.candidates.map(|count| count as usize),
+            surface_samples: self.surface_samples.map(|count| count as usize),
+        }
+    }
+
+    fn stop(&self) -> Stop {
+        let until = self.until.unwrap_or(if self.cameras.is_some() { 0.0 } else { DEFAULT_UNTIL });
+        Stop { cameras: self.cameras.map(|count| count as usize), until }
+    }
+
+    /// Refuses what makes no sense together.
+    fn check(&self) -> Result<()> {
+        let wrong = |text: &str| Err(Error::Usage(text.into()));
+        if self.json && self.output == Path::new("-") {
+            return wrong("--json and -o - would both write to standard output; name a file");
+        }
+        if self.theta.is_some() && self.lighting == LightingArg::Diffuse {
+            return wrong("--theta means nothing for diffuse surfaces; add --lighting specular");
+        }
+        if self.lighting() == (Lighting::Specular { theta_deg: 0.0 })
+            && (self.cameras.is_none() || self.until.is_some())
+        {
+            return wrong(
+                "with --theta 0 no camera is ever redundant, and gains do not shrink; say how many by --cameras alone",
+            );
+        }
+        if self.cameras == Some(0) && self.start.is_none() {
+            return wrong("--cameras 0 measures the cameras of a file; name it by --start");
+        }
+        Ok(())
+    }
+
+    /// All frames that cameras serve.
+    fn frames(&self, scene: &Scene) -> [u32; 2] {
+        let fps = self.fps.unwrap_or(DEFAULT_FPS);
+        match self.frames {
+            Some(range) => [range.first, range.last],
+            // The cast saturates, and a scene that stands still has one frame.
+            None => [0, ((scene.duration_s() * fps).round() as u32).saturating_sub(1)],
+        }
+    }
+}
+
+/// Places cameras.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    args.check()?;
+    let begun = Instant::now();
+    let region = Region::parse(&args.region)?;
+    let start = args.start.as_deref().map(CameraSet::read).transpose()?;
+    let (scene, notes) = Scene::open(&args.scene)?;
+    if !global.quiet {
+        notes.iter().for_each(output::note);
+    }
+    let settings = args.settings();
+    let range = args.frames(&scene);
+    // What stands still is looked at once.
+    let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
+    let frames = search::spread_frames(range, most);
+    let moments = search::moments(&scene, &frames, args.fps.unwrap_or(DEFAULT_FPS));
+    let progress = Progress::start(global, "looking from candidates", settings.steps())?;
+    let search = Search::new(moments, &region, &settings, &progress)?;
+    drop(progress);
+    let mut positions = Vec::new();
+    if let Some(set) = &start {
+        positions.extend(set.cameras.iter().map(|camera| DVec3::from(camera.position)));
+        if !global.quiet {
+            let names = (0..positions.len()).filter(|&at| !search.admits(positions[at])).map(|at| set.name_of(at));
+            for name in names {
+                output::note(format_args!("camera {name} is not in the open part of the region; it counts as it is"));
+            }
+        }
+    }
+    let progress = Progress::start(global, "placing", u64::from(args.cameras.unwrap_or(0)))?;
+    let placement = search.place(args.lighting(), &positions, args.stop(), &progress)?;
+    if placement.cameras.is_empty() {
+        return Err(Error::Usage(
+            "no camera in the region adds anything: nothing can be seen from there, or --until is too large".into(),
+        ));
+    }
+    let comparison = match args.plot.is_some() || args.csv.is_some() {
+        true => Some(search.place(args.other_lighting(), &positions, args.stop(), &progress)?),
+        false => None,
+    };
+    drop(progress);
+    let seconds = begun.elapsed().as_secs_f64();
+    let set = camera_set(args, start, &placement, &search)?;
+    let report = Report { args, search: &search, placement: &placement, comparison, set: &set, range, frames, seconds };
+    let files = write(&report)?;
+    if args.json {
+        output::print_json(&report.json(&files))?;
+    } else if !global.quiet {
+        let text = report.text(&files);
+        if args.output == Path::new("-") { output::note(text.trim_end()) } else { output::print_text(&text)? }
+    }
+    Ok(Outcome::Fine)
+}
+
+/// The file of cameras: those of `--start` as they are, the new ones behind them.
+fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> Result<CameraSet> {
+    let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
+    let has_names = cameras.iter().any(|camera| camera.name.is_some());
+    let mut taken: Vec<String> =
+        start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
+    for (at, placed) in placement.cameras.iter().enumerate().skip(placement.started) {
+        let mut camera = PlacedCamera::at(placed.position.to_array());
+        camera.gain = Some(placed.gain);
+        camera.coverage = Some(placed.figures.coverage);
+        if has_names {
+            // Numbers that no camera has as its name.
+            let free = (at..).map(|number| format!("{number:02}")).find(|name| !taken.contains(name));
+            taken.extend(free.clone());
+            camera.name = free;
+        }
+        cameras.push(camera);
+    }
+    let mut set = CameraSet::new(cameras);
+    set.extra = Some(serde_json::json!({
+        "placed_for": {
+            "scene": args.scene,
+            "region": args.region,
+            "lighting": placement.lighting.name(),
+            "theta_deg": report::theta_deg(placement.lighting),
+            "k_per_m": search.problem().rate_per_m(),
+            "min_distance_m": search.min_distance_m(),
+            "effort": format!("{:?}", args.effort()).to_lowercase(),
+            "candidates": search.views().len(),
+            "surface_samples": search.surface_samples(),
+        }
+    }));
+    Ok(set)
+}
+
+/// Writes the cameras last, when all else is written; answers the names of all files.
+fn write(report: &Report<'_>) -> Result<Vec<PathBuf>> {
+    let args = report.args;
+    let mut files = Vec::new();
+    if let Some(folder) = &args.plot {
+        let out = OutputFolder::create(folder)?;
+        for figure in figures::all(&report.curves()) {
+            let written = save(&figure.drawing, out.work_path(), figure.name).map_err(|error| out.present(error))?;
+            files.extend(written.iter().filter_map(|path| Some(folder.join(path.file_name()?))));
+        }
+        out.commit()?;
+    }
+    if let Some(path) = &args.csv {
+        put(path, &report.csv()?)?;
+        files.push(path.clone());
+    }
+    put(&args.output, &report.set.to_json()?)?;
+    files.push(args.output.clone());
+    Ok(files)
+}
+
+fn put(path: &Path, text: &str) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
+    file.commit()
+}

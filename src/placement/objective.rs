@@ -1,0 +1,299 @@
+//! What a camera is worth (CALF 4, equations 2, 3, 4, 6 and 7).
+//!
+//! Enters: facets of surfaces, and which of them each position sees. Leaves: the gain of a camera, given others.
+//!
+//! With `d = |x O|`, `Z` the viewer distance of x and `k` the rate of decay, a camera at O is suited to see x by
+//! `I_suit = V · exp(−k · max(d − Z, 0))` (2). What it adds there is `I_cov = max(I_suit(O) − max_i I_suit(C_i), 0)` (3), and
+//! what it adds at all is the sum of it over facets by area (4).
+//!
+//! **Equation 6**, for surfaces that look different from each side, is printed as `I(θ ≥ ∠(xO, xC_i)) · I_cov`: a new camera
+//! would count only *near* an old one. Its prose wants a least angle between views. Here a camera covers x for another one if the
+//! angle between them, seen from x, is less than θ:
+//! `I'_cov = max(I_suit(O) − max over i with ∠ < θ of I_suit(C_i), 0)`. With θ = 180° all cameras count, as for diffuse
+//! surfaces; with θ = 0° none does, and nothing is ever redundant.
+//!
+//! **Equation 7**, for scenes that move, multiplies `I_suit · I_cov` under the integral over time. `I_cov` has `I_suit` in it
+//! already: a still scene would be judged by another measure than (4), and what is seen from afar would be punished twice.
+//! Here (7) is the integral of (4) over time: facets of several frames, each with its part of the time.
+//!
+//! A gain never grows when cameras are added: in each term the maximum is then taken over more of them. Terms are added in a
+//! fixed order and rounding is monotone, so that this is so for the computed numbers, too; [`super::greedy`] relies on it.
+
+use glam::DVec3;
+
+/// Facets whose distances [`Problem::bound`] takes together.
+const GROUP: usize = 8;
+/// More than rounding can make a sum of computed gains too large, relative to it.
+const ROUNDING: f64 = 1e-9;
+
+/// One side of a surface around a point, at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Facet {
+    /// Where, metres.
+    pub point: DVec3,
+    /// To the side that is meant, length 1.
+    pub normal: DVec3,
+    /// Its part of all area and time; those of all facets come to 1.
+    pub weight: f64,
+    /// Z: metres within which it is seen as well as any viewer sees it.
+    pub viewer_distance_m: f64,
+}
+
+/// What light does at surfaces, as far as cameras must know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lighting {
+    /// A point looks alike from everywhere: one camera will do (CALF 4.1).
+    Diffuse,
+    /// It looks different from each side (CALF 4.2).
+    Specular {
+        /// θ: cameras less than so many degrees apart, seen from a point, see the same there; 0..=180.
+        theta_deg: f64,
+    },
+}
+
+impl Lighting {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Lighting::Diffuse => "diffuse",
+            Lighting::Specular { .. } => "specular",
+        }
+    }
+
+    /// The cosine above which two directions from a point are near each other; beyond all cosines at both ends of the range of θ,
+    /// where rounding must not decide.
+    pub(super) fn near_cosine(self) -> f64 {
+        match self {
+            Lighting::Specular { theta_deg } if theta_deg <= 0.0 => f64::INFINITY,
+            Lighting::Specular { theta_deg } if theta_deg < 180.0 => theta_deg.to_radians().cos(),
+            _ => f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// Which facets a position sees: one bit for each, the first the lowest of the first word.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Where, metres.
+    pub position: DVec3,
+    /// The bits; those beyond the last facet are 0.
+    pub seen: Vec<u64>,
+}
+
+impl View {
+    /// Indices of the facets that it sees, in order.
+    pub fn facets(&self) -> impl Iterator<Item = usize> + '_ {
+        self.seen.iter().enumerate().flat_map(|(at, &word)| {
+            let mut left = word;
+            std::iter::from_fn(move || {
+                let bit = left.trailing_zeros() as usize;
+                (left != 0).then(|| {
+                    left &= left - 1;
+                    64 * at + bit
+                })
+            })
+        })
+    }
+}
+
+/// All facets, and how their importance fades with distance.
+#[derive(Debug, Clone)]
+pub struct Problem {
+    facets: Vec<Facet>,
+    rate_per_m: f64,
+    groups: Vec<Group>,
+}
+
+/// What is known of [`GROUP`] facets that follow each other.
+#[derive(Debug, Clone)]
+struct Group {
+    min: DVec3,
+    max: DVec3,
+    viewer_distance_m: f64,
+    weight: f64,
+}
+
+impl Problem {
+    /// Facets, and k: by how much a camera is less suited with each metre beyond the viewer distance, 0 or more.
+    pub fn new(facets: Vec<Facet>, rate_per_m: f64) -> Problem {
+        let group = |facets: &[Facet]| Group {
+            min: facets.iter().fold(DVec3::INFINITY, |min, facet| min.min(facet.point)),
+            max: facets.iter().fold(DVec3::NEG_INFINITY, |max, facet| max.max(facet.point)),
+            viewer_distance_m: facets.iter().map(|facet| facet.viewer_distance_m).fold(0.0, f64::max),
+            weight: facets.iter().map(|facet| facet.weight).fold(0.0, f64::max),
+        };
+        let groups = facets.chunks(GROUP).map(group).collect();
+        Problem { facets, rate_per_m, groups }
+    }
+
+    /// The facets.
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// k, per metre.
+    pub fn rate_per_m(&self) -> f64 {
+        self.rate_per_m
+    }
+
+    /// `I_suit` (2) of a camera for a facet that it sees: 1 within the viewer distance, less beyond it.
+    pub fn suitability(&self, camera: DVec3, facet: usize) -> f64 {
+        let facet = &self.facets[facet];
+        self.decay(camera.distance(facet.point) - facet.viewer_distance_m)
+    }
+
+    fn decay(&self, beyond_m: f64) -> f64 {
+        (-self.rate_per_m * beyond_m.max(0.0)).exp()
+    }
+
+    /// At least the gain of a view, whatever cameras there are: for groups of facets, the number that is seen times what the
+    /// nearest could be worth. It costs a tenth of the gain itself.
+    pub fn bound(&self, view: &View) -> f64 {
+        let mut sum = 0.0;
+        for (at, group) in self.groups.iter().enumerate() {
+            let byte = (view.seen[at * GROUP / 64] >> (at * GROUP % 64)) as u8;
+            if byte != 0 {
+                let off = (group.min - view.position).max(view.position - group.max).max(DVec3::ZERO).length();
+                sum += f64::from(byte.count_ones()) * group.weight * self.decay(off - group.viewer_distance_m);
+            }
+        }
+        sum * (1.0 + ROUNDING)
+    }
+}
+
+/// What cameras so far cover.
+#[derive(Debug, Clone)]
+pub struct State<'a> {
+    problem: &'a Problem,
+    near_cosine: f64,
+    /// Of each facet, the largest suitability of any camera: all that diffuse surfaces ask for.
+    best: Vec<f64>,
+    /// Of each facet, direction and suitability of the cameras that see it; empty for diffuse surfaces.
+    around: Vec<Vec<(DVec3, f64)>>,
+    cameras: Vec<DVec3>,
+}
+
+impl<'a> State<'a> {
+    /// No cameras.
+    pub fn new(problem: &'a Problem, lighting: Lighting) -> State<'a> {
+        let count = problem.facets.len();
+        let around = if lighting == Lighting::Diffuse { Vec::new() } else { vec![Vec::new(); count] };
+        State { problem, near_cosine: lighting.near_cosine(), best: vec![0.0; count], around, cameras: Vec::new() }
+    }
+
+    /// The facets.
+    pub fn problem(&self) -> &'a Problem {
+        self.problem
+    }
+
+    /// Where the cameras are, metres.
+    pub fn cameras(&self) -> &[DVec3] {
+        &self.cameras
+    }
+
+    /// The sum of the best suitabilities by area: what (4) comes to over all cameras of a diffuse scene.
+    pub fn weighted(&self) -> f64 {
+        self.problem.facets.iter().zip(&self.best).map(|(facet, best)| facet.weight * best).sum()
+    }
+
+    /// f (4) of a further camera, as a part of all area and time. Nothing where a camera stands already.
+    pub fn gain(&self, view: &View) -> f64 {
+        if self.cameras.contains(&view.position) {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for facet in view.facets() {
+            let suitability = self.problem.suitability(view.position, facet);
+            let left = suitability - self.covered(view.position, facet);
+            if left > 0.0 {
+                sum += self.problem.facets[facet].weight * left;
+            }
+        }
+        sum
+    }
+
+    /// The largest suitability of the cameras that cover a facet for a position.
+    fn covered(&self, position: DVec3, facet: usize) -> f64 {
+        if self.around.is_empty() {
+            return self.best[facet];
+        }
+        let direction = (position - self.problem.facets[facet].point).normalize_or_zero();
+        let near = self.around[facet].iter().filter(|(other, _)| direction.dot(*other) > self.near_cosine);
+        near.map(|(_, suitability)| *suitability).fold(0.0, f64::max)
+    }
+
+    /// Adds a camera.
+    pub fn add(&mut self, view: &View) {
+        for facet in view.facets() {
+            let suitability = self.problem.suitability(view.position, facet);
+            self.best[facet] = self.best[facet].max(suitability);
+            if let Some(around) = self.around.get_mut(facet) {
+                let direction = (view.position - self.problem.facets[facet].point).normalize_or_zero();
+                around.push((direction, suitability));
+            }
+        }
+        self.cameras.push(view.position);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn facet(point: DVec3, weight: f64) -> Facet {
+        Facet { point, normal: DVec3::Y, weight, viewer_distance_m: 1.0 }
+    }
+
+    fn view(position: DVec3, seen: u64) -> View {
+        View { position, seen: vec![seen] }
+    }
+
+    #[test]
+    fn suitability_fades_beyond_the_viewer_distance() {
+        let problem = Problem::new(vec![facet(DVec3::ZERO, 1.0)], 0.5);
+        let at = |height: f64| problem.suitability(DVec3::Y * height, 0);
+        assert_eq!([at(0.2), at(1.0), at(3.0)], [1.0, 1.0, (-1.0f64).exp()]);
+    }
+
+    #[test]
+    fn only_what_is_better_seen_counts() {
+        let problem = Problem::new(vec![facet(DVec3::ZERO, 0.75), facet(DVec3::X * 4.0, 0.25)], 1.0);
+        let mut state = State::new(&problem, Lighting::Diffuse);
+        let far = view(DVec3::Y * 3.0, 0b01);
+        let first = state.gain(&far);
+        assert!((first - 0.75 * (-2.0f64).exp()).abs() < 1e-15);
+        state.add(&far);
+        assert_eq!(state.gain(&far), 0.0);
+        let near = view(DVec3::Y, 0b11);
+        let second = state.gain(&near);
+        let beyond = 17f64.sqrt() - 1.0;
+        assert!((second - (0.75 * (1.0 - (-2.0f64).exp()) + 0.25 * (-beyond).exp())).abs() < 1e-15);
+        state.add(&near);
+        // For diffuse surfaces, gains add up to the objective.
+        assert!((state.weighted() - (first + second)).abs() < 1e-15);
+        assert!(problem.bound(&near) >= second && problem.bound(&far) >= first);
+    }
+
+    #[test]
+    fn a_camera_covers_for_others_within_theta() {
+        let problem = Problem::new(vec![facet(DVec3::ZERO, 1.0)], 1.0);
+        let above = view(DVec3::Y, 1);
+        let aside = view(DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0), 1);
+        let gain = |theta_deg: f64| {
+            let mut state = State::new(&problem, Lighting::Specular { theta_deg });
+            state.add(&above);
+            (state.gain(&aside), state.gain(&view(DVec3::Y * 0.5, 1)), state.gain(&above))
+        };
+        assert_eq!(gain(44.0), (1.0, 0.0, 0.0));
+        assert_eq!(gain(46.0), (0.0, 0.0, 0.0));
+        assert_eq!(gain(180.0), (0.0, 0.0, 0.0));
+        // Nothing is redundant, but two cameras never stand at one place.
+        assert_eq!(gain(0.0), (1.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn bits_are_facets() {
+        let view = View { position: DVec3::ZERO, seen: vec![0b1010, 1 << 63 | 1] };
+        assert_eq!(view.facets().collect::<Vec<_>>(), [1, 3, 64, 127]);
+    }
+}

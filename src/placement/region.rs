@@ -1,0 +1,173 @@
+//! The region that viewers move in: a union of boxes, balls and closed meshes (CALF 4.1, footnote 1).
+//!
+//! Enters: what the command line says. Leaves: whether a point is inside, and how far it is from the region.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use super::closed_mesh::ClosedMesh;
+use crate::error::{Error, Result};
+use crate::scene::{AxisBox, Sphere};
+
+/// One of the volumes of a region.
+#[derive(Debug, Clone)]
+pub enum Volume {
+    /// A box along the axes; it may be flat.
+    Box(AxisBox),
+    /// A ball.
+    Ball(Sphere),
+    /// What a mesh encloses.
+    Mesh(Box<ClosedMesh>),
+}
+
+/// A union of at least one volume.
+#[derive(Debug, Clone)]
+pub struct Region {
+    volumes: Vec<Volume>,
+}
+
+impl Volume {
+    /// Parses `x0,y0,z0,x1,y1,z1` (two opposite corners), `sphere:x,y,z,r`, or the name of a file with a closed mesh.
+    ///
+    /// # Errors
+    /// When it is none of these, or the file cannot be used.
+    pub fn parse(text: &str) -> Result<Volume> {
+        let wrong = || {
+            Error::Usage(format!(
+                "region '{text}': x0,y0,z0,x1,y1,z1 in metres, sphere:x,y,z,r or a file with a closed mesh was expected"
+            ))
+        };
+        let numbers = |list: &str| -> Option<Vec<f64>> {
+            list.split(',').map(|number| number.trim().parse().ok().filter(|value: &f64| value.is_finite())).collect()
+        };
+        if let Some(list) = text.strip_prefix("sphere:") {
+            return match numbers(list).as_deref() {
+                Some(&[x, y, z, radius]) if radius > 0.0 => {
+                    Ok(Volume::Ball(Sphere { center: DVec3::new(x, y, z), radius }))
+                }
+                _ => Err(wrong()),
+            };
+        }
+        match numbers(text).as_deref() {
+            Some(&[x0, y0, z0, x1, y1, z1]) => {
+                let (a, b) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
+                Ok(Volume::Box(AxisBox { min: a.min(b), max: a.max(b) }))
+            }
+            Some(_) => Err(wrong()),
+            None if !Path::new(text).exists() => Err(wrong()),
+            None => Ok(Volume::Mesh(Box::new(ClosedMesh::open(Path::new(text))?))),
+        }
+    }
+
+    /// A box around it.
+    pub fn bounds(&self) -> AxisBox {
+        match self {
+            Volume::Box(solid) => *solid,
+            Volume::Ball(ball) => AxisBox { min: ball.center - ball.radius, max: ball.center + ball.radius },
+            Volume::Mesh(mesh) => mesh.bounds(),
+        }
+    }
+
+    /// Whether a point is inside or on the border.
+    pub fn contains(&self, point: DVec3) -> bool {
+        match self {
+            Volume::Box(solid) => (point - solid.min).min(solid.max - point).min_element() >= 0.0,
+            Volume::Ball(ball) => point.distance_squared(ball.center) <= ball.radius * ball.radius,
+            Volume::Mesh(mesh) => mesh.contains(point),
+        }
+    }
+
+    /// Metres from a point to the volume, 0 inside.
+    pub fn distance_m(&self, point: DVec3) -> f64 {
+        match self {
+            Volume::Box(solid) => (solid.min - point).max(point - solid.max).max(DVec3::ZERO).length(),
+            Volume::Ball(ball) => (point.distance(ball.center) - ball.radius).max(0.0),
+            Volume::Mesh(mesh) if mesh.contains(point) => 0.0,
+            Volume::Mesh(mesh) => mesh.surface_distance_m(point),
+        }
+    }
+}
+
+impl Region {
+    /// The union of volumes.
+    ///
+    /// # Errors
+    /// When there is none, or one is larger than numbers can tell.
+    pub fn new(volumes: Vec<Volume>) -> Result<Region> {
+        let region = Region { volumes };
+        if region.volumes.is_empty() {
+            return Err(Error::Usage("no region: say where viewers may be by --region".into()));
+        }
+        if !region.diagonal_m().is_finite() || region.diagonal_m() > 1e100 {
+            return Err(Error::Usage("the region is too large: its corners must be less than 1e100 m apart".into()));
+        }
+        Ok(region)
+    }
+
+    /// Parses each volume, as [`Volume::parse`] does, and joins them.
+    ///
+    /// # Errors
+    /// Those of [`Volume::parse`] and [`Region::new`].
+    pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
+        Self::new(texts.iter().map(|text| Volume::parse(text.as_ref())).collect::<Result<_>>()?)
+    }
+
+    /// Its volumes, as they were given.
+    pub fn volumes(&self) -> &[Volume] {
+        &self.volumes
+    }
+
+    /// Whether a point is in one of the volumes.
+    pub fn contains(&self, point: DVec3) -> bool {
+        self.volumes.iter().any(|volume| volume.contains(point))
+    }
+
+    /// Metres from a point to the nearest volume: how close a viewer can come to it.
+    pub fn distance_m(&self, point: DVec3) -> f64 {
+        self.volumes.iter().map(|volume| volume.distance_m(point)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// A box around all of it.
+    pub fn bounds(&self) -> AxisBox {
+        let each = || self.volumes.iter().map(Volume::bounds);
+        AxisBox {
+            min: each().fold(DVec3::INFINITY, |min, one| min.min(one.min)),
+            max: each().fold(DVec3::NEG_INFINITY, |max, one| max.max(one.max)),
+        }
+    }
+
+    /// Metres between two opposite corners of the box around it: what lengths that nobody gave are parts of.
+    pub fn diagonal_m(&self) -> f64 {
+        let bounds = self.bounds();
+        (bounds.max - bounds.min).length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_and_balls_join() {
+        let region = Region::parse(&["1,1,1,-1,-1,-1", "sphere:5,0,0,2"]).unwrap();
+        let at = |x: f64| (region.contains(DVec3::X * x), region.distance_m(DVec3::X * x));
+        assert_eq!(
+            [at(0.0), at(1.0), at(2.0), at(3.0), at(8.0)].map(|found| found.0),
+            [true, true, false, true, false]
+        );
+        assert_eq!([at(0.0), at(1.5), at(2.5), at(8.0)].map(|found| found.1), [0.0, 0.5, 0.5, 1.0]);
+        assert_eq!(region.bounds().max, DVec3::new(7.0, 2.0, 2.0));
+        assert_eq!(Region::parse(&["0,1,0,3,1,4"]).unwrap().diagonal_m(), 5.0);
+    }
+
+    #[test]
+    fn what_is_no_region_is_named() {
+        for text in ["", "1,2,3", "1,2,3,4,5,inf", "1,2,3,4,5,6,7", "sphere:1,2,3", "sphere:0,0,0,0", "nowhere.glb"] {
+            let said = Region::parse(&[text]).unwrap_err().to_string();
+            assert!(said.contains("sphere:x,y,z,r") && said.contains(text), "{text}: {said}");
+        }
+        assert!(Region::parse(&[""; 0]).unwrap_err().to_string().contains("--region"));
+        assert!(Region::parse(&["-1e300,0,0,1e300,1,1"]).unwrap_err().to_string().contains("too large"));
+    }
+}

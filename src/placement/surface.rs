@@ -1,0 +1,251 @@
+//! Points on the surfaces of a scene, spread by area: what the integrals of CALF 4 become sums over.
+//!
+//! Enters: a scene at one moment. Leaves: points with the normals of their surfaces, in an order in which neighbours in the
+//! list are neighbours in space. Each stands for the same area.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::sequence;
+use crate::scene::{AxisBox, Fence, Mesh, SceneAtTime, Shape, TurnedBox};
+
+/// A point on a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// Where, metres.
+    pub point: DVec3,
+    /// Length 1, to the side that the triangle's corners run round counter-clockwise, or out of the solid.
+    pub normal: DVec3,
+}
+
+/// Points on all surfaces of a scene.
+#[derive(Debug, Clone, Default)]
+pub struct SurfacePoints {
+    /// The points.
+    pub points: Vec<SurfacePoint>,
+    /// Square metres that each of them stands for.
+    pub area_of_each: f64,
+}
+
+/// A piece of surface whose area is known.
+enum Patch {
+    /// A parallelogram.
+    Flat { corner: DVec3, u: DVec3, v: DVec3 },
+    /// A ball.
+    Ball { center: DVec3, radius: f64 },
+    /// A triangle of a mesh, by their indices.
+    Triangle { mesh: usize, triangle: usize },
+}
+
+/// Spreads `count` points over all surfaces: one in each of as many strips of equal area, at a place in it that is the
+/// `first`th and following of [`sequence::in_cube`]. Points in holes of textures are left out.
+pub fn spread(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
+    let (patches, ends) = patches(scene);
+    let area = ends.last().copied().unwrap_or(0.0);
+    if !(area > 0.0 && area.is_finite()) {
+        return SurfacePoints::default();
+    }
+    let place = |at: usize| {
+        let within = sequence::in_cube(first + at as u64);
+        let patch = ends.partition_point(|end| *end <= (at as f64 + within.x) / count as f64 * area);
+        on_patch(scene, &patches[patch.min(patches.len() - 1)], within.y, within.z)
+    };
+    let mut points: Vec<SurfacePoint> = (0..count).filter_map(place).collect();
+    sort_in_space(&mut points);
+    SurfacePoints { points, area_of_each: area / count as f64 }
+}
+
+/// All patches that have an area, and the sum of the areas up to and with each.
+fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
+    let mut patches = Vec::new();
+    let mut ends = Vec::new();
+    let mut sum = 0.0;
+    let mut add = |patch: Patch, area: f64| {
+        if area > 0.0 && area.is_finite() {
+            sum += area;
+            patches.push(patch);
+            ends.push(sum);
+        }
+    };
+    let mut flats = Vec::new();
+    for object in scene.objects() {
+        match object.shape() {
+            Shape::Sphere(ball) => {
+                add(Patch::Ball { center: ball.center, radius: ball.radius }, 2.0 * TAU * ball.radius * ball.radius);
+            }
+            Shape::Quad(quad) => flats.push([quad.corner, quad.u, quad.v]),
+            Shape::AxisBox(solid) => flats.extend(sides(solid)),
+            Shape::TurnedBox(solid) => flats.extend(turned_sides(solid)),
+            Shape::Fence(fence) => flats.extend(fence_solids(fence).iter().flat_map(sides)),
+        }
+    }
+    for [corner, u, v] in flats {
+        add(Patch::Flat { corner, u, v }, u.cross(v).length());
+    }
+    for (mesh, bvh) in scene.meshes().iter().enumerate() {
+        for triangle in 0..bvh.mesh().triangles.len() {
+            let [a, b, c] = bvh.mesh().corners(triangle);
+            add(Patch::Triangle { mesh, triangle }, 0.5 * (b - a).cross(c - a).length());
+        }
+    }
+    (patches, ends)
+}
+
+/// The sides of a box: a corner and two edges, so that their cross product points outwards.
+fn sides(solid: &AxisBox) -> [[DVec3; 3]; 6] {
+    let size = solid.max - solid.min;
+    let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
+    [
+        [solid.min, z, y],
+        [solid.min + x, y, z],
+        [solid.min, x, z],
+        [solid.min + y, z, x],
+        [solid.min, y, x],
+        [solid.min + z, x, y],
+    ]
+}
+
+fn turned_sides(solid: &TurnedBox) -> [[DVec3; 3]; 6] {
+    sides(&AxisBox { min: -solid.half, max: solid.half })
+        .map(|[corner, u, v]| [solid.center + solid.to_world(corner), solid.to_world(u), solid.to_world(v)])
+}
+
+/// Rails and posts of a fence. What of them lies inside each other is on no surface, and is never seen.
+fn fence_solids(fence: &Fence) -> Vec<AxisBox> {
+    let bounds = fence.bounds();
+    let half = 0.5 * fence.width;
+    let rail = |height: f64| AxisBox {
+        min: DVec3::new(bounds.min.x, fence.foot.y + height - half, bounds.min.z),
+        max: DVec3::new(bounds.max.x, fence.foot.y + height + half, bounds.max.z),
+    };
+    let post = |number: u32| {
+        let foot = fence.foot + DVec3::X * (f64::from(number) * fence.spacing);
+        AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, fence.height, half) }
+    };
+    fence.rails.into_iter().map(rail).chain((0..fence.posts).map(post)).collect()
+}
+
+/// The point of a patch at two coordinates in 0..1, uniform in area; none in a hole.
+fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<SurfacePoint> {
+    match *patch {
+        Patch::Flat { corner, u, v } => {
+            Some(SurfacePoint { point: corner + s * u + t * v, normal: u.cross(v).try_normalize()? })
+        }
+        Patch::Ball { center, radius } => {
+            let (sin, cos) = (TAU * s).sin_cos();
+            let up = 1.0 - 2.0 * t;
+            let across = (1.0 - up * up).max(0.0).sqrt();
+            let normal = DVec3::new(across * cos, up, across * sin);
+            Some(SurfacePoint { point: center + radius * normal, normal })
+        }
+        Patch::Triangle { mesh, triangle } => {
+            let mesh = scene.meshes().get(mesh)?.mesh();
+            let [a, b, c] = mesh.corners(triangle);
+            // The half of the square beyond the diagonal, turned over.
+            let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
+            let is_hole = is_hole(mesh, triangle, glam::DVec2::new(s, t));
+            let normal = (b - a).cross(c - a).try_normalize()?;
+            (!is_hole).then_some(SurfacePoint { point: a + s * (b - a) + t * (c - a), normal })
+        }
+    }
+}
+
+fn is_hole(mesh: &Mesh, triangle: usize, at: glam::DVec2) -> bool {
+    let material = mesh.material_of.get(triangle).and_then(|&index| mesh.materials.get(index as usize));
+    let Some((material, cutoff)) = material.and_then(|material| Some((material, material.alpha_cutoff?))) else {
+        return false;
+    };
+    let of_texture = material.base_texture.as_ref().map_or(1.0, |texture| texture.sample(mesh.uv(triangle, at)).1);
+    material.alpha * of_texture < cutoff
+}
+
+/// Sorts points along a curve that fills space (Morton's), 1024 cells along each axis.
+fn sort_in_space(points: &mut [SurfacePoint]) {
+    let min = points.iter().fold(DVec3::INFINITY, |min, at| min.min(at.point));
+    let max = points.iter().fold(DVec3::NEG_INFINITY, |max, at| max.max(at.point));
+    let side = (max - min).max_element().max(f64::MIN_POSITIVE);
+    let code = |at: &SurfacePoint| {
+        let cells = ((at.point - min) / side * 1023.0).to_array().map(|along| along as u64);
+        (0..10).fold(0, |code, bit| {
+            code | (0..3).fold(0, |cell, axis| cell | (cells[axis] >> bit & 1) << (3 * bit + axis))
+        })
+    };
+    // A stable sort: points of one cell stay in the order of strips.
+    points.sort_by_cached_key(code);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::scene::{DemoKind, DemoScene, Light, Material, MeshBvh, MeshMaterial, Object, Quad, Sphere, Texture};
+
+    fn scene(shapes: Vec<Shape>) -> SceneAtTime {
+        let paint = Material::diffuse(Texture::Solid(DVec3::ONE));
+        SceneAtTime::new(shapes.into_iter().map(|shape| Object::new(shape, paint)).collect(), Light::default())
+    }
+
+    #[test]
+    fn points_lie_where_the_area_is() {
+        let ball = Sphere { center: DVec3::new(9.0, 0.0, 0.0), radius: 1.0 };
+        let solid = AxisBox { min: DVec3::ZERO, max: DVec3::new(1.0, 2.0, 3.0) };
+        let found = spread(&scene(vec![Shape::Sphere(ball), Shape::AxisBox(solid)]), 4000, 0);
+        assert!((found.area_of_each * 4000.0 - (2.0 * TAU + 22.0)).abs() < 1e-9);
+        let on_ball = found.points.iter().filter(|at| at.point.x > 2.0).count() as f64;
+        assert!((on_ball / 4000.0 - 2.0 * TAU / (2.0 * TAU + 22.0)).abs() < 0.001, "{on_ball}");
+        for at in &found.points {
+            assert!((at.normal.length() - 1.0).abs() < 1e-12);
+            // Outwards: above a surface point there is nothing.
+            let outside = at.point + 1e-6 * at.normal;
+            let in_box = (outside - solid.min).min(solid.max - outside).min_element() > 0.0;
+            assert!(!in_box && outside.distance(ball.center) > 1.0, "{at:?}");
+        }
+    }
+
+    #[test]
+    fn every_shape_has_its_points_on_its_surface() {
+        let found = DemoScene::new(DemoKind::Courtyard).at(0.7);
+        for object in found.objects() {
+            let alone = scene(vec![*object.shape()]);
+            for at in spread(&alone, 200, 5).points {
+                let ray = crate::scene::Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
+                let Some(hit) = object.shape().intersect(&ray, 0.0) else { continue };
+                // Posts and rails of a fence reach into each other.
+                let fits = (hit.distance - 0.01).abs() < 1e-9 || matches!(object.shape(), Shape::Fence(_));
+                assert!(fits, "{:?} {at:?} {hit:?}", object.shape());
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_in_the_list_are_neighbours_in_space() {
+        let floor = Quad { corner: DVec3::ZERO, u: DVec3::X, v: DVec3::Z };
+        let points = spread(&scene(vec![Shape::Quad(floor)]), 1024, 0).points;
+        let mean = points.windows(2).map(|pair| pair[0].point.distance(pair[1].point)).sum::<f64>() / 1023.0;
+        assert!(mean < 0.06, "{mean}");
+    }
+
+    #[test]
+    fn holes_and_triangles_without_area_have_no_points() {
+        let triangles = vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]];
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NAN];
+        let solid = MeshMaterial::default();
+        let hole = MeshMaterial { alpha: 0.2, alpha_cutoff: Some(0.5), ..MeshMaterial::default() };
+        for (material, expected) in [(solid, 50), (hole, 0)] {
+            let mesh = Mesh {
+                positions: positions.clone(),
+                triangles: triangles.clone(),
+                material_of: vec![0; 3],
+                materials: vec![material].into(),
+                ..Mesh::default()
+            };
+            let scene = SceneAtTime::with_meshes(vec![], vec![Arc::new(MeshBvh::new(mesh))], Light::default());
+            let found = spread(&scene, 50, 0);
+            assert_eq!(found.points.len(), expected);
+            assert!(found.points.iter().all(|at| at.point.x + at.point.y <= 1.0 && at.normal == DVec3::Z));
+        }
+        assert!(spread(&scene(vec![]), 50, 0).points.is_empty());
+    }
+}

@@ -1,0 +1,130 @@
+//! `place` as a user meets it: files, words, and that what it writes is what comes next.
+
+use std::fs;
+use std::path::Path;
+
+use lightfold::dataset::CameraSet;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::commands::{fine, refused};
+
+/// A region in the courtyard, few candidates and few points: seconds become tenths.
+const SMALL: &str =
+    "place courtyard --region=-0.6,1.1,-0.6,0.6,1.9,0.6 --candidates 40 --surface-samples 400 --frames 0-3";
+
+fn json(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+fn read(path: impl AsRef<Path>) -> CameraSet {
+    CameraSet::read(path.as_ref()).unwrap()
+}
+
+#[test]
+fn cameras_are_written_and_what_they_cover_is_told() {
+    let folder = TempDir::new().unwrap();
+    let report = json(&format!("{SMALL} --cameras 3 -o cameras.json --json"), folder.path());
+    let set = read(folder.path().join("cameras.json"));
+    assert_eq!(set.cameras.len(), 3);
+    let told = report["cameras"].as_array().unwrap();
+    for (at, (camera, told)) in set.cameras.iter().zip(told).enumerate() {
+        assert_eq!(told["name"], set.name_of(at));
+        assert_eq!(told["position"], serde_json::json!(camera.position));
+        assert_eq!(told["gain"].as_f64(), camera.gain);
+        assert_eq!(told["coverage"].as_f64(), camera.coverage);
+        let [x, y, z] = camera.position;
+        assert!(x.abs() <= 0.6 && (1.1..=1.9).contains(&y) && z.abs() <= 0.6);
+    }
+    assert!(report["coverage"].as_f64().unwrap() > 0.3, "{report}");
+    assert!(report["coverage"].as_f64() <= report["reachable"]["coverage"].as_f64());
+    assert_eq!(report["frames_looked_at"], serde_json::json!([0, 1, 2, 3]));
+    for key in ["objective_calls", "plain_objective_calls", "seconds", "candidates", "surface_samples", "k_per_m"] {
+        assert!(report[key].is_number(), "{key}");
+    }
+    assert_eq!(set.extra.unwrap()["placed_for"]["scene"], "courtyard");
+    // The table has the same cameras, and standard output the same file.
+    let text = String::from_utf8(fine(&format!("{SMALL} --cameras 3 -o again.json"), folder.path()).stdout).unwrap();
+    assert!(text.contains("Coverage") && text.contains("again.json"), "{text}");
+    let piped = fine(&format!("{SMALL} --cameras 3 -q -o -"), folder.path());
+    let written = fs::read(folder.path().join("cameras.json")).unwrap();
+    assert!(piped.stdout == written && piped.stderr.is_empty());
+    assert!(fs::read(folder.path().join("again.json")).unwrap() == written);
+}
+
+#[test]
+fn threads_do_not_change_the_file() {
+    let folder = TempDir::new().unwrap();
+    let bytes = |threads: &str| {
+        fine(&format!("{SMALL} --lighting specular --cameras 4 --threads {threads} -o {threads}.json"), folder.path());
+        fs::read(folder.path().join(format!("{threads}.json"))).unwrap()
+    };
+    let one = bytes("1");
+    assert!(one == bytes("2") && one == bytes("7"));
+}
+
+#[test]
+fn a_set_is_gone_on_with_and_measured() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fine(&format!("{SMALL} --cameras 5 -o whole.json"), folder.path());
+    fine(&format!("{SMALL} --cameras 2 -o some.json"), folder.path());
+    let told = json(&format!("{SMALL} --cameras 3 --start some.json -o rest.json --json"), folder.path());
+    assert_eq!(read(at("rest.json")), read(at("whole.json")));
+    let given: Vec<bool> =
+        told["cameras"].as_array().unwrap().iter().map(|camera| camera["given"].as_bool().unwrap()).collect();
+    assert_eq!(given, [true, true, false, false, false]);
+    fine(&format!("{SMALL} --cameras 0 --start some.json -o same.json"), folder.path());
+    assert_eq!(read(at("same.json")).cameras, read(at("some.json")).cameras);
+    // Names of those that there are stay, and new ones are none of them.
+    let named = r#"{"lightfold_cameras": 1, "cameras": [
+        {"name": "01", "position": [0, 1.5, 0]}, {"name": "left", "position": [-0.3, 1.5, 0]}]}"#;
+    fs::write(at("named.json"), named).unwrap();
+    fine(&format!("{SMALL} --cameras 3 --start named.json -o more.json"), folder.path());
+    let set = read(at("more.json"));
+    let names: Vec<String> = (0..5).map(|at| set.name_of(at)).collect();
+    assert_eq!(names, ["01", "left", "02", "03", "04"]);
+}
+
+#[test]
+fn charts_and_rows_have_both_kinds_of_lighting() {
+    let folder = TempDir::new().unwrap();
+    let line = format!("{SMALL} --cameras 4 --plot charts --csv rows.csv -o cameras.json --json");
+    let report = json(&line, folder.path());
+    for name in ["coverage.svg", "coverage.png", "convergence.svg", "convergence.png"] {
+        assert!(folder.path().join("charts").join(name).is_file(), "{name}");
+    }
+    assert_eq!(report["files"].as_array().unwrap().len(), 6);
+    let curves = report["convergence"].as_array().unwrap();
+    let last = |at: usize| curves[at]["coverage"].as_array().unwrap().last().unwrap().as_f64().unwrap();
+    assert_eq!([&curves[0]["lighting"], &curves[1]["lighting"]], ["diffuse", "specular"]);
+    assert!(last(0) > last(1) && last(1) > 0.0);
+    let rows = fs::read_to_string(folder.path().join("rows.csv")).unwrap();
+    assert!(rows.starts_with("lighting,camera,started,x,y,z,gain,coverage,seen,weighted,within\ndiffuse,0,"), "{rows}");
+    assert_eq!(rows.lines().count(), 1 + 4 + 4);
+}
+
+#[test]
+fn what_makes_no_sense_is_said_in_a_sentence() {
+    let folder = TempDir::new().unwrap();
+    let said = |more: &str| {
+        let words = refused(&format!("place courtyard {more}"), folder.path());
+        assert!(!folder.path().join("c.json").exists());
+        assert!(words.trim_end().lines().count() <= 6, "{words}");
+        words
+    };
+    let region = "--region=-0.3,1.3,-0.3,0.3,1.7,0.3 --candidates 8 --surface-samples 64 -o c.json";
+    assert!(said("--region 1,2,3 -o c.json").contains("x0,y0,z0,x1,y1,z1"));
+    assert!(said("--region sphere:0,2.3,6,0.2 --candidates 8 --surface-samples 64 -o c.json").contains("no room"));
+    assert!(said(&format!("{region} --theta 30")).contains("--lighting specular"));
+    assert!(said(&format!("{region} --lighting specular --theta 0")).contains("--cameras"));
+    assert!(said(&format!("{region} --lighting specular --theta 0 --cameras 2 --until 0.1")).contains("--cameras"));
+    assert!(said(&format!("{region} --lighting specular --theta 181")).contains("0 to 180"));
+    assert!(said(&format!("{region} --cameras 0")).contains("--start"));
+    assert!(said(&format!("{region} --until 1")).contains("adds anything"));
+    assert!(said(&format!("{region} --start missing.json")).contains("missing.json"));
+    assert!(said(&format!("{region} --k -1")).contains("0 or more"));
+    assert!(said("--region=-0.3,1.3,-0.3,0.3,1.7,0.3 --json -o -").contains("standard output"));
+    assert!(refused("place nowhere.glb --region 0,0,0,1,1,1 -o c.json", folder.path()).contains("nowhere.glb"));
+    fine(&format!("place courtyard {region} --lighting specular --theta 0 --cameras 2"), folder.path());
+}
