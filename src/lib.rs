@@ -12,6 +12,7 @@ pub mod dataset;
 pub mod depth;
 pub mod effort;
 pub mod error;
+pub mod fingerprint;
 pub mod gpu;
 pub mod hard_cases;
 pub mod image;

@@ -122,7 +122,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     let plan =
         FootagePlan { kind: DemoKind::Courtyard, frames: args.frame_count, face_size: args.size, probes: args.probes };
-    let progress = Progress::start(global, "capturing", plan.face_count())?;
+    let progress = Progress::start(global, "capturing", plan.capture()?.image_count())?;
     let folder = OutputFolder::create(path)?;
     plan.write(folder.work_path(), &progress)?;
     folder.commit()

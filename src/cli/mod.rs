@@ -1,6 +1,7 @@
 //! The command line: one file for each subcommand. Only this room prints, reads arguments and chooses exit codes.
 
 pub mod bc4w;
+pub mod capture;
 pub mod completions;
 mod damage;
 pub mod decode;
@@ -69,6 +70,8 @@ pub enum Command {
     Demo(demo::Args),
     /// Find where cameras see a scene best, one after the other
     Place(place::Args),
+    /// Capture a scene from probes or cameras: a dataset of colour, depth, normals and materials
+    Capture(capture::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),
     /// Encode one colour sequence
@@ -141,6 +144,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
     match cli.command {
         Command::Demo(args) => demo::run(&args, global),
         Command::Place(args) => place::run(&args, global),
+        Command::Capture(args) => capture::run(&args, global),
         Command::Encode(args) => encode::run(&args, global),
         Command::EncodeColor(args) => encode_color::run(&args, global),
         Command::EncodeDepth(args) => encode_depth::run(&args, global),

@@ -2,7 +2,9 @@
 
 mod claim;
 mod partial;
+mod partial_folder;
 
+use std::ffi::OsStr;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -17,6 +19,7 @@ use crate::report::machine;
 
 pub use claim::claim;
 use partial::Partial;
+pub use partial_folder::PartialFolder;
 
 /// Whether an error is that the reader of our output went away, which is no failure of ours.
 pub fn is_broken_pipe(error: &Error) -> bool {
@@ -256,7 +259,7 @@ impl OutputFolder {
         #[cfg(unix)]
         std::fs::set_permissions(self.work.path(), std::os::unix::fs::PermissionsExt::from_mode(0o755)).map_err(io)?;
         if path.exists() {
-            return move_into(self.work.path(), path).map_err(io);
+            return move_into(self.work.path(), path, &|_| true).map_err(io);
         }
         std::fs::rename(self.work.path(), path).map_err(io)?;
         // There is nothing left to remove under the old name.
@@ -265,13 +268,17 @@ impl OutputFolder {
     }
 }
 
-fn move_into(from: &Path, to: &Path) -> std::io::Result<()> {
+/// Moves what a folder holds, but for what is not wanted by its name.
+fn move_into(from: &Path, to: &Path, is_wanted: &dyn Fn(&OsStr) -> bool) -> std::io::Result<()> {
     std::fs::create_dir_all(to)?;
     for entry in std::fs::read_dir(from)? {
         let entry = entry?;
+        if !is_wanted(&entry.file_name()) {
+            continue;
+        }
         let target = to.join(entry.file_name());
         if entry.file_type()?.is_dir() {
-            move_into(&entry.path(), &target)?;
+            move_into(&entry.path(), &target, is_wanted)?;
         } else {
             std::fs::rename(entry.path(), target)?;
         }

@@ -3,6 +3,7 @@
 mod child;
 mod folder;
 mod input;
+mod placement;
 mod text;
 mod tiles;
 
@@ -43,19 +44,22 @@ use input::Footage;
     lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
     lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
+    lightfold tradeoff scene.glb --sweep effort --sweep cameras=2,4,8 -o out -- --region=-1,-1,-1,1,1,1\n  \
     lightfold tradeoff --list-knobs\n\n\
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
     bytes and quality are known and whose runs are finished are not measured again: the same command goes on after an \
     interruption. Rounds of timed runs go over all points, to and fro, so that a machine that becomes slower does so for \
     all alike. A decoding time is the median of runs in one process, the container in memory. A point that fails leaves a \
     hole, and is tried again the next time.\n\n\
+    Where a scene is named (a .glb, .gltf or .obj file, or one that is built in), options of place are swept instead, and \
+    DIR has placement.csv, placement.json and a picture: seconds, and what the cameras cover by the same samples for all.\n\n\
     Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
-    /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; not needed where --recommend is to
-    /// look at what DIR holds
-    #[arg(value_name = "MANIFEST|SEQ", required_unless_present_any = ["recommend", "list_knobs"])]
+    /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
+    /// needed where --recommend is to look at what DIR holds
+    #[arg(value_name = "MANIFEST|SEQ|SCENE", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
-    /// Options of encode that all points have, such as --hdr or --frames 0-9
+    /// Options of encode (of place for a scene) that all points have, such as --hdr or --frames 0-9
     #[arg(last = true, value_name = "OPTIONS")]
     pub fixed: Vec<String>,
     /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
@@ -206,6 +210,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     }
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
+        (Some(scene), _) if placement::is_scene(scene) => placement::measure(args, scene, global),
         (Some(input), demands) => measure(args, input, demands, global),
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();

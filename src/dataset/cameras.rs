@@ -81,6 +81,14 @@ impl CameraSet {
     /// # Errors
     /// When it cannot be read, is larger than 16 MiB, is neither, or contradicts itself.
     pub fn read(path: &Path) -> Result<CameraSet> {
+        Self::from_json(&Self::read_text(path)?).map_err(|error| error.in_file(path))
+    }
+
+    /// The bytes of a file of cameras of any kind, `-` for standard input.
+    ///
+    /// # Errors
+    /// When it cannot be read or is larger than 16 MiB.
+    pub fn read_text(path: &Path) -> Result<Vec<u8>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
             false => Box::new(crate::image::open_regular(path)?),
@@ -90,7 +98,7 @@ impl CameraSet {
         if text.len() as u64 > MAX_MANIFEST_BYTES {
             return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
         }
-        Self::from_json(&text).map_err(|error| error.in_file(path))
+        Ok(text)
     }
 
     /// Parses and validates the text of a set, or of a manifest.

@@ -277,12 +277,15 @@ pub struct Probe {
 impl Probe {
     /// fx, fy, cx, cy for images of that size, from either way of writing them.
     pub fn intrinsics_for(&self, size: [u32; 2]) -> Option<[f64; 4]> {
-        let [width, height] = size.map(f64::from);
-        self.intrinsics.or_else(|| {
-            let focal = height / 2.0 / (self.fov_y_deg?.to_radians() / 2.0).tan();
-            Some([focal, focal, width / 2.0, height / 2.0])
-        })
+        self.intrinsics.or_else(|| Some(intrinsics_of(self.fov_y_deg?, size)))
     }
+}
+
+/// fx, fy, cx, cy in pixels of an image with this vertical field of view in degrees.
+pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
+    let [width, height] = size.map(f64::from);
+    let focal = height / 2.0 / (fov_y_deg.to_radians() / 2.0).tan();
+    [focal, focal, width / 2.0, height / 2.0]
 }
 
 /// The manifest's file, given itself or its folder.

@@ -29,8 +29,13 @@ pub fn position(direction: DVec3, width: u32, height: u32) -> (f64, f64) {
 
 /// Direction, of length 1, of the centre of pixel (col, row).
 pub fn direction(col: u32, row: u32, width: u32, height: u32) -> DVec3 {
-    let lon = (2.0 * (f64::from(col) + 0.5) / f64::from(width) - 1.0) * PI;
-    let lat = (0.5 - (f64::from(row) + 0.5) / f64::from(height)) * PI;
+    direction_at(f64::from(col) + 0.5, f64::from(row) + 0.5, width, height)
+}
+
+/// Direction, of length 1, of a continuous position in pixels: what [`position`] leads back from.
+pub fn direction_at(x: f64, y: f64, width: u32, height: u32) -> DVec3 {
+    let lon = (2.0 * x / f64::from(width) - 1.0) * PI;
+    let lat = (0.5 - y / f64::from(height)) * PI;
     DVec3::new(lon.sin() * lat.cos(), lat.sin(), -lon.cos() * lat.cos())
 }
 

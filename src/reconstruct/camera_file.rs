@@ -4,9 +4,10 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat3, DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
+use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
@@ -81,6 +82,36 @@ impl CameraFile {
         Self::parse(&text).map_err(|error| error.in_file(path))
     }
 
+    /// The cameras of a file's bytes as probes that stand where they look from, in perspective, to capture what they should
+    /// see; and the width of their pictures over the height, where they state one. Near and far are left out.
+    ///
+    /// # Errors
+    /// As for [`CameraFile::read`], and when two of them state different aspects.
+    pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
+        let cameras = Self::parse(text)?;
+        let file: CameraFile =
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+        let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| {
+            let [forward, right, down] = timed.camera.axes();
+            let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
+            PlacedCamera {
+                orientation: (turn != DQuat::IDENTITY).then(|| turn.to_array()),
+                fov_y_deg: Some(entry.fov_y_deg),
+                frames: entry.frames,
+                ..PlacedCamera::at(entry.eye)
+            }
+        };
+        let set = CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect());
+        let mut aspects: Vec<f64> = file.cameras.iter().filter_map(|entry| entry.aspect).collect();
+        aspects.dedup();
+        match aspects[..] {
+            [] | [_] => Ok((set, aspects.first().copied())),
+            _ => {
+                Err(Error::invalid("cameras of different \"aspect\" cannot be captured together: use a file for each"))
+            }
+        }
+    }
+
     /// The cameras of a file's bytes.
     ///
     /// # Errors
@@ -144,6 +175,24 @@ mod tests {
         assert_eq!(cameras[0].frames, Some(FrameRange { first: 2, last: 4 }));
         assert_eq!(cameras[1].frames, None);
         assert_ne!(cameras[2].camera, cameras[0].camera);
+    }
+
+    #[test]
+    fn viewers_become_probes_that_look_the_same_way() {
+        let text = br#"{ "cameras": [
+            { "eye": [1, 2, 3], "look_at": [4, 1, -2], "up": [0.2, 1, 0], "fov_y_deg": 50, "aspect": 1.5, "frames": [2, 4] },
+            { "eye": [0, 0, 0], "look_at": [0, 0, -2], "fov_y_deg": 40 } ] }"#;
+        let (set, aspect) = CameraFile::as_probes(text).unwrap();
+        assert_eq!((set.cameras.len(), aspect), (2, Some(1.5)));
+        assert_eq!((set.cameras[0].frames, set.cameras[0].fov_y_deg), (Some([2, 4]), Some(50.0)));
+        assert_eq!(set.cameras[1].orientation, None);
+        let [forward, right, down] = CameraFile::parse(text).unwrap()[0].camera.axes();
+        let turn = crate::math::camera::rotation(set.cameras[0].orientation.unwrap()).unwrap();
+        for (axis, of_probe) in [(forward, DVec3::NEG_Z), (right, DVec3::X), (down, DVec3::NEG_Y)] {
+            assert!((turn * of_probe - axis).length() < 1e-12);
+        }
+        let two = std::str::from_utf8(text).unwrap().replace("\"fov_y_deg\": 40", "\"fov_y_deg\": 40, \"aspect\": 1");
+        assert!(CameraFile::as_probes(two.as_bytes()).unwrap_err().to_string().contains("different"));
     }
 
     #[test]

@@ -17,6 +17,15 @@ pub enum Scene {
 }
 
 impl Scene {
+    /// Whether [`Self::open`] would take a text for a scene, by its name alone: one that is built in, or a file that ends
+    /// in `.glb`, `.gltf` or `.obj`.
+    pub fn is_named_by(text: &str) -> bool {
+        let path = Path::new(text);
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        let is_file = ending.is_some_and(|ending| ["glb", "gltf", "obj"].iter().any(|known| ending == *known));
+        is_file || (!path.exists() && DemoKind::from_name(text).is_some())
+    }
+
     /// Opens a built-in scene by its name ([`DemoKind::from_name`]), or a file. A file is meant where one of that name
     /// exists. Notes tell what was left out or replaced, a sentence each.
     ///
@@ -42,7 +51,7 @@ impl Scene {
     /// Length of its animation in seconds, 0 where nothing moves.
     pub fn duration_s(&self) -> f64 {
         match self {
-            Scene::Procedural(_) => DemoScene::PERIOD_S,
+            Scene::Procedural(scene) => scene.duration_s(),
             Scene::Model(model) => model.duration_s(),
         }
     }

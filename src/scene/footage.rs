@@ -6,14 +6,15 @@
 use std::path::Path;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
-use super::capture::{MAX_FACE_SIZE, capture_face};
+use super::animated::Scene;
+use super::capture::{COLOR_SAMPLES, CapturePlan, Kept, Pass};
 use super::procedural::{DemoKind, DemoScene};
-use crate::dataset::manifest::{self, MANIFEST_NAME, MANIFEST_VERSION, Manifest};
-use crate::dataset::stream::{Projection, StreamKind};
+use crate::dataset::cameras::{CameraSet, PlacedCamera};
+use crate::dataset::manifest::Manifest;
+use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
-use crate::image::{Face, exr};
+use crate::image::FrameRange;
 use crate::monitor::Monitor;
 
 /// Frames per second of captured footage.
@@ -26,18 +27,13 @@ pub struct FootagePlan {
     pub kind: DemoKind,
     /// Number of frames, at least 1; the first is frame 0.
     pub frames: u32,
-    /// Width and height of a face in pixels, 1 to [`MAX_FACE_SIZE`].
+    /// Width and height of a face in pixels, 1 to [`super::capture::MAX_FACE_SIZE`].
     pub face_size: u32,
     /// Number of probes, at least 1.
     pub probes: u32,
 }
 
 impl FootagePlan {
-    /// Faces that [`Self::write`] captures, each with colour and depth.
-    pub fn face_count(&self) -> u64 {
-        u64::from(self.frames) * u64::from(self.probes) * Face::CUBE.len() as u64
-    }
-
     /// Where the probes stand: evenly along the diagonal of the region that the scene keeps free, or in its middle.
     pub fn positions(&self) -> Vec<DVec3> {
         let (middle, reach) = DemoScene::new(self.kind).probe_region();
@@ -46,92 +42,62 @@ impl FootagePlan {
         (0..self.probes).map(|probe| middle + along(probe) * reach).collect()
     }
 
+    /// The capture that makes it: distances, and colours of [`COLOR_SAMPLES`].
+    ///
+    /// # Errors
+    /// When there is no frame or no probe.
+    pub fn capture(&self) -> Result<CapturePlan> {
+        let FootagePlan { kind, frames, face_size, probes } = *self;
+        if frames == 0 || probes == 0 {
+            return Err(Error::Usage(format!(
+                "footage of {frames} frames and {probes} probes: at least one frame and probe were expected"
+            )));
+        }
+        let camera = |(at, position): (usize, DVec3)| PlacedCamera {
+            name: Some(format!("{at:02}")),
+            ..PlacedCamera::at(position.to_array())
+        };
+        Ok(CapturePlan {
+            name: kind.name().to_owned(),
+            fps: FPS,
+            frames: FrameRange { first: 0, last: frames - 1 },
+            projection: Projection::Cubemap,
+            size: [face_size; 2],
+            cameras: CameraSet::new(self.positions().into_iter().enumerate().map(camera).collect()),
+            fov_y_deg: None,
+            passes: vec![Pass::Color, Pass::Depth],
+            samples: COLOR_SAMPLES,
+            depth: DepthKind::Distance,
+            far_m: f64::INFINITY,
+        })
+    }
+
     /// The manifest of the dataset.
     ///
     /// # Errors
     /// When a number of the plan is out of its range.
     pub fn manifest(&self) -> Result<Manifest> {
-        let FootagePlan { frames, face_size, probes, .. } = *self;
-        if frames == 0 || probes == 0 || face_size == 0 || face_size > MAX_FACE_SIZE {
-            return Err(Error::Usage(format!(
-                "footage of {frames} frames and {probes} probes of {face_size} pixels: at least one frame and probe, \
-                 and faces of 1 to {MAX_FACE_SIZE} pixels were expected"
-            )));
-        }
-        let files = |kind: StreamKind| Some(format!("probe_{{probe}}/face_{{face}}/{}.%04d.exr", kind.name()));
-        let probe = |(at, position): (usize, DVec3)| manifest::Probe {
-            name: format!("{at:02}"),
-            position: position.to_array(),
-            frames: None,
-            orientation: None,
-            fov_y_deg: None,
-            intrinsics: None,
-            extra: None,
-        };
-        Ok(Manifest {
-            lightfield: MANIFEST_VERSION,
-            name: self.kind.name().to_owned(),
-            fps: FPS,
-            frames: [0, frames - 1],
-            projection: Projection::Cubemap,
-            size: [face_size; 2],
-            faces: Some(manifest::FaceFiles::Six),
-            faces_present: None,
-            depth: Some(manifest::DepthInfo::default()),
-            color: Some(manifest::ColorInfo { space: manifest::ManifestColorSpace::LinearRec709 }),
-            material: None,
-            files: manifest::Files { color: files(StreamKind::Color), depth: files(StreamKind::Depth), material: None },
-            probes: self.positions().into_iter().enumerate().map(probe).collect(),
-            extra: None,
-        })
+        self.capture()?.manifest()
     }
 
-    /// Captures everything into `folder`, which exists, frames in parallel. The monitor advances by one for each face.
+    /// Captures everything into `folder`, which is made where it is missing. The monitor advances by one for each image.
     ///
     /// # Errors
     /// When a number of the plan is out of its range, a file cannot be written, or the monitor is interrupted.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
-        let manifest = self.manifest()?;
-        let scene = DemoScene::new(self.kind);
-        for probe in &manifest.probes {
-            for face in Face::CUBE {
-                let file = file(&manifest, StreamKind::Depth, &probe.name, face, 0)?;
-                let parent = folder.join(file.parent().unwrap_or(Path::new("")));
-                std::fs::create_dir_all(&parent).map_err(|error| Error::io(&parent, error))?;
-            }
-        }
-        (0..self.frames).into_par_iter().try_for_each(|frame| {
-            let moment = scene.at(f64::from(frame) / FPS);
-            for probe in &manifest.probes {
-                for face in Face::CUBE {
-                    monitor.check()?;
-                    let (color, depth) = capture_face(&moment, probe.position.into(), face, self.face_size)?;
-                    let path = |kind| file(&manifest, kind, &probe.name, face, frame).map(|file| folder.join(file));
-                    exr::write_color(&path(StreamKind::Color)?, &color)?;
-                    exr::write_depth(&path(StreamKind::Depth)?, &depth)?;
-                    monitor.advance(1);
-                }
-            }
-            Ok(())
-        })?;
-        let path = folder.join(MANIFEST_NAME);
-        std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
-        Ok(manifest)
+        let plan = self.capture()?;
+        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, Kept::None, monitor)?;
+        plan.manifest()
     }
-}
-
-/// The file of one image, relative to the manifest.
-fn file(manifest: &Manifest, kind: StreamKind, probe: &str, face: Face, frame: u32) -> Result<std::path::PathBuf> {
-    let pattern = manifest.pattern(kind, probe, face)?;
-    let pattern = pattern.ok_or_else(|| Error::invalid(format!("the manifest names no {} files", kind.name())))?;
-    Ok(pattern.path(frame))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dataset::source::{Source, SourceOptions};
+    use crate::dataset::stream::StreamKind;
     use crate::monitor::Silent;
+    use crate::scene::capture::{MAX_FACE_SIZE, capture_face};
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 

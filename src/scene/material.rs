@@ -4,6 +4,8 @@
 
 use glam::DVec3;
 
+use super::mesh::{Optics, Phong};
+
 /// A pattern of albedos (linear, 0..=1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Texture {
@@ -90,12 +92,16 @@ pub struct Material {
     pub texture: Texture,
     /// Radiance that the surface gives off by itself, linear, scene-referred.
     pub emission: DVec3,
+    /// Highlight.
+    pub phong: Phong,
+    /// Mirror or glass.
+    pub optics: Optics,
 }
 
 impl Material {
-    /// A surface that only reflects.
+    /// A matt surface.
     pub fn diffuse(texture: Texture) -> Self {
-        Material { texture, emission: DVec3::ZERO }
+        Material { texture, emission: DVec3::ZERO, phong: Phong::default(), optics: Optics::Opaque }
     }
 }
 

@@ -3,13 +3,17 @@
 //! Enters: a time in seconds. Leaves: [`SceneAtTime`]. What moves is a function of the time alone and repeats after
 //! [`DemoScene::PERIOD_S`]; what does not move is the same objects in the same order at every time.
 
-use std::f64::consts::TAU;
+mod cornell;
+mod courtyard;
+mod interior;
+mod mirrors;
+mod turning;
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::DVec3;
 
 use super::material::{Material, Texture};
-use super::primitive::{AxisBox, Fence, Quad, Shape, Sphere, TurnedBox};
-use super::raycast::{CastsShadow, Lamp, Light, Object, SceneAtTime};
+use super::primitive::{AxisBox, Quad, Shape, Sphere};
+use super::raycast::{CastsShadow, Object, SceneAtTime};
 
 /// The scenes there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -17,16 +21,29 @@ pub enum DemoKind {
     /// A paved terrace under an open sky: brick wall to −X, striped wall with a lamp to −Z, pergola above, fence to +Z,
     /// nothing at all to +X. Three balls and a box move.
     Courtyard,
+    /// A closed room with lamps, furniture and a lattice; three balls move, one of them behind the lattice.
+    Interior,
+    /// A knotted tube that turns in empty space: triangles, black around it, depth `+inf`.
+    Object,
+    /// A closed room with a glass ball and a mirror ball that moves.
+    Mirrors,
+    /// A box that is open to +Z, with a red and a green wall, a light in the ceiling and two blocks. Nothing moves.
+    Cornell,
 }
 
 impl DemoKind {
     /// All scenes.
-    pub const ALL: [DemoKind; 1] = [DemoKind::Courtyard];
+    pub const ALL: [DemoKind; 5] =
+        [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Object, DemoKind::Mirrors, DemoKind::Cornell];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             DemoKind::Courtyard => "courtyard",
+            DemoKind::Interior => "interior",
+            DemoKind::Object => "object",
+            DemoKind::Mirrors => "mirrors",
+            DemoKind::Cornell => "cornell",
         }
     }
 
@@ -51,7 +68,11 @@ impl DemoScene {
     /// Sets the scene up.
     pub fn new(kind: DemoKind) -> Self {
         let fixed = match kind {
-            DemoKind::Courtyard => courtyard_fixed(),
+            DemoKind::Courtyard => courtyard::fixed(),
+            DemoKind::Interior => interior::fixed(),
+            DemoKind::Object => Vec::new(),
+            DemoKind::Mirrors => mirrors::fixed(),
+            DemoKind::Cornell => cornell::fixed(),
         };
         DemoScene { kind, fixed }
     }
@@ -61,11 +82,20 @@ impl DemoScene {
         self.kind
     }
 
-    /// Where probes belong, in metres: the middle, and how far from it along each axis. From anywhere within, no
-    /// surface is nearer than 0.9 m, and in the courtyard the face +X sees nothing.
+    /// Seconds after which it repeats, 0 where nothing moves.
+    pub fn duration_s(&self) -> f64 {
+        if self.kind == DemoKind::Cornell { 0.0 } else { Self::PERIOD_S }
+    }
+
+    /// Where probes belong, in metres: the middle, and how far from it along each axis. From anywhere within, at any
+    /// time, no surface is nearer than 0.4 m (in the courtyard 0.9 m), and in the courtyard the face +X sees nothing.
     pub fn probe_region(&self) -> (DVec3, DVec3) {
         match self.kind {
-            DemoKind::Courtyard => (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)),
+            DemoKind::Courtyard => courtyard::REGION,
+            DemoKind::Interior => interior::REGION,
+            DemoKind::Object => turning::REGION,
+            DemoKind::Mirrors => mirrors::REGION,
+            DemoKind::Cornell => cornell::REGION,
         }
     }
 
@@ -75,18 +105,14 @@ impl DemoScene {
         // 0..1 through the period.
         let phase = (time_s / Self::PERIOD_S).rem_euclid(1.0);
         match self.kind {
-            DemoKind::Courtyard => courtyard_at(phase, self.fixed.clone()),
+            DemoKind::Courtyard => courtyard::at(phase, self.fixed.clone()),
+            DemoKind::Interior => interior::at(phase, self.fixed.clone()),
+            DemoKind::Object => turning::at(phase),
+            DemoKind::Mirrors => mirrors::at(phase, self.fixed.clone()),
+            DemoKind::Cornell => cornell::at(self.fixed.clone()),
         }
     }
 }
-
-// The plan of the courtyard, in metres. The terrace ends, and the walls with it, before the +X face begins: that face
-// is empty from the whole probe region.
-const FENCE_Z: f64 = 1.3;
-const TERRACE_EDGE_X: f64 = 0.9;
-const WALL: f64 = -4.0;
-const PERGOLA_Y: f64 = 2.9;
-const LAMP: DVec3 = DVec3::new(-0.9, 1.75, -3.55);
 
 fn rgb(r: f64, g: f64, b: f64) -> DVec3 {
     DVec3::new(r, g, b)
@@ -104,254 +130,87 @@ fn ball(center: DVec3, radius: f64, texture: Texture) -> Object {
     object
 }
 
-fn courtyard_fixed() -> Vec<Object> {
-    let wood = Texture::Solid(rgb(0.36, 0.22, 0.12));
-    let iron = Texture::Solid(rgb(0.05, 0.055, 0.06));
-
-    let mut ground = Object::new(
-        Shape::Quad(Quad {
-            corner: DVec3::new(WALL - 0.2, 0.0, WALL - 0.2),
-            u: DVec3::Z * 13.0,
-            v: DVec3::X * (TERRACE_EDGE_X - WALL + 0.2),
-        }),
-        Material::diffuse(Texture::Bricks {
-            colors: [rgb(0.46, 0.43, 0.38), rgb(0.24, 0.23, 0.21)],
-            size: [0.8, 0.6],
-            joint: 0.025,
-        }),
-    );
-    // Nothing lies below it, so it never holds up light, and nearly every shadow ray starts on it.
-    ground.casts_shadow = CastsShadow::No;
-
-    let mut objects = vec![
-        ground,
-        block(
-            [WALL - 0.2, 0.0, WALL - 0.2],
-            [WALL, 2.6, 4.0],
-            Texture::Bricks { colors: [rgb(0.48, 0.2, 0.13), rgb(0.5, 0.47, 0.42)], size: [0.5, 0.16], joint: 0.02 },
-        ),
-        block(
-            [WALL, 0.0, WALL - 0.2],
-            [TERRACE_EDGE_X, 2.4, WALL],
-            Texture::Stripes { colors: [rgb(0.72, 0.66, 0.52), rgb(0.3, 0.42, 0.4)], wave: DVec3::X * 2.5 },
-        ),
-        // A coping on each wall.
-        block([WALL - 0.28, 2.6, WALL - 0.28], [WALL + 0.08, 2.7, 4.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
-        block([WALL, 2.4, WALL - 0.28], [TERRACE_EDGE_X, 2.5, WALL + 0.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
-        // The bracket that holds the lamp.
-        block([LAMP.x - 0.02, LAMP.y + 0.12, WALL], [LAMP.x + 0.02, LAMP.y + 0.15, LAMP.z + 0.02], iron),
-        // A tower and a tree beyond the fence.
-        block(
-            [-3.4, 0.0, 5.6],
-            [-2.2, 4.6, 6.8],
-            Texture::Bricks { colors: [rgb(0.5, 0.46, 0.4), rgb(0.33, 0.31, 0.28)], size: [0.45, 0.3], joint: 0.03 },
-        ),
-        block([-3.55, 4.6, 5.45], [-2.05, 4.8, 6.95], Texture::Solid(rgb(0.42, 0.16, 0.11))),
-        block([-0.08, 0.0, 5.92], [0.08, 1.5, 6.08], wood),
-        ball(DVec3::new(0.0, 2.3, 6.0), 0.85, Texture::Solid(rgb(0.12, 0.3, 0.08))),
-        ball(DVec3::new(-0.55, 1.85, 5.8), 0.5, Texture::Solid(rgb(0.15, 0.36, 0.09))),
-        // A crate and a planter on the terrace.
-        block(
-            [-3.5, 0.0, 0.9],
-            [-2.8, 0.7, 1.6],
-            Texture::Stripes { colors: [rgb(0.5, 0.34, 0.18), rgb(0.38, 0.24, 0.12)], wave: DVec3::Y * 7.0 },
-        ),
-        block([-0.2, 0.0, -3.3], [0.5, 0.45, -2.6], Texture::Solid(rgb(0.5, 0.26, 0.16))),
-        ball(DVec3::new(0.15, 0.75, -2.95), 0.42, Texture::Solid(rgb(0.1, 0.26, 0.1))),
-        Object::new(
-            Shape::Fence(Fence {
-                foot: DVec3::new(-3.8, 0.0, FENCE_Z),
-                posts: 37,
-                spacing: 0.12,
-                width: 0.022,
-                height: 1.1,
-                rails: [0.2, 0.98],
-            }),
-            Material::diffuse(iron),
-        ),
-    ];
-    // The pergola: two beams on posts, five slats across.
-    for z in [-1.5, 1.5] {
-        objects.push(block([WALL, PERGOLA_Y - 0.12, z - 0.05], [0.35, PERGOLA_Y, z + 0.05], wood));
-        objects.push(block([0.1, 0.0, z - 0.05], [0.2, PERGOLA_Y - 0.12, z + 0.05], wood));
-    }
-    for slat in 0..5 {
-        let x = -2.6 + 0.68 * f64::from(slat);
-        objects.push(block([x - 0.04, PERGOLA_Y, -1.75], [x + 0.04, PERGOLA_Y + 0.1, 1.75], wood));
-    }
-    objects
+/// A rectangle that keeps no light from anything: walls of a room that is lit from within, and lights.
+fn wall(corner: [f64; 3], u: DVec3, v: DVec3, texture: Texture) -> Object {
+    let mut object = Object::new(Shape::Quad(Quad { corner: corner.into(), u, v }), Material::diffuse(texture));
+    object.casts_shadow = CastsShadow::No;
+    object
 }
 
-/// Adds what moves, and the light.
-fn courtyard_at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
-    let (sin, cos) = (TAU * phase).sin_cos();
-
-    // A beach ball runs round a circle and bounces four times: parabolas, as gravity has it.
-    let hop = (4.0 * phase).fract();
-    let bounce = DVec3::new(-2.1 + 0.5 * cos, 0.32 + 2.6 * hop * (1.0 - hop), -0.1 + 0.8 * sin);
-    let stripes = Texture::Stripes { colors: [rgb(0.75, 0.08, 0.05), rgb(0.8, 0.78, 0.7)], wave: DVec3::X * 6.0 };
-    let mut beach_ball = ball(bounce, 0.32, stripes);
-    beach_ball.texture_from_world = DQuat::from_rotation_z(-TAU * phase);
-    objects.push(beach_ball);
-
-    // A blue ball rolls to and fro before the striped wall without slipping.
-    let roll_x = -1.1 + 0.9 * sin;
-    let checker = Texture::Checker { colors: [rgb(0.06, 0.16, 0.6), rgb(0.7, 0.72, 0.75)], size: 0.25 };
-    let mut blue_ball = ball(DVec3::new(roll_x, 0.28, -2.0), 0.28, checker);
-    blue_ball.texture_from_world = DQuat::from_rotation_z(roll_x / 0.28);
-    objects.push(blue_ball);
-
-    // A golden one hovers beyond the fence, seen between the posts and above them.
-    let hover = DVec3::new(-0.9 + 0.8 * cos, 1.15 + 0.45 * (2.0 * TAU * phase).sin(), 2.5 + 0.4 * sin);
-    objects.push(ball(hover, 0.2, Texture::Solid(rgb(0.8, 0.52, 0.1))));
-
-    // A box turns on the spot, once in a period.
-    let cube = TurnedBox { center: DVec3::new(-2.7, 0.4, -2.5), half: DVec3::splat(0.4), turn: DVec2::new(cos, sin) };
-    let tiles = Texture::Checker { colors: [rgb(0.7, 0.6, 0.1), rgb(0.16, 0.1, 0.2)], size: 0.27 };
-    let mut turning = Object::new(Shape::TurnedBox(cube), Material::diffuse(tiles));
-    turning.anchor = cube.center;
-    turning.texture_from_world = DQuat::from_rotation_y(-TAU * phase);
-    objects.push(turning);
-
-    // The lamp rises and falls in straight lines: between two frames of a side, what it lights is their linear blend.
-    let pulse = 1.0 - (2.0 * phase - 1.0).abs();
-    let glow = 6.0 + 14.0 * pulse;
-    let warm = rgb(1.0, 0.78, 0.45);
-    let mut bulb = ball(LAMP, 0.12, Texture::Solid(DVec3::ZERO));
-    bulb.material.emission = glow * warm;
-    bulb.casts_shadow = CastsShadow::No;
-    objects.push(bulb);
-
-    let light = Light {
-        lamps: vec![Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0, cone: None }],
-        ..Light::default()
-    };
-    SceneAtTime::new(objects, light)
+/// Floor, ceiling, and the walls to −X, +X, −Z, +Z of a room.
+fn room(inside: AxisBox, textures: [Texture; 6]) -> [Object; 6] {
+    let AxisBox { min, max } = inside;
+    let size = max - min;
+    let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
+    let [floor, ceiling, left, right, back, front] = textures;
+    let low = min.to_array();
+    [
+        wall(low, z, x, floor),
+        wall([min.x, max.y, min.z], x, z, ceiling),
+        wall(low, y, z, left),
+        wall([max.x, min.y, min.z], z, y, right),
+        wall(low, x, y, back),
+        wall([min.x, min.y, max.z], y, x, front),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
-    use half::f16;
-
     use super::*;
-    use crate::image::{DepthPlane, Face};
-    use crate::scene::{capture_face, trace};
-
-    const TIMES: [f64; 5] = [0.0, 0.7, 1.5, 2.9, 3.95];
-
-    fn courtyard() -> DemoScene {
-        DemoScene::new(DemoKind::Courtyard)
-    }
-
-    /// The middle and the eight corners of the probe region.
-    fn probes() -> Vec<DVec3> {
-        let (middle, half) = courtyard().probe_region();
-        let region = AxisBox { min: middle - half, max: middle + half };
-        [middle].into_iter().chain(region.corners()).collect()
-    }
-
-    #[test]
-    fn empty_side_is_empty_from_every_probe() {
-        for time in TIMES {
-            let scene = courtyard().at(time);
-            let sky = scene.light().sky.horizon.to_array().map(f16::from_f64);
-            for probe in probes() {
-                let (color, depth) = capture_face(&scene, probe, Face::Px, 32).unwrap();
-                assert!(depth.data().iter().all(|&d| d == f32::INFINITY), "{probe} at {time} s");
-                assert!(color.data().iter().all(|&c| c == sky), "{probe} at {time} s");
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_comes_near_a_probe() {
-        for time in TIMES {
-            for probe in probes() {
-                for face in Face::CUBE {
-                    let (_, depth) = capture_face(&courtyard().at(time), probe, face, 24).unwrap();
-                    assert!(depth.data().iter().all(|&d| d > 0.9), "{face:?} of {probe} at {time} s");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn pergola_and_sky_never_change() {
-        let (probe, _) = courtyard().probe_region();
-        let first = capture_face(&courtyard().at(0.0), probe, Face::Py, 64).unwrap();
-        assert!(first.1.data().iter().any(|d| d.is_finite()));
-        for time in TIMES {
-            assert_eq!(capture_face(&courtyard().at(time), probe, Face::Py, 64).unwrap(), first, "{time} s");
-        }
-    }
-
-    #[test]
-    fn most_is_static_and_something_moves() {
-        let (probe, _) = courtyard().probe_region();
-        for face in [Face::Nx, Face::Pz, Face::Nz] {
-            let [a, b] =
-                [1.0, 1.0 + 1.0 / 24.0].map(|time| capture_face(&courtyard().at(time), probe, face, 96).unwrap());
-            let same_depth = a.1.data().iter().zip(b.1.data()).filter(|(a, b)| a == b).count();
-            let same_color = a.0.data().iter().zip(b.0.data()).filter(|(a, b)| a == b).count();
-            let all = 96 * 96;
-            assert!(same_depth < all && same_depth * 100 > all * 90, "{face:?}: {same_depth}");
-            assert!(same_color < all && same_color * 100 > all * 50, "{face:?}: {same_color}");
-        }
-    }
-
-    #[test]
-    fn it_repeats_and_takes_any_time() {
-        let (probe, _) = courtyard().probe_region();
-        let at = |time: f64| capture_face(&courtyard().at(time), probe, Face::Nx, 24).unwrap();
-        assert_eq!(at(1.5), at(1.5 + DemoScene::PERIOD_S));
-        assert_eq!(at(-1.0), at(3.0));
-        assert_eq!(at(f64::NAN), at(0.0));
-        assert_eq!(at(f64::INFINITY), at(0.0));
-    }
-
-    #[test]
-    fn lamp_changes_the_wall_linearly() {
-        let (probe, _) = courtyard().probe_region();
-        let target = DVec3::new(-0.4, 2.0, WALL);
-        let [a, b, c] = [0.4, 0.9, 1.4].map(|time| trace(&courtyard().at(time), probe, target - probe));
-        assert_eq!((a.object, a.distance), (c.object, c.distance));
-        assert!((c.color - a.color).min_element() > 0.1, "{} {}", a.color, c.color);
-        assert!((0.5 * (a.color + c.color) - b.color).abs().max_element() < 1e-12);
-    }
-
-    #[test]
-    fn the_lamp_is_far_brighter_than_white() {
-        let (probe, _) = courtyard().probe_region();
-        let hit = trace(&courtyard().at(2.0), probe, LAMP - probe);
-        assert_eq!(hit.color.x, 20.0);
-    }
-
-    /// Jumps of more than 10% from one pixel to the next.
-    fn jumps(depth: &DepthPlane, row: u32) -> usize {
-        depth.row(row).windows(2).filter(|pair| (pair[0] / pair[1]).ln().abs() > 0.1).count()
-    }
-
-    #[test]
-    fn fence_posts_are_one_to_three_pixels() {
-        let (probe, _) = courtyard().probe_region();
-        let (_, depth) = capture_face(&courtyard().at(0.0), probe, Face::Pz, 128).unwrap();
-        // Halfway between the rails, about 13 posts in a view of 90° from 1.3 m, each with two edges.
-        let row = 107;
-        assert!(jumps(&depth, row) >= 22, "{}", jumps(&depth, row));
-        let near = |d: f32| d < 2.2;
-        let runs: Vec<usize> =
-            depth.row(row).chunk_by(|a, b| near(*a) == near(*b)).filter(|run| near(run[0])).map(<[f32]>::len).collect();
-        // The pergola's post is the one exception.
-        assert!(runs.iter().filter(|&&run| run > 3).count() <= 1, "{runs:?}");
-        assert!(runs.iter().filter(|&&run| run <= 3).count() >= 11, "{runs:?}");
-    }
+    use crate::image::Face;
+    use crate::scene::capture_face;
 
     #[test]
     fn names_round_trip() {
         for kind in DemoKind::ALL {
             assert_eq!(DemoKind::from_name(kind.name()), Some(kind));
+            assert_eq!(DemoScene::new(kind).kind(), kind);
         }
         assert_eq!(DemoKind::from_name("castle"), None);
-        assert_eq!(courtyard().kind(), DemoKind::Courtyard);
+    }
+
+    #[test]
+    fn walls_face_into_the_room() {
+        let inside = AxisBox { min: DVec3::new(-1.0, 0.0, -2.0), max: DVec3::new(2.0, 3.0, 1.0) };
+        let middle = 0.5 * (inside.min + inside.max);
+        for wall in room(inside, [Texture::Solid(DVec3::ONE); 6]) {
+            let Shape::Quad(quad) = wall.shape() else { panic!("{wall:?}") };
+            assert!(quad.u.cross(quad.v).dot(middle - quad.corner) > 0.0, "{quad:?}");
+        }
+    }
+
+    #[test]
+    fn every_scene_keeps_its_region_free_and_moves_as_it_says() {
+        for kind in DemoKind::ALL {
+            let scene = DemoScene::new(kind);
+            let (middle, half) = scene.probe_region();
+            let region = AxisBox { min: middle - half, max: middle + half };
+            let size = 16;
+            let depths = |time: f64, probe: DVec3| {
+                let moment = scene.at(time);
+                Face::CUBE.map(|face| capture_face(&moment, probe, face, size).unwrap())
+            };
+            let first = depths(0.0, middle);
+            let moved = [0.5, 1.3, 2.9].into_iter().any(|time| depths(time, middle) != first);
+            assert_eq!(moved, scene.duration_s() > 0.0, "{kind:?}");
+            assert_eq!(depths(DemoScene::PERIOD_S, middle), first, "{kind:?}");
+            let mut seen = 0;
+            for probe in region.corners().into_iter().chain([middle]) {
+                for time in [0.0, 0.7, 1.9, 3.1] {
+                    for (color, depth) in depths(time, probe) {
+                        assert!(depth.data().iter().all(|&d| d > 0.4), "{kind:?} at {time} s from {probe}");
+                        assert!(color.data().iter().flatten().all(|c| c.is_finite() && c.to_f32() >= 0.0));
+                        seen += depth.data().iter().filter(|d| d.is_finite()).count();
+                    }
+                }
+            }
+            let all = 9 * 4 * 6 * (size * size) as usize;
+            match kind {
+                // No way out of a closed room.
+                DemoKind::Interior | DemoKind::Mirrors => assert_eq!(seen, all, "{kind:?}"),
+                DemoKind::Object => assert!(seen > all / 100 && seen < all / 5, "{seen} of {all}"),
+                _ => assert!(seen > all / 3 && seen < all, "{kind:?}: {seen} of {all}"),
+            }
+        }
     }
 }

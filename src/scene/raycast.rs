@@ -1,17 +1,22 @@
-//! What a ray sees: the nearest surface, lit by suns and lamps with hard shadows, and an ambient sky.
+//! What a ray sees: the nearest surface of a scene of shapes and meshes, and its light.
 //!
-//! Enters: a scene frozen at one time, a ray. Leaves: [`Hit`]: distance in metres and linear radiance.
+//! Enters: a scene frozen at one time, a ray. Leaves: [`FirstHit`]: what it meets; [`Hit`]: distance in metres and
+//! linear radiance, by [`super::shading`]. And whether two points see each other.
 //!
 //! Nothing here depends on time or on chance: the same scene and ray give the same bits, so that what does not move
 //! and is not lit anew is exactly static.
 
 use std::sync::Arc;
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DQuat, DVec3};
 
-use super::bvh::MeshBvh;
+use super::bvh::{MeshBvh, MeshHit};
+pub use super::light::{Cone, Lamp, Light, Sky, Sun};
 use super::material::Material;
+use super::mesh::Optics;
 use super::primitive::{AxisBox, Intersection, Ray, Shape};
+use super::shading::Path;
+use super::shadow_grid::ShadowGrid;
 
 /// How far rays start off the surface that they leave, in metres, in a scene that is `size` metres across: a micrometre
 /// from 1 to 100 m, which is far above the rounding of f64 and far below a fence post; a millionth of smaller scenes, a
@@ -67,61 +72,10 @@ impl Object {
     pub fn bounds(&self) -> &AxisBox {
         &self.bounds
     }
-}
 
-/// A light at infinity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sun {
-    /// Direction towards it, length 1.
-    pub direction: DVec3,
-    /// Radiance of a white surface that faces it.
-    pub radiance: DVec3,
-}
-
-/// A light at a point whose reach ends: beyond it, nothing changes when it does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lamp {
-    /// Where, metres.
-    pub position: DVec3,
-    /// Radiance of a white surface that faces it at 1 m, before the fall-off to the reach.
-    pub radiance: DVec3,
-    /// Distance in metres from which on it lights nothing; may be `+inf`.
-    pub reach: f64,
-    /// Where it shines to, `None` for all around.
-    pub cone: Option<Cone>,
-}
-
-/// The light of a spot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cone {
-    /// Its middle, length 1.
-    pub axis: DVec3,
-    /// Cosine of the angle from the axis within which it has its full strength.
-    pub cos_inner: f64,
-    /// Cosine of the angle from which on it lights nothing, below `cos_inner`.
-    pub cos_outer: f64,
-}
-
-/// What is seen where there is nothing, and the light that comes from there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sky {
-    /// Radiance up to the elevation whose sine is [`Sky::GRADIENT_START`]: one constant.
-    pub horizon: DVec3,
-    /// Radiance straight up.
-    pub zenith: DVec3,
-    /// Radiance of a white surface that faces up, without sun.
-    pub ambient: DVec3,
-}
-
-impl Sky {
-    /// Sine of the elevation where the sky starts to change: just above 45°, so that the four horizontal faces of a
-    /// cube map see one constant.
-    pub const GRADIENT_START: f64 = 0.71;
-
-    /// Radiance in a direction of length 1.
-    pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        let rise = (direction.y - Sky::GRADIENT_START) / (1.0 - Sky::GRADIENT_START);
-        if rise <= 0.0 { self.horizon } else { self.horizon.lerp(self.zenith, rise.min(1.0)) }
+    /// Whether it casts shadows; glass never does.
+    pub(super) fn keeps_light(&self) -> bool {
+        self.casts_shadow == CastsShadow::Yes && !matches!(self.material.optics, Optics::Glass { .. })
     }
 }
 
@@ -134,32 +88,10 @@ pub struct SceneAtTime {
     /// One for each sun.
     shadows: Vec<ShadowGrid>,
     bounds: Option<AxisBox>,
+    /// Diagonal of the bounds, metres.
+    size: f64,
     /// How far rays start off a surface that they leave, metres.
     lift: f64,
-}
-
-/// All that shines in a scene, but for surfaces.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Light {
-    /// Lights at infinity.
-    pub suns: Vec<Sun>,
-    /// Lights at points.
-    pub lamps: Vec<Lamp>,
-    /// The background.
-    pub sky: Sky,
-}
-
-impl Default for Light {
-    /// A bright day, for scenes that bring no light.
-    fn default() -> Self {
-        let sun = Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: DVec3::new(1.75, 1.6, 1.35) };
-        let sky = Sky {
-            horizon: DVec3::new(0.5, 0.66, 0.86),
-            zenith: DVec3::new(0.16, 0.32, 0.68),
-            ambient: DVec3::new(0.3, 0.36, 0.46),
-        };
-        Light { suns: vec![sun], lamps: Vec::new(), sky }
-    }
 }
 
 /// What a ray sees.
@@ -169,13 +101,48 @@ pub struct Hit {
     pub distance: f64,
     /// Linear Rec. 709 radiance towards the ray's origin.
     pub color: DVec3,
-    /// Normal on the ray's side, length 1; zero for nothing.
+    /// Normal on the ray's side, length 1; zero for nothing. Of triangles whose corners have normals, the one between
+    /// them, which may lean away from the ray.
     pub normal: DVec3,
     /// Index into [`SceneAtTime::objects`], `None` for nothing and for a mesh.
     pub object: Option<usize>,
     /// Weight of mirror reflection, weight of refraction, and index of refraction, as a material stream has them:
     /// 0, 0, 1 for what is opaque, and for nothing.
     pub optics: [f64; 3],
+}
+
+impl Hit {
+    /// Nothing, black.
+    const NOTHING: Hit =
+        Hit { distance: f64::INFINITY, color: DVec3::ZERO, normal: DVec3::ZERO, object: None, optics: OPAQUE };
+}
+
+/// The first thing on a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstHit {
+    /// Metres along the ray.
+    pub distance: f64,
+    /// What it is.
+    pub thing: Thing,
+}
+
+/// What a ray may meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Thing {
+    /// A shape.
+    Object {
+        /// Index into [`SceneAtTime::objects`].
+        index: usize,
+        /// Normal of the shape, as [`Intersection::normal`].
+        normal: DVec3,
+    },
+    /// A triangle.
+    Mesh {
+        /// Index into [`SceneAtTime::meshes`].
+        index: usize,
+        /// Which of its triangles, and where.
+        at: MeshHit,
+    },
 }
 
 /// [`Hit::optics`] of what neither mirrors nor refracts.
@@ -186,13 +153,7 @@ pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
 /// A direction without length, or anything not finite, sees nothing: distance `+inf` and the horizon's colour.
 pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
     let Some(ray) = Ray::new(origin, direction) else {
-        return Hit {
-            distance: f64::INFINITY,
-            color: scene.light.sky.horizon,
-            normal: DVec3::ZERO,
-            object: None,
-            optics: OPAQUE,
-        };
+        return Hit { color: scene.light.sky.horizon, ..Hit::NOTHING };
     };
     scene.look(&ray, 0..scene.objects.len())
 }
@@ -209,7 +170,7 @@ impl SceneAtTime {
         let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
         let bounds = boxes.reduce(|a, b| AxisBox { min: a.min.min(b.min), max: a.max.max(b.max) });
         let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length());
-        SceneAtTime { objects, meshes, light, shadows, bounds, lift: lift_m(size) }
+        SceneAtTime { objects, meshes, light, shadows, bounds, size, lift: lift_m(size) }
     }
 
     /// The smallest box along the axes around the boxes of all objects and meshes; `None` for an empty scene.
@@ -239,9 +200,20 @@ impl SceneAtTime {
         !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0], ends[1]))
     }
 
+    /// Square of the distance from a lamp within which it becomes no brighter, square metres: 10 cm, less in scenes of
+    /// less than a metre.
+    pub(super) fn lamp_core(&self) -> f64 {
+        0.01 * self.size.min(1.0).powi(2)
+    }
+
+    /// For each sun, what may keep it off.
+    pub(super) fn shadows(&self) -> &[ShadowGrid] {
+        &self.shadows
+    }
+
     /// How far a ray starts off the surface at `point` that it leaves, metres: more for points so far from the origin
     /// that f64 resolves less.
-    fn lift(&self, point: DVec3) -> f64 {
+    pub(super) fn lift(&self, point: DVec3) -> f64 {
         self.lift.max(1e-13 * point.abs().max_element())
     }
 
@@ -277,145 +249,39 @@ impl SceneAtTime {
         best
     }
 
-    /// [`trace`] among some of the objects.
-    pub(super) fn look(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
-        match self.nearest(ray, candidates) {
-            None => Hit {
-                distance: f64::INFINITY,
-                color: self.light.sky.radiance(ray.direction()),
-                normal: DVec3::ZERO,
-                object: None,
-                optics: OPAQUE,
+    /// The first thing on a ray, among all meshes and the `candidates` (indices of objects, rising). Where two are
+    /// equally near: objects before meshes, then the lower index. Depth is this, without any shading.
+    pub fn first_hit(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Option<FirstHit> {
+        let mut first = self.nearest(ray, candidates).map(|(index, hit)| FirstHit {
+            distance: hit.distance,
+            thing: Thing::Object { index, normal: hit.normal },
+        });
+        for (index, mesh) in self.meshes.iter().enumerate() {
+            let limit = first.map_or(f64::INFINITY, |first| first.distance);
+            if let Some(at) = mesh.nearest_before(ray, 0.0, limit) {
+                first = Some(FirstHit { distance: at.distance, thing: Thing::Mesh { index, at } });
+            }
+        }
+        first
+    }
+
+    /// What a ray sees, among all meshes and the `candidates` (indices of objects, rising): [`trace`] where the caller
+    /// knows which objects may be met. What reflections and shadows meet are always all of them.
+    pub fn look(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
+        let Some(hit) = self.first_hit(ray, candidates) else {
+            return Hit { color: self.light.sky.radiance(ray.direction()), ..Hit::NOTHING };
+        };
+        let surface = self.surface(ray, &hit);
+        Hit {
+            distance: hit.distance,
+            color: self.radiance(&surface, ray.direction(), Path::FIRST),
+            normal: surface.normal,
+            object: match hit.thing {
+                Thing::Object { index, .. } => Some(index),
+                Thing::Mesh { .. } => None,
             },
-            Some((index, hit)) => {
-                // The side that is seen is the side that is lit: quads and rays from inside a solid.
-                let normal = if hit.normal.dot(ray.direction()) > 0.0 { -hit.normal } else { hit.normal };
-                let color = self.shade(index, ray.at(hit.distance), normal);
-                Hit { distance: hit.distance, color, normal, object: Some(index), optics: OPAQUE }
-            }
+            optics: surface.optical_weights(ray.direction()),
         }
-    }
-
-    /// Lambert under ambient sky, sun and lamp, and what the surface gives off itself.
-    fn shade(&self, index: usize, point: DVec3, normal: DVec3) -> DVec3 {
-        let object = &self.objects[index];
-        let turn = object.texture_from_world;
-        let (local_point, local_normal) = if turn == DQuat::IDENTITY {
-            (point - object.anchor, normal)
-        } else {
-            (turn * (point - object.anchor), turn * normal)
-        };
-        let albedo = object.material.texture.albedo(local_point, local_normal);
-        // A surface that faces down sees ground instead of sky: a bit less than half the light.
-        let mut light = self.light.sky.ambient * (0.7 + 0.3 * normal.y);
-        let above = point + self.lift(point) * normal;
-        for (sun, shadows) in self.light.suns.iter().zip(&self.shadows) {
-            let facing_sun = normal.dot(sun.direction);
-            if facing_sun > 0.0 && !self.in_sun_shadow(sun, shadows, above) {
-                light += facing_sun * sun.radiance;
-            }
-        }
-        for lamp in &self.light.lamps {
-            light += self.lamp_light(lamp, above, normal);
-        }
-        object.material.emission + albedo * light
-    }
-
-    fn lamp_light(&self, lamp: &Lamp, point: DVec3, normal: DVec3) -> DVec3 {
-        let to_lamp = lamp.position - point;
-        let squared = to_lamp.length_squared();
-        let reach = lamp.reach * lamp.reach;
-        let cosine = normal.dot(to_lamp);
-        // Out of reach, behind the surface, or in the lamp itself, where the direction is lost.
-        if squared >= reach || cosine <= 0.0 || squared < 1e-12 {
-            return DVec3::ZERO;
-        }
-        let distance = squared.sqrt();
-        if self.occluded(&Ray::from_unit(point, to_lamp / distance), distance) {
-            return DVec3::ZERO;
-        }
-        // Inverse square times a window that reaches 0 with slope 0.
-        let window = 1.0 - squared / reach;
-        lamp.radiance * (cosine / distance * window * window / squared.max(0.01))
-    }
-
-    fn in_sun_shadow(&self, sun: &Sun, shadows: &ShadowGrid, point: DVec3) -> bool {
-        let ray = Ray::from_unit(point, sun.direction);
-        shadows.casters(point).iter().any(|&index| self.objects[index].shape.intersect(&ray, 0.0).is_some())
-    }
-
-    /// Whether something that casts shadows lies on the first `length` metres.
-    fn occluded(&self, ray: &Ray, length: f64) -> bool {
-        self.objects.iter().filter(|object| object.casts_shadow == CastsShadow::Yes).any(|object| {
-            object.bounds.intersect(ray, 0.0).is_some()
-                && object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
-        })
-    }
-}
-
-/// Who may stand between a point and the sun: the scene cut into shafts parallel to the sun's rays, each with the
-/// objects whose bounding boxes reach into it.
-#[derive(Debug, Clone)]
-struct ShadowGrid {
-    /// Two axes across the sun's direction.
-    axes: [DVec3; 2],
-    /// Smallest coordinates of all casters, and shafts per metre, along those axes.
-    min: DVec2,
-    per_metre: DVec2,
-    /// Indices of objects, row-major.
-    shafts: Vec<Vec<usize>>,
-}
-
-impl ShadowGrid {
-    /// Shafts along each axis.
-    const SIDE: usize = 48;
-
-    fn new(objects: &[Object], sun: DVec3) -> Self {
-        // Across the sun, and as far as possible along X: the shadows of long beams then fill few shafts.
-        let first = (DVec3::X - sun.x * sun).try_normalize().unwrap_or(DVec3::Y);
-        let axes = [first, sun.cross(first)];
-        let flat = |point: DVec3| DVec2::new(point.dot(axes[0]), point.dot(axes[1]));
-        let casters: Vec<(usize, DVec2, DVec2)> = objects
-            .iter()
-            .enumerate()
-            .filter(|(_, object)| object.casts_shadow == CastsShadow::Yes)
-            .map(|(index, object)| {
-                let corners = object.bounds.corners().map(flat);
-                // Ten micrometres for rounding and for the lift of shadow rays.
-                let (low, high) = corners
-                    .iter()
-                    .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
-                (index, low - 1e-5, high + 1e-5)
-            })
-            .collect();
-        let min = casters.iter().fold(DVec2::INFINITY, |min, (_, low, _)| min.min(*low));
-        let max = casters.iter().fold(DVec2::NEG_INFINITY, |max, (_, _, high)| max.max(*high));
-        let mut grid = ShadowGrid {
-            axes,
-            min,
-            per_metre: Self::SIDE as f64 / (max - min),
-            shafts: vec![Vec::new(); Self::SIDE * Self::SIDE],
-        };
-        for (index, low, high) in casters {
-            let (from, to) = (grid.shaft(low), grid.shaft(high));
-            for row in from[1]..=to[1] {
-                for column in from[0]..=to[0] {
-                    grid.shafts[row * Self::SIDE + column].push(index);
-                }
-            }
-        }
-        grid
-    }
-
-    /// Column and row of a flat point. Casts saturate and NaN (a grid without casters) is 0, so points outside fall
-    /// into a border shaft, whose casters they try in vain.
-    fn shaft(&self, flat: DVec2) -> [usize; 2] {
-        ((flat - self.min) * self.per_metre).to_array().map(|at| (at as usize).min(Self::SIDE - 1))
-    }
-
-    fn casters(&self, point: DVec3) -> &[usize] {
-        let [column, row] = self.shaft(DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1])));
-        &self.shafts[row * Self::SIDE + column]
     }
 }
 

@@ -31,7 +31,6 @@ use crate::ordered::try_map_ordered;
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::video::{scan, stream_info};
 
-use fingerprint::Fingerprint;
 use resume::{Done, FrameNote, Order, ScanNote, Stamp, note_of_frames};
 pub use resume::{Left, Stopped};
 pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings};
@@ -140,7 +139,7 @@ pub fn check(source: &Source, settings: &EncodeSettings) -> Result<()> {
 /// # Errors
 /// [`Error::Usage`] tells what differs.
 pub fn check_recovered(source: &Source, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
-    Done::of(recovered, &Fingerprint::of(source, settings), &Order::of(source, settings)).map(|_| ())
+    Done::of(recovered, &fingerprint::of(source, settings), &Order::of(source, settings)).map(|_| ())
 }
 
 /// What of an unfinished encode is safe, in words; `None` where nothing is.
@@ -208,7 +207,7 @@ fn prepare(
 ) -> Result<Done> {
     check(source, settings)?;
     let Some(recovered) = recovered else { return Ok(Done::default()) };
-    let mut done = Done::of(recovered, &Fingerprint::of(source, settings), order)?;
+    let mut done = Done::of(recovered, &fingerprint::of(source, settings), order)?;
     done.check_files(source, settings, order, monitor)?;
     Ok(done)
 }
@@ -224,7 +223,7 @@ fn open<W: Write>(source: &Source, settings: &EncodeSettings, sink: Sink<W>) -> 
             Writer::go_on(out, name, fps, projection, (recovered, journal))
         }
         Sink::Resumable(Resumable { out, journal, recovered: None }) => {
-            let head = Fingerprint::of(source, settings).write()?;
+            let head = fingerprint::write(&fingerprint::of(source, settings))?;
             Writer::new(out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
         }
     };

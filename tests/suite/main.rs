@@ -2,6 +2,8 @@
 
 mod anatomy;
 mod blocks;
+mod capture;
+mod capture_footage;
 mod cli;
 mod commands;
 mod convention;

@@ -204,13 +204,13 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
     Ok(())
 }
 
-fn parse(words: &[OsString]) -> Result<Cli> {
+pub(super) fn parse(words: &[OsString]) -> Result<Cli> {
     let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
     Cli::try_parse_from(words).map_err(|error| refused(&error))
 }
 
 /// The first sentence of what the parser of command lines says.
-fn refused(error: &clap::Error) -> Error {
+pub(super) fn refused(error: &clap::Error) -> Error {
     use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
     if matches!(error.kind(), DisplayHelp | DisplayVersion) {
         return Error::Usage("--help and --version are no options of encoding: give them before --".into());
@@ -277,6 +277,7 @@ mod tests {
         for knob in KNOBS {
             let commands: &[&str] = match (knob.stage, knob.is_general(), knob.kinds[0]) {
                 (Stage::Decode, ..) => &["decode"],
+                (Stage::Place, ..) => &["place"],
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],

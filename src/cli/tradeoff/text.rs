@@ -11,6 +11,7 @@ use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::report::tradeoff::findings::{self, Verdict};
 use crate::report::tradeoff::knob::{KNOBS, Stage};
+use crate::report::tradeoff::placement;
 use crate::report::tradeoff::recommend::Aim;
 use crate::report::tradeoff::{Measured, Results};
 use crate::report::{Column, Table};
@@ -153,6 +154,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         Stage::Encode => "encode",
         Stage::Decode => "decode",
         Stage::Both => "both",
+        Stage::Place => "place",
     };
     if as_json {
         let row = |knob: &crate::report::tradeoff::Knob| {
@@ -165,7 +167,9 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
                 "usual": knob.usual,
             })
         };
-        return output::print_json(&json!({ "knobs": KNOBS.iter().map(row).collect::<Vec<_>>() }));
+        return output::print_json(
+            &json!({ "knobs": KNOBS.iter().chain(placement::KNOBS).map(row).collect::<Vec<_>>() }),
+        );
     }
     let mut table = Table::new(&[
         Column::Left("Knob"),
@@ -175,8 +179,12 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         Column::Left("Default"),
         Column::Left("Swept where no values are given"),
     ]);
-    for knob in KNOBS {
-        let of = if knob.is_general() { "all".to_owned() } else { kinds(knob.kinds).join(", ") };
+    for knob in KNOBS.iter().chain(placement::KNOBS) {
+        let of = match knob.stage {
+            Stage::Place => "cameras".to_owned(),
+            _ if knob.is_general() => "all".to_owned(),
+            _ => kinds(knob.kinds).join(", "),
+        };
         table.row([
             knob.name.to_owned(),
             knob.label.to_owned(),

@@ -11,6 +11,8 @@ pub enum Stage {
     Decode,
     /// Both, as an option of every command.
     Both,
+    /// Placing cameras in a scene ([`super::placement`]).
+    Place,
 }
 
 /// An option that trades accuracy, bytes or time.
@@ -38,7 +40,7 @@ use StreamKind::{Color, Depth, Material};
 
 const ALL: &[StreamKind] = &[Color, Depth, Material];
 
-/// All knobs, in the order of reports.
+/// All knobs of encoding and decoding, in the order of reports.
 pub const KNOBS: &[Knob] = &[
     Knob {
         name: "depth-codec",

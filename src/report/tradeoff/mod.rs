@@ -12,6 +12,7 @@ pub mod json;
 pub mod knob;
 pub mod page;
 pub mod pareto;
+pub mod placement;
 pub mod plan;
 pub mod point;
 pub mod recommend;

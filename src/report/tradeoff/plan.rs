@@ -2,7 +2,8 @@
 //!
 //! Knobs that are swept together make one study for each kind of stream: the grid of all their values.
 
-use super::knob::{self, KNOBS, Knob};
+use super::knob::{self, KNOBS, Knob, Stage};
+use super::placement;
 use super::study::{Axis, Study};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
@@ -21,9 +22,10 @@ impl Sweep {
     pub fn parse(text: &str) -> Result<Sweep, String> {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
-        let knob = knob::find(name).ok_or_else(|| {
-            let names: Vec<_> = KNOBS.iter().map(|knob| knob.name).collect();
-            format!("'{name}' is none of the knobs {}", names.join(", "))
+        let knob = knob::find(name).or_else(|| placement::find(name)).ok_or_else(|| {
+            let names = |knobs: &[Knob]| knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ");
+            let (coding, placing) = (names(KNOBS), names(placement::KNOBS));
+            format!("'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}")
         })?;
         let values: Vec<String> = match values {
             None => knob.usual.iter().map(|value| (*value).to_owned()).collect(),
@@ -173,6 +175,12 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
     for sweep in &of_a_kind {
         if !request.kinds.iter().any(|kind| sweep.knob.concerns(*kind)) {
+            if sweep.knob.stage == Stage::Place {
+                return Err(Error::Usage(format!(
+                    "--sweep {}: it is about placing cameras: name a scene instead of footage",
+                    sweep.knob.name
+                )));
+            }
             let kinds: Vec<_> = sweep.knob.kinds.iter().map(|kind| kind.name()).collect();
             return Err(Error::Usage(format!(
                 "--sweep {}: it is about {} streams, and none was chosen or is there",

@@ -1,73 +1,50 @@
 //! What an encode is of and how it is done, as far as bytes depend on it: so that no other one goes on where it stopped.
 
-use std::hash::{DefaultHasher, Hasher};
-
 use crate::color::keyframes::SearchSettings;
 use crate::container::fields::{Fields, PutFields};
 use crate::dataset::source::Source;
 use crate::dataset::stream::StreamKind;
 use crate::depth::temporal::TemporalSettings;
 use crate::error::{Error, Result};
+use crate::fingerprint::{Fingerprint, digest};
 
 use super::settings::{DepthSettings, EncodeSettings, MaterialSettings};
 use super::{DepthCodec, selected_groups};
 
-/// Names and values, in an order that does not change.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Fingerprint(Vec<(String, String)>);
+/// That of an encode of this program on this machine.
+pub(super) fn of(source: &Source, settings: &EncodeSettings) -> Fingerprint {
+    let mut fields = Fingerprint::of_program();
+    fields.extend(of_settings(settings));
+    fields.push(("the name of the dataset", source.name().to_owned()));
+    fields.push(("the frame rate", format!("{:?}", source.fps())));
+    fields.push(("the projection", format!("{:?}", source.projection())));
+    fields.push(("the probes", digest(format!("{:?}", source.probes()).as_bytes())));
+    let groups = format!("{:?}", selected_groups(source, settings));
+    fields.push(("the streams, their frames and sizes", digest(groups.as_bytes())));
+    fields.extend(source.reading_rules());
+    // Last: it may differ only because an option chooses another encoder.
+    fields.push(("the kind of machine", machine(settings)));
+    Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+}
 
-impl Fingerprint {
-    /// That of an encode of this program on this machine.
-    pub(super) fn of(source: &Source, settings: &EncodeSettings) -> Fingerprint {
-        let mut fields = vec![("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned())];
-        // Versions may have other encoders between them: build.rs hashes the sources.
-        fields.push(("the sources of lightfold", env!("LIGHTFOLD_SOURCES").to_owned()));
-        fields.extend(of_settings(settings));
-        fields.push(("the name of the dataset", source.name().to_owned()));
-        fields.push(("the frame rate", format!("{:?}", source.fps())));
-        fields.push(("the projection", format!("{:?}", source.projection())));
-        fields.push(("the probes", digest(&format!("{:?}", source.probes()))));
-        fields
-            .push(("the streams, their frames and sizes", digest(&format!("{:?}", selected_groups(source, settings)))));
-        fields.extend(source.reading_rules());
-        // Last: it may differ only because an option chooses another encoder.
-        fields.push(("the kind of machine", machine(settings)));
-        Fingerprint(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+/// A fingerprint as bytes.
+pub(super) fn write(fingerprint: &Fingerprint) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for (name, value) in fingerprint.fields() {
+        bytes.put_string("a setting's name", name)?;
+        bytes.put_string(name, value)?;
     }
+    Ok(bytes)
+}
 
-    /// As bytes.
-    pub(super) fn write(&self) -> Result<Vec<u8>> {
-        let mut bytes = Vec::new();
-        for (name, value) in &self.0 {
-            bytes.put_string("a setting's name", name)?;
-            bytes.put_string(name, value)?;
-        }
-        Ok(bytes)
+/// A fingerprint from bytes.
+pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
+    let mut fields = Fields::new(bytes, 0, "");
+    let mut found = Vec::new();
+    while fields.remaining() > 0 {
+        found.push((fields.string("a setting's name")?, fields.string("a setting")?));
     }
-
-    /// From bytes.
-    pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
-        let mut fields = Fields::new(bytes, 0, "");
-        let mut found = Vec::new();
-        while fields.remaining() > 0 {
-            found.push((fields.string("a setting's name")?, fields.string("a setting")?));
-        }
-        Ok(Fingerprint(found))
-    }
-
-    /// What differs first between this one, of an encode that was begun, and one that would go on with it.
-    pub(super) fn difference(&self, now: &Fingerprint) -> Option<String> {
-        let mut pairs = self.0.iter().zip(&now.0);
-        match pairs.find(|(old, new)| old != new) {
-            Some(((name, old), (of, new))) if name == of => Some(if old.starts_with('#') {
-                format!("{name} were others")
-            } else {
-                format!("{name} was {old} and is {new} now")
-            }),
-            None if self.0.len() == now.0.len() => None,
-            _ => Some("it was begun by another lightfold".to_owned()),
-        }
-    }
+    Ok(Fingerprint::new(found))
 }
 
 /// Settings by the names that the command line has for them.
@@ -147,17 +124,6 @@ fn instruction_sets() -> String {
 #[cfg(not(target_arch = "x86_64"))]
 fn instruction_sets() -> String {
     String::new()
-}
-
-/// A stand-in for text that is too long to keep.
-fn digest(text: &str) -> String {
-    let hash = |part: u8| {
-        let mut hasher = DefaultHasher::new();
-        hasher.write_u8(part);
-        hasher.write(text.as_bytes());
-        hasher.finish()
-    };
-    format!("#{:016x}{:016x}", hash(1), hash(2))
 }
 
 /// An encode that is not the one that was begun.

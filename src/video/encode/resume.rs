@@ -9,13 +9,14 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-use super::fingerprint::{self, Fingerprint};
+use super::fingerprint;
 use super::{EncodeSettings, given_range, memory, selected_groups};
 use crate::container::fields::{Fields, PutFields};
 use crate::container::{ChunkKey, Recovered, SafeChunks};
 use crate::dataset::source::{Source, SourceGroup};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::fingerprint::Fingerprint;
 use crate::image::Face;
 use crate::monitor::Monitor;
 use crate::video::convert;
@@ -207,7 +208,7 @@ impl Done {
     /// # Errors
     /// [`Error::Usage`] where it is another one, or input that complete chunks were made of has changed.
     pub(super) fn of(recovered: &Recovered, now: &Fingerprint, order: &Order<'_>) -> Result<Done> {
-        let begun = Fingerprint::read(recovered.head()).map_err(|_| broken())?;
+        let begun = fingerprint::read(recovered.head()).map_err(|_| broken())?;
         if let Some(difference) = begun.difference(now) {
             return Err(fingerprint::other(&difference));
         }

@@ -1,0 +1,234 @@
+//! What the options of `capture` come to.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+
+use super::Args;
+use crate::dataset::cameras::{CameraSet, PlacedCamera};
+use crate::dataset::stream::{DepthKind, Projection};
+use crate::error::{Error, Result};
+use crate::image::FrameRange;
+use crate::reconstruct::CameraFile;
+use crate::scene::capture::frames_of_animation;
+use crate::scene::{CapturePlan, Pass, Scene};
+
+/// Side of a cube face where none is given; panoramas that become such faces are four times as wide.
+const DEFAULT_SIDE: u32 = 512;
+
+/// `--projection`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProjectionArg {
+    /// Six faces of an OpenGL cube map
+    Cube,
+    /// All directions in one image: longitude across, latitude down
+    Equirect,
+    /// A pinhole camera that looks along -Z with +Y up, before its orientation
+    Perspective,
+}
+
+/// `--aov`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AovArg {
+    /// Metres to the surface
+    Depth,
+    /// Shading normals in world axes
+    Normal,
+    /// Weights of reflection and refraction, index of refraction
+    Material,
+    /// Nothing: colour alone
+    None,
+}
+
+/// `--depth`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthArg {
+    /// From the camera along the ray
+    Distance,
+    /// Along the viewing axis
+    Planar,
+}
+
+/// Parses `256` or `640x480`.
+pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| *side > 0);
+    let size = match text.split_once('x') {
+        Some((width, height)) => side(width).zip(side(height)).map(|(width, height)| (width, Some(height))),
+        None => side(text).map(|side| (side, None)),
+    };
+    size.ok_or_else(|| format!("'{text}' is neither a number of pixels such as 256 nor WxH such as 640x480"))
+}
+
+/// Parses a number of frames per second.
+pub fn parse_fps(text: &str) -> Result<f64, String> {
+    above_zero(text).ok_or_else(|| format!("'{text}' is no number of frames per second above 0"))
+}
+
+/// Parses a distance.
+pub fn parse_metres(text: &str) -> Result<f64, String> {
+    above_zero(text).ok_or_else(|| format!("'{text}' is no number of metres above 0"))
+}
+
+fn above_zero(text: &str) -> Option<f64> {
+    text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0)
+}
+
+/// What a file of cameras has to say besides where they are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Viewers {
+    /// They are probes.
+    No,
+    /// They are viewers, whose pictures have this aspect if they state one.
+    Yes(Option<f64>),
+}
+
+impl Args {
+    /// The cameras, and whether they are viewers.
+    ///
+    /// # Errors
+    /// When they cannot be read.
+    pub(super) fn read_cameras(&self) -> Result<(CameraSet, Viewers)> {
+        let Some(path) = &self.cameras else {
+            let cameras = self.position.iter().map(|position| PlacedCamera::at(position.to_array()));
+            return Ok((CameraSet::new(cameras.collect()), Viewers::No));
+        };
+        let path = if path.is_dir() { path.join(crate::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
+        let text = CameraSet::read_text(&path)?;
+        let read = || match are_viewers(&text) {
+            true => CameraFile::as_probes(&text).map(|(set, aspect)| (set, Viewers::Yes(aspect))),
+            false => CameraSet::from_json(&text).map(|set| (set, Viewers::No)),
+        };
+        read().map_err(|error| error.in_file(&path))
+    }
+
+    /// What is to be captured.
+    ///
+    /// # Errors
+    /// When sizes contradict each other. What else is wrong, [`CapturePlan::manifest`] tells.
+    pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
+        let projection = match (self.projection, viewers) {
+            (Some(ProjectionArg::Cube), _) | (None, Viewers::No) => Projection::Cubemap,
+            (Some(ProjectionArg::Equirect), _) => Projection::Equirect,
+            (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
+        };
+        let fps = self.fps;
+        let frames =
+            self.frames.frames.unwrap_or_else(|| wanted_frames(&cameras, frames_of_animation(scene.duration_s(), fps)));
+        Ok(CapturePlan {
+            name: self.name(),
+            fps,
+            frames,
+            projection,
+            size: self.pixels(projection, viewers)?,
+            cameras,
+            fov_y_deg: self.fov,
+            passes: self.passes()?,
+            samples: self.samples,
+            depth: match self.depth {
+                DepthArg::Distance => DepthKind::Distance,
+                DepthArg::Planar => DepthKind::Planar,
+            },
+            far_m: self.far.unwrap_or(f64::INFINITY),
+        })
+    }
+
+    /// The scene's name without folders and extension.
+    fn name(&self) -> String {
+        let stem = Path::new(&self.scene).file_stem().unwrap_or_default().to_string_lossy();
+        let plain: String = stem.chars().filter(|c| !c.is_control()).collect();
+        if plain.is_empty() { "scene".into() } else { plain }
+    }
+
+    fn passes(&self) -> Result<Vec<Pass>> {
+        if self.aov.contains(&AovArg::None) && self.aov.len() > 1 {
+            return Err(Error::Usage("--aov none goes with nothing else".into()));
+        }
+        let wants = |pass: &Pass| match pass {
+            Pass::Color => !self.no_color,
+            Pass::Depth => self.aov.contains(&AovArg::Depth),
+            Pass::Normal => self.aov.contains(&AovArg::Normal),
+            Pass::Material => self.aov.contains(&AovArg::Material),
+        };
+        Ok(Pass::ALL.into_iter().filter(wants).collect())
+    }
+
+    fn pixels(&self, projection: Projection, viewers: Viewers) -> Result<[u32; 2]> {
+        let aspect = match (projection, viewers) {
+            (Projection::Perspective, Viewers::Yes(aspect)) => aspect,
+            _ => None,
+        };
+        let size = match (self.size, projection) {
+            (Some((width, Some(height))), _) => [width, height],
+            (Some((width, None)), Projection::Equirect) if width % 2 == 1 => {
+                return Err(Error::Usage(format!("--size {width}: the width of a panorama is even")));
+            }
+            (Some((width, None)), Projection::Equirect) => [width, width / 2],
+            (None, Projection::Equirect) => [4 * DEFAULT_SIDE, 2 * DEFAULT_SIDE],
+            (side, _) => {
+                let height = side.map_or(DEFAULT_SIDE, |(side, _)| side);
+                [aspect.map_or(height, |aspect| (f64::from(height) * aspect).round().max(1.0) as u32), height]
+            }
+        };
+        let [width, height] = size.map(f64::from);
+        match aspect {
+            // A pixel is what rounding comes to.
+            Some(aspect) if (width - height * aspect).abs() > 1.0 => Err(Error::Usage(format!(
+                "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone takes it from them"
+            ))),
+            _ => Ok(size),
+        }
+    }
+}
+
+/// From the first to the last frame in which a camera looks: all of the animation where it does not say.
+fn wanted_frames(cameras: &CameraSet, all: FrameRange) -> FrameRange {
+    let own = cameras.cameras.iter().map(|camera| camera.frames.unwrap_or([all.first, all.last]));
+    let hull = own.reduce(|[first, last], [other_first, other_last]| [first.min(other_first), last.max(other_last)]);
+    hull.map_or(all, |[first, last]| FrameRange { first, last })
+}
+
+/// Whether a file's cameras have eyes. What is no JSON is said later.
+fn are_viewers(text: &[u8]) -> bool {
+    let value: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
+    let cameras = value.get("cameras").and_then(|cameras| cameras.as_array());
+    cameras.is_some_and(|cameras| cameras.iter().any(|camera| camera.get("eye").is_some()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_numbers_are_parsed() {
+        assert_eq!(parse_size("256"), Ok((256, None)));
+        assert_eq!(parse_size("640x480"), Ok((640, Some(480))));
+        for text in ["", "0", "-1", "4x", "4x0", "x4", "4x4x4", "99999999999", "a"] {
+            assert!(parse_size(text).unwrap_err().contains("640x480"), "{text}");
+        }
+        assert_eq!(parse_fps("29.97"), Ok(29.97));
+        for text in ["", "0", "-1", "inf", "nan", "x"] {
+            assert!(parse_fps(text).is_err() && parse_metres(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn frames_are_those_that_cameras_ask_for() {
+        let all = FrameRange { first: 0, last: 6 };
+        let at = |frames| PlacedCamera { frames, ..PlacedCamera::at([0.0; 3]) };
+        let wanted = |own: &[Option<[u32; 2]>]| {
+            let frames = wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), all);
+            [frames.first, frames.last]
+        };
+        assert_eq!(wanted(&[None, None]), [0, 6]);
+        assert_eq!(wanted(&[Some([4, 5]), Some([5, 9])]), [4, 9]);
+        assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
+    }
+
+    #[test]
+    fn viewers_have_eyes() {
+        assert!(are_viewers(br#"{"cameras": [{"eye": [0, 0, 0]}]}"#));
+        for text in [&b"{"[..], b"[]", br#"{"cameras": 3}"#, br#"{"cameras": [{"position": [0, 0, 0]}]}"#] {
+            assert!(!are_viewers(text));
+        }
+    }
+}

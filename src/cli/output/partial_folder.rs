@@ -1,0 +1,234 @@
+//! An output folder whose files lie beside it until all of them are there, so that a later process can go on with them.
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::claim::{Claimed, claim};
+use super::{folder_of, move_into};
+use crate::error::{Error, Result};
+
+/// What the name of an unfinished folder ends in; it begins with a dot and the name of the output.
+const PARTIAL: &str = ".capture.partial";
+/// The file in it that says what it is of. Who has it open has the folder.
+const STATE: &str = ".capture.json";
+
+/// An unfinished folder that no other process has. It is removed when dropped, unless it was committed, is to be kept, or is
+/// what an earlier process left.
+#[derive(Debug)]
+pub struct PartialFolder {
+    output: PathBuf,
+    path: PathBuf,
+    state: File,
+    is_locked: bool,
+    keep: bool,
+}
+
+impl PartialFolder {
+    /// Opens the unfinished folder of an output, as it is; a new one is empty. The output's parents are made where they are
+    /// missing.
+    ///
+    /// # Errors
+    /// When another process has it, the output is no folder, or none can be made.
+    pub fn open(output: &Path) -> Result<PartialFolder> {
+        let io = |error| Error::io(output, error);
+        if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
+            return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
+        }
+        let path = path_for(output)?;
+        if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
+            return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
+        }
+        std::fs::create_dir_all(&path).map_err(io)?;
+        let Some(Claimed { file, is_locked }) = claim(&path.join(STATE)).map_err(io)? else {
+            return Err(Error::Usage(format!(
+                "{}: another lightfold is writing it, in {}; wait for it, or name another folder",
+                output.display(),
+                path.display()
+            )));
+        };
+        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0);
+        Ok(PartialFolder { output: output.to_path_buf(), path, state: file, is_locked, keep })
+    }
+
+    /// Whether another process that wants it would notice this one.
+    pub fn is_locked(&self) -> bool {
+        self.is_locked
+    }
+
+    /// Where to write until [`Self::commit`].
+    pub fn work_path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What an earlier process said of its files in [`Self::start_over`]; empty where there are none.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn state(&mut self) -> Result<String> {
+        let mut text = String::new();
+        let read = self.state.seek(SeekFrom::Start(0)).and_then(|_| self.state.read_to_string(&mut text));
+        read.map(|_| text).map_err(|error| Error::io(self.path.join(STATE), error))
+    }
+
+    /// Number of whole files in it.
+    pub fn files(&self) -> u64 {
+        count(&self.path)
+    }
+
+    /// Removes all files, and says what those are of that will come.
+    ///
+    /// # Errors
+    /// When something cannot be removed or written.
+    pub fn start_over(&mut self, state: &str) -> Result<()> {
+        self.keep = false;
+        let io = |error| Error::io(&self.path, error);
+        for entry in std::fs::read_dir(&self.path).map_err(io)? {
+            let path = entry.map_err(io)?.path();
+            if path.file_name() != Some(STATE.as_ref()) {
+                let is_folder = path.symlink_metadata().is_ok_and(|meta| meta.is_dir());
+                if is_folder { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) }.map_err(io)?;
+            }
+        }
+        let file = &mut self.state;
+        let written = file.set_len(0).and_then(|()| file.seek(SeekFrom::Start(0)));
+        written.and_then(|_| file.write_all(state.as_bytes())).and_then(|()| file.sync_all()).map_err(io)
+    }
+
+    /// Leaves everything where it is.
+    pub fn keep(&mut self) {
+        self.keep = true;
+    }
+
+    /// Names the output in an error that speaks of the unfinished folder.
+    pub fn present(&self, error: Error) -> Error {
+        match error {
+            Error::Io { file, source } => {
+                let file = file.strip_prefix(&self.path).map_or(file.clone(), |below| self.output.join(below));
+                Error::Io { file, source }
+            }
+            other => other,
+        }
+    }
+
+    /// Moves everything to the output; files of the same names there are replaced.
+    ///
+    /// # Errors
+    /// When something cannot be moved. What is left can be gone on with.
+    pub fn commit(&mut self) -> Result<()> {
+        let output = &self.output;
+        let io = |error| Error::io(output, error);
+        self.keep = true;
+        if output.exists() {
+            move_into(&self.path, output, &|name| name != STATE).map_err(io)?;
+            return std::fs::remove_dir_all(&self.path).map_err(io);
+        }
+        std::fs::rename(&self.path, output).map_err(io)?;
+        std::fs::remove_file(output.join(STATE)).map_err(io)
+    }
+}
+
+/// Beside the output; or within where it exists, which may be a mount point or a link to another disk, unless there is one
+/// beside it.
+fn path_for(output: &Path) -> Result<PathBuf> {
+    let beside = output.file_name().map(|name| {
+        let mut own = OsString::from(".");
+        own.push(name);
+        own.push(PARTIAL);
+        folder_of(output).join(own)
+    });
+    match beside {
+        Some(beside) if beside.exists() || !output.exists() => Ok(beside),
+        _ if output.is_dir() => Ok(output.join(PARTIAL)),
+        _ => Err(Error::Usage(format!("{}: no name of a folder", output.display()))),
+    }
+}
+
+fn count(folder: &Path) -> u64 {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let files = entries.map(|entry| {
+        let path = entry.path();
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() => count(&path),
+            Ok(_) => u64::from(path.extension().is_some_and(|extension| extension == "exr")),
+            Err(_) => 0,
+        }
+    });
+    files.sum()
+}
+
+impl Drop for PartialFolder {
+    fn drop(&mut self) {
+        if !self.keep && !std::thread::panicking() {
+            let _ = std::fs::remove_dir_all(&self.path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn what_is_kept_is_gone_on_with_and_what_is_not_goes() {
+        let base = tempfile::tempdir().unwrap();
+        let output = base.path().join("deep/cap");
+        let mut folder = PartialFolder::open(&output).unwrap();
+        assert_eq!(folder.state().unwrap(), "");
+        folder.start_over("of a").unwrap();
+        std::fs::create_dir(folder.work_path().join("sub")).unwrap();
+        std::fs::write(folder.work_path().join("sub/one.exr"), "1").unwrap();
+        assert_eq!(folder.files(), 1);
+        assert!(matches!(PartialFolder::open(&output), Err(Error::Usage(_))), "there are two of them");
+        folder.keep();
+        drop(folder);
+        let mut folder = PartialFolder::open(&output).unwrap();
+        assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("of a", 1));
+        drop(folder);
+        assert_eq!(names(&base.path().join("deep")), [".cap.capture.partial"], "it was not ours to remove");
+        let mut folder = PartialFolder::open(&output).unwrap();
+        folder.start_over("of b").unwrap();
+        assert_eq!(folder.files(), 0);
+        drop(folder);
+        assert_eq!(names(&base.path().join("deep")), [""; 0]);
+    }
+
+    #[test]
+    fn everything_moves_to_the_output_also_where_there_is_one() {
+        let base = tempfile::tempdir().unwrap();
+        let output = base.path().join("cap");
+        for (round, expected) in [(0, vec!["a", "sub"]), (1, vec!["a", "sub"])] {
+            let mut folder = PartialFolder::open(&output).unwrap();
+            folder.start_over("of it").unwrap();
+            std::fs::create_dir(folder.work_path().join("sub")).unwrap();
+            for name in ["a", "sub/b"] {
+                std::fs::write(folder.work_path().join(name), round.to_string()).unwrap();
+            }
+            folder.commit().unwrap();
+            drop(folder);
+            assert_eq!(names(&output), expected);
+            assert_eq!(std::fs::read(output.join("sub/b")).unwrap(), round.to_string().as_bytes());
+            assert_eq!(names(base.path()), ["cap"]);
+        }
+    }
+
+    #[test]
+    fn what_lies_in_the_way_is_left_alone() {
+        let base = tempfile::tempdir().unwrap();
+        std::fs::write(base.path().join("cap"), "theirs").unwrap();
+        assert!(PartialFolder::open(&base.path().join("cap")).is_err());
+        std::fs::write(base.path().join(".other.capture.partial"), "theirs").unwrap();
+        let said = PartialFolder::open(&base.path().join("other")).unwrap_err().to_string();
+        assert!(said.contains("in the way"), "{said}");
+        assert_eq!(names(base.path()), [".other.capture.partial", "cap"]);
+        assert!(PartialFolder::open(&base.path().join("none/..")).is_err());
+    }
+}

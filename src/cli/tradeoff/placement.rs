@@ -1,0 +1,217 @@
+//! Sweeps of the options of `place`, where a scene was named instead of footage.
+
+use std::path::Path;
+use std::time::Instant;
+
+use clap::CommandFactory;
+use clap::parser::ValueSource;
+
+use super::child::Children;
+use super::folder::{self, Folder};
+use super::{Args, input, write_json};
+use crate::cli::output::{self, OutputFile};
+use crate::cli::progress::Progress;
+use crate::cli::{Cli, GlobalArgs, Outcome};
+use crate::error::{Error, Result};
+use crate::report::plot::save;
+use crate::report::tradeoff::knob::Stage;
+use crate::report::tradeoff::placement::{self, Sweep};
+use crate::report::tradeoff::{Axis, Knob};
+use crate::scene::Scene;
+
+/// Options of `place` that tradeoff gives itself.
+const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "force"];
+/// Options that say what is to be covered: points and ruler have them alike.
+const OF_THE_RULER: &[&str] = &["region", "min-distance", "k", "lighting", "theta", "frames", "fps", "animation"];
+
+/// Whether a scene is meant and not footage.
+pub fn is_scene(text: &str) -> bool {
+    Scene::is_named_by(text)
+}
+
+/// Measures what placing cameras costs.
+pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome> {
+    let start = Instant::now();
+    refuse_others(args)?;
+    let axes = axes(args)?;
+    let (mut fixed, mut ruler) = options_of_all(scene, &args.fixed, &axes)?;
+    for (name, value) in implied(&axes, &fixed) {
+        let word = format!("--{name}={value}");
+        fixed.push(word.clone());
+        ruler.push(word);
+    }
+    let sweep = Sweep { scene, fixed: &fixed, ruler: &ruler, axes: &axes, repeats: args.repeats };
+    for settings in sweep.points() {
+        input::parse(&sweep.command(&settings).into_iter().chain(["-o".into(), "a.json".into()]).collect::<Vec<_>>())?;
+    }
+    let folder = Folder::open(&args.output)?;
+    let [csv_path, json_path] = placement::files(&args.output);
+    if csv_path.exists() && !args.overwrite {
+        return Err(Error::Usage(format!(
+            "{}: a sweep is there already; name another folder, or replace it by --overwrite",
+            csv_path.display()
+        )));
+    }
+    let [begin, end] = folder::UNFINISHED;
+    let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&args.output);
+    let work = work.map_err(|error| Error::io(&args.output, error.kind().into()))?;
+    let progress = Progress::start(global, "placing", sweep.runs())?;
+    let placed = sweep.measure(&Children::new(&progress, start)?, work.path(), &progress)?;
+    drop(progress);
+    let pictures = save::save(&placement::figure(&sweep, &placed), &args.output, "placement")?;
+    write(&csv_path, &placement::to_csv(&axes, &placed)?)?;
+    let report = placement::json(scene, &placed);
+    write_json(&report, &json_path)?;
+    drop(folder);
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        let files = [csv_path, json_path].into_iter().chain(pictures);
+        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
+        output::print_text(&format!(
+            "{}\nCoverage is that of the cameras by the exhaustive samples, the same for all rows; own is by the row's.\n\n{}\n",
+            placement::table(&axes, &placed),
+            files.join("\n")
+        ))?;
+    }
+    Ok(Outcome::Fine)
+}
+
+/// What is for footage alone.
+fn refuse_others(args: &Args) -> Result<()> {
+    let given = [
+        ("--preset", args.preset.is_some()),
+        ("--recommend", args.recommend.recommend),
+        ("--budget-seconds", args.budget_seconds.is_some()),
+        ("--weights", args.weights.is_some()),
+        ("--stream", !args.stream.is_empty()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Error::Usage(format!("{name} is for footage, and not for placing cameras in a scene"))),
+        None => Ok(()),
+    }
+}
+
+fn axes(args: &Args) -> Result<Vec<Axis>> {
+    let mut axes: Vec<Axis> = Vec::new();
+    for sweep in &args.sweep {
+        // Effort and threads are knobs of encoding, too.
+        let knob: &Knob = placement::find(sweep.knob.name).ok_or_else(|| {
+            let names: Vec<&str> = placement::KNOBS.iter().map(|knob| knob.name).collect();
+            let name = sweep.knob.name;
+            Error::Usage(format!("--sweep {name}: it is no option of placing cameras, which has {}", names.join(", ")))
+        })?;
+        if axes.iter().any(|axis| axis.knob == knob.name) {
+            return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", knob.name)));
+        }
+        let own = sweep.knob.stage == Stage::Place || sweep.values != sweep.knob.usual;
+        let usual = || knob.usual.iter().map(|value| (*value).to_owned()).collect();
+        axes.push(Axis { knob: knob.name, values: if own { sweep.values.clone() } else { usual() } });
+    }
+    if axes.is_empty() {
+        return Err(Error::Usage(
+            "nothing to measure: name options of place with --sweep, such as --sweep effort".to_owned(),
+        ));
+    }
+    Ok(axes)
+}
+
+/// What swept knobs imply, unless it is swept or given.
+fn implied(axes: &[Axis], given: &[String]) -> Vec<(&'static str, &'static str)> {
+    let knobs = axes.iter().filter_map(|axis| placement::find(axis.knob));
+    let is_open = |name: &str| {
+        axes.iter().all(|axis| axis.knob != name) && given.iter().all(|word| !word.starts_with(&format!("--{name}=")))
+    };
+    knobs.flat_map(|knob| knob.implies.iter().copied()).filter(|(name, _)| is_open(name)).collect()
+}
+
+/// The options that all points have, and those of them that the ruler has, one word each.
+fn options_of_all(scene: &str, words: &[String], axes: &[Axis]) -> Result<(Vec<String>, Vec<String>)> {
+    let mut root = Cli::command();
+    root.build();
+    let line = ["lightfold", "place", scene, "-o", "a.json"].map(str::to_owned);
+    let matches =
+        root.clone().try_get_matches_from(line.iter().chain(words)).map_err(|error| input::refused(&error))?;
+    let (Some((_, matches)), Some(place)) = (matches.subcommand(), root.find_subcommand("place")) else {
+        return Ok((Vec::new(), Vec::new()));
+    };
+    let (mut fixed, mut ruler) = (Vec::new(), Vec::new());
+    for argument in place.get_arguments() {
+        let (id, Some(name)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
+        let given = matches!(matches.try_contains_id(id), Ok(true))
+            && matches.value_source(id) == Some(ValueSource::CommandLine);
+        if !given || name == "output" {
+            continue;
+        }
+        if OWN.contains(&name) {
+            return Err(Error::Usage(format!("--{name} after --: tradeoff gives it to its points itself")));
+        }
+        if axes.iter().any(|axis| axis.knob == name) {
+            return Err(Error::Usage(format!("--{name}: it is swept, so that it cannot be fixed as well")));
+        }
+        let mut words = Vec::new();
+        if argument.get_action().takes_values() {
+            for values in matches.get_raw_occurrences(id).into_iter().flatten() {
+                let values: Vec<_> = values.map(|value| value.to_string_lossy().into_owned()).collect();
+                words.push(format!("--{name}={}", values.join(",")));
+            }
+        } else {
+            words.push(format!("--{name}"));
+        }
+        if OF_THE_RULER.contains(&name) {
+            ruler.extend(words.iter().cloned());
+        }
+        fixed.extend(words);
+    }
+    Ok((fixed, ruler))
+}
+
+fn write(path: &Path, text: &str) -> Result<()> {
+    let mut file = OutputFile::create(path)?;
+    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
+    file.commit()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_knob_is_an_option_of_place_and_takes_its_usual_values() {
+        let mut root = Cli::command();
+        root.build();
+        let place = root.find_subcommand("place").unwrap();
+        for knob in placement::KNOBS {
+            let option = place.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
+            if let [default] = option.get_default_values() {
+                assert_eq!(default.to_str(), Some(knob.default), "{}", knob.name);
+            }
+            for value in knob.usual {
+                let option = knob.option(value).unwrap();
+                let line = ["place", "cornell", "--region=0,0,0,1,1,1", option.as_str(), "-o", "a.json"];
+                let implied = knob.implies.iter().map(|(name, value)| format!("--{name}={value}").into());
+                let line: Vec<_> = line.map(Into::into).into_iter().chain(implied).collect();
+                input::parse(&line).unwrap_or_else(|error| panic!("{option}: {error}"));
+            }
+        }
+    }
+
+    #[test]
+    fn options_of_all_points_are_sorted_or_refused() {
+        let of = |line: &str, swept: &'static str| {
+            let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+            let axes = [Axis { knob: swept, values: vec!["1".to_owned()] }];
+            options_of_all("cornell", &words, &axes)
+        };
+        let two = "--region -1,-1,-1,1,1,1 --region=2,2,2,3,3,3 --cameras 4";
+        let (fixed, ruler) = of(two, "effort").unwrap();
+        assert_eq!(ruler, ["--region=-1,-1,-1,1,1,1", "--region=2,2,2,3,3,3"]);
+        assert_eq!(fixed.len(), 3);
+        assert!(fixed.contains(&"--cameras=4".to_owned()));
+        assert!(of("--region 0,0,0,1,1,1 --cameras 4", "cameras").unwrap_err().to_string().contains("swept"));
+        let theta = [Axis { knob: "theta", values: vec!["20".to_owned()] }];
+        assert_eq!(implied(&theta, &fixed), [("lighting", "specular")]);
+        assert_eq!(implied(&theta, &["--lighting=diffuse".to_owned()]), []);
+        assert!(of("--region 0,0,0,1,1,1 --json", "k").unwrap_err().to_string().contains("itself"));
+    }
+}

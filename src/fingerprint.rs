@@ -1,0 +1,83 @@
+//! What work is of and how it is done, as far as its result depends on it: so that no other work goes on where it stopped.
+//!
+//! Enters: names and values, in an order that does not change. Leaves: whether two of them agree, and where not.
+
+use std::hash::{DefaultHasher, Hasher};
+
+/// Names and values, in an order that does not change.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fingerprint(Vec<(String, String)>);
+
+impl Fingerprint {
+    /// That of these names and values.
+    pub fn new(fields: Vec<(String, String)>) -> Fingerprint {
+        Fingerprint(fields)
+    }
+
+    /// The names and values.
+    pub fn fields(&self) -> &[(String, String)] {
+        &self.0
+    }
+
+    /// What every result of this program depends on: its version, and the sources that it is built from. Versions may have
+    /// other encoders between them: `build.rs` hashes the sources.
+    pub fn of_program() -> Vec<(&'static str, String)> {
+        vec![
+            ("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()),
+            ("the sources of lightfold", env!("LIGHTFOLD_SOURCES").to_owned()),
+        ]
+    }
+
+    /// What differs first between this one, of work that was begun, and one that would go on with it.
+    pub fn difference(&self, now: &Fingerprint) -> Option<String> {
+        let mut pairs = self.0.iter().zip(&now.0);
+        match pairs.find(|(old, new)| old != new) {
+            Some(((name, old), (of, new))) if name == of => Some(if old.starts_with('#') {
+                format!("{name} were others")
+            } else {
+                format!("{name} was {old} and is {new} now")
+            }),
+            None if self.0.len() == now.0.len() => None,
+            _ => Some("it was begun by another lightfold".to_owned()),
+        }
+    }
+}
+
+/// A stand-in for what is too long to keep.
+pub fn digest(bytes: &[u8]) -> String {
+    let hash = |part: u8| {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_u8(part);
+        hasher.write(bytes);
+        hasher.finish()
+    };
+    format!("#{:016x}{:016x}", hash(1), hash(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(fields: &[(&str, &str)]) -> Fingerprint {
+        Fingerprint::new(fields.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect())
+    }
+
+    #[test]
+    fn the_first_difference_is_told() {
+        let begun = of(&[("--size", "8"), ("the cameras", "#01")]);
+        assert_eq!(begun.difference(&begun.clone()), None);
+        let says = |now: &[(&str, &str)]| begun.difference(&of(now)).unwrap();
+        assert_eq!(says(&[("--size", "9"), ("the cameras", "#02")]), "--size was 8 and is 9 now");
+        assert_eq!(says(&[("--size", "8"), ("the cameras", "#02")]), "the cameras were others");
+        for now in [&[("--size", "8")][..], &[("--fps", "8"), ("the cameras", "#01")]] {
+            assert!(says(now).contains("another lightfold"), "{now:?}");
+        }
+    }
+
+    #[test]
+    fn digests_tell_bytes_apart() {
+        assert_eq!(digest(b"a"), digest(b"a"));
+        assert_ne!(digest(b"a"), digest(b"b"));
+        assert_eq!(digest(b"").len(), 33);
+    }
+}

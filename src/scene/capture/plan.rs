@@ -1,0 +1,377 @@
+//! What a capture is to make: which images, where their files are, and the manifest that describes them.
+//!
+//! Enters: numbers, cameras. Leaves: a [`Manifest`], and the list of all images, in a fixed order.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use serde_json::json;
+
+use super::samples::SamplePattern;
+use super::view::{MAX_FACE_SIZE, Pass, Viewpoint, Window};
+use crate::dataset::cameras::CameraSet;
+use crate::dataset::manifest::{
+    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, ManifestColorSpace, MaterialInfo, Probe,
+    intrinsics_of,
+};
+use crate::dataset::stream::{DepthKind, Projection};
+use crate::error::{Error, Result};
+use crate::fingerprint::digest;
+use crate::image::{Face, FrameRange, Pattern};
+use crate::math::camera::rotation;
+
+/// Channels of a file of normals, halves.
+pub const NORMAL_CHANNELS: [&str; 3] = ["X", "Y", "Z"];
+
+/// What to capture of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CapturePlan {
+    /// Name of the dataset.
+    pub name: String,
+    /// Frames per second: frame f shows the scene at f / fps seconds.
+    pub fps: f64,
+    /// First and last frame.
+    pub frames: FrameRange,
+    /// How images are projected.
+    pub projection: Projection,
+    /// Width and height of each image in pixels; faces are square, panoramas twice as wide as high.
+    pub size: [u32; 2],
+    /// Where from. Frames of a camera are cut to [`Self::frames`].
+    pub cameras: CameraSet,
+    /// Vertical field of view in degrees, for cameras of perspective captures that have none.
+    pub fov_y_deg: Option<f64>,
+    /// What of, each once.
+    pub passes: Vec<Pass>,
+    /// Samples of colour in a pixel.
+    pub samples: u32,
+    /// What depth measures.
+    pub depth: DepthKind,
+    /// Metres; surfaces farther away are background, but for colour. `+inf` for none.
+    pub far_m: f64,
+}
+
+/// The images of one face of one probe in one frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Take {
+    /// Index of the probe.
+    pub probe: usize,
+    /// Which face.
+    pub face: Face,
+    /// Which frame.
+    pub frame: u32,
+}
+
+/// Frames of an animation of that length: all that begin before its end, and at least one.
+pub fn frames_of_animation(duration_s: f64, fps: f64) -> FrameRange {
+    // A millionth of a frame is rounding. Casts saturate, and NaN is 0.
+    let count = (duration_s * fps - 1e-6).ceil() as u32;
+    FrameRange { first: 0, last: count.max(1) - 1 }
+}
+
+impl CapturePlan {
+    /// The manifest of the dataset. Near and far are left to those who read it.
+    ///
+    /// # Errors
+    /// When the plan cannot be carried out; it says why.
+    pub fn manifest(&self) -> Result<Manifest> {
+        self.check()?;
+        let wants = |pass| self.passes.contains(&pass);
+        let files = |pass| wants(pass).then(|| self.file_text(pass));
+        let probes = (0..self.cameras.cameras.len()).map(|camera| self.probe(camera)).collect::<Result<_>>()?;
+        let normal = || json!({ "normal": { "files": self.file_text(Pass::Normal), "channels": NORMAL_CHANNELS, "axes": "world" } });
+        let manifest = Manifest {
+            lightfield: MANIFEST_VERSION,
+            name: self.name.clone(),
+            fps: self.fps,
+            frames: [self.frames.first, self.frames.last],
+            projection: self.projection,
+            size: self.size,
+            faces: (self.projection == Projection::Cubemap).then_some(FaceFiles::Six),
+            faces_present: None,
+            depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
+            color: wants(Pass::Color).then_some(ColorInfo { space: ManifestColorSpace::LinearRec709 }),
+            material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
+            files: Files { color: files(Pass::Color), depth: files(Pass::Depth), material: files(Pass::Material) },
+            probes,
+            extra: wants(Pass::Normal).then(normal),
+        };
+        manifest.validate()?;
+        Ok(manifest)
+    }
+
+    fn check(&self) -> Result<()> {
+        let wrong = |message: String| Err(Error::Usage(message));
+        let [width, height] = self.size;
+        if self.size.iter().any(|&side| side == 0 || side > MAX_FACE_SIZE) {
+            return wrong(format!("images of {width}x{height} pixels: 1 to {MAX_FACE_SIZE} a side were expected"));
+        }
+        match self.projection {
+            Projection::Cubemap if width != height => {
+                return wrong(format!("images of {width}x{height} pixels: the faces of a cube map are square"));
+            }
+            Projection::Equirect if u64::from(width) != 2 * u64::from(height) => {
+                return wrong(format!(
+                    "images of {width}x{height} pixels: an equirectangular image is twice as wide as it is high"
+                ));
+            }
+            Projection::Equirect if self.depth == DepthKind::Planar && self.passes.contains(&Pass::Depth) => {
+                return wrong("equirectangular images have no planar depth: capture distances".into());
+            }
+            _ => {}
+        }
+        if self.fov_y_deg.is_some() && self.projection != Projection::Perspective {
+            return wrong("a field of view is only for perspective captures".into());
+        }
+        if self.far_m.is_nan() || self.far_m <= 0.0 {
+            return wrong(format!("a far of {} m: a number above 0 was expected", self.far_m));
+        }
+        if !self.passes.iter().any(|pass| *pass != Pass::Normal) {
+            return wrong("a dataset has colour, depth or material: name one of them to be captured".into());
+        }
+        SamplePattern::new(self.samples).map(|_| ())
+    }
+
+    fn probe(&self, camera: usize) -> Result<Probe> {
+        let (name, placed) = (self.cameras.name_of(camera), &self.cameras.cameras[camera]);
+        let fov_y_deg = match self.projection {
+            Projection::Perspective => Some(placed.fov_y_deg.or(self.fov_y_deg).ok_or_else(|| {
+                Error::Usage(format!("camera {name} has no field of view: give one to all that have none"))
+            })?),
+            _ => None,
+        };
+        let frames = self.frames_of(camera).ok_or_else(|| {
+            let [first, last] = placed.frames.unwrap_or_default();
+            Error::Usage(format!("camera {name} looks in the frames {first}-{last}, the capture is of {}", self.frames))
+        })?;
+        Ok(Probe {
+            name,
+            position: placed.position,
+            frames: (frames != self.frames).then_some([frames.first, frames.last]),
+            orientation: placed.orientation,
+            fov_y_deg,
+            intrinsics: None,
+            extra: None,
+        })
+    }
+
+    /// Frames in which a camera looks, `None` where there are none.
+    fn frames_of(&self, camera: usize) -> Option<FrameRange> {
+        let Some([first, last]) = self.cameras.cameras[camera].frames else { return Some(self.frames) };
+        self.frames.intersect(FrameRange { first, last })
+    }
+
+    /// Pattern of the files of a pass, as in a manifest.
+    fn file_text(&self, pass: Pass) -> String {
+        let face = if self.projection == Projection::Cubemap { "face_{face}/" } else { "" };
+        format!("probe_{{probe}}/{face}{}.%04d.exr", pass.name())
+    }
+
+    /// The file of an image, below the folder of the dataset.
+    ///
+    /// # Errors
+    /// When the name of the camera does not go into a file's name.
+    pub fn file(&self, take: &Take, pass: Pass) -> Result<PathBuf> {
+        let text = self.file_text(pass).replace("{probe}", &self.cameras.name_of(take.probe));
+        Ok(Pattern::parse(&text.replace("{face}", take.face.name()))?.path(take.frame))
+    }
+
+    /// Faces of each probe.
+    pub fn faces(&self) -> &'static [Face] {
+        if self.projection == Projection::Cubemap { &Face::CUBE } else { &[Face::View] }
+    }
+
+    /// All images of a frame, in order of probes and faces.
+    pub fn takes(&self, frame: u32) -> impl Iterator<Item = Take> + '_ {
+        let looks = move |probe: &usize| self.frames_of(*probe).is_some_and(|frames| frames.contains(frame));
+        let probes = (0..self.cameras.cameras.len()).filter(looks);
+        probes.flat_map(move |probe| self.faces().iter().map(move |&face| Take { probe, face, frame }))
+    }
+
+    /// Number of files, but for the manifest.
+    pub fn image_count(&self) -> u64 {
+        let frames = |camera| self.frames_of(camera).map_or(0, |frames| frames.count());
+        let frames: u64 = (0..self.cameras.cameras.len()).map(frames).sum();
+        frames * self.faces().len() as u64 * self.passes.len() as u64
+    }
+
+    /// From where an image is taken.
+    pub fn viewpoint(&self, take: &Take) -> Viewpoint {
+        let camera = &self.cameras.cameras[take.probe];
+        let window = match self.projection {
+            Projection::Cubemap => Window::Face(take.face, self.size[0]),
+            Projection::Equirect => Window::Panorama(self.size),
+            Projection::Perspective => {
+                let fov_y_deg = camera.fov_y_deg.or(self.fov_y_deg).unwrap_or(90.0);
+                Window::Picture(self.size, intrinsics_of(fov_y_deg, self.size))
+            }
+        };
+        Viewpoint {
+            position: DVec3::from_array(camera.position),
+            orientation: camera.orientation.and_then(rotation),
+            window,
+        }
+    }
+
+    /// Refuses to write into the folder of a dataset of which images would be left that are not of this one.
+    ///
+    /// # Errors
+    /// When there are such images.
+    pub fn check_replaces(&self, old: &Manifest) -> Result<()> {
+        let new = self.manifest()?;
+        let normals = |manifest: &Manifest| manifest.extra.as_ref().and_then(|extra| extra.get("normal")).is_some();
+        let same_files = [
+            (&old.files.color, &new.files.color),
+            (&old.files.depth, &new.files.depth),
+            (&old.files.material, &new.files.material),
+        ];
+        let is_within = same_files.into_iter().all(|(old, new)| old.is_none() || old == new)
+            && (!normals(old) || normals(&new))
+            && old.faces().iter().all(|face| new.faces().contains(face))
+            && old.probes.iter().all(|probe| {
+                let frames = |manifest: &Manifest, probe: &Probe| probe.frames.unwrap_or(manifest.frames);
+                let [first, last] = frames(old, probe);
+                let mut same = new.probes.iter().filter(|other| other.name == probe.name);
+                same.any(|other| {
+                    let of_new = frames(&new, other);
+                    of_new[0] <= first && last <= of_new[1]
+                })
+            });
+        if is_within {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "it holds a dataset \"{}\" of other probes, frames or images, which would be mixed with this one: remove it, \
+             or name another folder",
+            old.name
+        )))
+    }
+
+    /// Names and values of all that images depend on but the scene.
+    pub fn options(&self) -> Vec<(&'static str, String)> {
+        // What is added to the plan has to be named here, too.
+        let CapturePlan { name, fps, frames, projection, size, cameras, fov_y_deg, passes, samples, depth, far_m } =
+            self;
+        let [width, height] = size;
+        let passes: Vec<&str> = passes.iter().map(|pass| pass.name()).collect();
+        vec![
+            ("the name", name.clone()),
+            ("--fps", format!("{fps:?}")),
+            ("--frames", frames.to_string()),
+            ("--projection", format!("{projection:?}")),
+            ("--size", format!("{width}x{height}")),
+            ("the cameras", digest(format!("{cameras:?}").as_bytes())),
+            ("--fov", fov_y_deg.map_or("none".to_owned(), |fov| format!("{fov:?}"))),
+            ("what is captured", passes.join(", ")),
+            ("--samples", samples.to_string()),
+            ("--depth", format!("{depth:?}")),
+            ("--far", format!("{far_m:?}")),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::cameras::PlacedCamera;
+
+    fn plan() -> CapturePlan {
+        CapturePlan {
+            name: "a".into(),
+            fps: 24.0,
+            frames: FrameRange { first: 2, last: 5 },
+            projection: Projection::Cubemap,
+            size: [8, 8],
+            cameras: CameraSet::new(vec![
+                PlacedCamera::at([0.0; 3]),
+                PlacedCamera { frames: Some([4, 9]), fov_y_deg: Some(40.0), ..PlacedCamera::at([1.0; 3]) },
+            ]),
+            fov_y_deg: None,
+            passes: Pass::ALL.to_vec(),
+            samples: 1,
+            depth: DepthKind::Distance,
+            far_m: f64::INFINITY,
+        }
+    }
+
+    #[test]
+    fn frames_are_those_of_the_plan_and_the_camera() {
+        let plan = plan();
+        let manifest = plan.manifest().unwrap();
+        assert_eq!(manifest.frames, [2, 5]);
+        assert_eq!([manifest.probes[0].frames, manifest.probes[1].frames], [None, Some([4, 5])]);
+        assert_eq!((plan.takes(3).count(), plan.takes(4).count()), (6, 12));
+        assert_eq!(plan.image_count(), (4 + 2) * 6 * 4);
+        let take = plan.takes(4).nth(7).unwrap();
+        assert_eq!(take, Take { probe: 1, face: Face::Nx, frame: 4 });
+        assert_eq!(plan.file(&take, Pass::Normal).unwrap(), PathBuf::from("probe_01/face_nx/normal.0004.exr"));
+        let none = CapturePlan { frames: FrameRange { first: 0, last: 3 }, ..plan };
+        assert!(none.manifest().unwrap_err().to_string().contains("camera 01 looks in the frames 4-9"));
+    }
+
+    #[test]
+    fn animations_have_the_frames_before_their_end() {
+        let last = |duration_s| frames_of_animation(duration_s, 24.0).last;
+        assert_eq!([0.0, 0.01, 1.0, 4.0, 1.0 / 24.0 * 7.0, f64::NAN].map(last), [0, 0, 23, 95, 6, 0]);
+    }
+
+    #[test]
+    fn plans_that_cannot_be_carried_out_say_why() {
+        let says = |change: fn(&mut CapturePlan), words: &str| {
+            let mut plan = plan();
+            change(&mut plan);
+            let error = plan.manifest().unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        };
+        says(|plan| plan.size = [0, 0], "0x0");
+        says(|plan| plan.size = [MAX_FACE_SIZE + 1; 2], "a side");
+        says(|plan| plan.size = [8, 4], "square");
+        says(|plan| plan.projection = Projection::Equirect, "twice as wide");
+        says(|plan| plan.projection = Projection::Perspective, "camera 00 has no field of view");
+        says(|plan| plan.fov_y_deg = Some(50.0), "only for perspective");
+        says(|plan| plan.far_m = 0.0, "above 0");
+        says(|plan| plan.far_m = f64::NAN, "above 0");
+        says(|plan| plan.samples = 0, "samples");
+        says(|plan| plan.passes = vec![Pass::Normal], "colour, depth or material");
+        says(|plan| plan.fps = 0.0, "fps");
+        says(
+            |plan| {
+                (plan.projection, plan.size, plan.depth) = (Projection::Equirect, [8, 4], DepthKind::Planar);
+            },
+            "no planar depth",
+        );
+    }
+
+    #[test]
+    fn a_dataset_is_replaced_only_by_one_that_has_all_its_images() {
+        let old = plan().manifest().unwrap();
+        assert!(plan().check_replaces(&old).is_ok());
+        let larger = CapturePlan { size: [16, 16], frames: FrameRange { first: 0, last: 5 }, ..plan() };
+        assert!(larger.check_replaces(&old).is_ok());
+        let refused = |change: fn(&mut CapturePlan)| {
+            let mut plan = plan();
+            change(&mut plan);
+            assert!(plan.check_replaces(&old).unwrap_err().to_string().contains("mixed"));
+        };
+        refused(|plan| plan.frames.first = 3);
+        refused(|plan| plan.cameras.cameras.truncate(1));
+        refused(|plan| plan.passes = vec![Pass::Color, Pass::Depth, Pass::Material]);
+        refused(|plan| plan.passes = vec![Pass::Color, Pass::Depth, Pass::Normal]);
+        refused(|plan| plan.cameras.cameras[1].name = Some("b".into()));
+        refused(|plan| (plan.projection, plan.size) = (Projection::Equirect, [8, 4]));
+    }
+
+    #[test]
+    fn fields_of_view_become_focal_lengths() {
+        let mut plan = plan();
+        (plan.projection, plan.size, plan.fov_y_deg) = (Projection::Perspective, [20, 10], Some(90.0));
+        let window = |plan: &CapturePlan, probe| plan.viewpoint(&Take { probe, face: Face::View, frame: 4 }).window;
+        let Window::Picture(size, [fx, fy, cx, cy]) = window(&plan, 0) else { panic!() };
+        assert_eq!((size, cx, cy, fx), ([20, 10], 10.0, 5.0, fy));
+        assert!((fx - 5.0).abs() < 1e-12);
+        assert_ne!(window(&plan, 1), window(&plan, 0), "its own comes first");
+        assert_eq!(
+            plan.file(&plan.takes(2).next().unwrap(), Pass::Color).unwrap().to_str(),
+            Some("probe_00/color.0002.exr")
+        );
+    }
+}

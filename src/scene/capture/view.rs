@@ -1,0 +1,481 @@
+//! One image of a scene, as a renderer would write it: colour averaged over each pixel, all else through its centre.
+//!
+//! Enters: a frozen scene, a point of view, what is wanted. Leaves: planes. Colour and depth disagree at edges by design:
+//! so does the footage of every renderer.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use half::f16;
+use rayon::prelude::*;
+
+use super::samples::SamplePattern;
+use crate::dataset::stream::DepthKind;
+use crate::error::{Error, Result};
+use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::{Face, equirect};
+use crate::monitor::Monitor;
+use crate::scene::primitive::{AxisBox, Ray};
+use crate::scene::raycast::{OPAQUE, SceneAtTime};
+
+/// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
+pub const MAX_FACE_SIZE: u32 = 16_384;
+
+/// Side in pixels of the squares for which the objects in view are gathered once.
+const TILE: u32 = 16;
+
+/// What is captured of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Pass {
+    /// Linear Rec. 709 radiance, the mean over the pixel.
+    Color,
+    /// Metres through the pixel's centre, `+inf` for the background.
+    Depth,
+    /// Shading normal there in world axes, length 1; zero for the background.
+    Normal,
+    /// Weight of reflection, of refraction, and index of refraction there; 0, 0, 1 for the background.
+    Material,
+}
+
+impl Pass {
+    /// All of them.
+    pub const ALL: [Pass; 4] = [Pass::Color, Pass::Depth, Pass::Normal, Pass::Material];
+
+    /// As in names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Pass::Color => "color",
+            Pass::Depth => "depth",
+            Pass::Normal => "normal",
+            Pass::Material => "material",
+        }
+    }
+}
+
+/// From where an image is taken, and what through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Viewpoint {
+    /// Metres.
+    pub position: DVec3,
+    /// Turn from the probe's axes to the world's.
+    pub orientation: Option<DQuat>,
+    /// What through.
+    pub window: Window,
+}
+
+/// The directions of an image's pixels, in the probe's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Window {
+    /// A face of a cube map ([`crate::image::cube`]), so many pixels a side.
+    Face(Face, u32),
+    /// All directions, longitude across, latitude down ([`crate::image::equirect`]): width and height.
+    Panorama([u32; 2]),
+    /// A pinhole camera that looks along −Z with +Y up: width and height, and fx, fy, cx, cy in pixels.
+    Picture([u32; 2], [f64; 4]),
+}
+
+impl Window {
+    /// Width and height in pixels.
+    pub fn size(self) -> [u32; 2] {
+        match self {
+            Window::Face(_, size) => [size; 2],
+            Window::Panorama(size) | Window::Picture(size, _) => size,
+        }
+    }
+
+    /// Forward, right and down of a flat window.
+    fn axes(self) -> Option<[DVec3; 3]> {
+        match self {
+            Window::Face(face, _) => Some(face.axes()),
+            Window::Panorama(_) => None,
+            Window::Picture(..) => Some(Face::View.axes()),
+        }
+    }
+
+    /// Position in the plane at distance 1 of a flat window, of a position in pixels.
+    fn plane(self, x: f64, y: f64) -> [f64; 2] {
+        match self {
+            // As `cube::pixel_to_plane`, to the bit.
+            Window::Face(_, size) => [x, y].map(|at| (2.0 * at) / f64::from(size) - 1.0),
+            Window::Picture(_, [fx, fy, cx, cy]) => [(x - cx) / fx, (y - cy) / fy],
+            Window::Panorama(_) => [0.0; 2],
+        }
+    }
+
+    /// Direction of a position in pixels; its length is distance over planar depth in flat windows, and 1 in others.
+    fn direction(self, x: f64, y: f64) -> DVec3 {
+        let Some([forward, right, down]) = self.axes() else {
+            let [width, height] = self.size();
+            return equirect::direction_at(x, y, width, height);
+        };
+        let [u, v] = self.plane(x, y);
+        forward + u * right + v * down
+    }
+}
+
+/// What is wanted of an image.
+#[derive(Debug, Clone, Copy)]
+pub struct Shot<'a> {
+    /// Which planes.
+    pub passes: &'a [Pass],
+    /// Where colour is sampled.
+    pub samples: &'a SamplePattern,
+    /// What depth measures; planar only through flat windows.
+    pub depth: DepthKind,
+    /// Metres; what lies farther is background, but for its colour.
+    pub far_m: f64,
+}
+
+impl Shot<'_> {
+    fn wants(&self, pass: Pass) -> bool {
+        self.passes.contains(&pass)
+    }
+
+    /// Rays cast from the camera for each pixel, those after reflection and for shadows not counted.
+    pub fn rays_per_pixel(&self) -> u64 {
+        let color = if self.wants(Pass::Color) { self.samples.points().len() as u64 } else { 0 };
+        let centre = self.passes.iter().any(|pass| *pass != Pass::Color);
+        color + u64::from(centre && !(color > 0 && self.samples.is_centre()))
+    }
+}
+
+/// An image's planes, those that were wanted.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Images {
+    /// Half floats, linear.
+    pub color: Option<ColorPlane>,
+    /// Metres.
+    pub depth: Option<DepthPlane>,
+    /// x, y, z.
+    pub normal: Option<Plane<[f32; 3]>>,
+    /// Reflection, refraction, index.
+    pub material: Option<MaterialPlane>,
+}
+
+/// Captures an image. It does not depend on the number of threads.
+///
+/// # Errors
+/// When a side is 0 or above [`MAX_FACE_SIZE`], the position is not finite, planar depth is asked of a panorama, or the
+/// monitor is interrupted.
+pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, monitor: &dyn Monitor) -> Result<Images> {
+    let [width, height] = from.window.size();
+    if [width, height].iter().any(|&side| side == 0 || side > MAX_FACE_SIZE) {
+        return Err(Error::Usage(format!(
+            "an image has 1 to {MAX_FACE_SIZE} pixels a side, not {}",
+            if width == height { width.to_string() } else { format!("{width}x{height}") }
+        )));
+    }
+    if !from.position.is_finite() {
+        return Err(Error::Usage(format!("a probe's position must be finite, not {}", from.position)));
+    }
+    if shot.depth == DepthKind::Planar && from.window.axes().is_none() {
+        return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
+    }
+    let plane = |pass| shot.wants(pass).then_some((width, height));
+    let mut images = Images {
+        color: plane(Pass::Color).map(|(width, height)| Plane::filled(width, height, [f16::ZERO; 3])),
+        depth: plane(Pass::Depth).map(|(width, height)| Plane::filled(width, height, f32::INFINITY)),
+        normal: plane(Pass::Normal).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
+        material: plane(Pass::Material).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
+    };
+    let view = View { scene, from, shot, axes: from.window.axes().map(|axes| axes.map(|axis| turned(from, axis))) };
+    bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
+        monitor.check()?;
+        view.capture_band(band);
+        Ok(())
+    })?;
+    Ok(images)
+}
+
+fn turned(from: &Viewpoint, direction: DVec3) -> DVec3 {
+    from.orientation.map_or(direction, |turn| turn * direction)
+}
+
+/// Light as halves. What is brighter than the largest of them, 65,504, is that: infinities are no light.
+fn halves(light: DVec3) -> [f16; 3] {
+    light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
+}
+
+/// Some rows of all planes.
+struct Band<'a> {
+    top: u32,
+    rows: u32,
+    color: Option<&'a mut [[f16; 3]]>,
+    depth: Option<&'a mut [f32]>,
+    normal: Option<&'a mut [[f32; 3]]>,
+    material: Option<&'a mut [[f32; 3]]>,
+}
+
+fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
+    let pixels = width as usize * TILE as usize;
+    let mut color = images.color.as_mut().map(|plane| plane.data_mut().chunks_mut(pixels));
+    let mut depth = images.depth.as_mut().map(|plane| plane.data_mut().chunks_mut(pixels));
+    let mut normal = images.normal.as_mut().map(|plane| plane.data_mut().chunks_mut(pixels));
+    let mut material = images.material.as_mut().map(|plane| plane.data_mut().chunks_mut(pixels));
+    let band = |top: u32| Band {
+        top,
+        rows: TILE.min(height - top),
+        color: color.as_mut().and_then(Iterator::next),
+        depth: depth.as_mut().and_then(Iterator::next),
+        normal: normal.as_mut().and_then(Iterator::next),
+        material: material.as_mut().and_then(Iterator::next),
+    };
+    (0..height).step_by(TILE as usize).map(band).collect()
+}
+
+/// What the centre of a pixel shows.
+struct Centre {
+    /// Metres, `+inf` for nothing.
+    distance: f64,
+    normal: DVec3,
+    optics: [f64; 3],
+}
+
+/// What all pixels of an image share.
+struct View<'a> {
+    scene: &'a SceneAtTime,
+    from: &'a Viewpoint,
+    shot: &'a Shot<'a>,
+    /// Forward, right and down in the world, of a flat window.
+    axes: Option<[DVec3; 3]>,
+}
+
+impl View<'_> {
+    fn capture_band(&self, mut band: Band<'_>) {
+        let [width, _] = self.from.window.size();
+        for left in (0..width).step_by(TILE as usize) {
+            let right = (left + TILE).min(width);
+            let candidates = self.in_view([left, band.top], [right, band.top + band.rows]);
+            for row in 0..band.rows {
+                for col in left..right {
+                    let pixel = row as usize * width as usize + col as usize;
+                    self.capture_pixel([col, band.top + row], &candidates, &mut band, pixel);
+                }
+            }
+        }
+    }
+
+    fn capture_pixel(&self, [col, row]: [u32; 2], candidates: &[usize], band: &mut Band<'_>, pixel: usize) {
+        let (x, y) = (f64::from(col) + 0.5, f64::from(row) + 0.5);
+        let mut centre = None;
+        if let Some(color) = &mut band.color {
+            if self.shot.samples.is_centre() {
+                let hit = self.scene.look(&self.ray(x, y), candidates.iter().copied());
+                color[pixel] = halves(hit.color);
+                centre = Some(Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics });
+            } else {
+                color[pixel] = self.color([col, row], candidates);
+            }
+        }
+        if band.depth.is_none() && band.normal.is_none() && band.material.is_none() {
+            return;
+        }
+        let seen = centre.unwrap_or_else(|| self.centre(&self.ray(x, y), candidates));
+        let near = seen.distance <= self.shot.far_m;
+        if let Some(depth) = &mut band.depth {
+            let metres = match self.shot.depth {
+                DepthKind::Distance => seen.distance,
+                DepthKind::Planar => seen.distance / self.from.window.direction(x, y).length(),
+            };
+            // What is too near for a float is not where the eye is.
+            depth[pixel] = if near { (metres as f32).max(f32::MIN_POSITIVE) } else { f32::INFINITY };
+        }
+        if let Some(normal) = &mut band.normal {
+            normal[pixel] = if near { seen.normal.as_vec3().to_array() } else { [0.0; 3] };
+        }
+        if let Some(material) = &mut band.material {
+            material[pixel] = (if near { seen.optics } else { OPAQUE }).map(|value| value as f32);
+        }
+    }
+
+    /// Mean radiance of a pixel.
+    fn color(&self, [col, row]: [u32; 2], candidates: &[usize]) -> [f16; 3] {
+        let points = self.shot.samples.points();
+        let look = |[x, y]: [f64; 2]| {
+            let ray = self.ray(f64::from(col) + x, f64::from(row) + y);
+            self.scene.look(&ray, candidates.iter().copied()).color
+        };
+        let sum = points.iter().fold(DVec3::ZERO, |sum, &point| sum + look(point));
+        halves(sum / points.len() as f64)
+    }
+
+    /// What lies on a ray, without its colour where that costs more.
+    fn centre(&self, ray: &Ray, candidates: &[usize]) -> Centre {
+        if !self.shot.wants(Pass::Normal) && !self.shot.wants(Pass::Material) {
+            let first = self.scene.first_hit(ray, candidates.iter().copied());
+            let distance = first.map_or(f64::INFINITY, |first| first.distance);
+            return Centre { distance, normal: DVec3::ZERO, optics: OPAQUE };
+        }
+        let hit = self.scene.look(ray, candidates.iter().copied());
+        Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics }
+    }
+
+    fn ray(&self, x: f64, y: f64) -> Ray {
+        // Its length lies within f64's reach: 1 or more in flat windows, and 1 in others.
+        Ray::from_unit(self.from.position, turned(self.from, self.from.window.direction(x, y).normalize()))
+    }
+
+    /// Indices, in order, of the objects that pixels `from..to` may see.
+    fn in_view(&self, from: [u32; 2], to: [u32; 2]) -> Vec<usize> {
+        let objects = self.scene.objects();
+        let outside: Box<dyn Fn(&AxisBox) -> bool> = match self.axes {
+            Some(axes) => self.outside_of_pyramid(axes, from, to),
+            None => self.outside_of_cone(from, to),
+        };
+        (0..objects.len()).filter(|&index| !outside(objects[index].bounds())).collect()
+    }
+
+    /// Whether a box lies wholly on the outer side of one of the five planes of the pixels' pyramid.
+    fn outside_of_pyramid(
+        &self,
+        [forward, right, down]: [DVec3; 3],
+        from: [u32; 2],
+        to: [u32; 2],
+    ) -> Box<dyn Fn(&AxisBox) -> bool> {
+        let plane = |[x, y]: [u32; 2]| self.from.window.plane(f64::from(x), f64::from(y));
+        let ([left, top], [beyond, below]) = (plane(from), plane(to));
+        // Normals that point inwards; every plane goes through the camera.
+        let planes =
+            [forward, right - left * forward, beyond * forward - right, down - top * forward, below * forward - down];
+        let position = self.from.position;
+        Box::new(move |bounds| {
+            let corners = bounds.corners().map(|corner| corner - position);
+            // The millionth of a metre is for rounding: one object too many costs time, one too few an image.
+            planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
+        })
+    }
+
+    /// Whether the ball around a box lies wholly outside of a cone around the pixels of a panorama.
+    fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> Box<dyn Fn(&AxisBox) -> bool> {
+        let [width, height] = self.from.window.size().map(f64::from);
+        let [x, y] = [0, 1].map(|axis| 0.5 * (f64::from(from[axis]) + f64::from(to[axis])));
+        // Along a meridian and then along a parallel, which is the longer way round.
+        let across = f64::from(to[0] - from[0]) / width * PI;
+        let along = f64::from(to[1] - from[1]) / height * 0.5 * PI;
+        let reach = across + along + 1e-6;
+        let axis = turned(self.from, self.from.window.direction(x, y));
+        let position = self.from.position;
+        Box::new(move |bounds| {
+            let to_middle = 0.5 * (bounds.min + bounds.max) - position;
+            let (distance, radius) = (to_middle.length(), 0.5 * (bounds.max - bounds.min).length());
+            // Boxes without end, and those that the camera is in or near, are in view: no comparison with NaN holds.
+            distance > radius * 1.000_001 + 1e-6
+                && axis.angle_between(to_middle) > reach + ((radius + 1e-6) / distance).min(1.0).asin()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::cube;
+    use crate::monitor::Silent;
+    use crate::scene::{DemoKind, DemoScene, trace};
+
+    fn shot<'a>(passes: &'a [Pass], samples: &'a SamplePattern) -> Shot<'a> {
+        Shot { passes, samples, depth: DepthKind::Distance, far_m: f64::INFINITY }
+    }
+
+    const TURN: [f64; 4] = [0.1, -0.7, 0.3, 0.640_312_423_743_284_9];
+
+    #[test]
+    fn directions_are_those_that_datasets_are_read_by() {
+        for (col, row) in [(0, 0), (31, 7), (63, 31)] {
+            let (x, y) = (f64::from(col) + 0.5, f64::from(row) + 0.5);
+            let panorama = Window::Panorama([64, 32]).direction(x, y);
+            assert!((panorama - equirect::direction(col, row, 64, 32)).length() < 1e-15);
+            let picture = Window::Picture([64, 32], [40.0, 41.0, 30.0, 15.0]).direction(x, y);
+            let factor = cube::distance_from_planar_view(col, row, [40.0, 41.0, 30.0, 15.0]);
+            assert!((picture.length() - factor).abs() < 1e-12 && picture.z == -1.0);
+            for face in Face::CUBE {
+                assert_eq!(Window::Face(face, 64).direction(x, y), face.direction(col, row, 64));
+            }
+        }
+    }
+
+    #[test]
+    fn every_window_sees_what_single_rays_see() {
+        let scene = DemoScene::new(DemoKind::Courtyard).at(1.3);
+        let samples = SamplePattern::new(1).unwrap();
+        let turn = crate::math::camera::rotation(TURN);
+        let windows = [
+            Window::Face(Face::Ny, 37),
+            Window::Panorama([70, 35]),
+            Window::Panorama([16, 8]),
+            Window::Picture([50, 20], [30.0, 33.0, 26.0, 9.0]),
+        ];
+        for (window, orientation) in windows.into_iter().flat_map(|window| [(window, None), (window, turn)]) {
+            for position in [DVec3::new(0.1, 1.4, 0.2), DVec3::new(-3.0, 1.0, 3.0), DVec3::new(-1.0, 9.0, 0.0)] {
+                let from = Viewpoint { position, orientation, window };
+                let images = capture_view(&scene, &from, &shot(&Pass::ALL, &samples), &Silent).unwrap();
+                let (color, depth, normal) = (images.color.unwrap(), images.depth.unwrap(), images.normal.unwrap());
+                let [width, height] = window.size();
+                for (col, row) in (0..height).flat_map(|row| (0..width).map(move |col| (col, row))) {
+                    let direction = turned(&from, window.direction(f64::from(col) + 0.5, f64::from(row) + 0.5));
+                    // The length of a turned direction is another number, if only just.
+                    let hit = trace(&scene, position, direction);
+                    let found = f64::from(depth.get(col, row));
+                    assert!(
+                        found == hit.distance || (found / hit.distance - 1.0).abs() < 1e-6,
+                        "{window:?} {col} {row}"
+                    );
+                    let of_normal = normal.get(col, row).map(f64::from);
+                    assert!((DVec3::from_array(of_normal) - hit.normal).length() < 1e-5, "{window:?} {col} {row}");
+                    if orientation.is_none() {
+                        assert_eq!(color.get(col, row), hit.color.to_array().map(f16::from_f64));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn one_sample_is_the_centre_and_depth_does_not_depend_on_samples() {
+        let scene = DemoScene::new(DemoKind::Courtyard).at(0.2);
+        let from =
+            Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, window: Window::Face(Face::Pz, 40) };
+        let patterns = [1, 3, 16].map(|count| SamplePattern::new(count).unwrap());
+        let all = patterns
+            .each_ref()
+            .map(|samples| capture_view(&scene, &from, &shot(&Pass::ALL, samples), &Silent).unwrap());
+        for images in &all {
+            assert_eq!((&images.depth, &images.normal), (&all[0].depth, &all[0].normal));
+        }
+        assert_ne!(all[1].color, all[2].color);
+        let depth = capture_view(&scene, &from, &shot(&[Pass::Depth], &patterns[2]), &Silent).unwrap();
+        assert_eq!((depth.depth, depth.color), (all[0].depth.clone(), None));
+        let rays = |passes: &[Pass], at: usize| shot(passes, &patterns[at]).rays_per_pixel();
+        assert_eq!([rays(&Pass::ALL, 0), rays(&Pass::ALL, 1), rays(&[Pass::Color], 2)], [1, 4, 16]);
+        assert_eq!([rays(&[Pass::Depth], 2), rays(&[Pass::Color, Pass::Depth], 2)], [1, 17]);
+    }
+
+    #[test]
+    fn light_stays_finite() {
+        assert_eq!(halves(DVec3::new(1e9, 65_504.0, 0.5)).map(f16::to_f32), [65_504.0, 65_504.0, 0.5]);
+    }
+
+    #[test]
+    fn planar_depth_and_far() {
+        let scene = DemoScene::new(DemoKind::Courtyard).at(0.0);
+        let samples = SamplePattern::new(1).unwrap();
+        let window = Window::Face(Face::Ny, 64);
+        let from = Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, window };
+        let planar = Shot { depth: DepthKind::Planar, ..shot(&[Pass::Depth], &samples) };
+        let depth = capture_view(&scene, &from, &planar, &Silent).unwrap().depth.unwrap();
+        // The ground is 1.5 m below, whichever way one looks.
+        assert!((depth.get(20, 30) - 1.5).abs() < 1e-6 && (depth.get(12, 50) - 1.5).abs() < 1e-6);
+        let clipped = Shot { far_m: 1.6, ..shot(&Pass::ALL, &samples) };
+        let whole = capture_view(&scene, &from, &shot(&Pass::ALL, &samples), &Silent).unwrap();
+        let images = capture_view(&scene, &from, &clipped, &Silent).unwrap();
+        assert_eq!(images.color, whole.color);
+        let (depth, normal) = (images.depth.unwrap(), images.normal.unwrap());
+        let all = whole.depth.unwrap();
+        assert!(depth.data().iter().any(|d| d.is_finite()) && depth.data().contains(&f32::INFINITY));
+        for ((depth, normal), all) in depth.data().iter().zip(normal.data()).zip(all.data()) {
+            assert_eq!(*depth, if *all <= 1.6 { *all } else { f32::INFINITY });
+            assert_eq!(*normal == [0.0; 3], *all > 1.6);
+        }
+        let panorama = Viewpoint { window: Window::Panorama([8, 4]), ..from };
+        assert!(capture_view(&scene, &panorama, &planar, &Silent).is_err());
+    }
+}

@@ -1,0 +1,362 @@
+//! A capture carried out: images and their manifest in a folder.
+//!
+//! Enters: a plan, a scene, a folder. Leaves: files whose bytes follow from plan and scene alone, each under its name only
+//! when it is whole. What an earlier process left of the same capture may be kept.
+
+use std::path::{Path, PathBuf};
+
+use super::plan::{CapturePlan, NORMAL_CHANNELS, Take};
+use super::samples::SamplePattern;
+use super::view::{Images, Pass, Shot, capture_view};
+use crate::dataset::manifest::{MANIFEST_NAME, Manifest, MaterialChannels};
+use crate::error::{Error, Result};
+use crate::image::exr;
+use crate::image::{ChannelSelect, DepthPlane, ReadLimits};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::scene::animated::Scene;
+use crate::scene::raycast::SceneAtTime;
+
+/// What images at work may take together, if they are more than one.
+const MEMORY_BYTES: u64 = 1 << 30;
+/// Of a pixel with all passes, and once more as it is written.
+const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
+/// The most moments of a scene that are there at a time.
+const MAX_MOMENTS: usize = 16;
+
+/// What becomes of images that are in the folder already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// They are made anew.
+    None,
+    /// Those that can be read and have the right size are kept.
+    Sound,
+}
+
+/// What a capture came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CaptureSummary {
+    /// Image files of the dataset.
+    pub images: u64,
+    /// Of these, those that were there already.
+    pub kept_images: u64,
+    /// Rays from cameras; those after reflection and for shadows are not counted.
+    pub rays: u64,
+    /// Bytes of all images.
+    pub bytes: u64,
+    /// Nearest and farthest depth in metres as it is stored, (+inf, 0) without any.
+    pub depth_range_m: [f32; 2],
+}
+
+impl CaptureSummary {
+    const NOTHING: CaptureSummary =
+        CaptureSummary { images: 0, kept_images: 0, rays: 0, bytes: 0, depth_range_m: [f32::INFINITY, 0.0] };
+
+    fn and(self, other: CaptureSummary) -> CaptureSummary {
+        let ([near, far], [other_near, other_far]) = (self.depth_range_m, other.depth_range_m);
+        CaptureSummary {
+            images: self.images + other.images,
+            kept_images: self.kept_images + other.kept_images,
+            rays: self.rays + other.rays,
+            bytes: self.bytes + other.bytes,
+            depth_range_m: [near.min(other_near), far.max(other_far)],
+        }
+    }
+
+    fn of_file(path: &Path, range: [f32; 2]) -> Result<CaptureSummary> {
+        let bytes = std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len();
+        Ok(CaptureSummary { images: 1, bytes, depth_range_m: range, ..Self::NOTHING })
+    }
+}
+
+/// Images of one place and time that are still to be made.
+struct Job {
+    take: Take,
+    passes: Vec<Pass>,
+    /// What was there.
+    kept: CaptureSummary,
+}
+
+impl CapturePlan {
+    /// Captures everything into `folder`, which exists. The monitor advances by one for each image. At most sixteen moments
+    /// of the scene, and 1 GiB of images or one face, are there at a time.
+    ///
+    /// # Errors
+    /// When the plan cannot be carried out, a file cannot be written, or the monitor is interrupted. Images that are done
+    /// stay in the folder.
+    pub fn write(&self, scene: &Scene, folder: &Path, kept: Kept, monitor: &dyn Monitor) -> Result<CaptureSummary> {
+        let manifest = self.manifest()?;
+        let work = Work { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
+        work.make_folders()?;
+        let mut sum = CaptureSummary::NOTHING;
+        let mut left = self.frames.iter();
+        // A scene in which nothing moves is the same moment for all frames.
+        let always = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
+        loop {
+            let frames: Vec<u32> = left.by_ref().take(self.frames_at_once()).collect();
+            let Some(&first) = frames.first() else { break };
+            let takes = frames.iter().flat_map(|&frame| self.takes(frame)).collect();
+            let jobs = try_map_at_once(takes, self.images_at_once(), |take| work.look_for(take, kept))?;
+            let moment = |frame: u32| jobs.iter().any(|job| job.take.frame == frame && !job.passes.is_empty());
+            let moments: Vec<Option<SceneAtTime>> = match &always {
+                Some(_) => Vec::new(),
+                None => {
+                    frames.iter().map(|&frame| moment(frame).then(|| scene.at(f64::from(frame) / self.fps))).collect()
+                }
+            };
+            let done = try_map_at_once(jobs, self.images_at_once(), |job| {
+                let own = moments.get((job.take.frame - first) as usize).and_then(Option::as_ref);
+                work.make(own.or(always.as_ref()), &job)
+            })?;
+            sum = done.into_iter().fold(sum, CaptureSummary::and);
+        }
+        write_manifest(&manifest, folder)?;
+        Ok(sum)
+    }
+
+    /// Frames whose images are made in one go, so that there is work for all threads.
+    fn frames_at_once(&self) -> usize {
+        let images = self.cameras.cameras.len() * self.faces().len();
+        (2 * rayon::current_num_threads()).div_ceil(images.max(1)).clamp(1, MAX_MOMENTS)
+    }
+
+    fn images_at_once(&self) -> usize {
+        let bytes = self.size.map(u64::from).iter().product::<u64>() * PIXEL_BYTES;
+        let fit = usize::try_from(MEMORY_BYTES / bytes.max(1)).unwrap_or(usize::MAX);
+        fit.clamp(1, rayon::current_num_threads().max(1))
+    }
+}
+
+fn write_manifest(manifest: &Manifest, folder: &Path) -> Result<()> {
+    let path = folder.join(MANIFEST_NAME);
+    std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))
+}
+
+struct Work<'a> {
+    plan: &'a CapturePlan,
+    samples: SamplePattern,
+    folder: &'a Path,
+    monitor: &'a dyn Monitor,
+}
+
+impl Work<'_> {
+    fn path(&self, take: &Take, pass: Pass) -> Result<PathBuf> {
+        Ok(self.folder.join(self.plan.file(take, pass)?))
+    }
+
+    fn make_folders(&self) -> Result<()> {
+        for probe in 0..self.plan.cameras.cameras.len() {
+            for &face in self.plan.faces() {
+                let file = self.path(&Take { probe, face, frame: 0 }, Pass::Color)?;
+                let folder = file.parent().unwrap_or(self.folder);
+                std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What is still to be made.
+    fn look_for(&self, take: Take, kept: Kept) -> Result<Job> {
+        let mut job = Job { take, passes: Vec::new(), kept: CaptureSummary::NOTHING };
+        for &pass in &self.plan.passes {
+            self.monitor.check()?;
+            let path = self.path(&take, pass)?;
+            match if kept == Kept::Sound { self.read(&path, pass) } else { None } {
+                None => job.passes.push(pass),
+                Some(range) => {
+                    let found = CaptureSummary { kept_images: 1, ..CaptureSummary::of_file(&path, range)? };
+                    job.kept = job.kept.and(found);
+                    self.monitor.advance(1);
+                }
+            }
+        }
+        Ok(job)
+    }
+
+    /// Near and far of an image that can be read and has the right size.
+    fn read(&self, path: &Path, pass: Pass) -> Option<[f32; 2]> {
+        // What is not there is no news.
+        if !path.is_file() {
+            return None;
+        }
+        let limits = ReadLimits::default();
+        let none = CaptureSummary::NOTHING.depth_range_m;
+        let triple = |names| exr::read_material(path, names, &limits).ok().map(|plane| (plane.width(), plane.height()));
+        let (size, range) = match pass {
+            Pass::Color => {
+                let plane = exr::read_color(path, &ChannelSelect::Auto, &limits).ok()?;
+                ((plane.width(), plane.height()), none)
+            }
+            Pass::Depth => {
+                let plane = exr::read_depth(path, &ChannelSelect::Auto, &limits).ok()?;
+                ((plane.width(), plane.height()), range_of(&plane))
+            }
+            Pass::Normal => (triple(NORMAL_CHANNELS)?, none),
+            Pass::Material => (triple(names(&MaterialChannels::default()))?, none),
+        };
+        (size == (self.plan.size[0], self.plan.size[1])).then_some(range)
+    }
+
+    fn make(&self, moment: Option<&SceneAtTime>, job: &Job) -> Result<CaptureSummary> {
+        let (Some(moment), false) = (moment, job.passes.is_empty()) else { return Ok(job.kept) };
+        self.monitor.check()?;
+        let shot = Shot { passes: &job.passes, samples: &self.samples, depth: self.plan.depth, far_m: self.plan.far_m };
+        let images = capture_view(moment, &self.plan.viewpoint(&job.take), &shot, self.monitor)?;
+        let mut sum = job.kept;
+        for &pass in &job.passes {
+            let path = self.path(&job.take, pass)?;
+            let range = write_whole(&path, &images, pass)?;
+            sum = sum.and(CaptureSummary::of_file(&path, range)?);
+            self.monitor.advance(1);
+        }
+        let pixels = self.plan.size.map(u64::from).iter().product::<u64>();
+        sum.rays += pixels * shot.rays_per_pixel();
+        Ok(sum)
+    }
+}
+
+fn names(channels: &MaterialChannels) -> [&str; 3] {
+    [&channels.reflection, &channels.refraction, &channels.ior].map(String::as_str)
+}
+
+fn range_of(depth: &DepthPlane) -> [f32; 2] {
+    let finite = depth.data().iter().filter(|depth| depth.is_finite());
+    finite.fold(CaptureSummary::NOTHING.depth_range_m, |[near, far], &depth| [near.min(depth), far.max(depth)])
+}
+
+/// Writes an image under another name, which it has until it is whole. Answers near and far.
+fn write_whole(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
+    let partial = path.with_extension("exr.partial");
+    let mut range = CaptureSummary::NOTHING.depth_range_m;
+    let missing = || Error::invalid(format!("no {} was captured", pass.name()));
+    let written = match pass {
+        Pass::Color => exr::write_color(&partial, images.color.as_ref().ok_or_else(missing)?),
+        Pass::Depth => {
+            let depth = images.depth.as_ref().ok_or_else(missing)?;
+            range = range_of(depth);
+            exr::write_depth(&partial, depth)
+        }
+        Pass::Normal => exr::write_material(&partial, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS),
+        Pass::Material => {
+            let channels = MaterialChannels::default();
+            exr::write_material(&partial, images.material.as_ref().ok_or_else(missing)?, names(&channels))
+        }
+    };
+    let done = written.and_then(|()| std::fs::rename(&partial, path).map_err(|error| Error::io(path, error)));
+    done.map(|()| range).map_err(|error| {
+        let _ = std::fs::remove_file(&partial);
+        match error {
+            Error::Io { source, .. } => Error::io(path, source),
+            other => other,
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::cameras::{CameraSet, PlacedCamera};
+    use crate::dataset::stream::{DepthKind, Projection};
+    use crate::image::FrameRange;
+    use crate::monitor::Silent;
+    use crate::scene::{DemoKind, DemoScene};
+
+    fn plan() -> CapturePlan {
+        CapturePlan {
+            name: "a".into(),
+            fps: 24.0,
+            frames: FrameRange { first: 3, last: 5 },
+            projection: Projection::Cubemap,
+            size: [8, 8],
+            cameras: CameraSet::new(vec![PlacedCamera::at([0.0, 1.5, 0.0])]),
+            fov_y_deg: None,
+            passes: Pass::ALL.to_vec(),
+            samples: 2,
+            depth: DepthKind::Distance,
+            far_m: f64::INFINITY,
+        }
+    }
+
+    fn scene() -> Scene {
+        Scene::Procedural(DemoScene::new(DemoKind::Courtyard))
+    }
+
+    fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+        let mut found = Vec::new();
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                found.extend(files(&path));
+            } else {
+                found.push((path.clone(), std::fs::read(&path).unwrap()));
+            }
+        }
+        found.sort();
+        found
+    }
+
+    #[test]
+    fn sound_images_are_kept_and_all_others_made_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = plan().write(&scene(), folder.path(), Kept::None, &Silent).unwrap();
+        assert_eq!((first.images, first.kept_images, first.rays), (72, 0, 18 * 64 * 3));
+        assert!(first.depth_range_m[0] > 0.9 && first.depth_range_m[1].is_finite());
+        let whole = files(folder.path());
+        assert_eq!(whole.len(), 73);
+        assert_eq!(
+            first.bytes,
+            whole.iter().filter(|(path, _)| path.extension().unwrap() == "exr").map(|f| f.1.len() as u64).sum::<u64>()
+        );
+        let image = |name: &str| folder.path().join("probe_00/face_nx").join(name);
+        // Missing, cut short, of another size, no image at all.
+        std::fs::remove_file(image("color.0004.exr")).unwrap();
+        std::fs::write(image("depth.0003.exr"), &whole[20].1[..100]).unwrap();
+        exr::write_depth(&image("depth.0005.exr"), &DepthPlane::filled(4, 4, 1.0)).unwrap();
+        std::fs::write(image("normal.0005.exr"), "").unwrap();
+        std::fs::remove_file(folder.path().join(MANIFEST_NAME)).unwrap();
+        let again = plan().write(&scene(), folder.path(), Kept::Sound, &Silent).unwrap();
+        assert_eq!((again.images, again.kept_images), (72, 68));
+        assert_eq!(again.depth_range_m, first.depth_range_m);
+        assert_eq!(files(folder.path()), whole);
+        let anew = plan().write(&scene(), folder.path(), Kept::None, &Silent).unwrap();
+        assert_eq!(anew, first);
+    }
+
+    #[test]
+    fn bytes_do_not_depend_on_threads() {
+        let captures = [1, 3].map(|threads| {
+            let folder = tempfile::tempdir().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| plan().write(&scene(), folder.path(), Kept::None, &Silent)).unwrap();
+            let relative =
+                |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(folder.path()).unwrap().to_owned(), bytes);
+            files(folder.path()).into_iter().map(relative).collect::<Vec<_>>()
+        });
+        assert_eq!(captures[0], captures[1]);
+    }
+
+    #[test]
+    fn images_at_work_fit_into_memory() {
+        assert_eq!(CapturePlan { size: [16_384; 2], ..plan() }.images_at_once(), 1);
+        assert!(plan().images_at_once() >= 1 && plan().frames_at_once() <= MAX_MOMENTS);
+    }
+
+    #[test]
+    fn what_is_done_stays_when_it_is_stopped() {
+        struct Stops(std::sync::atomic::AtomicU64);
+        impl Monitor for Stops {
+            fn advance(&self, steps: u64) {
+                self.0.fetch_add(steps, std::sync::atomic::Ordering::Relaxed);
+            }
+
+            fn interrupted(&self) -> bool {
+                self.0.load(std::sync::atomic::Ordering::Relaxed) >= 30
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let stopped = plan().write(&scene(), folder.path(), Kept::None, &Stops(0.into()));
+        assert!(matches!(stopped, Err(Error::Interrupted)));
+        let left = files(folder.path());
+        assert!(left.len() >= 30 && left.len() < 72 && left.iter().all(|(path, _)| path.extension().unwrap() == "exr"));
+    }
+}

@@ -1,0 +1,243 @@
+//! The light that leaves a surface towards a ray: Lambert and Phong under suns, lamps and an ambient sky, with hard
+//! shadows; mirrors and clear glass, which send further rays.
+//!
+//! Enters: a [`Surface`] and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
+//! call for them. Light passes clear glass on its way to a surface as if the glass were not there: there are no caustics
+//! and glass casts no shadow.
+
+use glam::DVec3;
+
+use super::bvh::Stops;
+use super::light::Lamp;
+use super::mesh::{Optics, Phong};
+use super::primitive::Ray;
+use super::raycast::SceneAtTime;
+use super::surface::Surface;
+
+/// Reflections and refractions on one path; what lies beyond counts as the ambient light.
+pub const MAX_BOUNCES: u32 = 8;
+/// A path that brings less than this share of its light to the eye ends in the ambient light, too.
+const LEAST_WEIGHT: f64 = 1e-4;
+
+/// How a ray came about.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Path {
+    bounces: u32,
+    /// Share of the light that reaches the eye.
+    weight: f64,
+}
+
+impl Path {
+    /// From the eye.
+    pub(super) const FIRST: Path = Path { bounces: 0, weight: 1.0 };
+}
+
+#[cfg(test)]
+thread_local! {
+    /// Reflected and refracted rays of this thread.
+    pub(super) static SECONDARY_RAYS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
+}
+
+impl SceneAtTime {
+    /// Radiance of the surface towards where a ray in `direction` came from.
+    pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> DVec3 {
+        match surface.optics {
+            Optics::Opaque => self.lit(surface, direction),
+            Optics::Mirror { tint } => {
+                let normal = surface.optical_normal(direction);
+                let reflected = reflect(direction, normal);
+                let seen = self.along(surface, surface.side, reflected, path.on(tint.max_element()));
+                surface.emission + tint * seen + self.highlights(surface, direction)
+            }
+            Optics::Glass { ior, tint } => {
+                let normal = surface.optical_normal(direction);
+                let (share, refracted) = surface.fresnel(direction, normal, ior);
+                let mut light = surface.emission + self.highlights(surface, direction);
+                if share > 0.0 {
+                    let reflected = reflect(direction, normal);
+                    light += share * self.along(surface, surface.side, reflected, path.on(share));
+                }
+                if let Some(refracted) = refracted {
+                    let passes = (1.0 - share) * tint;
+                    let path = path.on(passes.max_element());
+                    light += passes * self.along(surface, -surface.side, refracted, path);
+                }
+                light
+            }
+        }
+    }
+
+    /// What comes from `direction` to the surface, to the side that `out` points to.
+    fn along(&self, surface: &Surface, out: DVec3, direction: DVec3, path: Path) -> DVec3 {
+        if path.bounces > MAX_BOUNCES || path.weight < LEAST_WEIGHT {
+            return self.light().sky.ambient;
+        }
+        #[cfg(test)]
+        SECONDARY_RAYS.with(|count| count.set(count.get() + 1));
+        let ray = Ray::from_unit(surface.point + self.lift(surface.point) * out, direction);
+        match self.first_hit(&ray, 0..self.objects().len()) {
+            None => self.light().sky.radiance(direction),
+            Some(hit) => self.radiance(&self.surface(&ray, &hit), direction, path),
+        }
+    }
+
+    /// Lambert and Phong, and what the surface gives off itself.
+    fn lit(&self, surface: &Surface, direction: DVec3) -> DVec3 {
+        if surface.unlit {
+            return surface.emission + surface.albedo;
+        }
+        let [matt, gloss] = self.arriving(surface, direction);
+        surface.emission + surface.albedo * matt + surface.phong.weight * gloss
+    }
+
+    /// Phong alone, for mirrors and glass.
+    fn highlights(&self, surface: &Surface, direction: DVec3) -> DVec3 {
+        if surface.phong.is_matt() {
+            return DVec3::ZERO;
+        }
+        surface.phong.weight * self.direct(surface, direction)[1]
+    }
+
+    /// Light on the surface, ambient and direct: as a white matt surface sends it on, and as Phong's lobe of weight 1
+    /// does. The ambient light is the same from everywhere, so a lobe sends on as much of it as a matt surface does.
+    fn arriving(&self, surface: &Surface, direction: DVec3) -> [DVec3; 2] {
+        let ambient = |normal: DVec3| {
+            // A surface that faces down sees ground instead of sky: a bit less than half the light.
+            self.light().sky.ambient * (0.7 + 0.3 * normal.y)
+        };
+        let [matt, gloss] = self.direct_upon(surface, direction, ambient(surface.normal));
+        if surface.phong.is_matt() {
+            return [matt, gloss];
+        }
+        [matt, gloss + ambient(reflect(direction, surface.normal))]
+    }
+
+    fn direct(&self, surface: &Surface, direction: DVec3) -> [DVec3; 2] {
+        self.direct_upon(surface, direction, DVec3::ZERO)
+    }
+
+    /// Suns and lamps, added to `matt` one by one.
+    fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> [DVec3; 2] {
+        let mut gloss = DVec3::ZERO;
+        let mirrored = (!surface.phong.is_matt()).then(|| reflect(direction, surface.normal));
+        let mut add = |light: DVec3, towards: DVec3| {
+            matt += light;
+            if let Some(mirrored) = mirrored {
+                gloss += surface.phong.lobe(mirrored.dot(towards)) * light;
+            }
+        };
+        let above = surface.point + self.lift(surface.point) * surface.side;
+        for (sun, shadows) in self.light().suns.iter().zip(self.shadows()) {
+            let facing = surface.normal.dot(sun.direction);
+            // Interpolated normals may face a light that is behind the surface.
+            let lit = facing > 0.0 && surface.side.dot(sun.direction) > 0.0;
+            if lit && !self.in_sun_shadow(sun.direction, shadows, above) {
+                add(facing * sun.radiance, sun.direction);
+            }
+        }
+        for lamp in &self.light().lamps {
+            if let Some((light, towards)) = self.lamp_light(lamp, above, surface) {
+                add(light, towards);
+            }
+        }
+        [matt, gloss]
+    }
+
+    /// A lamp's light on a white matt surface, and the direction towards the lamp.
+    fn lamp_light(&self, lamp: &Lamp, point: DVec3, surface: &Surface) -> Option<(DVec3, DVec3)> {
+        let to_lamp = lamp.position - point;
+        let squared = to_lamp.length_squared();
+        let reach = lamp.reach * lamp.reach;
+        let cosine = surface.normal.dot(to_lamp);
+        // Out of reach, behind the surface, or in the lamp itself, where the direction is lost.
+        let lift = self.lift(point);
+        if squared >= reach || cosine <= 0.0 || surface.side.dot(to_lamp) <= 0.0 || squared < lift * lift {
+            return None;
+        }
+        let distance = squared.sqrt();
+        let towards = to_lamp / distance;
+        let strength = lamp.cone.map_or(1.0, |cone| cone.strength(-towards));
+        if strength <= 0.0 || self.light_stopped(&Ray::from_unit(point, towards), distance) {
+            return None;
+        }
+        // Inverse square times a window that reaches 0 with slope 0.
+        let window = 1.0 - squared / reach;
+        let fall_off = cosine / distance * window * window / squared.max(self.lamp_core());
+        Some((lamp.radiance * fall_off * strength, towards))
+    }
+
+    /// Whether something keeps light from the first `length` metres.
+    fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
+        self.objects().iter().filter(|object| object.keeps_light()).any(|object| {
+            object.bounds().intersect(ray, 0.0).is_some()
+                && object.shape().intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
+        }) || self.meshes().iter().any(|mesh| mesh.stopped(ray, [0.0, length], Stops::Opaque))
+    }
+
+    fn in_sun_shadow(&self, sun: DVec3, shadows: &super::shadow_grid::ShadowGrid, point: DVec3) -> bool {
+        let ray = Ray::from_unit(point, sun);
+        shadows.casters(point).iter().any(|&index| self.objects()[index].shape().intersect(&ray, 0.0).is_some())
+            || self.meshes().iter().any(|mesh| mesh.stopped(&ray, [0.0, f64::INFINITY], Stops::Opaque))
+    }
+}
+
+impl Path {
+    /// One bounce on, by which `share` of the light comes.
+    fn on(self, share: f64) -> Path {
+        Path { bounces: self.bounces + 1, weight: self.weight * share }
+    }
+}
+
+impl Phong {
+    /// Whether there is no highlight.
+    pub fn is_matt(&self) -> bool {
+        self.weight == DVec3::ZERO
+    }
+
+    /// Share of a white surface's light that goes off at this cosine from the mirror direction.
+    fn lobe(&self, cosine: f64) -> f64 {
+        if cosine <= 0.0 { 0.0 } else { 0.5 * (self.exponent + 2.0) * cosine.powf(self.exponent) }
+    }
+}
+
+impl Surface {
+    /// The shading normal, unless what it reflects would go into the surface.
+    fn optical_normal(&self, direction: DVec3) -> DVec3 {
+        let sound = direction.dot(self.normal) < 0.0 && reflect(direction, self.normal).dot(self.side) > 0.0;
+        if sound { self.normal } else { self.side }
+    }
+
+    /// Reflected share of unpolarised light by Fresnel's equations, and where the rest goes: nowhere in total
+    /// reflection.
+    fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
+        let ratio = if self.from_within { ior } else { ior.recip() };
+        let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
+        let sin_out_squared = ratio * ratio * (1.0 - cos_in * cos_in);
+        if sin_out_squared >= 1.0 {
+            return (1.0, None);
+        }
+        let cos_out = (1.0 - sin_out_squared).sqrt();
+        let parallel = (cos_in - ratio * cos_out) / (cos_in + ratio * cos_out);
+        let across = (ratio * cos_in - cos_out) / (ratio * cos_in + cos_out);
+        let refracted = ratio * direction + (ratio * cos_in - cos_out) * normal;
+        // A shading normal may send it back out.
+        let refracted = refracted.try_normalize().filter(|refracted| refracted.dot(self.side) < 0.0);
+        (0.5 * (parallel * parallel + across * across), refracted.or(Some(direction)))
+    }
+
+    /// Weights of reflection and refraction and the index of refraction, as a material stream has them.
+    pub(super) fn optical_weights(&self, direction: DVec3) -> [f64; 3] {
+        match self.optics {
+            Optics::Opaque => super::raycast::OPAQUE,
+            Optics::Mirror { .. } => [1.0, 0.0, 1.0],
+            Optics::Glass { ior, .. } => {
+                let (share, _) = self.fresnel(direction, self.optical_normal(direction), ior);
+                [share, 1.0 - share, ior]
+            }
+        }
+    }
+}
+
+fn reflect(direction: DVec3, normal: DVec3) -> DVec3 {
+    direction - 2.0 * direction.dot(normal) * normal
+}

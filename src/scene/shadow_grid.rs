@@ -1,0 +1,72 @@
+//! Who may stand between a point and the sun: the scene cut into shafts parallel to the sun's rays, each with the
+//! objects whose bounding boxes reach into it.
+
+use glam::{DVec2, DVec3};
+
+use super::raycast::Object;
+
+/// The shafts of one sun.
+#[derive(Debug, Clone)]
+pub(super) struct ShadowGrid {
+    /// Two axes across the sun's direction.
+    axes: [DVec3; 2],
+    /// Smallest coordinates of all casters, and shafts per metre, along those axes.
+    min: DVec2,
+    per_metre: DVec2,
+    /// Indices of objects, row-major.
+    shafts: Vec<Vec<usize>>,
+}
+
+impl ShadowGrid {
+    /// Shafts along each axis.
+    const SIDE: usize = 48;
+
+    pub(super) fn new(objects: &[Object], sun: DVec3) -> Self {
+        // Across the sun, and as far as possible along X: the shadows of long beams then fill few shafts.
+        let first = (DVec3::X - sun.x * sun).try_normalize().unwrap_or(DVec3::Y);
+        let axes = [first, sun.cross(first)];
+        let flat = |point: DVec3| DVec2::new(point.dot(axes[0]), point.dot(axes[1]));
+        let casters: Vec<(usize, DVec2, DVec2)> = objects
+            .iter()
+            .enumerate()
+            .filter(|(_, object)| object.keeps_light())
+            .map(|(index, object)| {
+                let corners = object.bounds().corners().map(flat);
+                // Ten micrometres for rounding and for the lift of shadow rays.
+                let (low, high) = corners
+                    .iter()
+                    .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
+                (index, low - 1e-5, high + 1e-5)
+            })
+            .collect();
+        let min = casters.iter().fold(DVec2::INFINITY, |min, (_, low, _)| min.min(*low));
+        let max = casters.iter().fold(DVec2::NEG_INFINITY, |max, (_, _, high)| max.max(*high));
+        let mut grid = ShadowGrid {
+            axes,
+            min,
+            per_metre: Self::SIDE as f64 / (max - min),
+            shafts: vec![Vec::new(); Self::SIDE * Self::SIDE],
+        };
+        for (index, low, high) in casters {
+            let (from, to) = (grid.shaft(low), grid.shaft(high));
+            for row in from[1]..=to[1] {
+                for column in from[0]..=to[0] {
+                    grid.shafts[row * Self::SIDE + column].push(index);
+                }
+            }
+        }
+        grid
+    }
+
+    /// Column and row of a flat point. Casts saturate and NaN (a grid without casters) is 0, so points outside fall
+    /// into a border shaft, whose casters they try in vain.
+    fn shaft(&self, flat: DVec2) -> [usize; 2] {
+        ((flat - self.min) * self.per_metre).to_array().map(|at| (at as usize).min(Self::SIDE - 1))
+    }
+
+    /// Indices of the objects that may keep the sun from `point`.
+    pub(super) fn casters(&self, point: DVec3) -> &[usize] {
+        let [column, row] = self.shaft(DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1])));
+        &self.shafts[row * Self::SIDE + column]
+    }
+}

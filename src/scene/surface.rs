@@ -1,0 +1,111 @@
+//! What a ray has met, whatever it is made of: one description for analytic objects and for triangles.
+//!
+//! Enters: a scene, a ray, the nearest hit on it. Leaves: [`Surface`]: point, normals, paint. Normals lie on the side
+//! from which the ray came, because the side that is seen is the side that is lit.
+
+use glam::{DQuat, DVec3};
+
+use super::bvh::{MeshBvh, MeshHit};
+use super::mesh::{MeshMaterial, Optics, Phong};
+use super::primitive::Ray;
+use super::raycast::{FirstHit, Object, SceneAtTime, Thing};
+
+/// A point of a surface, as it is seen from one side.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    pub point: DVec3,
+    /// Normal of the surface itself, length 1.
+    pub side: DVec3,
+    /// Normal for shading, length 1, less than 90° from `side`; where corners have no normals, the same.
+    pub normal: DVec3,
+    /// Whether it is seen from within the solid.
+    pub from_within: bool,
+    pub albedo: DVec3,
+    pub emission: DVec3,
+    pub phong: Phong,
+    pub optics: Optics,
+    pub unlit: bool,
+}
+
+impl SceneAtTime {
+    /// What lies at `hit`, which is on `ray`.
+    pub(super) fn surface(&self, ray: &Ray, hit: &FirstHit) -> Surface {
+        match hit.thing {
+            Thing::Object { index, normal } => of_object(&self.objects()[index], ray, (hit.distance, normal)),
+            Thing::Mesh { index, at } => of_mesh(&self.meshes()[index], ray, &at),
+        }
+    }
+}
+
+fn of_object(object: &Object, ray: &Ray, (distance, outward): (f64, DVec3)) -> Surface {
+    let from_within = outward.dot(ray.direction()) > 0.0;
+    let normal = if from_within { -outward } else { outward };
+    let point = ray.at(distance);
+    let turn = object.texture_from_world;
+    let (local_point, local_normal) = if turn == DQuat::IDENTITY {
+        (point - object.anchor, normal)
+    } else {
+        (turn * (point - object.anchor), turn * normal)
+    };
+    Surface {
+        point,
+        side: normal,
+        normal,
+        from_within,
+        albedo: object.material.texture.albedo(local_point, local_normal),
+        emission: object.material.emission,
+        phong: object.material.phong,
+        optics: object.material.optics,
+        unlit: false,
+    }
+}
+
+fn of_mesh(bvh: &MeshBvh, ray: &Ray, hit: &MeshHit) -> Surface {
+    let mesh = bvh.mesh();
+    let corners = mesh.corners(hit.triangle);
+    let outward = outward(&corners);
+    let from_within = outward.dot(ray.direction()) > 0.0;
+    let side = if from_within { -outward } else { outward };
+    let [second, third] = hit.barycentric.to_array();
+    let first = 1.0 - second - third;
+    // From the corners, not along the ray: from far away, the ray resolves less.
+    let point = first * corners[0] + second * corners[1] + third * corners[2];
+    let normal = if mesh.normals.is_empty() {
+        side
+    } else {
+        let [a, b, c] = mesh.triangles[hit.triangle].map(|corner| mesh.normals[corner as usize].as_dvec3());
+        let between = (first * a + second * b + third * c).try_normalize().unwrap_or(side);
+        if between.dot(side) < 0.0 { -between } else { between }
+    };
+    let absent = MeshMaterial::default();
+    let index = mesh.material_of.get(hit.triangle).copied().unwrap_or(u32::MAX);
+    let material = mesh.materials.get(index as usize).unwrap_or(&absent);
+    let uv = mesh.uv(hit.triangle, hit.barycentric);
+    let textured = |color: DVec3, texture: &Option<_>| match texture {
+        Some(texture) if color != DVec3::ZERO => {
+            color * std::sync::Arc::<super::ImageTexture>::as_ref(texture).sample(uv).0
+        }
+        _ => color,
+    };
+    Surface {
+        point,
+        side,
+        normal,
+        from_within,
+        albedo: textured(material.base_color, &material.base_texture),
+        emission: textured(material.emission, &material.emissive_texture),
+        phong: material.phong,
+        optics: material.optics,
+        unlit: material.unlit,
+    }
+}
+
+/// The normal to which the corners turn counter-clockwise, length 1, for triangles of any size.
+fn outward([a, b, c]: &[DVec3; 3]) -> DVec3 {
+    let (ab, ac) = (b - a, c - a);
+    let size = ab.abs().max_element().max(ac.abs().max_element());
+    let across = (ab / size).cross(ac / size);
+    // Squares of very thin triangles' areas underflow.
+    let across = across / across.abs().max_element();
+    across.try_normalize().unwrap_or(DVec3::Y)
+}
