@@ -21,11 +21,10 @@ use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Setti
 use crate::report::placement as figures;
 use crate::report::plot::save;
 use crate::scene::Scene;
+use crate::scene::capture::frames_of_animation;
+use crate::scene::footage::FPS;
 
 use report::Report;
-
-/// Frames a second where nobody says.
-const DEFAULT_FPS: f64 = 24.0;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -201,14 +200,14 @@ impl Args {
         Ok(())
     }
 
+    fn fps(&self) -> f64 {
+        self.fps.unwrap_or(FPS)
+    }
+
     /// All frames that cameras serve.
     fn frames(&self, scene: &Scene) -> [u32; 2] {
-        let fps = self.fps.unwrap_or(DEFAULT_FPS);
-        match self.frames {
-            Some(range) => [range.first, range.last],
-            // The cast saturates, and a scene that stands still has one frame.
-            None => [0, ((scene.duration_s() * fps).round() as u32).saturating_sub(1)],
-        }
+        let range = self.frames.unwrap_or_else(|| frames_of_animation(scene.duration_s(), self.fps()));
+        [range.first, range.last]
     }
 }
 
@@ -227,7 +226,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     // What stands still is looked at once.
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
     let frames = search::spread_frames(range, most);
-    let moments = search::moments(&scene, &frames, args.fps.unwrap_or(DEFAULT_FPS));
+    let moments = search::moments(&scene, &frames, args.fps());
     let progress = Progress::start(global, "looking from candidates", settings.steps())?;
     let search = Search::new(moments, &region, &settings, &progress)?;
     drop(progress);

@@ -93,7 +93,7 @@ impl Lazy {
                 return (entry.bound > 0.0).then_some(choice);
             }
             let view = &views[entry.candidate.0];
-            if is_new || !state.bound_heeds_cameras() {
+            if is_new {
                 *calls += 1;
                 (entry.bound, entry.is_gain) = (state.gain(view), true);
             } else {
