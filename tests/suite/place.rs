@@ -150,7 +150,7 @@ fn has_the_order_of_figure_4(scene: &str, region: &str, hidden: f64) {
     let pairs = diffuse["coverage"].as_array().unwrap().iter().zip(specular["coverage"].as_array().unwrap());
     assert!(pairs.clone().count() > 8 && pairs.clone().all(|(a, b)| a.as_f64() > b.as_f64()), "{scene}: {report}");
     let seen = diffuse["reachable"]["seen"].as_f64().unwrap();
-    assert!(seen < 1.0 - hidden && report["coverage"].as_f64().unwrap() <= seen, "{scene}: {seen}");
+    assert!(seen <= 1.0 - hidden && report["coverage"].as_f64().unwrap() <= seen, "{scene}: {seen}");
     // Also in so few rounds most gains are not computed.
     let calls = |curve: &Value| ["objective_calls", "plain_objective_calls"].map(|key| curve[key].as_u64().unwrap());
     for curve in curves {
