@@ -31,8 +31,8 @@ use report::Report;
 #[command(after_help = "Examples:\n  \
     lightfold place courtyard --region=-0.5,1.2,-0.5,0.5,1.8,0.5 -o cameras.json\n  \
     lightfold place dragon.glb --region=-2,-2,-2,2,2,2 --cameras 8 -o cameras.json --json\n  \
-    lightfold place room.glb --region walk.obj --lighting specular --theta 30 --until 0.005 -o cameras.json\n  \
-    lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv coverage.csv -o cameras.json\n  \
+    lightfold place room.glb --region walk.obj --lighting specular --theta 30 -o cameras.json\n  \
+    lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv rows.csv -o cameras.json\n  \
     lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n\n\
     Cameras are placed one after the other, each where it adds most to what is seen and not seen well already. Within the \
     viewer distance, which is that of a surface from the region and at least --min-distance, a camera sees as well as any \

@@ -122,7 +122,7 @@ mod tests {
                 random ^ random >> 29
             };
             let mut seen: Vec<u64> = (0..facets.div_ceil(64)).map(|_| word() & word()).collect();
-            if let Some(last) = seen.last_mut().filter(|_| facets % 64 > 0) {
+            if let Some(last) = seen.last_mut().filter(|_| !facets.is_multiple_of(64)) {
                 *last &= (1 << (facets % 64)) - 1;
             }
             View { position: 3.0 * in_cube(40 + at as u64), seen }
