@@ -31,7 +31,8 @@ TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target")
 # A turn of 86 degrees about an axis of no face.
 TURN = [value / math.sqrt(30) for value in (1, 2, 3, 4)]
 CAMERAS = {"lightfold_cameras": 1, "cameras": [
-    {"position": [0.2, 1.5, 0.1]}, {"name": "turned", "position": [0.6, 1.1, -0.3], "orientation": TURN, "fov_y_deg": 80}]}
+    {"position": [0.2, 1.5, 0.1], "gain": 0.5, "coverage": 0.5},
+    {"name": "turned", "position": [0.6, 1.1, -0.3], "orientation": TURN, "fov_y_deg": 80}]}
 
 
 # ---- a room whose geometry is known
@@ -519,7 +520,8 @@ def scene(time):
         (self.work / "bad.xml").write_text("<scene version='3.0.0'><shape type='none'/></scene>")
         (self.work / "bad.py").write_text("scenes = 5")
         for scene, words, says in (("none.xml", [], "cannot be read"), ("bad.xml", [], "Mitsuba cannot load it"),
-                                   ("none.%d.xml", [], "no file of that name"), ("bad.py", [], "scene(time)"), ("bad.xml", ["--variant", "x"], "--variant x")):
+                                   ("none.%d.xml", [], "no file of that name"), ("bad.py", [], "scene(time)"),
+                                   ("bad.xml", ["--variant", "x"], "--variant x")):
             done = self.capture(scene, *words)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(says, done.stderr)
@@ -604,6 +606,16 @@ class BlenderTest(AdapterTest):
         self.assert_captured(command + self.words("--size", "24", "--cycles-device", "CPU"))
         self.assert_captured(command + self.words("--size", "64", "--projection", "equirect", "--frames", "1"))
         self.assert_captured(command + self.words("--size", "96x64", "--projection", "perspective", "--frames", "0", "--fov", "100"))
+
+    def test_what_cannot_be_rendered_is_one_sentence(self):
+        (self.work / "bad.blend").write_bytes(b"BLENDER no more")
+        for scene, words, says in (("none.blend", [], "cannot be read"), ("bad.blend", [], "cannot open it"),
+                                   ("room.blend", ["--cycles-device", "ABACUS"], "ABACUS: one of CPU, CUDA")):
+            command = [self.python, "-B", str(CAPTURE / "blender.py"), str(self.work / scene), *self.words(*words)]
+            done = subprocess.run(command, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(says, done.stderr)
+            self.assertNotIn("Traceback", done.stderr)
 
     def test_it_is_run_as_blender_runs_scripts(self):
         script = str(CAPTURE / "blender.py")

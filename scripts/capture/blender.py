@@ -26,6 +26,7 @@ and materials are rendered apart from colour, with one ray for a pixel. Motion b
 sampling are off; colour is what Cycles renders of the first view layer in use, before any view transform. Material is that of
 nodes that make perfect mirrors (reflect 1) and glass (Fresnel's reflect, and ior), and 0, 0, 1 elsewhere.
 """
+DEVICES = ["CPU", "CUDA", "OPTIX", "HIP", "METAL", "ONEAPI"]
 # What Cycles gives as the depth of nothing is 1e10.
 NOTHING = 1e9
 # Rougher surfaces are no mirrors and no glass.
@@ -45,7 +46,12 @@ def arguments():
     if "--" not in sys.argv:
         # Cycles reads its option itself, behind such a mark.
         sys.argv.insert(1, "--")
-    return parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    options = parser.parse_args(sys.argv[sys.argv.index("--") + 1:])
+    device = options.cycles_device
+    # Cycles would render with what is set without a word.
+    if device and device.removesuffix("+CPU") not in DEVICES:
+        raise Refused(f"--cycles-device {device}: one of {', '.join(DEVICES)} was expected, +CPU behind it to have both")
+    return options
 
 
 def package():
@@ -180,7 +186,10 @@ class Renderer:
         path = self.work / "passes.exr"
         path.unlink(missing_ok=True)
         self.scene.render.filepath = str(path)
-        self.bpy.ops.render.render(write_still=True, scene=self.scene.name)
+        try:
+            self.bpy.ops.render.render(write_still=True, scene=self.scene.name)
+        except RuntimeError as error:
+            raise Refused(f"Blender cannot render: {str(error).strip().splitlines()[0].removeprefix('Error: ')}") from error
         if not path.is_file():
             raise Refused("Blender wrote no image: see what it said above")
         size, channels = exr.read(path)

@@ -42,8 +42,8 @@ Cameras are a cameras.json, as `lightfold place` writes it, or the probes of a l
   { "lightfold_cameras": 1, "cameras": [ { "name": "00", "position": [0, 1.5, 0] } ] }
 Positions are in metres, right-handed, +Y up. What is written is a dataset: depth is the Euclidean distance in metres of what
 lies behind the middle of a pixel, of one ray that no filter touches, +inf where nothing is; colour is linear Rec. 709, the mean
-of a pixel; cube faces are those of OpenGL. The same scene, options and release of the renderer give the same images. See that
-it is as it should be, and encode it:
+of a pixel, 65504 where it is more and 0 where it is no number; cube faces are those of OpenGL. The same scene, options and
+release of the renderer give the same images. See that all is as it should be, and encode it:
   lightfold inspect DIR/lightfield.json --check
   lightfold encode DIR/lightfield.json -o film.lfold
 """

@@ -29,8 +29,7 @@ Frame f is the time f / --fps. A scene that moves is one file for each frame (%0
 $frame or $time, or Python with a function scene(time) that answers what mitsuba.load_dict takes. The scene's own integrator
 renders; its sensors are not used. Depth, normals and materials are of the first surface on the ray: what is cut out by a mask of
 less than a half is passed through. Material is that of perfect mirrors (reflect 1) and glass (Fresnel's reflect, and ior), and
-0, 0, 1 elsewhere. Colours of 65504 and more, or that are no number, become 65504 and 0. Which noise a colour has may depend on
-the number of threads; nothing else does.
+0, 0, 1 elsewhere. Which noise a colour has may depend on the number of threads; nothing else does.
 """
 # Surfaces with holes that one ray passes at most.
 MAX_HOLES = 64
