@@ -169,7 +169,7 @@ fn a_box_with_blocks_has_the_order_of_figure_4() {
 #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
 fn a_dragon_and_a_bunny_have_the_order_of_figure_4() {
     let meshes = Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes").canonicalize().unwrap();
-    for (name, hidden) in [("dragon.glb", 0.005), ("bunny.obj", 0.0)] {
+    for (name, hidden) in [("dragon.glb", 0.002), ("bunny.obj", 0.0)] {
         has_the_order_of_figure_4(&meshes.join(name).display().to_string(), "-2,-2,-2,2,2,2", hidden);
     }
 }
