@@ -35,9 +35,9 @@ pub struct Site {
 /// The sides of points that are meant, and where their points are in the [`Site`].
 #[derive(Debug)]
 pub struct Facets {
-    /// The facets.
+    /// The facets, those that a candidate sees before the others.
     pub facets: Vec<Facet>,
-    /// Index of each one's point, ascending.
+    /// Index of each one's point.
     points: Vec<usize>,
     /// Moment of each.
     moments: Vec<usize>,
@@ -118,14 +118,17 @@ impl Site {
             }
             let weight = self.of_points[at].1;
             let viewer_distance_m = viewer_distance_m.at(on.point);
-            let side = |normal: DVec3| Facet { point: on.point, normal, weight, viewer_distance_m };
-            [(front >= back || front > 0).then(|| side(on.normal)), (back > 0).then(|| side(-on.normal))]
+            let side = |normal: DVec3, seers: usize| {
+                (seers > 0, at, Facet { point: on.point, normal, weight, viewer_distance_m })
+            };
+            [(front >= back || front > 0).then(|| side(on.normal, front)), (back > 0).then(|| side(-on.normal, back))]
         };
-        let sides: Vec<[Option<Facet>; 2]> = self.points.par_iter().enumerate().map(sides).collect();
+        let sides: Vec<[Option<(bool, usize, Facet)>; 2]> = self.points.par_iter().enumerate().map(sides).collect();
+        let mut sides: Vec<(bool, usize, Facet)> = sides.into_iter().flatten().flatten().collect();
+        // Those that are seen lie together: groups of them are small, and bounds of gains tight.
+        sides.sort_by_key(|(is_seen, ..)| !is_seen);
         let mut found = Facets { facets: Vec::new(), points: Vec::new(), moments: Vec::new() };
-        for (at, facet) in
-            sides.into_iter().enumerate().flat_map(|(at, two)| two.into_iter().flatten().map(move |f| (at, f)))
-        {
+        for (_, at, facet) in sides {
             found.facets.push(facet);
             found.points.push(at);
             found.moments.push(self.of_points[at].0);
