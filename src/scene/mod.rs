@@ -27,7 +27,7 @@ pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, MeshMaterial, Optics, Phong};
-pub use model::Model;
+pub use model::{Model, Play};
 pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
 pub use raycast::{CastsShadow, FirstHit, Hit, OPAQUE, Object, SceneAtTime, Thing, trace};

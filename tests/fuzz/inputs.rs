@@ -45,6 +45,9 @@ impl Inputs {
             "cameras" => (Kind::Json, seeds::cameras()),
             "sweep" => (Kind::Bytes, seeds::sweeps()),
             "patterns" => (Kind::Bytes, seeds::patterns()),
+            "gltf" => (Kind::Json, seeds::gltf()),
+            "glb" => (Kind::Header(4000), seeds::glb()),
+            "obj" => (Kind::Bytes, seeds::obj()),
             codec => (Kind::Case, codec.as_bytes().try_into().map(seeds::cases).unwrap_or_default()),
         };
         assert!(!seeds.is_empty(), "no seeds for {}", target.name);

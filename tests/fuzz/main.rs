@@ -13,6 +13,9 @@ use serde_json::json;
 
 mod inputs;
 mod json;
+#[allow(dead_code)]
+#[path = "../suite/model_files.rs"]
+mod model_files;
 mod mutate;
 mod run;
 #[allow(dead_code)]

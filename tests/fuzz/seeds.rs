@@ -14,6 +14,7 @@ use lightfold::image::{Plane, png};
 use lightfold::report::tradeoff::KNOBS;
 use lightfold::report::tradeoff::store::FIGURES;
 
+use crate::model_files::{Gltf, OBJ, rich};
 use crate::samples::{self, Random, Shape};
 use crate::targets::stream::Case;
 
@@ -146,6 +147,29 @@ pub fn png() -> Vec<Vec<u8>> {
     png::write_depth16(&path, &Plane::from_fn(9, 11, |x, y| (x * 3001 + y * 257) as u16)).expect("a PNG file");
     all.push(fs::read(&path).expect("a PNG file"));
     all
+}
+
+/// A triangle.
+fn triangle() -> Gltf {
+    let mut file = Gltf::new();
+    let mesh = file.triangle();
+    file.root_node(serde_json::json!({ "mesh": mesh, "rotation": [0.0, 0.6, 0.0, 0.8] }));
+    file
+}
+
+/// glTF files.
+pub fn gltf() -> Vec<Vec<u8>> {
+    vec![rich().text(), triangle().text()]
+}
+
+/// GLB files.
+pub fn glb() -> Vec<Vec<u8>> {
+    vec![rich().glb(), triangle().glb()]
+}
+
+/// OBJ files.
+pub fn obj() -> Vec<Vec<u8>> {
+    vec![OBJ.into(), b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e30\nf 1 2 3 4\nf 1// 2// -1//\n".to_vec()]
 }
 
 /// Manifests.

@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::error::{Error, Result};
 use crate::scene::mesh::{Mesh, MeshMaterial};
 
 /// A part of a scene at one moment.
@@ -55,6 +54,12 @@ pub struct LeftOut {
 }
 
 impl LeftOut {
+    /// More of it.
+    pub fn add(&mut self, other: LeftOut) {
+        self.not_finite += other.not_finite;
+        self.no_area += other.no_area;
+    }
+
     /// Sentences about it, if there is anything.
     pub fn note(&self, notes: &mut Vec<String>) {
         if self.not_finite > 0 {
@@ -83,14 +88,8 @@ impl Assembly {
         Assembly { mesh: Mesh::default(), channels, left_out: LeftOut::default() }
     }
 
-    /// Adds a part.
-    ///
-    /// # Errors
-    /// When there are more corners than numbers for them.
-    pub fn add(&mut self, part: &Part) -> Result<()> {
-        if self.mesh.positions.len() + part.positions.len() + 3 * part.triangles.len() >= UNUSED as usize {
-            return Err(Error::unsupported("the scene has more than four billion corners"));
-        }
+    /// Adds a part. What [`super::budget`] allows has fewer corners than there are numbers for them.
+    pub fn add(&mut self, part: &Part) {
         let smooth = self.channels.normals && !part.normals.is_empty();
         let welded = smooth || !self.channels.normals;
         let mut numbers = vec![UNUSED; if welded { part.positions.len() } else { 0 }];
@@ -116,7 +115,6 @@ impl Assembly {
             self.mesh.triangles.push(made);
             self.mesh.material_of.push(part.material);
         }
-        Ok(())
     }
 
     /// Normal of a triangle that can be met, length 1.

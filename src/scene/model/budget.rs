@@ -15,6 +15,11 @@ const PER_BYTE: u64 = 128;
 /// Most bytes, whatever the size of the files.
 const MOST: u64 = 16 << 30;
 
+/// Bytes that a triangle takes in a mesh and in the tree of its boxes.
+pub const TRIANGLE_BYTES: u64 = 160;
+/// Bytes that a corner takes in a mesh, and on the way there.
+pub const CORNER_BYTES: u64 = 120;
+
 /// Bytes of memory that may still be asked for.
 #[derive(Debug)]
 pub struct Budget {

@@ -32,7 +32,11 @@ impl Folder {
         if let Some((_, bytes)) = self.read.iter().find(|(read, _)| *read == path) {
             return Ok(bytes.clone());
         }
-        let bytes = Arc::new(read(&path)?);
+        let failed = |error: Error| match error {
+            Error::Io { source, .. } => Error::invalid(format!("“{name}” cannot be read: {source}")),
+            other => Error::invalid(other.to_string()),
+        };
+        let bytes = Arc::new(read(&path).map_err(failed)?);
         budget.grow(bytes.len() as u64);
         self.read.push((path, bytes.clone()));
         Ok(bytes)

@@ -1,132 +1,127 @@
-//! A glTF file as parts that can be put into the world at any time.
+//! A glTF file as a scene of nodes.
 //!
-//! Enters: the bytes of a `.gltf` or `.glb` file and its folder. Leaves: a [`Stage`].
+//! Enters: the bytes of a `.gltf` or `.glb` file, and its folder. Leaves: a [`Stage`].
 
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::{DMat3, DMat4, DVec3};
-
-use super::assembly::{Assembly, Channels, Part, Winding};
-use super::budget::Budget;
+use super::animation::Animation;
+use super::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use super::buffers::Buffers;
+use super::deform::Skin;
 use super::document::{self, Parsed};
 use super::folder::Folder;
-use super::lights::{self, NodeLight};
-use super::materials;
-use super::nodes::{Local, Nodes};
+use super::materials::{self, Paint};
+use super::nodes::Nodes;
 use super::primitives::{self, Geometry};
-use crate::error::Result;
-use crate::scene::mesh::{Mesh, MeshMaterial};
-use crate::scene::raycast::Light;
+use super::stage::{Instance, Stage};
+use super::{Play, lights};
+use crate::error::{Error, Result};
 
-/// Bytes that a triangle takes in a mesh and in the tree of its boxes.
-pub const TRIANGLE_BYTES: u64 = 160;
-/// Bytes that a corner takes in a mesh, and on the way there.
-pub const CORNER_BYTES: u64 = 80;
-
-/// What a document shows, before it is put into the world.
+/// A scene, and the names of all animations in its file.
 #[derive(Debug)]
-pub struct Stage {
-    nodes: Nodes,
-    instances: Vec<Instance>,
-    materials: Arc<[MeshMaterial]>,
-    lights: Vec<NodeLight>,
+pub struct Read {
+    /// The scene.
+    pub stage: Stage,
+    /// Names of all animations.
+    pub animations: Vec<String>,
 }
 
-/// A primitive on a node.
-#[derive(Debug)]
-struct Instance {
-    node: usize,
-    geometry: Arc<Geometry>,
+/// Reads a document.
+///
+/// # Errors
+/// When it is broken, asks for what is not known, or lacks the animation.
+pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Read> {
+    let Parsed { document, blob } = document::parse(bytes)?;
+    let root = document.as_json();
+    let mut buffers = Buffers::new(root, blob, Folder::of(path), Budget::new(bytes.len() as u64));
+    let nodes = Nodes::read(&document)?;
+    let paints = materials::read_all(&document, &mut buffers, notes);
+    let lights = lights::read(&document, &nodes.shown)?;
+    let mut skins = Vec::new();
+    for skin in document.skins() {
+        let read = Skin::read(&skin, &mut buffers);
+        skins.push(read.map_err(|error| error.context(format!("skin {}", skin.index())))?);
+    }
+    let mut meshes = Meshes { known: vec![None; document.meshes().len()], paints: &paints, skipped: 0, colored: 0 };
+    let mut instances = Vec::new();
+    for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
+        let Some(mesh) = node.mesh() else { continue };
+        let number = node.index();
+        let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+        for geometry in meshes.get(&mesh, &mut buffers)? {
+            let context = |error: Error| error.context(format!("node {number}"));
+            let skin = node.skin().map(|skin| skin.index()).filter(|_| !geometry.influences.is_empty());
+            buffers.budget.take(geometry.triangles.len() as u64, TRIANGLE_BYTES, "triangles").map_err(context)?;
+            buffers.budget.take(geometry.positions.len() as u64, CORNER_BYTES, "corners").map_err(context)?;
+            if let Some(skin) = skin {
+                skins[skin].check(geometry).map_err(context)?;
+            }
+            let weights = weights.iter().map(|&weight| f64::from(weight)).collect();
+            instances.push(Instance { node: number, skin, weights, geometry: geometry.clone() });
+        }
+    }
+    meshes.note(notes);
+
+    let name = |number: usize| root.animations[number].name.clone().unwrap_or_else(|| format!("animation {number}"));
+    let animations: Vec<String> = (0..root.animations.len()).map(name).collect();
+    let chosen = match play {
+        Play::First => (!animations.is_empty()).then_some(0),
+        Play::None => None,
+        Play::Named(name) => Some(animations.iter().position(|other| other == name).ok_or_else(|| {
+            let all: Vec<&str> = animations.iter().take(20).map(String::as_str).collect();
+            let all = if all.is_empty() { "it has none".to_string() } else { format!("it has {}", all.join(", ")) };
+            Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display()))
+        })?),
+    };
+    let animation = match chosen {
+        None => Animation::default(),
+        Some(number) => Animation::read(&root.animations[number], root.nodes.len(), &mut buffers)
+            .map_err(|error| error.context(format!("animation {number}")))?,
+    };
+    if let (Play::First, [first, _, ..]) = (play, animations.as_slice()) {
+        let shown: String = first.chars().take(80).collect();
+        notes.push(format!("of {} animations the first is shown, “{shown}”", animations.len()));
+    }
+    let materials = paints.into_iter().map(|paint| paint.material).collect();
+    Ok(Read { stage: Stage { nodes, instances, skins, materials, lights, animation }, animations })
 }
 
-impl Stage {
-    /// Reads a document.
-    ///
-    /// # Errors
-    /// When it is broken or asks for what is not known.
-    pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Stage> {
-        let Parsed { document, blob } = document::parse(bytes)?;
-        let budget = Budget::new(bytes.len() as u64);
-        let mut buffers = Buffers::new(document.as_json(), blob, Folder::of(path), budget);
-        let nodes = Nodes::read(&document)?;
-        let paints = materials::read_all(&document, &mut buffers, notes);
-        let lights = lights::read(&document, &nodes.shown)?;
-        let mut meshes: Vec<Option<Vec<Arc<Geometry>>>> = vec![None; document.meshes().len()];
-        let mut instances = Vec::new();
-        let mut skipped = 0;
-        for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
-            let Some(mesh) = node.mesh() else { continue };
-            let known = &mut meshes[mesh.index()];
-            if known.is_none() {
-                let mut parts = Vec::new();
-                for primitive in mesh.primitives() {
-                    let material = primitive.material().index().map_or(0, |index| index + 1);
-                    let read =
-                        primitives::read(&primitive, material as u32, paints[material].coordinates, &mut buffers);
-                    let context = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
-                    match read.map_err(|error| error.context(context))? {
-                        Some(geometry) => parts.push(Arc::new(geometry)),
-                        None => skipped += 1,
-                    }
+/// Meshes that were read, each when the first node shows it.
+struct Meshes<'a> {
+    known: Vec<Option<Vec<Arc<Geometry>>>>,
+    paints: &'a [Paint],
+    skipped: usize,
+    colored: usize,
+}
+
+impl Meshes<'_> {
+    fn get(&mut self, mesh: &gltf::Mesh, buffers: &mut Buffers) -> Result<&[Arc<Geometry>]> {
+        let number = mesh.index();
+        if self.known[number].is_none() {
+            let mut parts = Vec::new();
+            for primitive in mesh.primitives() {
+                let material = primitive.material().index().map_or(0, |index| index + 1);
+                let read = primitives::read(&primitive, material as u32, self.paints[material].coordinates, buffers);
+                let context = format!("mesh {number}, primitive {}", primitive.index());
+                match read.map_err(|error| error.context(context))? {
+                    Some(geometry) => parts.push(Arc::new(geometry)),
+                    None => self.skipped += 1,
                 }
-                *known = Some(parts);
+                self.colored += usize::from(primitive.get(&gltf::Semantic::Colors(0)).is_some());
             }
-            for geometry in known.iter().flatten() {
-                let what = format_args!("node {}", node.index()).to_string();
-                buffers.budget.take(geometry.triangles.len() as u64, TRIANGLE_BYTES, &what)?;
-                buffers.budget.take(geometry.positions.len() as u64, CORNER_BYTES, &what)?;
-                instances.push(Instance { node: node.index(), geometry: geometry.clone() });
-            }
+            self.known[number] = Some(parts);
         }
-        if skipped > 0 {
-            notes.push(format!("{skipped} primitives of points or lines are left out: they have no surface"));
-        }
-        let materials = paints.into_iter().map(|paint| paint.material).collect();
-        Ok(Stage { nodes, instances, materials, lights })
+        Ok(self.known[number].as_deref().unwrap_or_default())
     }
 
-    /// Everything that never moves.
-    ///
-    /// # Errors
-    /// As for [`Assembly::add`].
-    pub fn still(&self, notes: &mut Vec<String>) -> Result<(Mesh, Light)> {
-        let locals: Vec<DMat4> = self.nodes.locals.iter().map(Local::matrix).collect();
-        let to_world = self.nodes.to_world(&locals);
-        let channels = self.instances.iter().fold(Channels::default(), |channels, instance| Channels {
-            normals: channels.normals || !instance.geometry.normals.is_empty(),
-            uvs: channels.uvs || !instance.geometry.uvs.is_empty(),
-        });
-        let mut assembly = Assembly::new(channels);
-        for instance in &self.instances {
-            add(&mut assembly, &instance.geometry, &to_world[instance.node])?;
+    fn note(&self, notes: &mut Vec<String>) {
+        if self.skipped > 0 {
+            let count = self.skipped;
+            notes.push(format!("{count} primitives of points or lines are left out: they have no surface"));
         }
-        assembly.left_out.note(notes);
-        Ok((assembly.finish(self.materials.clone()), lights::place(&self.lights, &to_world)))
+        if self.colored > 0 {
+            notes.push(format!("colours of corners are left out of {} primitives", self.colored));
+        }
     }
-}
-
-/// Adds triangles that are moved as one.
-fn add(assembly: &mut Assembly, geometry: &Geometry, to_world: &DMat4) -> Result<()> {
-    let linear = DMat3::from_mat4(*to_world);
-    let mirrored = linear.determinant() < 0.0;
-    let turn = cofactors(&linear) * if mirrored { -1.0 } else { 1.0 };
-    let positions: Vec<DVec3> = geometry.positions.iter().map(|p| to_world.transform_point3(p.as_dvec3())).collect();
-    let normals: Vec<DVec3> = geometry.normals.iter().map(|n| turn * n.as_dvec3()).collect();
-    assembly.add(&Part {
-        positions: &positions,
-        normals: &normals,
-        uvs: &geometry.uvs,
-        triangles: &geometry.triangles,
-        material: geometry.material,
-        winding: if mirrored { Winding::Mirrored } else { Winding::Outward },
-    })
-}
-
-/// What turns normals where the matrix turns surfaces: its inverse transposed, times its determinant. It exists also
-/// for what is scaled flat.
-fn cofactors(matrix: &DMat3) -> DMat3 {
-    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *matrix;
-    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y))
 }

@@ -33,6 +33,13 @@ enum LightKind {
     Spot { cos_inner: f64, cos_outer: f64 },
 }
 
+impl NodeLight {
+    /// The node.
+    pub fn node(&self) -> usize {
+        self.node
+    }
+}
+
 /// The lights of all nodes that are shown.
 ///
 /// # Errors

@@ -6,8 +6,6 @@
 //! its index of refraction makes it reflect head on, a metal its base colour, and a metal has no diffuse part. Roughness
 //! and metalness in textures count by their means.
 
-use std::sync::Arc;
-
 use glam::DVec3;
 use gltf::Material;
 use gltf::material::AlphaMode;
@@ -17,7 +15,6 @@ use super::buffers::Buffers;
 use super::primitives::Coordinates;
 use super::textures::{Textures, coordinates};
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
-use crate::scene::texture::ImageTexture;
 
 /// Metals at least so pure, and at most so rough, are mirrors.
 const MIRROR_METALLIC: f64 = 0.95;
@@ -52,24 +49,18 @@ pub fn read_all(document: &gltf::Document, buffers: &mut Buffers, notes: &mut Ve
 fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, notes: &mut Vec<String>) -> Paint {
     let number = material.index().unwrap_or(0);
     let name = material.name().map_or_else(|| format!("material {number}"), str::to_string);
-    let mut get = |info: Option<&Info>| info.and_then(|info| textures.get(&info.texture(), buffers));
-    let mean = |image: &Option<Arc<ImageTexture>>| image.as_ref().map_or(DVec3::ONE, |image| image.mean());
-    let codes = |image: &Option<Arc<ImageTexture>>| image.as_ref().map_or(DVec3::ONE, |image| image.mean_codes());
-
     let surface = Surface::of(material);
-    let base_texture = get(surface.base_info.as_ref());
-    let base_mean = surface.base * mean(&base_texture);
-    let maps = codes(&get(material.pbr_metallic_roughness().metallic_roughness_texture().as_ref()));
-    let (metallic, roughness) = if surface.uses_maps {
-        (surface.metallic * maps.z, surface.roughness * maps.y)
-    } else {
-        (surface.metallic, surface.roughness)
-    };
+    let base_texture = surface.base_info.as_ref().and_then(|info| textures.get(&info.texture(), buffers));
+    let base_mean = surface.base * textures.means(surface.base_info.as_ref(), buffers)[0];
+    let map = material.pbr_metallic_roughness().metallic_roughness_texture().filter(|_| surface.uses_maps);
+    let maps = textures.means(map.as_ref(), buffers)[1];
+    let (metallic, roughness) = (surface.metallic * maps.z, surface.roughness * maps.y);
     let transmission = material.transmission().map_or(0.0, |transmission| {
-        unit(transmission.transmission_factor()) * codes(&get(transmission.transmission_texture().as_ref())).x
+        let map = textures.means(transmission.transmission_texture().as_ref(), buffers)[1];
+        unit(transmission.transmission_factor()) * map.x
     });
     let emissive_info = material.emissive_texture();
-    let emissive_texture = get(emissive_info.as_ref());
+    let emissive_texture = emissive_info.as_ref().and_then(|info| textures.get(&info.texture(), buffers));
 
     let ior = material.ior().map_or(1.5, f64::from);
     let ior = if ior.is_finite() { ior.clamp(1.0, 100.0) } else { 1.5 };

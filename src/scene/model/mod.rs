@@ -1,18 +1,25 @@
 //! Scenes from mesh files: glTF, GLB and OBJ.
 //!
-//! Enters: the path of a file. Leaves: a [`Model`], which has a state at every time. `gltf` and `obj` read a kind of file
-//! each, `assembly` makes one mesh of what they read.
+//! Enters: the path of a file. Leaves: a [`Model`], which has a state at every time.
+//!
+//! `gltf` reads glTF and GLB into a `stage`, `obj` reads OBJ; `assembly` makes one mesh of the parts of either. Nothing is
+//! read that was not checked: `document` checks indices, `buffers` ranges, `budget` memory, `folder` names of files,
+//! `pictures` sizes of textures.
 
 use std::path::Path;
 use std::sync::Arc;
 
+use self::budget::Budget;
+use self::stage::{Stage, Which};
 use super::bvh::MeshBvh;
 use super::raycast::{Light, SceneAtTime};
 use crate::error::{Error, Result};
 
+mod animation;
 mod assembly;
 mod budget;
 mod buffers;
+mod deform;
 mod document;
 mod folder;
 mod gltf;
@@ -23,76 +30,147 @@ mod nodes;
 mod obj;
 mod pictures;
 mod primitives;
+mod stage;
 mod textures;
+
+/// Most notes about a file, and most characters of one.
+const MAX_NOTES: usize = 40;
+const MAX_NOTE: usize = 400;
 
 /// A scene read from a file of meshes: glTF, GLB or OBJ.
 #[derive(Debug)]
 pub struct Model {
     still: Vec<Arc<MeshBvh>>,
     light: Light,
+    motion: Option<Motion>,
+    animations: Vec<String>,
+}
+
+/// What is placed anew at each time.
+#[derive(Debug)]
+struct Motion {
+    stage: Stage,
+    /// Which of its instances move.
+    moves: Vec<bool>,
+}
+
+/// Which animation of a file is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Play<'a> {
+    /// The first, if there is any.
+    #[default]
+    First,
+    /// None: nodes are where the file puts them.
+    None,
+    /// The first of this name, as [`Model::animations`] has it.
+    Named(&'a str),
 }
 
 impl Model {
-    /// Reads the file, and what it names. Notes tell what was left out or replaced, a sentence each.
+    /// Reads the file, and what it names, with its first animation. Notes tell what was left out or replaced, a sentence
+    /// each.
     ///
     /// # Errors
     /// When it cannot be read or is not such a file, asks for what is not known here, or shows no triangles.
     pub fn open(path: &Path) -> Result<(Model, Vec<String>)> {
+        Model::open_to_play(path, Play::First)
+    }
+
+    /// The same with any animation.
+    ///
+    /// # Errors
+    /// As for [`Self::open`], and when there is no animation of that name.
+    pub fn open_to_play(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
         let mut notes = Vec::new();
-        let model = Model::read(path, &mut notes).map_err(|error| error.in_file(path))?;
+        let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
+        let more = notes.len().saturating_sub(MAX_NOTES);
+        notes.truncate(MAX_NOTES);
+        let mut notes: Vec<String> = notes.iter().map(|note| printable(note)).collect();
+        if more > 0 {
+            notes.push(format!("{more} more of such notes are left out"));
+        }
         Ok((model, notes))
     }
 
-    fn read(path: &Path, notes: &mut Vec<String>) -> Result<Model> {
+    fn read(path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Model> {
         let bytes = folder::read(path)?;
         let extension = path.extension().map(|extension| extension.to_ascii_lowercase());
-        let first = bytes.iter().find(|byte| !byte.is_ascii_whitespace() && !b"\xef\xbb\xbf".contains(byte));
-        let (mesh, light) = if document::is_glb(&bytes) || first == Some(&b'{') {
-            let stage = gltf::Stage::read(&bytes, path, notes)?;
-            stage.still(notes)?
-        } else if extension.is_some_and(|extension| extension == "obj") {
-            (obj::read(&bytes, path, notes)?, Light::default())
-        } else {
-            return Err(Error::unsupported("neither glTF nor GLB nor OBJ: save the scene as one of these"));
-        };
-        if mesh.triangles.is_empty() {
-            return Err(Error::invalid("the scene shows no triangles"));
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let first = text.iter().find(|byte| !byte.is_ascii_whitespace());
+        if document::is_glb(&bytes) || first == Some(&b'{') {
+            let read = gltf::read(&bytes, path, play, notes)?;
+            return Model::of_stage(read.stage, read.animations, notes);
         }
-        Ok(Model { still: vec![Arc::new(MeshBvh::new(mesh))], light })
+        if extension.is_none_or(|extension| extension != "obj") {
+            return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
+        }
+        if let Play::Named(name) = play {
+            return Err(Error::Usage(format!("{}: an OBJ file has no animation “{name}”", path.display())));
+        }
+        let mesh = obj::read(&bytes, path, notes)?;
+        if mesh.triangles.is_empty() {
+            return Err(nothing());
+        }
+        let still = vec![Arc::new(MeshBvh::new(mesh))];
+        Ok(Model { still, light: Light::default(), motion: None, animations: Vec::new() })
+    }
+
+    fn of_stage(stage: Stage, animations: Vec<String>, notes: &mut Vec<String>) -> Result<Model> {
+        let (moves, lights_move) = stage.moves();
+        let fixed = stage.at(0.0, Which::Still, &moves);
+        let moving = stage.at(0.0, Which::Moving, &moves);
+        let mut left_out = fixed.left_out;
+        left_out.add(moving.left_out);
+        left_out.note(notes);
+        let shown = fixed.mesh.triangles.len() + moving.mesh.triangles.len();
+        let anything_moves = lights_move || moves.contains(&true);
+        if shown == 0 && !anything_moves {
+            return Err(nothing());
+        }
+        let still = if fixed.mesh.triangles.is_empty() { vec![] } else { vec![Arc::new(MeshBvh::new(fixed.mesh))] };
+        let motion = anything_moves.then_some(Motion { stage, moves });
+        Ok(Model { still, light: fixed.light, motion, animations })
+    }
+
+    /// Most bytes of memory that a file of so many bytes may take while it is read, together with those that it names:
+    /// what [`budget`] allows, and as much again for text as it is parsed and for trees of boxes as they are built.
+    pub fn memory_bound(bytes: u64) -> u64 {
+        Budget::allowance(bytes).saturating_mul(2)
+    }
+
+    /// Names of all animations in the file, in its order; “animation N” for one without a name.
+    pub fn animations(&self) -> &[String] {
+        &self.animations
     }
 
     /// Length of its animation in seconds, 0 where nothing moves.
     pub fn duration_s(&self) -> f64 {
-        0.0
+        self.motion.as_ref().map_or(0.0, |motion| motion.stage.animation.duration_s)
     }
 
-    /// The scene at `time_s` seconds.
-    pub fn at(&self, _time_s: f64) -> SceneAtTime {
-        SceneAtTime::with_meshes(Vec::new(), self.still.clone(), self.light.clone())
+    /// The scene at `time_s` seconds; what is behind the end of the animation is as at its end. What never moves is
+    /// shared by all times, what moves is made anew, its tree of boxes included. The same time gives the same bits.
+    pub fn at(&self, time_s: f64) -> SceneAtTime {
+        let mut meshes = self.still.clone();
+        let mut light = self.light.clone();
+        if let Some(motion) = &self.motion {
+            let time_s = if time_s.is_nan() { 0.0 } else { time_s };
+            let shown = motion.stage.at(time_s, Which::Moving, &motion.moves);
+            light = shown.light;
+            if !shown.mesh.triangles.is_empty() {
+                meshes.push(Arc::new(MeshBvh::new(shown.mesh)));
+            }
+        }
+        SceneAtTime::with_meshes(Vec::new(), meshes, light)
     }
 }
 
-#[cfg(test)]
-mod smoke {
-    use super::*;
-    #[test]
-    fn real_meshes() {
-        for name in ["sponza.glb", "dragon.glb", "bunny.obj"] {
-            let path = format!("/work/shared/data/meshes/{name}");
-            let start = std::time::Instant::now();
-            let (model, notes) = Model::open(Path::new(&path)).unwrap();
-            let mesh = model.still[0].mesh();
-            let low = mesh.positions.iter().fold(glam::DVec3::INFINITY, |a, p| a.min(*p));
-            let high = mesh.positions.iter().fold(glam::DVec3::NEG_INFINITY, |a, p| a.max(*p));
-            println!(
-                "{name} {} triangles {} corners {} normals {} uvs {} materials {low} {high} {:?} {notes:?}",
-                mesh.triangles.len(),
-                mesh.positions.len(),
-                mesh.normals.len(),
-                mesh.uvs.len(),
-                mesh.materials.len(),
-                start.elapsed()
-            );
-        }
-    }
+/// A note without what a terminal would obey: names in it are those of the file.
+fn printable(note: &str) -> String {
+    let plain = |c: char| if c.is_control() { c.escape_default().collect() } else { c.to_string() };
+    note.chars().take(MAX_NOTE).map(plain).collect()
+}
+
+fn nothing() -> Error {
+    Error::invalid("the scene shows no triangles")
 }

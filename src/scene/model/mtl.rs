@@ -5,6 +5,7 @@
 //! Ks and Ns are Phong's highlight without normalisation, whose peak is Ks; here it is weighted so that its peak stays.
 //! Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
 
+use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
@@ -29,6 +30,8 @@ pub struct Library<'a> {
     pub budget: &'a mut Budget,
     /// Sentences about what is left out.
     pub notes: &'a mut Vec<String>,
+    /// Textures that were read, or could not be, by what the file says of them.
+    pub pictures: BTreeMap<String, Option<Arc<ImageTexture>>>,
 }
 
 impl Library<'_> {
@@ -56,11 +59,11 @@ impl Library<'_> {
         let other = |name: &str| material.unknown_param.get(name).map(String::as_str);
         let diffuse_map = material.diffuse_texture.as_deref().and_then(|name| self.picture(name));
         let mask = material.dissolve_texture.as_deref().and_then(|name| self.picture(name));
-        let emissive_texture = other("map_Ke").and_then(|name| self.picture(name)).map(Arc::new);
+        let emissive_texture = other("map_Ke").and_then(|name| self.picture(name));
         let masked = mask.is_some();
         let base_texture = match (diffuse_map, mask) {
-            (map, Some(mask)) => Some(Arc::new(with_alpha(map, &mask))),
-            (map, None) => map.map(Arc::new),
+            (map, Some(mask)) => self.masked(map, &mask),
+            (map, None) => map,
         };
         let transparency = other("Tr").and_then(|value| value.trim().parse::<f32>().ok()).map(|tr| 1.0 - tr);
         let alpha = material.dissolve.or(transparency).map_or(1.0, unit);
@@ -89,17 +92,17 @@ impl Library<'_> {
         // A map replaces what a file leaves out, and is multiplied with what it gives.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
         let base_color = color(material.diffuse).unwrap_or(default);
+        let given =
+            material.emissive.map(|value| DVec3::from_array(value.map(f64::from))).filter(|value| value.is_finite());
+        let default = if emissive_texture.is_some() { DVec3::ONE } else { DVec3::ZERO };
+        let emission = given.map_or(default, |value| value.max(DVec3::ZERO));
         MeshMaterial {
             name: material.name.clone(),
             base_color: if plain { base_color } else { DVec3::ZERO },
             base_texture,
             alpha_cutoff: holes.then_some(CUTOFF),
             alpha,
-            emission: other("Ke").and_then(three).unwrap_or(if emissive_texture.is_some() {
-                DVec3::ONE
-            } else {
-                DVec3::ZERO
-            }),
+            emission,
             emissive_texture,
             phong: Phong { weight, exponent },
             optics,
@@ -107,13 +110,26 @@ impl Library<'_> {
         }
     }
 
-    fn picture(&mut self, statement: &str) -> Option<ImageTexture> {
+    fn picture(&mut self, statement: &str) -> Option<Arc<ImageTexture>> {
+        if let Some(known) = self.pictures.get(statement) {
+            return known.clone();
+        }
         let (name, wrap) = file_of(statement);
         let read = |library: &mut Self| -> Result<ImageTexture> {
             let bytes = library.folder.fetch(name, library.budget)?;
             pictures::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
         };
-        read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}"))).ok()
+        let read = read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
+        let read = read.ok().map(Arc::new);
+        self.pictures.insert(statement.to_string(), read.clone());
+        read
+    }
+
+    fn masked(&mut self, map: Option<Arc<ImageTexture>>, mask: &ImageTexture) -> Option<Arc<ImageTexture>> {
+        let size = map.as_ref().map_or(mask.pixels.len(), |map| map.pixels.len());
+        let taken = self.budget.take(size as u64, 4, "a texture with holes");
+        let taken = taken.map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
+        taken.ok().map(|()| Arc::new(with_alpha(map.as_deref(), mask)))
     }
 }
 
@@ -143,11 +159,7 @@ fn file_of(statement: &str) -> (&str, Wrap) {
                 cut(&mut rest);
                 cut(&mut rest);
             }
-            "-clamp" => {
-                if cut(&mut rest) == "on" {
-                    wrap = Wrap::Clamp;
-                }
-            }
+            "-clamp" => wrap = if cut(&mut rest) == "on" { Wrap::Clamp } else { wrap },
             "-blendu" | "-blendv" | "-cc" | "-bm" | "-boost" | "-texres" | "-imfchan" | "-type" => {
                 cut(&mut rest);
             }
@@ -170,10 +182,14 @@ fn three(text: &str) -> Option<DVec3> {
 }
 
 /// The colours of one image with the alpha of another, whose brightness it is unless it has alpha itself.
-fn with_alpha(map: Option<ImageTexture>, mask: &ImageTexture) -> ImageTexture {
+fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
     let own = mask.pixels.iter().any(|pixel| pixel[3] != 255);
     let alpha = |pixel: [u8; 4]| if own { pixel[3] } else { pixel[1] };
-    let mut map = map.unwrap_or_else(|| ImageTexture { pixels: vec![[255; 4]; mask.pixels.len()], ..mask.clone() });
+    let mut map = map.cloned().unwrap_or_else(|| {
+        let mut white = mask.clone();
+        white.pixels.fill([255; 4]);
+        white
+    });
     for y in 0..map.height {
         for x in 0..map.width {
             let at =

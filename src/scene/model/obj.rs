@@ -6,15 +6,15 @@
 //! of corners that no file can have are refused.
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::io::BufReader;
 use std::path::Path;
 
 use glam::{DVec3, Vec2};
 
 use super::assembly::{Assembly, Channels, Part, Winding};
-use super::budget::Budget;
+use super::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use super::folder::Folder;
-use super::gltf::{CORNER_BYTES, TRIANGLE_BYTES};
 use super::mtl;
 use crate::error::{Error, Result};
 use crate::scene::mesh::{Mesh, MeshMaterial};
@@ -35,7 +35,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
     }
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let mut folder = Folder::of(path);
-    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes };
+    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes, pictures: BTreeMap::new() };
     let library = RefCell::new(library);
     let loaded =
         tobj::load_obj_buf(&mut BufReader::new(text.as_slice()), &options, |name| library.borrow_mut().load(name));
@@ -73,7 +73,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
             triangles: mesh.indices.as_chunks::<3>().0,
             material: material as u32,
             winding: Winding::Outward,
-        })?;
+        });
     }
     assembly.left_out.note(notes);
     Ok(assembly.finish(paints.into()))

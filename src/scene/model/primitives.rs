@@ -7,6 +7,7 @@ use gltf::Semantic;
 use gltf::mesh::Mode;
 
 use super::buffers::Buffers;
+use super::deform::{Influences, Target};
 use crate::error::{Error, Result};
 
 /// Triangles in the space of their node.
@@ -22,6 +23,10 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// Index of the material.
     pub material: u32,
+    /// What morphs it.
+    pub targets: Vec<Target>,
+    /// What joints move it, four joints a set.
+    pub influences: Vec<Influences>,
 }
 
 /// Which texture coordinates a material wants, and how they are moved.
@@ -75,7 +80,38 @@ pub fn read(
     buffers.budget.take(corners as u64, 12, "triangles")?;
     let corner = |at: usize| order.as_ref().map_or(at as u32, |order| order[at]);
     let triangles = triangles(mode, corners).map(|triangle| triangle.map(corner)).collect();
-    Ok(Some(Geometry { positions, normals, uvs, triangles, material }))
+    let targets = targets(primitive, count, buffers)?;
+    let influences = influences(primitive, count, buffers)?;
+    Ok(Some(Geometry { positions, normals, uvs, triangles, material, targets, influences }))
+}
+
+fn targets(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Target>> {
+    let mut targets = Vec::new();
+    for target in primitive.morph_targets() {
+        let mut read = |accessor: Option<gltf::Accessor>, what: &str| -> Result<Vec<Vec3>> {
+            let Some(accessor) = accessor else { return Ok(Vec::new()) };
+            let vectors = buffers.floats::<3>(accessor.index())?;
+            same(count, vectors.len(), what)?;
+            Ok(vectors.into_iter().map(Vec3::from_array).collect())
+        };
+        let positions = read(target.positions(), "displacements of a morph target")?;
+        let normals = read(target.normals(), "normals of a morph target")?;
+        targets.push(Target { positions, normals });
+    }
+    Ok(targets)
+}
+
+fn influences(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Influences>> {
+    let mut sets = Vec::new();
+    let set = |number: u32| primitive.get(&Semantic::Joints(number)).zip(primitive.get(&Semantic::Weights(number)));
+    while let Some((joints, weights)) = set(sets.len() as u32) {
+        let joints = buffers.integers::<4>(joints.index())?;
+        let weights = buffers.floats::<4>(weights.index())?;
+        same(count, joints.len(), "sets of joints")?;
+        same(count, weights.len(), "sets of weights")?;
+        sets.push(Influences { joints, weights });
+    }
+    Ok(sets)
 }
 
 /// Which of so many corners, in their order, make triangles.

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::{Affine2, Vec2};
+use glam::{Affine2, DVec3, Vec2};
 use gltf::texture::{Info, Texture, WrappingMode};
 
 use super::buffers::Buffers;
@@ -18,6 +18,8 @@ use crate::scene::texture::{ImageTexture, Wrap};
 #[derive(Debug, Default)]
 pub struct Textures {
     images: BTreeMap<(usize, [Wrap; 2]), Option<Arc<ImageTexture>>>,
+    /// Means of images over all their pixels: of their light, and of their codes.
+    means: BTreeMap<usize, [DVec3; 2]>,
     /// A sentence for each image that cannot be read.
     pub notes: Vec<String>,
 }
@@ -48,6 +50,14 @@ impl Textures {
         };
         self.images.insert((image, wrap), read.clone());
         read
+    }
+
+    /// Mean light and mean codes of a texture, as [`ImageTexture::mean`] and [`ImageTexture::mean_codes`] have them; 1
+    /// without a texture, or where it cannot be read.
+    pub fn means(&mut self, info: Option<&Info>, buffers: &mut Buffers) -> [DVec3; 2] {
+        let Some(texture) = info.map(Info::texture) else { return [DVec3::ONE; 2] };
+        let Some(image) = self.get(&texture, buffers) else { return [DVec3::ONE; 2] };
+        *self.means.entry(texture.source().index()).or_insert_with(|| [image.mean(), image.mean_codes()])
     }
 
     fn noted(&mut self, image: usize, read: Result<Arc<ImageTexture>>) -> Option<Arc<ImageTexture>> {

@@ -6,6 +6,7 @@ use lightfold::error::{EXIT_BAD_INPUT, Error, Result};
 pub mod container;
 pub mod images;
 pub mod journal;
+pub mod models;
 pub mod stream;
 pub mod texts;
 
@@ -72,6 +73,9 @@ pub const TARGETS: &[Target] = &[
     Target { name: "cameras", execs: 4000, run: texts::run_cameras, bound: texts::bound },
     Target { name: "sweep", execs: 4000, run: texts::run_sweep, bound: texts::bound },
     Target { name: "patterns", execs: 4000, run: texts::run_patterns, bound: texts::bound },
+    Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },
+    Target { name: "glb", execs: 2000, run: models::run_gltf, bound: models::bound },
+    Target { name: "obj", execs: 2000, run: models::run_obj, bound: models::bound },
 ];
 
 /// Whether an error is one sentence for a person, and ends a command with the code of bad input.

@@ -1,0 +1,271 @@
+//! Keyframe animation of nodes (glTF 2.0, sections 3.11 and 5.4, appendix C).
+//!
+//! Enters: the samplers of an animation. Leaves: poses and weights at any time; before the first key and behind the
+//! last one, those of that key.
+
+use glam::{DQuat, DVec3};
+use gltf::json;
+use gltf::json::animation::{Interpolation, Property};
+use gltf::json::validation::Checked;
+
+use super::buffers::Buffers;
+use super::nodes::{Pose, quaternion};
+use crate::error::{Error, Result};
+
+/// Values at times.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// Seconds, not decreasing; at least one.
+    times: Vec<f32>,
+    /// For each key its value, or with splines its in-tangent, value and out-tangent.
+    values: Vec<f32>,
+    /// Numbers of a value.
+    width: usize,
+    interpolation: Interpolation,
+}
+
+/// What a curve moves.
+#[derive(Debug, Clone)]
+pub struct Channel {
+    /// The node.
+    pub node: usize,
+    /// Which of its properties.
+    pub property: Property,
+    curve: Curve,
+}
+
+/// An animation.
+#[derive(Debug, Clone, Default)]
+pub struct Animation {
+    /// What it moves. Where two move the same, the later one does.
+    pub channels: Vec<Channel>,
+    /// Time of its last key, seconds.
+    pub duration_s: f64,
+}
+
+impl Animation {
+    /// Reads an animation of a document with so many nodes.
+    ///
+    /// # Errors
+    /// When samplers are broken, or move what is not there.
+    pub fn read(animation: &json::Animation, node_count: usize, buffers: &mut Buffers) -> Result<Animation> {
+        let mut read = Animation::default();
+        for (number, channel) in animation.channels.iter().enumerate() {
+            let context = |error: Error| error.context(format!("channel {number}"));
+            let Checked::Valid(property) = channel.target.path else {
+                return Err(context(Error::invalid("it moves what is not known")));
+            };
+            let node = channel.target.node.value();
+            if node >= node_count {
+                return Err(context(Error::invalid(format!("it moves node {node}, which is not there"))));
+            }
+            let sampler = animation.samplers.get(channel.sampler.value());
+            let sampler = sampler.ok_or_else(|| context(Error::invalid("it has no sampler")))?;
+            let curve = Curve::read(sampler, property, buffers).map_err(context)?;
+            read.duration_s = read.duration_s.max(curve.times.last().map_or(0.0, |&time| f64::from(time)));
+            read.channels.push(Channel { node, property, curve });
+        }
+        Ok(read)
+    }
+}
+
+impl Channel {
+    /// Whether it has the same value at all times.
+    pub fn is_constant(&self) -> bool {
+        let Curve { values, width, interpolation, .. } = &self.curve;
+        let keys = values.chunks_exact(self.curve.stride());
+        match interpolation {
+            Interpolation::CubicSpline => {
+                let value = |key: &[f32]| key[*width..2 * width].to_vec();
+                let flat = |key: &[f32]| key[..*width].iter().chain(&key[2 * width..]).all(|&slope| slope == 0.0);
+                keys.clone().all(flat) && keys.clone().map(value).is_sorted_by(|one, other| one == other)
+            }
+            _ => keys.is_sorted_by(|one, other| one == other),
+        }
+    }
+
+    /// Writes the value at a time into a pose.
+    pub fn move_pose(&self, time_s: f64, pose: &mut Pose) {
+        match self.property {
+            Property::Translation => pose.translation = self.curve.vector(time_s),
+            Property::Scale => pose.scale = self.curve.vector(time_s),
+            Property::Rotation => pose.rotation = self.curve.rotation(time_s),
+            Property::MorphTargetWeights => {}
+        }
+    }
+
+    /// The value at a time, of weights.
+    pub fn weights(&self, time_s: f64) -> Vec<f64> {
+        self.curve.at(time_s)
+    }
+}
+
+/// Where a time lies between keys.
+enum Span {
+    /// At a key, before all of them, or behind.
+    Key(usize),
+    /// Behind this key by this share of the way to the next one, which is this many seconds long.
+    Between(usize, f64, f64),
+}
+
+impl Curve {
+    fn read(sampler: &json::animation::Sampler, property: Property, buffers: &mut Buffers) -> Result<Curve> {
+        let Checked::Valid(interpolation) = sampler.interpolation else {
+            return Err(Error::invalid("its interpolation is not known"));
+        };
+        let times: Vec<f32> = buffers.floats::<1>(sampler.input.value())?.into_iter().flatten().collect();
+        let output = sampler.output.value();
+        let values: Vec<f32> = match property {
+            Property::Rotation => buffers.floats::<4>(output)?.into_flattened(),
+            Property::Translation | Property::Scale => buffers.floats::<3>(output)?.into_flattened(),
+            Property::MorphTargetWeights => buffers.floats::<1>(output)?.into_flattened(),
+        };
+        if times.is_empty() || !times.iter().all(|time| time.is_finite()) || !times.is_sorted() {
+            return Err(Error::invalid("its times do not grow"));
+        }
+        let parts = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        let width = match property {
+            Property::Rotation => 4,
+            Property::Translation | Property::Scale => 3,
+            Property::MorphTargetWeights => values.len() / (parts * times.len()),
+        };
+        if width == 0 || values.len() != parts * times.len() * width {
+            return Err(Error::invalid(format!("{} numbers for {} keys", values.len(), times.len())));
+        }
+        Ok(Curve { times, values, width, interpolation })
+    }
+
+    /// Numbers of a key.
+    fn stride(&self) -> usize {
+        if self.interpolation == Interpolation::CubicSpline { 3 * self.width } else { self.width }
+    }
+
+    fn span(&self, time_s: f64) -> Span {
+        let behind = self.times.partition_point(|&time| f64::from(time) <= time_s);
+        if behind == 0 {
+            return Span::Key(0);
+        }
+        let key = behind - 1;
+        let (Some(&next), false) = (self.times.get(behind), self.interpolation == Interpolation::Step) else {
+            return Span::Key(key);
+        };
+        // The next key is later than the time, which is not before this one: the span has a length.
+        let start = f64::from(self.times[key]);
+        let length = f64::from(next) - start;
+        Span::Between(key, (time_s - start) / length, length)
+    }
+
+    fn part(&self, key: usize, part: usize) -> impl Iterator<Item = f64> {
+        let at = key * self.stride() + part * self.width;
+        self.values[at..at + self.width].iter().map(|&value| f64::from(value))
+    }
+
+    /// The value at a key.
+    fn value(&self, key: usize) -> impl Iterator<Item = f64> {
+        self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
+    }
+
+    /// The value at a time; rotations are not treated as such.
+    fn at(&self, time_s: f64) -> Vec<f64> {
+        match self.span(time_s) {
+            Span::Key(key) => self.value(key).collect(),
+            Span::Between(key, t, seconds) if self.interpolation == Interpolation::CubicSpline => {
+                let (t2, t3) = (t * t, t * t * t);
+                let from = self.value(key).zip(self.part(key, 2));
+                let to = self.value(key + 1).zip(self.part(key + 1, 0));
+                from.zip(to)
+                    .map(|((from, out), (to, into))| {
+                        (2.0 * t3 - 3.0 * t2 + 1.0) * from
+                            + seconds * (t3 - 2.0 * t2 + t) * out
+                            + (3.0 * t2 - 2.0 * t3) * to
+                            + seconds * (t3 - t2) * into
+                    })
+                    .collect()
+            }
+            Span::Between(key, t, _) => {
+                self.value(key).zip(self.value(key + 1)).map(|(from, to)| from + t * (to - from)).collect()
+            }
+        }
+    }
+
+    fn vector(&self, time_s: f64) -> DVec3 {
+        DVec3::from_slice(&self.at(time_s))
+    }
+
+    fn rotation(&self, time_s: f64) -> DQuat {
+        let read = |value: Vec<f64>| quaternion([value[0], value[1], value[2], value[3]]);
+        match self.span(time_s) {
+            Span::Between(key, t, _) if self.interpolation == Interpolation::Linear => {
+                let [from, to] = [key, key + 1].map(|key| read(self.value(key).collect()));
+                // The shorter way round.
+                from.slerp(to, t).normalize()
+            }
+            _ => read(self.at(time_s)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(interpolation: Interpolation, width: usize, times: &[f32], values: &[f32]) -> Curve {
+        Curve { times: times.to_vec(), values: values.to_vec(), width, interpolation }
+    }
+
+    #[test]
+    fn values_between_keys_are_what_the_interpolation_says() {
+        let times = [1.0, 2.0, 4.0];
+        let step = curve(Interpolation::Step, 1, &times, &[3.0, 5.0, 9.0]);
+        let linear = curve(Interpolation::Linear, 1, &times, &[3.0, 5.0, 9.0]);
+        // Slopes of 2: with these a spline through points of one line is that line.
+        let spline = curve(Interpolation::CubicSpline, 1, &times, &[7.0, 3.0, 2.0, 2.0, 5.0, 2.0, 2.0, 9.0, 7.0]);
+        let cases =
+            [(0.0, 3.0, 3.0), (1.0, 3.0, 3.0), (1.5, 3.0, 4.0), (2.0, 5.0, 5.0), (3.0, 5.0, 7.0), (9.0, 9.0, 9.0)];
+        for (time, stepped, between) in cases {
+            assert_eq!(step.at(time), [stepped], "{time}");
+            assert_eq!(linear.at(time), [between], "{time}");
+            assert_eq!(spline.at(time), [between], "{time}");
+        }
+        // By hand: from 0 to 1 with level ends, a quarter of the way is 3/16 − 2/64.
+        let eased = curve(Interpolation::CubicSpline, 1, &[0.0, 2.0], &[0.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
+        assert_eq!(eased.at(0.5), [0.156_25]);
+        // An out-tangent of 4 for two seconds: 2 · 4 · (1/64 − 2/16 + 1/4) more.
+        let thrown = curve(Interpolation::CubicSpline, 1, &[0.0, 2.0], &[0.0, 0.0, 4.0, 0.0, 1.0, 0.0]);
+        assert_eq!(thrown.at(0.5), [0.156_25 + 8.0 * 0.140_625]);
+    }
+
+    #[test]
+    fn rotations_turn_evenly_the_shorter_way() {
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        // A quarter turn around y, once with the other sign, which is the same rotation.
+        for sign in [1.0, -1.0] {
+            let quarter = [0.0, sign * half, 0.0, sign * half];
+            let values = [[0.0, 0.0, 0.0, 1.0], quarter].concat();
+            let turning = curve(Interpolation::Linear, 4, &[0.0, 3.0], &values);
+            let turned = turning.rotation(1.0) * DVec3::X;
+            let angle = 30f64.to_radians();
+            assert!((turned - DVec3::new(angle.cos(), 0.0, -angle.sin())).length() < 1e-7, "{turned}");
+        }
+    }
+
+    #[test]
+    fn keys_at_one_time_are_a_jump() {
+        let jump = curve(Interpolation::Linear, 1, &[0.0, 1.0, 1.0, 2.0], &[0.0, 1.0, 5.0, 6.0]);
+        assert_eq!([jump.at(0.5), jump.at(1.0), jump.at(1.5)], [[0.5], [5.0], [5.5]]);
+    }
+
+    #[test]
+    fn what_stays_is_constant() {
+        let channel = |interpolation: Interpolation, values: &[f32]| Channel {
+            node: 0,
+            property: Property::Scale,
+            curve: curve(interpolation, 1, &[0.0, 1.0], values),
+        };
+        assert!(channel(Interpolation::Linear, &[2.0, 2.0]).is_constant());
+        assert!(!channel(Interpolation::Step, &[2.0, 3.0]).is_constant());
+        assert!(channel(Interpolation::CubicSpline, &[0.0, 2.0, 0.0, 0.0, 2.0, 0.0]).is_constant());
+        assert!(!channel(Interpolation::CubicSpline, &[0.0, 2.0, 1.0, 0.0, 2.0, 0.0]).is_constant());
+        assert!(!channel(Interpolation::CubicSpline, &[0.0, 2.0, 0.0, 0.0, 3.0, 0.0]).is_constant());
+    }
+}

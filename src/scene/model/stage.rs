@@ -1,0 +1,129 @@
+//! A scene of nodes at any time.
+//!
+//! Enters: meshes on nodes, skins, lights, an animation. Leaves: one mesh of what never moves, one of what does.
+
+use std::sync::Arc;
+
+use gltf::json::animation::Property;
+
+use super::animation::Animation;
+use super::assembly::{Assembly, Channels, LeftOut, Part};
+use super::deform::{self, Carrier, Skin};
+use super::lights::{self, NodeLight};
+use super::nodes::{Local, Nodes};
+use super::primitives::Geometry;
+use crate::scene::mesh::{Mesh, MeshMaterial};
+use crate::scene::raycast::Light;
+
+/// A primitive on a node.
+#[derive(Debug)]
+pub struct Instance {
+    /// The node.
+    pub node: usize,
+    /// The skin, for what hangs on joints.
+    pub skin: Option<usize>,
+    /// Weights of the morph targets, where nothing moves them.
+    pub weights: Vec<f64>,
+    /// The triangles.
+    pub geometry: Arc<Geometry>,
+}
+
+/// What a document shows.
+#[derive(Debug)]
+pub struct Stage {
+    /// All nodes.
+    pub nodes: Nodes,
+    /// All meshes.
+    pub instances: Vec<Instance>,
+    /// All skins, of which some may not be used.
+    pub skins: Vec<Skin>,
+    /// What the triangles are painted with.
+    pub materials: Arc<[MeshMaterial]>,
+    /// All lights.
+    pub lights: Vec<NodeLight>,
+    /// What moves, if anything does.
+    pub animation: Animation,
+}
+
+/// Which instances are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Which {
+    /// Those that never move.
+    Still,
+    /// Those that do.
+    Moving,
+}
+
+/// Some instances at one moment.
+#[derive(Debug)]
+pub struct Shown {
+    /// Their triangles.
+    pub mesh: Mesh,
+    /// All lights.
+    pub light: Light,
+    /// Triangles that were left out.
+    pub left_out: LeftOut,
+}
+
+impl Stage {
+    /// For each instance, and at last for the lights, whether the animation moves it.
+    pub fn moves(&self) -> (Vec<bool>, bool) {
+        let mut nodes = vec![false; self.nodes.locals.len()];
+        let mut morphs = nodes.clone();
+        for channel in self.animation.channels.iter().filter(|channel| !channel.is_constant()) {
+            let morphing = channel.property == Property::MorphTargetWeights;
+            (if morphing { &mut morphs } else { &mut nodes })[channel.node] = true;
+        }
+        self.nodes.spread(&mut nodes);
+        let skins: Vec<bool> = self.skins.iter().map(|skin| skin.joints.iter().any(|&joint| nodes[joint])).collect();
+        let instances = self.instances.iter().map(|instance| {
+            let carried = instance.skin.map_or(nodes[instance.node], |skin| skins[skin]);
+            carried || (morphs[instance.node] && !instance.geometry.targets.is_empty())
+        });
+        (instances.collect(), self.lights.iter().any(|light| nodes[light.node()]))
+    }
+
+    /// Some of the instances, and all lights, at a time in seconds. `moves` is what [`Self::moves`] said.
+    pub fn at(&self, time_s: f64, which: Which, moves: &[bool]) -> Shown {
+        let mut poses: Vec<Local> = self.nodes.locals.clone();
+        for channel in &self.animation.channels {
+            if channel.property != Property::MorphTargetWeights {
+                let mut pose = poses[channel.node].pose();
+                channel.move_pose(time_s, &mut pose);
+                poses[channel.node] = Local::Pose(pose);
+            }
+        }
+        let locals: Vec<_> = poses.iter().map(Local::matrix).collect();
+        let to_world = self.nodes.to_world(&locals);
+        let joints: Vec<_> = self.skins.iter().map(|skin| skin.matrices(&to_world)).collect();
+        let weights = self.animation.channels.iter().filter(|channel| channel.property == Property::MorphTargetWeights);
+        let mut morphed = vec![None; self.nodes.locals.len()];
+        weights.for_each(|channel| morphed[channel.node] = Some(channel.weights(time_s)));
+
+        let shown = |moves: bool| moves == (which == Which::Moving);
+        let meant = self.instances.iter().zip(moves).filter(|(_, moves)| shown(**moves)).map(|(instance, _)| instance);
+        let channels = meant.clone().fold(Channels::default(), |channels, instance| Channels {
+            normals: channels.normals || !instance.geometry.normals.is_empty(),
+            uvs: channels.uvs || !instance.geometry.uvs.is_empty(),
+        });
+        let mut assembly = Assembly::new(channels);
+        for Instance { node, skin, weights, geometry } in meant {
+            let carrier = match skin {
+                Some(skin) => Carrier::Joints(&joints[*skin]),
+                None => Carrier::Node(&to_world[*node]),
+            };
+            let placed = deform::place(geometry, morphed[*node].as_ref().unwrap_or(weights), carrier);
+            assembly.add(&Part {
+                positions: &placed.positions,
+                normals: &placed.normals,
+                uvs: &geometry.uvs,
+                triangles: &geometry.triangles,
+                material: geometry.material,
+                winding: placed.winding,
+            });
+        }
+        let left_out = assembly.left_out;
+        let mesh = assembly.finish(self.materials.clone());
+        Shown { mesh, light: lights::place(&self.lights, &to_world), left_out }
+    }
+}

@@ -1,0 +1,79 @@
+//! Mesh files. They are read from a file, so each thread has one of each kind to write to.
+
+use std::path::Path;
+
+use lightfold::scene::Model;
+use tempfile::NamedTempFile;
+
+use super::{Judged, judge};
+
+thread_local! {
+    static GLTF: NamedTempFile = new_file(".gltf");
+    static OBJ: NamedTempFile = new_file(".obj");
+}
+
+/// In memory, where the system has a place for that.
+fn new_file(suffix: &str) -> NamedTempFile {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
+    tempfile::Builder::new().prefix("fuzz").suffix(suffix).tempfile_in(folder).expect("a temporary file")
+}
+
+fn run(file: &NamedTempFile, bytes: &[u8]) -> Judged {
+    std::fs::write(file.path(), bytes).expect("the temporary file is written");
+    let model = Model::open(file.path());
+    if let Ok((model, notes)) = &model {
+        if notes.iter().any(|note| note.trim().is_empty()) {
+            return Err("a note without words".into());
+        }
+        let duration = model.duration_s();
+        if !duration.is_finite() {
+            return Err(format!("an animation of {duration} s"));
+        }
+        for time in [0.0, duration / 3.0, f64::NAN] {
+            let (scene, again) = (model.at(time), model.at(time));
+            for (mesh, again) in scene.meshes().iter().zip(again.meshes()) {
+                sound(mesh.mesh(), again.mesh())?;
+            }
+        }
+    }
+    judge(&model)
+}
+
+/// Whether a mesh is one that rays can be asked of, and the same each time.
+fn sound(mesh: &lightfold::scene::Mesh, again: &lightfold::scene::Mesh) -> Result<(), String> {
+    let count = mesh.positions.len();
+    if mesh.positions != again.positions || mesh.triangles != again.triangles || mesh.normals != again.normals {
+        return Err("placed twice, it is not the same".into());
+    }
+    if !mesh.positions.iter().all(|position| position.is_finite()) || !mesh.uvs.iter().all(|uv| uv.is_finite()) {
+        return Err("a corner is not finite".into());
+    }
+    if !mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-3) {
+        return Err("a normal is not of length 1".into());
+    }
+    let fits = |others: usize| others == 0 || others == count;
+    if !fits(mesh.normals.len()) || !fits(mesh.uvs.len()) || mesh.material_of.len() != mesh.triangles.len() {
+        return Err("lists of one mesh differ in length".into());
+    }
+    let beyond = mesh.triangles.as_flattened().iter().any(|&corner| corner as usize >= count);
+    if beyond || mesh.material_of.iter().any(|&material| material as usize >= mesh.materials.len()) {
+        return Err("a triangle leads to what is not there".into());
+    }
+    Ok(())
+}
+
+/// A glTF or GLB file.
+pub fn run_gltf(bytes: &[u8]) -> Judged {
+    GLTF.with(|file| run(file, bytes))
+}
+
+/// An OBJ file.
+pub fn run_obj(bytes: &[u8]) -> Judged {
+    OBJ.with(|file| run(file, bytes))
+}
+
+/// What a mesh file may take: see [`Model::memory_bound`].
+pub fn bound(bytes: &[u8]) -> u64 {
+    Model::memory_bound(bytes.len() as u64)
+}

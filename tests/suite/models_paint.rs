@@ -1,0 +1,216 @@
+//! What triangles of mesh files are painted with, and what shines on them.
+
+use glam::{DVec2, DVec3};
+use lightfold::scene::{MeshMaterial, Optics, Wrap};
+use serde_json::{Value, json};
+
+use crate::model_files::{Gltf, TRIANGLE, base64, png};
+use crate::models::{HALF, first, on_node, open, open_beside};
+
+fn material(value: &Value) -> (MeshMaterial, Vec<String>) {
+    let mut file = Gltf::new();
+    let positions = file.floats("VEC3", &TRIANGLE);
+    file.push("materials", value.clone());
+    let mesh = file.mesh(json!({ "attributes": { "POSITION": positions }, "material": 0 }));
+    file.root_node(json!({ "mesh": mesh }));
+    let (model, notes) = open(&file);
+    let mesh = first(&model);
+    (mesh.materials[mesh.material_of[0] as usize].clone(), notes)
+}
+
+#[test]
+fn materials_become_what_rays_are_shaded_with() {
+    let rough = |base: f64, metallic: f64, roughness: f64| json!({ "pbrMetallicRoughness": { "baseColorFactor": [base, base, base, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness } });
+    // Plastic: 4% at right angles, exponent 2/α² − 2 with α = 0.25.
+    let (plastic, _) = material(&rough(0.5, 0.0, 0.5));
+    assert_eq!((plastic.base_color, plastic.optics), (DVec3::splat(0.5), Optics::Opaque));
+    assert!(
+        (plastic.phong.exponent - 30.0).abs() < 1e-9 && (plastic.phong.weight.x - 0.04).abs() < 1e-9,
+        "{:?}",
+        plastic.phong
+    );
+    let (steel, _) = material(&rough(0.5, 1.0, 0.5));
+    assert_eq!((steel.base_color, steel.phong.weight), (DVec3::ZERO, DVec3::splat(0.5)));
+    let (mirror, _) = material(&rough(0.5, 1.0, 0.0));
+    assert_eq!((mirror.optics, mirror.base_color), (Optics::Mirror { tint: DVec3::splat(0.5) }, DVec3::ZERO));
+    let (matt, _) = material(&rough(1.0, 0.0, 1.0));
+    assert_eq!(matt.phong.exponent, 1.0);
+    let mut glass = rough(1.0, 0.0, 0.0);
+    glass["extensions"] =
+        json!({ "KHR_materials_transmission": { "transmissionFactor": 0.9 }, "KHR_materials_ior": { "ior": 1.33 } });
+    let Optics::Glass { ior, tint } = material(&glass).0.optics else { panic!("glass") };
+    assert!((ior - 1.33).abs() < 1e-6 && tint == DVec3::ONE);
+    glass["extensions"]["KHR_materials_transmission"]["transmissionFactor"] = json!(0.4);
+    assert_eq!(material(&glass).0.optics, Optics::Opaque);
+    let (lamp, _) = material(
+        &json!({ "emissiveFactor": [1.0, 0.5, 0.0], "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } } }),
+    );
+    assert_eq!(lamp.emission, DVec3::new(8.0, 4.0, 0.0));
+    let (sign, _) = material(
+        &json!({ "extensions": { "KHR_materials_unlit": {} }, "pbrMetallicRoughness": { "baseColorFactor": [1.0, 0.5, 0.25, 1.0] } }),
+    );
+    assert_eq!((sign.unlit, sign.base_color, sign.phong.weight), (true, DVec3::new(1.0, 0.5, 0.25), DVec3::ZERO));
+    let (masked, notes) = material(&json!({ "alphaMode": "MASK", "alphaCutoff": 0.25 }));
+    assert_eq!((masked.alpha_cutoff, notes.len()), (Some(0.25), 0));
+    let (veil, notes) = material(
+        &json!({ "name": "veil", "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1.0, 1.0, 1.0, 0.75] } }),
+    );
+    assert_eq!((veil.alpha_cutoff, veil.alpha), (Some(0.5), 0.75));
+    assert!(notes.len() == 1 && notes[0].contains("veil"), "{notes:?}");
+    let glossy = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "diffuseFactor": [0.5, 0.5, 0.5, 1.0], "specularFactor": [0.25, 0.25, 0.25], "glossinessFactor": 0.5 } } });
+    let (glossy, _) = material(&glossy);
+    assert_eq!((glossy.base_color, glossy.phong.weight), (DVec3::splat(0.5), DVec3::splat(0.25)));
+    let (odd, _) = material(&json!({ "pbrMetallicRoughness": { "baseColorFactor": [7.0, -1.0, 0.5, 1.0] } }));
+    assert_eq!(odd.phong.weight, DVec3::new(1.0, 0.0, 0.5), "of a metal, as the file says nothing else");
+}
+
+#[test]
+fn textures_are_where_their_coordinates_say() {
+    let pixels = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 0], [255; 4]];
+    let file = |info: Value, sampler: Value| {
+        let mut file = Gltf::new();
+        let picture = file.view(&png(2, 2, &pixels));
+        file.push("images", json!({ "bufferView": picture }));
+        file.push("samplers", sampler);
+        file.push("textures", json!({ "source": 0, "sampler": 0 }));
+        let mut base = json!({ "index": 0 });
+        base.as_object_mut().unwrap().extend(info.as_object().unwrap().clone());
+        file.push("materials", json!({ "pbrMetallicRoughness": { "baseColorTexture": base, "metallicFactor": 0.0 } }));
+        let positions = file.floats("VEC3", &TRIANGLE);
+        let set0 = file.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 0.0, 1.0]);
+        let set1 = file.floats("VEC2", &[0.5; 6]);
+        let mesh = file.mesh(
+            json!({ "attributes": { "POSITION": positions, "TEXCOORD_0": set0, "TEXCOORD_1": set1 }, "material": 0 }),
+        );
+        file.root_node(json!({ "mesh": mesh }));
+        open(&file)
+    };
+    let uvs = |info: Value| {
+        let (model, notes) = file(info, json!({ "wrapS": 33071, "wrapT": 33648 }));
+        assert!(notes.is_empty(), "{notes:?}");
+        let mesh = first(&model);
+        let texture = mesh.materials[1].base_texture.clone().unwrap();
+        assert_eq!((texture.wrap, texture.pixels.as_slice()), ([Wrap::Clamp, Wrap::Mirror], &pixels[..]));
+        assert_eq!(texture.sample(DVec2::new(0.25, 0.25)), (DVec3::X, 1.0), "the first pixel is the top left one");
+        assert_eq!(mesh.uv(0, DVec2::X), mesh.uvs[1].as_dvec2());
+        mesh.uvs.iter().map(|uv| uv.to_array()).collect::<Vec<_>>()
+    };
+    assert_eq!(uvs(json!({})), [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    assert_eq!(uvs(json!({ "texCoord": 1 })), [[0.5; 2]; 3]);
+    let moved = json!({ "offset": [0.25, 0.5], "scale": [2.0, 4.0] });
+    assert_eq!(
+        uvs(json!({ "extensions": { "KHR_texture_transform": moved } })),
+        [[0.25, 0.5], [2.25, 0.5], [0.25, 4.5]]
+    );
+    // A quarter turn counter-clockwise, v down: right becomes up.
+    let turned = uvs(json!({ "extensions": { "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2 } } }));
+    for (uv, expected) in turned.iter().zip([[0.0, 0.0], [0.0, -1.0], [1.0, 0.0]]) {
+        assert!((uv[0] - expected[0]).abs() < 1e-6 && (uv[1] - expected[1]).abs() < 1e-6, "{turned:?}");
+    }
+    let other = json!({ "texCoord": 0, "extensions": { "KHR_texture_transform": { "texCoord": 1 } } });
+    assert_eq!(uvs(other), [[0.5; 2]; 3]);
+}
+
+#[test]
+fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
+    let mut bomb = png(1, 1, &[[0; 4]]);
+    // The header claims 60,000 × 60,000 pixels, with a right CRC-32.
+    bomb[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);
+    let crc = crc32fast::hash(&bomb[12..29]).to_be_bytes();
+    bomb[29..33].copy_from_slice(&crc);
+    let mut torn = png(2, 2, &[[9; 4]; 4]);
+    torn.truncate(50);
+    let inside = |bytes: &[u8]| format!("data:image/png;base64,{}", base64(bytes));
+    let cases = [
+        ("none.png".to_string(), "none.png"),
+        ("../a.png".to_string(), "leads out"),
+        ("%2e%2e/a.png".to_string(), "leads out"),
+        ("/etc/passwd".to_string(), "absolute"),
+        ("http://example.com/a.png".to_string(), "remote"),
+        ("file:///etc/passwd".to_string(), "remote"),
+        ("data:image/png;base64,????".to_string(), "base64"),
+        ("data:,".to_string(), "base64"),
+        (inside(b"GIF89a"), "neither a PNG nor a JPEG"),
+        (inside(&bomb), "the picture"),
+        (inside(&torn), "damaged"),
+    ];
+    for (uri, expected) in cases {
+        let mut file = Gltf::new();
+        file.push("images", json!({ "uri": uri }));
+        file.push("textures", json!({ "source": 0 }));
+        let painted = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "baseColorFactor": [0.5, 0.5, 0.5, 1.0], "metallicFactor": 0.0 } });
+        file.push("materials", painted.clone());
+        file.push("materials", painted);
+        let positions = file.floats("VEC3", &TRIANGLE);
+        let mesh = file.mesh(json!({ "attributes": { "POSITION": positions }, "material": 1 }));
+        file.root_node(json!({ "mesh": mesh }));
+        let (model, notes) = open(&file);
+        assert!(notes.len() == 1 && notes[0].contains(expected) && notes[0].starts_with("image 0"), "{uri}: {notes:?}");
+        let mesh = first(&model);
+        assert!(mesh.materials[2].base_texture.is_none() && mesh.materials[2].base_color == DVec3::splat(0.5));
+    }
+}
+
+#[test]
+fn lights_become_suns_and_lamps() {
+    let mut file = on_node(&json!({}));
+    file.root["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "directional", "intensity": std::f32::consts::PI, "color": [1.0, 0.5, 0.0] },
+        { "type": "point", "intensity": 2.0 * std::f32::consts::PI },
+        { "type": "spot", "range": 7.0, "spot": { "innerConeAngle": 0.0, "outerConeAngle": std::f32::consts::FRAC_PI_3 } }] } });
+    let on = |light: usize| json!({ "KHR_lights_punctual": { "light": light } });
+    // −Z turned by −90° around X is down: the sun stands above.
+    file.root_node(json!({ "rotation": [-HALF, 0.0, 0.0, HALF], "extensions": on(0) }));
+    file.root_node(json!({ "translation": [1, 2, 3], "extensions": on(1) }));
+    let spot = file.root_node(json!({ "extensions": on(2), "scale": [5, 5, 5] }));
+    let light = open(&file).0.at(0.0).light().clone();
+    let [sun] = light.suns[..] else { panic!("one sun") };
+    assert!((sun.direction - DVec3::Y).length() < 1e-6 && (sun.radiance - DVec3::new(1.0, 0.5, 0.0)).length() < 1e-6);
+    let [lamp, spot_lamp] = light.lamps[..] else { panic!("two lamps") };
+    assert_eq!((lamp.position, lamp.reach, lamp.cone), (DVec3::new(1.0, 2.0, 3.0), f64::INFINITY, None));
+    assert!((lamp.radiance - DVec3::splat(2.0)).length() < 1e-6);
+    let cone = spot_lamp.cone.unwrap();
+    assert!((cone.axis + DVec3::Z).length() < 1e-12 && cone.cos_inner == 1.0 && (cone.cos_outer - 0.5).abs() < 1e-6);
+    assert_eq!(spot_lamp.reach, 7.0);
+    // A lamp that moves, above a triangle that does not.
+    let times = file.floats("SCALAR", &[0.0, 1.0]);
+    let output = file.floats("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
+    file.animate(spot, "translation", json!({ "input": times, "output": output }));
+    let (model, _) = open(&file);
+    assert_eq!((model.duration_s(), model.at(0.5).light().lamps[1].position), (1.0, DVec3::X * 4.0));
+    assert_eq!(model.at(0.5).meshes().len(), 1);
+}
+
+#[test]
+fn obj_files_have_parts_materials_and_their_textures() {
+    let mtl = "newmtl red\nKd 1 0 0\nKs 0.5 0.5 0.5\nNs 98\nillum 2\nmap_Kd -clamp on -s 1 1 1 my pic.png\n\
+        newmtl mirror\nKs 0.9 0.9 0.9\nillum 3\nnewmtl glass\nNi 1.4\nillum 7\nTf 0.5 1 1\nnewmtl leaf\nKd 1 1 1\nmap_d mask.png\n\
+        newmtl lamp\nKe 3 2 1\nmap_Kd ../x.png\n";
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nusemtl red\nf 1/1/1 2/2/1 4/3/1\n\
+        usemtl mirror\nf -4 -3 -2 -1\nusemtl glass\nf 1 2 3\nusemtl leaf\nf 1 2 3\nusemtl lamp\nf 1 2 3\nl 1 2 3\n";
+    let picture = png(2, 1, &[[255, 255, 255, 255], [0, 0, 0, 255]]);
+    let others: [(&str, &[u8]); 3] = [("a.mtl", mtl.as_bytes()), ("my pic.png", &picture), ("mask.png", &picture)];
+    let (model, notes) = open_beside("a.obj", obj.as_bytes(), &others).unwrap();
+    assert_eq!(notes.len(), 2, "{notes:?}");
+    assert!(
+        notes.iter().any(|note| note.contains("leads out")) && notes.iter().any(|note| note.starts_with("1 points")),
+        "{notes:?}"
+    );
+    let mesh = first(&model);
+    assert_eq!(mesh.triangles.len(), 6);
+    let of = |triangle: usize| &mesh.materials[mesh.material_of[triangle] as usize];
+    let names: Vec<&str> = (0..6).map(|triangle| of(triangle).name.as_str()).collect();
+    assert_eq!(names, ["red", "mirror", "mirror", "glass", "leaf", "lamp"]);
+    let red = of(0);
+    assert_eq!((red.base_color, red.phong.exponent, red.phong.weight), (DVec3::X, 98.0, DVec3::splat(0.01)));
+    let texture = red.base_texture.as_ref().unwrap();
+    assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
+    // v grows upwards in the file.
+    assert_eq!(mesh.uvs[mesh.triangles[0][2] as usize].to_array(), [0.0, 0.0]);
+    assert_eq!(of(1).optics, Optics::Mirror { tint: DVec3::splat(f64::from(0.9f32)) });
+    assert_eq!(of(3).optics, Optics::Glass { ior: f64::from(1.4f32), tint: DVec3::new(0.5, 1.0, 1.0) });
+    let leaf = of(4);
+    let alphas: Vec<u8> = leaf.base_texture.as_ref().unwrap().pixels.iter().map(|pixel| pixel[3]).collect();
+    assert_eq!((leaf.alpha_cutoff, alphas), (Some(0.5), vec![255, 0]));
+    assert_eq!((of(5).emission, of(5).base_texture.is_none()), (DVec3::new(3.0, 2.0, 1.0), true));
+}
