@@ -70,7 +70,7 @@ pub enum Command {
     Demo(demo::Args),
     /// Find where cameras see a scene best, one after the other
     Place(place::Args),
-    /// Capture a scene from probes or cameras: a dataset of colour, depth, normals and materials
+    /// Capture a scene as a dataset: colour, depth, normals, materials
     Capture(capture::Args),
     /// Encode a dataset: all its streams into one container
     Encode(encode::Args),

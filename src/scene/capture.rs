@@ -1,7 +1,7 @@
 //! Scenes seen through cube maps, panoramas and perspective images, and written as datasets.
 //!
 //! Enters: a scene, cameras, frames, sizes. Leaves: images, one by one ([`view`]), or a folder of them that is a dataset
-//! ([`plan`], [`write`]).
+//! ([`plan`], [`mod@write`]).
 
 pub mod contents;
 pub mod plan;
