@@ -16,7 +16,7 @@ use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
 use crate::scene::capture::hash_of_scene;
-use crate::scene::{CapturePlan, CaptureSummary, Kept, Scene};
+use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Scene};
 
 use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_size};
 
@@ -30,14 +30,15 @@ use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_si
     lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell. Cameras are as of `place`:\n\
-    {\"lightfold_cameras\": 1, \"cameras\": [{\"name\": \"00\", \"position\": [0, 1.5, 0]}]}, with \"orientation\",\n\
-    \"fov_y_deg\" and \"frames\" where wanted; the probes of a lightfield.json; or viewers as of `decode --camera`\n\
-    ({\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 60}]}), in perspective: the truth\n\
-    that decoded views are compared with. Colour is the mean of the samples of a pixel, all else is what one ray\n\
-    through its centre meets. The same scene and options write the same bytes on any number of threads.\n\n\
-    A capture that is stopped keeps its images beside DIR; the same command with --resume goes on with them and\n\
-    ends in the same bytes. A folder that holds a dataset is written into only if all its images are replaced."
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
+    --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
+    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\" and \"frames\" ([first, last]); \
+    the probes of a lightfield.json; or viewers as of `decode --camera`, from which perspective images are captured: the \
+    truth to compare with what is made of a light field.\n\n\
+    Colour is the mean of a pixel's samples; all else is what one ray through its centre meets, and is never filtered. \
+    The same scene and options write the same bytes on any number of threads.\n\n\
+    A capture that is stopped keeps its images beside DIR: the same command with --resume goes on with them and ends in \
+    the same bytes. A dataset in DIR is replaced only by one that has all of its images."
 )]
 pub struct Args {
     /// A file (glTF, GLB, OBJ), or the name of a scene that is built in
@@ -259,10 +260,12 @@ fn json_report(plan: &CapturePlan, summary: &CaptureSummary, times: [f64; 2]) ->
 
 fn text_report(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, times: [f64; 2]) -> String {
     let [near_m, far_m] = summary.depth_range_m;
-    let range = match () {
-        () if near_m <= far_m => format!(", depths of {near_m:.3} to {far_m:.3} m"),
-        () if plan.passes.contains(&crate::scene::Pass::Depth) => ", no surface in sight".to_owned(),
-        () => String::new(),
+    let range = if near_m <= far_m {
+        format!(", depths of {near_m:.3} to {far_m:.3} m")
+    } else if plan.passes.contains(&Pass::Depth) {
+        ", no surface in sight".to_owned()
+    } else {
+        String::new()
     };
     let kept = match summary.kept_images {
         0 => String::new(),

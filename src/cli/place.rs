@@ -21,19 +21,18 @@ use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Setti
 use crate::report::placement as figures;
 use crate::report::plot::save;
 use crate::scene::Scene;
+use crate::scene::capture::frames_of_animation;
+use crate::scene::footage::FPS;
 
 use report::Report;
-
-/// Frames a second where nobody says.
-const DEFAULT_FPS: f64 = 24.0;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     lightfold place courtyard --region=-0.5,1.2,-0.5,0.5,1.8,0.5 -o cameras.json\n  \
     lightfold place dragon.glb --region=-2,-2,-2,2,2,2 --cameras 8 -o cameras.json --json\n  \
-    lightfold place room.glb --region walk.obj --lighting specular --theta 30 --until 0.005 -o cameras.json\n  \
-    lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv coverage.csv -o cameras.json\n  \
+    lightfold place room.glb --region walk.obj --lighting specular --theta 30 -o cameras.json\n  \
+    lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv rows.csv -o cameras.json\n  \
     lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n\n\
     Cameras are placed one after the other, each where it adds most to what is seen and not seen well already. Within the \
     viewer distance, which is that of a surface from the region and at least --min-distance, a camera sees as well as any \
@@ -201,14 +200,14 @@ impl Args {
         Ok(())
     }
 
+    fn fps(&self) -> f64 {
+        self.fps.unwrap_or(FPS)
+    }
+
     /// All frames that cameras serve.
     fn frames(&self, scene: &Scene) -> [u32; 2] {
-        let fps = self.fps.unwrap_or(DEFAULT_FPS);
-        match self.frames {
-            Some(range) => [range.first, range.last],
-            // The cast saturates, and a scene that stands still has one frame.
-            None => [0, ((scene.duration_s() * fps).round() as u32).saturating_sub(1)],
-        }
+        let range = self.frames.unwrap_or_else(|| frames_of_animation(scene.duration_s(), self.fps()));
+        [range.first, range.last]
     }
 }
 
@@ -227,7 +226,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     // What stands still is looked at once.
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
     let frames = search::spread_frames(range, most);
-    let moments = search::moments(&scene, &frames, args.fps.unwrap_or(DEFAULT_FPS));
+    let moments = search::moments(&scene, &frames, args.fps());
     let progress = Progress::start(global, "looking from candidates", settings.steps())?;
     let search = Search::new(moments, &region, &settings, &progress)?;
     drop(progress);

@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn seen_within_and_weighted() {
         let view = View { position: DVec3::Y, seen: vec![0b11] };
-        let found = figures(Lighting::Diffuse, &[view.clone()]);
+        let found = figures(Lighting::Diffuse, std::slice::from_ref(&view));
         assert_eq!((found.coverage, found.seen, found.within), (1.0, 1.0, 0.75));
         assert!((found.weighted - (0.75 + 0.25 * (-(5f64.sqrt() - 1.5)).exp())).abs() < 1e-15);
         let half = figures(Lighting::Diffuse, &[View { seen: vec![0b10], ..view }]);
@@ -126,8 +126,8 @@ mod tests {
         let above = View { position: DVec3::Y * 9.0, seen: vec![0b01] };
         let cover = |theta_deg: f64, views: &[View]| figures(Lighting::Specular { theta_deg }, views).coverage / 0.75;
         // A cap of 60 degrees around the normal is half of the half sphere, one of 90 degrees all of it.
-        assert!((cover(60.0, &[above.clone()]) - 0.5).abs() < 0.02);
-        assert_eq!([0.0, 90.0, 180.0].map(|theta| cover(theta, &[above.clone()])), [0.0, 1.0, 1.0]);
+        assert!((cover(60.0, std::slice::from_ref(&above)) - 0.5).abs() < 0.02);
+        assert_eq!([0.0, 90.0, 180.0].map(|theta| cover(theta, std::slice::from_ref(&above))), [0.0, 1.0, 1.0]);
         let aside = View { position: DVec3::new(9.0, 3.0, 0.0), seen: vec![0b01] };
         assert!(cover(60.0, &[above.clone(), aside]) > cover(60.0, &[above]) + 0.1);
     }

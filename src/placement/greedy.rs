@@ -5,7 +5,8 @@
 //!
 //! [`plain`] asks for the gain of every candidate in every round, as algorithm 1 is written. [`Lazy`] chooses the same ones
 //! with few questions: gains only shrink (see [`super::objective`]), so what a candidate was worth earlier bounds what it is
-//! worth now, and those whose bound is below the best found need not be asked (Minoux 1978).
+//! worth now, and those whose bound is below the best found need not be asked (Minoux 1978). A cheaper bound comes before each
+//! question.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -37,8 +38,10 @@ struct Entry {
     /// At least its gain.
     bound: f64,
     candidate: Reverse<usize>,
-    /// Round in which the bound was the gain; 0 for none.
+    /// Round in which the bound was found.
     round: u64,
+    /// Whether it was the gain then.
+    is_gain: bool,
 }
 
 impl Ord for Entry {
@@ -69,10 +72,10 @@ pub struct Lazy {
 }
 
 impl Lazy {
-    /// A queue of all candidates by their [`super::Problem::bound`]s.
+    /// A queue of all candidates by their [`State::bound`]s.
     pub fn new(state: &State<'_>, views: &[View]) -> Lazy {
-        let bounds: Vec<f64> = views.par_iter().map(|view| state.problem().bound(view)).collect();
-        let entry = |(candidate, bound)| Entry { bound, candidate: Reverse(candidate), round: 0 };
+        let bounds: Vec<f64> = views.par_iter().map(|view| state.bound(view)).collect();
+        let entry = |(candidate, bound)| Entry { bound, candidate: Reverse(candidate), round: 1, is_gain: false };
         Lazy { queue: bounds.into_iter().enumerate().map(entry).collect(), round: 0 }
     }
 
@@ -83,13 +86,19 @@ impl Lazy {
         loop {
             // What is equal to the best found comes first where its index is lower, and is asked.
             let mut entry = self.queue.pop()?;
-            if entry.round == self.round || entry.bound <= 0.0 {
+            let is_new = entry.round == self.round;
+            if (is_new && entry.is_gain) || entry.bound <= 0.0 {
                 self.queue.push(entry);
                 let choice = Choice { candidate: entry.candidate.0, gain: entry.bound };
                 return (entry.bound > 0.0).then_some(choice);
             }
-            *calls += 1;
-            entry.bound = state.gain(&views[entry.candidate.0]);
+            let view = &views[entry.candidate.0];
+            if is_new {
+                *calls += 1;
+                (entry.bound, entry.is_gain) = (state.gain(view), true);
+            } else {
+                (entry.bound, entry.is_gain) = (entry.bound.min(state.bound(view)), false);
+            }
             entry.round = self.round;
             self.queue.push(entry);
         }
@@ -113,7 +122,7 @@ mod tests {
                 random ^ random >> 29
             };
             let mut seen: Vec<u64> = (0..facets.div_ceil(64)).map(|_| word() & word()).collect();
-            if let Some(last) = seen.last_mut().filter(|_| facets % 64 > 0) {
+            if let Some(last) = seen.last_mut().filter(|_| !facets.is_multiple_of(64)) {
                 *last &= (1 << (facets % 64)) - 1;
             }
             View { position: 3.0 * in_cube(40 + at as u64), seen }

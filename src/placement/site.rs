@@ -100,7 +100,7 @@ impl Site {
     pub fn sights(&self, positions: &[DVec3], each_done: &(dyn Fn() -> Result<()> + Sync)) -> Result<Vec<Vec<u64>>> {
         let all = |position: &DVec3| {
             each_done()?;
-            let is_seen = |at: usize| sees(&self.moments[self.of_points[at].0], *position, self.points[at].point);
+            let is_seen = |at: usize| self.moments[self.of_points[at].0].sees(*position, self.points[at].point);
             Ok(words(self.points.len(), is_seen))
         };
         positions.par_iter().map(all).collect()
@@ -149,7 +149,7 @@ impl Site {
     pub fn look(&self, facets: &Facets, position: DVec3) -> View {
         let is_seen = |at: usize| {
             let facet = &facets.facets[at];
-            is_above(facet, position) && sees(&self.moments[facets.moments[at]], position, facet.point)
+            is_above(facet, position) && self.moments[facets.moments[at]].sees(position, facet.point)
         };
         let count = facets.facets.len();
         let jobs: Vec<usize> = (0..count).step_by(JOB).collect();
@@ -177,13 +177,6 @@ impl ViewerDistance<'_> {
 
 fn is_above(facet: &Facet, position: DVec3) -> bool {
     (position - facet.point).dot(facet.normal) > 0.0
-}
-
-/// Whether nothing lies between two points.
-fn sees(scene: &SceneAtTime, from: DVec3, to: DVec3) -> bool {
-    let length = from.distance(to);
-    Ray::new(from, to - from)
-        .is_some_and(|ray| first_met(scene, &ray).is_none_or(|(distance, _)| distance > length * (1.0 - 1e-6)))
 }
 
 fn words(count: usize, is_set: impl Fn(usize) -> bool) -> Vec<u64> {

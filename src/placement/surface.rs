@@ -47,7 +47,8 @@ pub fn spread(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
         return SurfacePoints::default();
     }
     let place = |at: usize| {
-        let within = sequence::in_cube(first + at as u64);
+        // The first of all is the middle, which lies on the edge of a triangle.
+        let within = sequence::in_cube(first + at as u64 + 1);
         let patch = ends.partition_point(|end| *end <= (at as f64 + within.x) / count as f64 * area);
         on_patch(scene, &patches[patch.min(patches.len() - 1)], within.y, within.z)
     };

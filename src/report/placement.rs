@@ -4,10 +4,12 @@
 
 use super::plot::Drawing;
 use super::plot::axis::Axis;
-use super::plot::chart::{Chart, Kind, Mark, Rule, Series};
+use super::plot::chart::{Chart, Kind, Mark, Series};
 use super::plot::marker::Look;
 use crate::placement::{Figures, Lighting};
 
+/// Cameras up to which each has a marker.
+const MOST_MARKERS: usize = 40;
 /// Size of a chart in pixels.
 const SIZE: [u32; 2] = [860, 420];
 
@@ -54,26 +56,37 @@ fn series(name: String, number: usize, figures: &[Figures], value: impl Fn(&Figu
         |(at, figures): (usize, &Figures)| Mark { x: (at + 1) as f64, y: 100.0 * value(figures), ..Mark::default() };
     // From no camera, which covers nothing.
     let marks = std::iter::once(Mark::default()).chain(figures.iter().enumerate().map(mark)).collect();
-    Series { name, kind: Kind::Line, look: Look::of(number), marks }
+    let kind = if figures.len() <= MOST_MARKERS { Kind::Line } else { Kind::Curve };
+    Series { name, kind, look: Look::of(number), marks }
+}
+
+/// What is reachable, in the colour of the series of a number.
+fn level(name: String, number: usize, share: f64, cameras: usize) -> Series {
+    let mark = |x: f64| Mark { x, y: 100.0 * share, ..Mark::default() };
+    let look = Look::of(number).dashed([6.0, 4.0]);
+    Series { name, kind: Kind::Curve, look, marks: vec![mark(0.0), mark(cameras as f64)] }
+}
+
+fn most_cameras(curves: &[Curve]) -> usize {
+    curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
 fn axes(curves: &[Curve], up: &str) -> (Axis, Axis) {
-    let most = curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1);
-    (Axis::linear("cameras", [0.0, most as f64]), Axis::linear(up, [0.0, 100.0]))
+    (Axis::linear("cameras", [0.0, most_cameras(curves) as f64]), Axis::linear(up, [0.0, 100.0]))
 }
 
 /// Figure 3.
 fn coverage(curve: &Curve) -> Drawing {
     let (x, y) = axes(std::slice::from_ref(curve), "% of all surface");
     let figures = &curve.figures;
-    let rule = |share: f64, what: &str| Rule { y: 100.0 * share, name: format!("{what}, reachable") };
     let chart = Chart {
         series: vec![
             series("seen".into(), 0, figures, |figures| figures.seen),
             series("seen, weighted".into(), 1, figures, |figures| figures.weighted),
             series("within viewer distance".into(), 2, figures, |figures| figures.within),
+            level("seen, reachable".into(), 0, curve.reachable.seen, figures.len()),
+            level("within, reachable".into(), 2, curve.reachable.within, figures.len()),
         ],
-        rules: vec![rule(curve.reachable.seen, "seen")],
         legend: format!("k = {:.3} per metre", curve.rate_per_m),
         ..Chart::new(format!("Coverage of {} by cameras, {}", curve.scene, words(curve.lighting)), x, y)
     };
@@ -87,13 +100,13 @@ fn convergence(curves: &[Curve]) -> Drawing {
     let of = |(number, curve): (usize, &Curve)| {
         series(words(curve.lighting), number, &curve.figures, |figures| figures.coverage)
     };
-    let rule = |curve: &Curve| Rule {
-        y: 100.0 * curve.reachable.coverage,
-        name: format!("{}, reachable", curve.lighting.name()),
+    let reachable = |(number, curve): (usize, &Curve)| {
+        let name = format!("{}, reachable", curve.lighting.name());
+        level(name, number, curve.reachable.coverage, most_cameras(curves))
     };
+    let each = || curves.iter().enumerate();
     let chart = Chart {
-        series: curves.iter().enumerate().map(of).collect(),
-        rules: curves.iter().map(rule).collect(),
+        series: each().map(of).chain(each().map(reachable)).collect(),
         legend: "Lighting".to_owned(),
         ..Chart::new(format!("Convergence in {scene}"), x, y)
     };

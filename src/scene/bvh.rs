@@ -5,7 +5,7 @@
 //! The tree is the compressed wide one of `obvhs`, in f32, over boxes in coordinates of the mesh's own centre and size,
 //! so that it makes no difference where the mesh lies and how large it is. The boxes are a little too large, by more
 //! than all roundings on the way come to: the tree only says which triangles to try. Whether a ray meets them, and
-//! where, [`super::triangle`] decides in f64 on the corners as they are; the answers are those of trying all triangles,
+//! where, `triangle` decides in f64 on the corners as they are; the answers are those of trying all triangles,
 //! bit for bit.
 
 mod build;

@@ -74,7 +74,9 @@ impl Sphere {
             return None;
         }
         let half = inside.sqrt();
-        let distance = [closest - half, closest + half].into_iter().find(|&distance| distance > min_distance)?;
+        // Squares of what is very far are infinite.
+        let ahead = |distance: &f64| *distance > min_distance && distance.is_finite();
+        let distance = [closest - half, closest + half].into_iter().find(ahead)?;
         Some(Intersection { distance, normal: (ray.at(distance) - self.center) / self.radius })
     }
 }

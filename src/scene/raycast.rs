@@ -6,6 +6,9 @@
 //! Nothing here depends on time or on chance: the same scene and ray give the same bits, so that what does not move
 //! and is not lit anew is exactly static.
 
+#[cfg(test)]
+mod extremes;
+
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
@@ -168,8 +171,10 @@ impl SceneAtTime {
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<MeshBvh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
         let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
+        // A shape that is not finite is not seen, and does not spoil what depends on the size.
+        let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(|a, b| AxisBox { min: a.min.min(b.min), max: a.max.max(b.max) });
-        let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length());
+        let size = bounds.map_or(0.0, |bounds| (bounds.max - bounds.min).length().min(f64::MAX));
         SceneAtTime { objects, meshes, light, shadows, bounds, size, lift: lift_m(size) }
     }
 

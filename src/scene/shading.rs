@@ -1,9 +1,12 @@
 //! The light that leaves a surface towards a ray: Lambert and Phong under suns, lamps and an ambient sky, with hard
 //! shadows; mirrors and clear glass, which send further rays.
 //!
-//! Enters: a [`Surface`] and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
+//! Enters: a `Surface` and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
 //! call for them. Light passes clear glass on its way to a surface as if the glass were not there: there are no caustics
 //! and glass casts no shadow.
+
+#[cfg(test)]
+mod tests;
 
 use glam::DVec3;
 
@@ -210,6 +213,8 @@ impl Surface {
     /// Reflected share of unpolarised light by Fresnel's equations, and where the rest goes: nowhere in total
     /// reflection.
     fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
+        // Whatever a file says, what follows stays finite.
+        let ior = if ior > 1.0 { ior.min(1e3) } else { 1.0 };
         let ratio = if self.from_within { ior } else { ior.recip() };
         let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
         let sin_out_squared = ratio * ratio * (1.0 - cos_in * cos_in);

@@ -1,6 +1,6 @@
 //! What a ray has met, whatever it is made of: one description for analytic objects and for triangles.
 //!
-//! Enters: a scene, a ray, the nearest hit on it. Leaves: [`Surface`]: point, normals, paint. Normals lie on the side
+//! Enters: a scene, a ray, the nearest hit on it. Leaves: `Surface`: point, normals, paint. Normals lie on the side
 //! from which the ray came, because the side that is seen is the side that is lit.
 
 use glam::{DQuat, DVec3};

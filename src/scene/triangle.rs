@@ -13,9 +13,8 @@ use super::primitive::Ray;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RayFrame {
     origin: DVec3,
-    /// Depth comes last.
-    axes: [usize; 3],
-    /// Shear of the first two axes for each metre along the third, and metres along the ray for each of it.
+    depth: usize,
+    /// Shear of the two axes that follow it for each metre of depth, and metres along the ray for each of them.
     shear: [f64; 3],
 }
 
@@ -23,27 +22,42 @@ impl RayFrame {
     pub(super) fn new(ray: &Ray) -> RayFrame {
         let direction = ray.direction();
         let depth = direction.abs().max_position();
-        let axes = [(depth + 1) % 3, (depth + 2) % 3, depth];
         let per_metre = direction[depth].recip();
-        RayFrame {
-            origin: ray.origin(),
-            axes,
-            shear: [direction[axes[0]] * per_metre, direction[axes[1]] * per_metre, per_metre],
-        }
+        let shear = [direction[(depth + 1) % 3] * per_metre, direction[(depth + 2) % 3] * per_metre, per_metre];
+        RayFrame { origin: ray.origin(), depth, shear }
     }
 
     /// Metres along the ray (of either sign) and weights of the second and third corner, or `None` for a miss and for
     /// triangles that the ray sees edge on. Edges and corners belong to all triangles that have them.
+    #[inline]
     pub(super) fn meet(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
-        let [a, b, c] = corners.map(|corner| self.bring(corner));
-        let mut weights = [side(c, b), side(a, c), side(b, a)];
-        if weights.contains(&0.0) {
-            weights = [side_exactly(c, b), side_exactly(a, c), side_exactly(b, a)];
+        match self.depth {
+            0 => self.meet_in([1, 2, 0], corners),
+            1 => self.meet_in([2, 0, 1], corners),
+            _ => self.meet_in([0, 1, 2], corners),
         }
-        let [u, v, w] = weights;
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+    }
+
+    /// With the axes known to the compiler.
+    #[inline(always)]
+    fn meet_in(&self, axes: [usize; 3], corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
+        let [a, b, c] = corners.map(|corner| {
+            let from = (corner - self.origin).to_array();
+            let depth = from[axes[2]];
+            [from[axes[0]] - self.shear[0] * depth, from[axes[1]] - self.shear[1] * depth, depth]
+        });
+        let beside = |[u, v, w]: [f64; 3]| (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0);
+        let mut weights = [side(c, b), side(a, c), side(b, a)];
+        if beside(weights) {
             return None;
         }
+        if weights.contains(&0.0) {
+            weights = [side_exactly(c, b), side_exactly(a, c), side_exactly(b, a)];
+            if beside(weights) {
+                return None;
+            }
+        }
+        let [u, v, w] = weights;
         let all = u + v + w;
         if all == 0.0 {
             return None;
@@ -51,20 +65,16 @@ impl RayFrame {
         let distance = self.shear[2] * (u * a[2] + v * b[2] + w * c[2]) / all;
         Some((distance, DVec2::new(v / all, w / all)))
     }
-
-    fn bring(&self, corner: DVec3) -> [f64; 3] {
-        let from = (corner - self.origin).to_array();
-        let depth = from[self.axes[2]];
-        [from[self.axes[0]] - self.shear[0] * depth, from[self.axes[1]] - self.shear[1] * depth, depth]
-    }
 }
 
 /// Twice the area of the triangle that the ray makes with an edge. Rounding is monotone: the sign is right, or it is 0.
+#[inline(always)]
 fn side(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0] * q[1] - p[1] * q[0]
 }
 
 /// The same where both products round to the same number: what they lost decides.
+#[cold]
 fn side_exactly(p: [f64; 3], q: [f64; 3]) -> f64 {
     let rounded = side(p, q);
     if rounded != 0.0 {

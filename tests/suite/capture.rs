@@ -12,7 +12,7 @@ use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{DepthKind, Manifest};
 use lightfold::image::{Face, ReadLimits, exr};
 use lightfold::monitor::Silent;
-use lightfold::scene::{DemoKind, FootagePlan};
+use lightfold::scene::{DemoKind, DemoScene, FootagePlan};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};
@@ -66,7 +66,7 @@ fn captures_are_datasets_of_which_nothing_is_suspect() {
             format!("capture courtyard --cameras cameras.json --frames 6-7 --size 64 --samples 4{options} -o {name}");
         fine(&line, place.path());
         nothing_is_suspect(&place.path().join(name));
-        fine(&format!("encode {name} -o {name}.lfold"), place.path());
+        fine(&format!("encode {name} --error 0 -o {name}.lfold"), place.path());
         fine(&format!("diff {name} {name}.lfold --max-error 1 --min-cell-psnr 49.9"), place.path());
     }
     // What was said to be planar is no distance, and the other way round.
@@ -180,6 +180,32 @@ fn panoramas_and_viewers_are_captured_too() {
     fine("encode view -o view.lfold", place.path());
 }
 
+#[test]
+fn mirrors_and_glass_are_in_the_material() {
+    let place = place();
+    let (at, _) = DemoScene::new(DemoKind::Mirrors).probe_region();
+    let line = format!("capture mirrors --position {},{},{} --frames 0-1 --size 48 --aov material", at.x, at.y, at.z);
+    fine(&format!("{line} --samples 1 -o cap"), place.path());
+    let (mut mirror, mut glass, mut opaque) = (0, 0, 0);
+    for face in Face::CUBE {
+        let path = place.path().join(format!("cap/probe_00/face_{}/material.0000.exr", face.name()));
+        let plane = exr::read_material(&path, ["reflect", "refract", "ior"], &ReadLimits::default()).unwrap();
+        for &[reflect, refract, ior] in plane.data() {
+            match (reflect, refract, ior) {
+                (1.0, 0.0, 1.0) => mirror += 1,
+                (0.0, 0.0, 1.0) => opaque += 1,
+                _ => {
+                    // Halves: what they add up to is one to their last digit.
+                    assert!((reflect + refract - 1.0).abs() < 1e-3 && ior > 1.2, "{reflect} {refract} {ior}");
+                    glass += 1;
+                }
+            }
+        }
+    }
+    assert!(mirror > 50 && glass > 50 && opaque > 1000, "{mirror} {glass} {opaque}");
+    fine("encode cap -o cap.lfold", place.path());
+}
+
 /// What `-` reads is what a file says.
 #[test]
 fn cameras_come_from_a_pipe_and_from_a_dataset() {
@@ -224,7 +250,7 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
         (format!("{here} --aov none --no-color"), "colour, depth or material"),
         (format!("{here} --far 0"), "metres above 0"),
         (format!("{here} --fps 0"), "frames per second"),
-        (format!("{here} --frames 3-2"), "3-2"),
+        ("capture courtyard --position 0,1.5,0 --frames 3-2 -o out".into(), "3-2"),
         ("capture courtyard --position 0,nan,0 -o out".into(), "three finite numbers"),
         ("capture courtyard -o out".into(), "--cameras"),
         ("capture courtyard --cameras empty.json -o out".into(), "JSON"),

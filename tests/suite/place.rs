@@ -128,3 +128,48 @@ fn what_makes_no_sense_is_said_in_a_sentence() {
     assert!(refused("place nowhere.glb --region 0,0,0,1,1,1 -o c.json", folder.path()).contains("nowhere.glb"));
     fine(&format!("place courtyard {region} --lighting specular --theta 0 --cameras 2"), folder.path());
 }
+
+/// Cameras until a curve has come to 95% of what is reachable; more than there are where it has not.
+fn converged(curve: &Value) -> usize {
+    let enough = 0.95 * curve["reachable"]["coverage"].as_f64().unwrap();
+    let coverage = curve["coverage"].as_array().unwrap();
+    coverage.iter().position(|share| share.as_f64().unwrap() >= enough).unwrap_or(coverage.len()) + 1
+}
+
+/// CALF's figure 4 says: diffuse surfaces are covered by fewer cameras than specular ones, and what is hidden from everywhere
+/// stays uncovered.
+fn has_the_order_of_figure_4(scene: &str, region: &str, hidden: f64) {
+    let folder = TempDir::new().unwrap();
+    let line = format!(
+        "place {scene} --region={region} --effort fast --cameras 24 --plot charts -o cameras.json --json --quiet"
+    );
+    let report = json(&line, folder.path());
+    let curves = report["convergence"].as_array().unwrap();
+    let [diffuse, specular] = [&curves[0], &curves[1]];
+    assert!(converged(diffuse) < converged(specular), "{scene}: {report}");
+    let pairs = diffuse["coverage"].as_array().unwrap().iter().zip(specular["coverage"].as_array().unwrap());
+    assert!(pairs.clone().count() > 8 && pairs.clone().all(|(a, b)| a.as_f64() > b.as_f64()), "{scene}: {report}");
+    let seen = diffuse["reachable"]["seen"].as_f64().unwrap();
+    assert!(seen <= 1.0 - hidden && report["coverage"].as_f64().unwrap() <= seen, "{scene}: {seen}");
+    // Also in so few rounds most gains are not computed.
+    let calls = |curve: &Value| ["objective_calls", "plain_objective_calls"].map(|key| curve[key].as_u64().unwrap());
+    for curve in curves {
+        let [lazy, plain] = calls(curve);
+        assert!(10 * lazy <= plain, "{scene}: {lazy} of {plain}");
+    }
+}
+
+#[test]
+fn a_box_with_blocks_has_the_order_of_figure_4() {
+    // Where blocks stand on the floor, and the other side of the lamp, nobody looks.
+    has_the_order_of_figure_4("cornell", "-0.9,0.1,-0.9,0.9,1.9,0.9", 0.01);
+}
+
+#[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn a_dragon_and_a_bunny_have_the_order_of_figure_4() {
+    let meshes = Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes").canonicalize().unwrap();
+    for (name, hidden) in [("dragon.glb", 0.005), ("bunny.obj", 0.0)] {
+        has_the_order_of_figure_4(&meshes.join(name).display().to_string(), "-2,-2,-2,2,2,2", hidden);
+    }
+}

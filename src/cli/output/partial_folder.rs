@@ -6,7 +6,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use super::claim::{Claimed, claim};
-use super::{folder_of, move_into};
+use super::move_into;
 use crate::error::{Error, Result};
 
 /// What the name of an unfinished folder ends in; it begins with a dot and the name of the output.
@@ -136,7 +136,7 @@ fn path_for(output: &Path) -> Result<PathBuf> {
         let mut own = OsString::from(".");
         own.push(name);
         own.push(PARTIAL);
-        folder_of(output).join(own)
+        output.with_file_name(own)
     });
     match beside {
         Some(beside) if beside.exists() || !output.exists() => Ok(beside),

@@ -1,7 +1,7 @@
 //! What `place` says: a table, JSON, CSV, and what charts are drawn from.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -93,11 +93,17 @@ impl Report<'_> {
         std::iter::once(self.placement).chain(&self.comparison)
     }
 
+    /// The scene without the folder that it is in.
+    fn scene_name(&self) -> String {
+        let name = Path::new(&self.args.scene).file_name();
+        name.map_or_else(|| self.args.scene.clone(), |name| name.to_string_lossy().into_owned())
+    }
+
     /// The curves of all lightings that were placed for, the one that was asked for first.
     pub fn curves(&self) -> Vec<Curve> {
         let curve = |placement: &Placement| Curve {
             lighting: placement.lighting,
-            scene: self.args.scene.clone(),
+            scene: self.scene_name(),
             rate_per_m: self.search.problem().rate_per_m(),
             figures: placement.cameras.iter().map(|placed| placed.figures).collect(),
             reachable: placement.reachable,

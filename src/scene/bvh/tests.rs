@@ -10,12 +10,11 @@ use super::*;
 fn plainly(bvh: &MeshBvh, ray: &Ray, min_distance: f64) -> Option<MeshHit> {
     let frame = RayFrame::new(ray);
     let mut best: Option<MeshHit> = None;
-    for triangle in 0..bvh.mesh().triangles.len() {
-        let corners = bvh.mesh().corners(triangle);
-        let Some((distance, barycentric)) = sound(&corners).then(|| frame.meet(&corners)).flatten() else { continue };
-        let leaf = bvh.leaves.iter().find(|leaf| leaf.triangle as usize == triangle).unwrap();
-        let counts = distance > min_distance && best.is_none_or(|best| distance < best.distance);
-        if counts && !bvh.hole(leaf, barycentric) {
+    for leaf in &bvh.leaves {
+        let Some((distance, barycentric)) = frame.meet(&leaf.corners) else { continue };
+        let triangle = leaf.triangle as usize;
+        let first = best.is_none_or(|best| (distance, triangle) < (best.distance, best.triangle));
+        if first && distance > min_distance && !bvh.hole(leaf, barycentric) {
             best = Some(MeshHit { distance, triangle, barycentric });
         }
     }
@@ -112,6 +111,30 @@ fn tree_and_plain_search_agree_to_the_bit() {
 }
 
 #[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn tree_and_plain_search_agree_on_files() {
+    let meshes = std::path::Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes");
+    for file in ["sponza.glb", "dragon.glb", "bunny.obj"] {
+        let (model, _) = super::super::Model::open(&meshes.join(file)).unwrap();
+        let moment = model.at(0.0);
+        let bounds = moment.bounds().unwrap();
+        let mut numbers = Numbers::new(7);
+        let mut anywhere = || 0.5 * (bounds.min + bounds.max) + 0.5 * (bounds.max - bounds.min) * numbers.point();
+        let mut hits = 0;
+        for bvh in moment.meshes() {
+            for _ in 0..60 {
+                let (from, to) = (anywhere(), anywhere());
+                let ray = Ray::new(from, to - from).unwrap();
+                let expected = plainly(bvh, &ray, 0.0);
+                assert_eq!(bvh.nearest(&ray, 0.0), expected, "{file} {from} {to}");
+                hits += usize::from(expected.is_some());
+            }
+        }
+        assert!(hits > 10, "{file}: {hits}");
+    }
+}
+
+#[test]
 fn axis_parallel_rays_and_negative_zeros_miss_nothing() {
     let bvh = MeshBvh::new(pebble(4));
     let mut numbers = Numbers::new(2);
@@ -127,26 +150,38 @@ fn axis_parallel_rays_and_negative_zeros_miss_nothing() {
 
 #[test]
 fn a_million_rays_at_edges_and_corners_leave_no_gap() {
-    let bvh = MeshBvh::new(pebble(6));
-    let triangles = bvh.mesh().triangles.clone();
-    assert_eq!(triangles.len(), 32_768);
-    let mut numbers = Numbers::new(5);
-    let mut leaks = 0;
-    for turn in 0..1_000_000_usize {
-        let [a, b, _] = bvh.mesh().corners(turn % triangles.len());
-        let share = match turn % 3 {
-            0 => 0.0,
-            1 => 0.5,
-            _ => 0.5 + 0.5 * numbers.next(),
-        };
-        let target = a + share * (b - a);
-        // From inside, and from outside: the far side must be met, too.
-        let origin = if turn % 2 == 0 { 0.3 * numbers.point() } else { 3.0 * target + numbers.point() };
-        let ray = Ray::new(origin, target - origin).unwrap();
-        leaks += usize::from(bvh.nearest(&ray, 0.0).is_none());
-        leaks += usize::from(!bvh.occluded(&ray, 0.0, f64::INFINITY));
+    for (scale, shift, rays) in [
+        (1.0, DVec3::ZERO, 700_000),
+        (1e-6, DVec3::ZERO, 100_000),
+        (1e6, DVec3::ZERO, 100_000),
+        (1.0, DVec3::splat(1e6), 100_000),
+    ] {
+        let mut closed = pebble(6);
+        for position in &mut closed.positions {
+            *position = scale * *position + shift;
+        }
+        let bvh = MeshBvh::new(closed);
+        let triangles = bvh.mesh().triangles.len();
+        assert_eq!(triangles, 32_768);
+        let mut numbers = Numbers::new(5);
+        let mut leaks = 0;
+        for turn in 0..rays {
+            let [a, b, _] = bvh.mesh().corners(turn % triangles);
+            let share = match turn % 3 {
+                0 => 0.0,
+                1 => 0.5,
+                _ => 0.5 + 0.5 * numbers.next(),
+            };
+            let target = a + share * (b - a);
+            // From inside, and from outside towards it.
+            let near = if turn % 2 == 0 { shift } else { 3.0 * target - 2.0 * shift };
+            let origin = near + 0.3 * scale * numbers.point();
+            let ray = Ray::new(origin, target - origin).unwrap();
+            leaks += usize::from(bvh.nearest(&ray, 0.0).is_none());
+            leaks += usize::from(!bvh.occluded(&ray, 0.0, f64::INFINITY));
+        }
+        assert_eq!(leaks, 0, "{scale} {shift}");
     }
-    assert_eq!(leaks, 0);
 }
 
 #[test]

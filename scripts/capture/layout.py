@@ -1,0 +1,498 @@
+"""What the adapters beside this file share: where cameras stand and look, what files are called, and what the manifest says.
+
+Everything here is in lightfold's axes, right-handed with +Y up, and in metres. An adapter answers images of a `View`; all the
+rest is here: options, cameras.json, order of work, seeds, going on after an interruption, lightfield.json.
+"""
+
+import argparse
+import array
+import dataclasses
+import json
+import math
+import os
+import pathlib
+import re
+import sys
+import time
+import zlib
+
+import exr
+
+# The faces of an OpenGL cube map: forward, right and down in the image. Each is the mirror image of what a person sees there.
+FACES = {
+    "px": ((1, 0, 0), (0, 0, -1), (0, -1, 0)),
+    "nx": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "py": ((0, 1, 0), (1, 0, 0), (0, 0, 1)),
+    "ny": ((0, -1, 0), (1, 0, 0), (0, 0, -1)),
+    "pz": ((0, 0, 1), (1, 0, 0), (0, -1, 0)),
+    "nz": ((0, 0, -1), (-1, 0, 0), (0, -1, 0)),
+}
+# What a person sees, who looks along -Z: perspective images, and the middle of an equirectangular one.
+AHEAD = ((0, 0, -1), (1, 0, 0), (0, -1, 0))
+KINDS = ["depth", "material", "normal"]
+CHANNELS = {"color": "RGB", "depth": "Z", "normal": "XYZ", "material": ["reflect", "refract", "ior"]}
+# What a camera of a cameras.json may say.
+KEYS = ["name", "position", "orientation", "fov_y_deg", "frames", "gain", "coverage"]
+STATE = "capture.partial.json"
+MANIFEST = "lightfield.json"
+MAX_SIDE = 65536
+
+EPILOG = """
+Cameras are a cameras.json, as `lightfold place` writes it, or the probes of a lightfield.json:
+  { "lightfold_cameras": 1, "cameras": [ { "name": "00", "position": [0, 1.5, 0] } ] }
+Positions are in metres, right-handed, +Y up. What is written is a dataset: depth is the Euclidean distance in metres of what
+lies behind the middle of a pixel, of one ray that no filter touches, +inf where nothing is; colour is linear Rec. 709, the mean
+of a pixel, 65504 where it is more and 0 where it is no number; cube faces are those of OpenGL. The same scene, options and
+release of the renderer give the same images. See that all is as it should be, and encode it:
+  lightfold inspect DIR/lightfield.json --check
+  lightfold encode DIR/lightfield.json -o film.lfold
+"""
+
+
+class Refused(SystemExit):
+    """Input that cannot be worked with: one sentence, and the exit code 2."""
+
+    def __init__(self, sentence):
+        super().__init__(2)
+        self.sentence = sentence
+
+    def __str__(self):
+        return self.sentence
+
+
+def parser(prog, about):
+    """Options that both adapters have."""
+    parser = argparse.ArgumentParser(prog=prog, description=about, epilog=EPILOG,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cameras", metavar="FILE", required=True,
+                        help="a cameras.json or a lightfield.json, - for standard input")
+    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="folder of the dataset; new, or empty")
+    parser.add_argument("--frames", metavar="A-B",
+                        help="first and last frame, or a single one [default: those of the cameras, or of the scene]")
+    parser.add_argument("--size", metavar="N|WxH",
+                        help="pixels: the side of a face, the width of a panorama, or both sides [default: 512, for panoramas 2048]")
+    parser.add_argument("--samples", metavar="N", type=int, default=64, help="rays for the colour of a pixel [default: 64]")
+    parser.add_argument("--aov", metavar="KINDS", default="depth",
+                        help="what comes besides colour: depth, material, normal, with commas between, or none [default: depth]")
+    parser.add_argument("--projection", choices=["cube", "equirect", "perspective"], default="cube", help="[default: cube]")
+    parser.add_argument("--fov", metavar="DEG", type=float, help="vertical field of view of perspective cameras that have none")
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="another number is other noise [default: 0]")
+    parser.add_argument("--noise", choices=["still", "moving"], default="still",
+                        help="whether frames share their noise, which costs a video codec less [default: still]")
+    parser.add_argument("--name", help="name of the dataset [default: that of the folder]")
+    parser.add_argument("--threads", metavar="N", type=int, help="threads to render with [default: all]")
+    parser.add_argument("--resume", action="store_true", help="go on with an interrupted capture of the same options")
+    return parser
+
+
+@dataclasses.dataclass
+class Camera:
+    """A probe to be. `frames` is what it shows, inclusive."""
+
+    name: str
+    position: list
+    orientation: list = None
+    fov_y_deg: float = None
+    frames: list = None
+
+
+@dataclasses.dataclass
+class View:
+    """One image to render: its axes in the world are those of the file, mirrored where the file is.
+
+    `tangents` are those of half the field of view, across and high.
+    """
+
+    camera: Camera
+    face: str
+    forward: tuple
+    right: tuple
+    down: tuple
+    size: tuple
+    projection: str
+    tangents: tuple
+    seed: int
+    kinds: list
+
+    @property
+    def mirrored(self):
+        """Whether a camera that looks forward sees the image with left and right exchanged."""
+        return self.projection == "cube"
+
+    @property
+    def up(self):
+        return tuple(-value for value in self.down)
+
+    @property
+    def fov_y_deg(self):
+        return math.degrees(2 * math.atan(self.tangents[1]))
+
+    def pixels(self):
+        """(u, v) of the middle of each pixel, row 0 first: from -1 to 1 over the image, to the right and down."""
+        width, height = self.size
+        across = [2 * (col + 0.5) / width - 1 for col in range(width)]
+        for row in range(height):
+            v = 2 * (row + 0.5) / height - 1
+            for u in across:
+                yield u, v
+
+    def local_directions(self):
+        """(right, down, forward) of the ray through the middle of each pixel; forward is 1, or in panoramas the length."""
+        if self.projection == "equirect":
+            for u, v in self.pixels():
+                lon, lat = u * math.pi, -v * math.pi / 2
+                yield math.sin(lon) * math.cos(lat), -math.sin(lat), math.cos(lon) * math.cos(lat)
+        else:
+            wide, high = self.tangents
+            for u, v in self.pixels():
+                yield u * wide, v * high, 1.0
+
+    def directions(self):
+        """Unit direction in the world of the ray through the middle of each pixel."""
+        (rx, ry, rz), (dx, dy, dz), (fx, fy, fz) = self.right, self.down, self.forward
+        for x, y, z in self.local_directions():
+            scale = 1 / math.sqrt(x * x + y * y + z * z)
+            x, y, z = x * scale, y * scale, z * scale
+            yield x * rx + y * dx + z * fx, x * ry + y * dy + z * fy, x * rz + y * dz + z * fz
+
+    def mirror(self, plane):
+        """The plane with left and right exchanged."""
+        width = self.size[0]
+        mirrored = array.array("f")
+        for start in range(0, len(plane), width):
+            mirrored.extend(plane[start:start + width][::-1])
+        return mirrored
+
+
+def fresnel(cosine, ior):
+    """The part of unpolarised light that a surface of glass reflects, met at that cosine from outside."""
+    cosine = abs(cosine)
+    inside = math.sqrt(max(0.0, 1 - (1 - cosine * cosine) / (ior * ior))) if ior * ior > 1 - cosine * cosine else 0.0
+    if not inside:
+        return 1.0
+    across = (cosine - ior * inside) / (cosine + ior * inside)
+    along = (inside - ior * cosine) / (inside + ior * cosine)
+    return (across * across + along * along) / 2
+
+
+def rotated(vector, orientation):
+    """A vector turned by a unit quaternion x, y, z, w."""
+    if orientation is None:
+        return tuple(float(value) for value in vector)
+    x, y, z, w = orientation
+    a, b, c = vector
+    # Twice the cross product of the quaternion's axis and the vector.
+    i, j, k = 2 * (y * c - z * b), 2 * (z * a - x * c), 2 * (x * b - y * a)
+    return a + w * i + y * k - z * j, b + w * j + z * i - x * k, c + w * k + x * j - y * i
+
+
+# ---- cameras.json
+
+def read_cameras(path):
+    """The cameras of a cameras.json, or of the probes of a lightfield.json."""
+    try:
+        text = sys.stdin.read() if path == "-" else pathlib.Path(path).read_text(encoding="utf-8")
+        found = json.loads(text)
+    except (OSError, ValueError) as error:
+        raise Refused(f"{path}: the cameras cannot be read: {error}") from error
+    known = None
+    if isinstance(found, dict) and found.get("lightfield") == 1:
+        listed = found.get("probes")
+    elif isinstance(found, dict) and found.get("lightfold_cameras") == 1:
+        listed, known = found.get("cameras"), KEYS
+    else:
+        raise Refused(f'{path}: neither "lightfold_cameras": 1 nor "lightfield": 1 is in it: a cameras.json was expected')
+    if not isinstance(listed, list) or not listed:
+        raise Refused(f"{path}: it names no camera: at least one was expected")
+    digits = max(2, len(str(len(listed) - 1)))
+    cameras = []
+    for at, entry in enumerate(listed):
+        try:
+            cameras.append(camera_of(entry, f"{at:0{digits}}", known))
+        except ValueError as error:
+            raise Refused(f"{path}: camera {at}: {error}") from error
+    names = [camera.name for camera in cameras]
+    for at, name in enumerate(names):
+        if name in names[:at]:
+            raise Refused(f"{path}: camera {at}: there is another camera of this name, {name}")
+    return cameras
+
+
+def camera_of(entry, number, known):
+    if not isinstance(entry, dict):
+        raise ValueError('an object with a "position" was expected')
+    for key in entry:
+        if known and key not in known:
+            raise ValueError(f'"{key}" is none of {", ".join(known)}')
+    name = entry.get("name", number)
+    if not (isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}", name)):
+        raise ValueError("a name is 1 to 100 letters, digits, '.', '_' or '-', and does not begin with '.'")
+    camera = Camera(name, numbers(entry, "position", 3))
+    if entry.get("orientation") is not None:
+        turned = numbers(entry, "orientation", 4)
+        length = math.sqrt(sum(value * value for value in turned))
+        if abs(length - 1) > 1e-3:
+            raise ValueError('"orientation" must be a quaternion of length 1')
+        camera.orientation = [value / length for value in turned]
+    if entry.get("fov_y_deg") is not None:
+        camera.fov_y_deg, = numbers({"fov_y_deg": [entry["fov_y_deg"]]}, "fov_y_deg", 1)
+        if not 0 < camera.fov_y_deg < 180:
+            raise ValueError('"fov_y_deg" must lie between 0 and 180')
+    if entry.get("frames") is not None:
+        camera.frames = [int(value) for value in numbers(entry, "frames", 2)]
+        if camera.frames != entry["frames"] or not 0 <= camera.frames[0] <= camera.frames[1]:
+            raise ValueError('"frames" must be the first and the last one, from 0 on')
+    return camera
+
+
+def numbers(entry, key, count):
+    found = entry.get(key)
+    if not isinstance(found, list) or len(found) != count or not all(
+            isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value) for value in found):
+        raise ValueError(f'"{key}" must be {count} finite numbers')
+    return [float(value) for value in found]
+
+
+# ---- options
+
+def frames_of(words):
+    """First and last frame of `A-B` or `A`."""
+    found = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", words)
+    first, last = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
+    if first > last:
+        raise Refused(f"--frames {words}: a frame, or the first and the last with - between them, was expected")
+    return [first, last]
+
+
+def size_of(words, projection):
+    words = words or ("2048" if projection == "equirect" else "512")
+    found = re.fullmatch(r"(\d{1,6})(?:x(\d{1,6}))?", words)
+    width = int(found[1]) if found else 0
+    height = int(found[2]) if found and found[2] else width // 2 if projection == "equirect" else width
+    if not (0 < width <= MAX_SIDE and 0 < height <= MAX_SIDE):
+        raise Refused(f"--size {words}: sides of 1 to {MAX_SIDE} pixels were expected, such as 512 or 640x480")
+    if projection == "cube" and width != height:
+        raise Refused(f"--size {words}: the faces of a cube are square")
+    if projection == "equirect" and width != 2 * height:
+        raise Refused(f"--size {words}: a panorama is twice as wide as it is high")
+    return width, height
+
+
+def kinds_of(words):
+    found = [] if words == "none" else words.split(",")
+    for kind in found:
+        if kind not in KINDS:
+            raise Refused(f"--aov {words}: {kind or 'nothing'} is none of {', '.join(KINDS)}")
+    return ["color"] + [kind for kind in KINDS if kind in found]
+
+
+class Plan:
+    """Everything that is to be rendered, and where it goes.
+
+    `options` are those of `parser`; `scene` is what the renderer says of itself and its input, for a capture that is gone on
+    with; `frames` and `fps` are those of the scene.
+    """
+
+    def __init__(self, options, scene, frames, fps):
+        self.options = options
+        self.scene = scene
+        self.fps = fps
+        self.folder = pathlib.Path(options.output)
+        self.cameras = read_cameras(options.cameras)
+        self.size = size_of(options.size, options.projection)
+        self.kinds = kinds_of(options.aov)
+        looked = [camera.frames for camera in self.cameras]
+        if options.frames:
+            frames = frames_of(options.frames)
+        elif all(looked):
+            frames = [min(first for first, _ in looked), max(last for _, last in looked)]
+        if options.samples < 1:
+            raise Refused(f"--samples {options.samples}: at least 1 was expected")
+        if options.fov is not None and not 0 < options.fov < 180:
+            raise Refused(f"--fov {options.fov}: it must lie between 0 and 180 degrees")
+        if options.threads is not None and options.threads < 1:
+            raise Refused(f"--threads {options.threads}: at least 1 was expected")
+        for camera in self.cameras:
+            first, last = camera.frames or frames
+            camera.frames = [max(first, frames[0]), min(last, frames[1])]
+            if camera.frames[0] > camera.frames[1]:
+                raise Refused(f"camera {camera.name} looks in the frames {first}-{last}, the capture is of {frames[0]}-{frames[1]}")
+            if options.projection == "perspective":
+                camera.fov_y_deg = camera.fov_y_deg or options.fov
+                if camera.fov_y_deg is None:
+                    raise Refused(f"camera {camera.name} has no field of view: give one with --fov to all that have none")
+        self.frames = [min(camera.frames[0] for camera in self.cameras), max(camera.frames[1] for camera in self.cameras)]
+        self.range_m = [math.inf, 0.0]
+
+    @property
+    def faces(self):
+        return list(FACES) if self.options.projection == "cube" else ["view"]
+
+    def pattern(self, kind):
+        folder = "probe_{probe}/face_{face}" if self.options.projection == "cube" else "probe_{probe}"
+        return f"{folder}/{kind}.%04d.exr"
+
+    def path(self, kind, camera, face, frame):
+        pattern = self.pattern(kind).replace("{probe}", camera.name).replace("{face}", face)
+        return self.folder / (pattern % frame)
+
+    def view(self, camera, face, frame, kinds):
+        axes = [rotated(axis, camera.orientation) for axis in FACES.get(face, AHEAD)]
+        high = math.tan(math.radians(camera.fov_y_deg) / 2) if self.options.projection == "perspective" else 1.0
+        noise = frame if self.options.noise == "moving" else 0
+        seed = zlib.crc32(f"{self.options.seed} {camera.name} {face} {noise}".encode()) & 0x7FFFFFFF
+        tangents = (high * self.size[0] / self.size[1], high)
+        return View(camera, face, *axes, self.size, self.options.projection, tangents, seed, kinds)
+
+    def missing(self, frame):
+        """Views of a frame with the kinds of image that are not there."""
+        found = []
+        for camera in self.cameras:
+            if camera.frames[0] <= frame <= camera.frames[1]:
+                for face in self.faces:
+                    kinds = [kind for kind in self.kinds if not is_there(self.path(kind, camera, face, frame))]
+                    if kinds:
+                        found.append(self.view(camera, face, frame, kinds))
+        return found
+
+    def state(self):
+        options = self.options
+        cameras = [dataclasses.asdict(camera) for camera in self.cameras]
+        return {"scene": self.scene, "cameras": cameras, "frames": self.frames, "fps": self.fps, "size": list(self.size),
+                "samples": options.samples, "kinds": self.kinds, "projection": options.projection, "seed": options.seed,
+                "noise": options.noise}
+
+    def claim(self):
+        """Makes the folder, or finds what an interrupted capture left there."""
+        state = self.folder / STATE
+        if self.folder.exists() and not self.folder.is_dir():
+            raise Refused(f"{self.folder} is a file: a folder was expected")
+        if not self.folder.exists() or not any(self.folder.iterdir()):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            state.write_text(json.dumps(self.state(), indent=1) + "\n")
+            return
+        if not self.options.resume:
+            hint = "add --resume to go on with it, or name another folder" if state.is_file() else "name another folder"
+            raise Refused(f"{self.folder} is not empty: {hint}")
+        if not state.is_file():
+            raise Refused(f"{self.folder} holds no capture that was interrupted: there is no {STATE} in it")
+        try:
+            left = json.loads(state.read_text())
+        except ValueError as error:
+            raise Refused(f"{state}: it is damaged; name another folder") from error
+        # Through JSON, as the other went.
+        wanted = json.loads(json.dumps(self.state()))
+        for key in wanted:
+            if left.get(key) != wanted[key]:
+                raise Refused(f"{self.folder}: the interrupted capture was of other {key}: give the same, or name another folder")
+
+    def store(self, view, frame, images):
+        """Writes the images of a view, planes by kind."""
+        for kind in view.kinds:
+            planes = dict(zip(CHANNELS[kind], images[kind]))
+            if kind == "depth":
+                self.see(planes["Z"])
+            path = self.path(kind, view.camera, view.face, frame)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            exr.write(path, self.size, planes, exr.FLOAT if kind == "depth" else exr.HALF)
+
+    def see(self, depth):
+        seen = [value for value in depth if value < math.inf]
+        if seen:
+            self.range_m = [min(self.range_m[0], min(seen)), max(self.range_m[1], max(seen))]
+
+    def manifest(self):
+        """What lightfield.json says."""
+        def probe(camera):
+            said = {"name": camera.name, "position": camera.position}
+            if camera.frames != self.frames:
+                said["frames"] = camera.frames
+            if camera.orientation is not None:
+                said["orientation"] = camera.orientation
+            if self.options.projection == "perspective":
+                said["fov_y_deg"] = camera.fov_y_deg
+            return said
+
+        projection = "cubemap" if self.options.projection == "cube" else self.options.projection
+        said = {"lightfield": 1, "name": self.options.name or self.folder.resolve().name or "capture", "fps": self.fps,
+                "frames": self.frames, "projection": projection, "size": list(self.size)}
+        if projection == "cubemap":
+            said["faces"] = "opengl-cube"
+        if "depth" in self.kinds:
+            said["depth"] = {"kind": "distance", "unit": "m", "background": "inf"}
+        said["color"] = {"space": "linear-rec709"}
+        if "material" in self.kinds:
+            said["material"] = {"channels": {"reflection": "reflect", "refraction": "refract", "ior": "ior"}}
+        said["files"] = {kind: self.pattern(kind) for kind in self.kinds if kind != "normal"}
+        said["probes"] = [probe(camera) for camera in self.cameras]
+        said["extra"] = {"renderer": self.scene["renderer"], "samples": self.options.samples, "seed": self.options.seed,
+                         "noise": self.options.noise}
+        if "normal" in self.kinds:
+            said["extra"]["normal"] = {"files": self.pattern("normal"), "channels": list(CHANNELS["normal"]), "axes": "world"}
+        return said
+
+    def finish(self):
+        (self.folder / MANIFEST).write_text(json.dumps(self.manifest(), indent=1) + "\n")
+        (self.folder / STATE).unlink()
+
+
+def is_there(path):
+    """Whether an image was written: it has its name only when it is whole."""
+    return path.is_file() and path.stat().st_size > 0
+
+
+def capture(plan, renderer):
+    """Renders all that is missing: `renderer.frame(number)` before each frame, `renderer.images(view)` for each view."""
+    plan.claim()
+    frames = range(plan.frames[0], plan.frames[1] + 1)
+    count = sum(len(plan.missing(frame)) for frame in frames)
+    done, began = 0, time.monotonic()
+    for frame in frames:
+        views = plan.missing(frame)
+        if views:
+            renderer.frame(frame)
+        for view in views:
+            plan.store(view, frame, renderer.images(view))
+            done += 1
+            left = (time.monotonic() - began) / done * (count - done)
+            say(f"frame {frame} probe {view.camera.name} {view.face}: {done} of {count}, {left:.0f} s to go")
+    plan.finish()
+    seen = f", surfaces {plan.range_m[0]:.4g} m to {plan.range_m[1]:.4g} m away" if plan.range_m[1] else ""
+    say(f"{plan.folder / MANIFEST}: {len(plan.cameras)} probes, frames {plan.frames[0]}-{plan.frames[1]}, {count} views "
+        f"in {time.monotonic() - began:.1f} s{seen}")
+
+
+def say(words):
+    print(words, file=sys.stderr, flush=True)
+
+
+def run(main):
+    """Calls `main`; a refusal is one line and exit code 2, an interruption says how to go on, and any other error is 1.
+
+    Blender ends with 0 after an exception that nobody caught, so all are caught.
+    """
+    code = 1
+    try:
+        main()
+        code = 0
+    except Refused as refusal:
+        say(f"error: {refusal}")
+        code = 2
+    except KeyboardInterrupt:
+        say("interrupted: the same command with --resume goes on with it")
+        code = 130
+    except SystemExit as leaving:
+        code = leaving.code
+    except Exception:
+        import traceback
+        traceback.print_exc()
+    sys.exit(code)
+
+
+def scene_stamp(path):
+    """What tells a scene's file from another: its name, length and time of change."""
+    try:
+        found = os.stat(path)
+    except OSError as error:
+        raise Refused(f"{path}: the scene cannot be read: {error.strerror}") from error
+    return {"file": str(pathlib.Path(path).resolve()), "bytes": found.st_size, "changed_ns": found.st_mtime_ns}

@@ -1,0 +1,352 @@
+#!/usr/bin/env python3
+"""Captures a scene of Mitsuba 3 as a light-field dataset: cube maps of colour, depth, material and normals."""
+
+# Mitsuba's package has this file's name: it must be found before the folder in which this file lies.
+import importlib.machinery
+import importlib.util
+import pathlib
+import re
+import sys
+from array import array
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+import layout  # noqa: E402
+from layout import Refused, run  # noqa: E402
+
+sys.path[:] = [entry for entry in sys.path if pathlib.Path(entry or ".").resolve() != HERE]
+
+ABOUT = """\
+Renders a scene of Mitsuba 3 from the cameras of lightfold and writes what `lightfold encode` reads. Mitsuba comes with
+  python3 -m pip install -r scripts/capture/requirements.txt
+
+  scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR
+  scripts/capture/mitsuba.py scene.xml --cameras cameras.json -o DIR --size 1024 --samples 256 --aov depth,material
+  scripts/capture/mitsuba.py shot.%04d.xml --cameras cameras.json -o DIR --frames 0-47
+  scripts/capture/mitsuba.py shot.py --cameras cameras.json -o DIR --frames 0-47 --projection equirect
+
+Frame f is the time f / --fps. A scene that moves is one file for each frame (%04d or #### in its name), an XML file that uses
+$frame or $time, or Python with a function scene(time) that answers what mitsuba.load_dict takes. The scene's own integrator
+renders; its sensors are not used. Depth, normals and materials are of the first surface on the ray: what is cut out by a mask of
+less than a half is passed through. Material is that of perfect mirrors (reflect 1) and glass (Fresnel's reflect, and ior), and
+0, 0, 1 elsewhere. Which noise a colour has may depend on the number of threads; nothing else does.
+"""
+# Surfaces with holes that one ray passes at most.
+MAX_HOLES = 64
+# lightfold's axes in the scene's, and back.
+TO_SCENE = {"y": lambda x, y, z: (x, y, z), "z": lambda x, y, z: (x, -z, y)}
+TO_WORLD = {"y": lambda x, y, z: (x, y, z), "z": lambda x, y, z: (x, z, -y)}
+
+
+def arguments():
+    parser = layout.parser("scripts/capture/mitsuba.py", ABOUT)
+    parser.add_argument("scene", metavar="SCENE", help="scene.xml, shot.%%04d.xml or shot.py")
+    parser.add_argument("--fps", type=float, default=24.0, help="frames per second [default: 24]")
+    parser.add_argument("--up", choices=["y", "z"], default="y",
+                        help="which axis of the scene points up; with z, lightfold's x, y, z are its x, -z, y [default: y]")
+    parser.add_argument("--unit", metavar="M", type=float, default=1.0, help="metres in a unit of the scene [default: 1]")
+    parser.add_argument("-D", "--define", metavar="NAME=VALUE", action="append", default=[], help="a parameter of the XML file")
+    parser.add_argument("--variant", default="scalar_rgb",
+                        help="what renders colour; llvm_ad_rgb (LLVM 19 is new enough, 15 is not) and cuda_ad_rgb are faster "
+                             "[default: scalar_rgb]")
+    options = parser.parse_args()
+    if not (options.fps > 0 and options.unit > 0):
+        raise Refused("--fps and --unit must be above 0")
+    return options
+
+
+def package():
+    try:
+        import mitsuba
+    except ImportError as error:
+        raise Refused("Mitsuba is not installed for this Python: python3 -m pip install -r "
+                      f"{HERE / 'requirements.txt'} ({error})") from error
+    return mitsuba
+
+
+class SceneFile:
+    """A scene as it is at each frame."""
+
+    def __init__(self, mi, options):
+        self.mi = mi
+        self.path = options.scene
+        self.fps = options.fps
+        self.pattern = bool(re.search(r"%0?\d*d|#+", pathlib.Path(self.path).name))
+        self.defined = dict(self.definition(words) for words in options.define)
+        self.module = None
+        self.uses = []
+        if self.path.endswith(".py"):
+            self.module = self.python()
+        elif not self.pattern:
+            text = self.text()
+            self.uses = [name for name in ("frame", "time") if re.search(rf"\${name}\b", text)]
+
+    @staticmethod
+    def definition(words):
+        name, equals, value = words.partition("=")
+        if not (name and equals):
+            raise Refused(f"-D {words}: NAME=VALUE was expected")
+        return name, value
+
+    def text(self):
+        try:
+            return pathlib.Path(self.path).read_text(encoding="utf-8", errors="replace")
+        except OSError as error:
+            raise Refused(f"{self.path}: the scene cannot be read: {error.strerror}") from error
+
+    def python(self):
+        self.text()
+        loader = importlib.machinery.SourceFileLoader("captured_scene", self.path)
+        module = importlib.util.module_from_spec(importlib.util.spec_from_loader(loader.name, loader))
+        self.mi.set_variant("scalar_rgb")
+        loader.exec_module(module)
+        if not callable(getattr(module, "scene", None)):
+            raise Refused(f"{self.path}: a function scene(time) was expected, which answers what mitsuba.load_dict takes")
+        return module
+
+    def moves(self):
+        return bool(self.pattern or self.module or self.uses)
+
+    def file(self, frame):
+        """The file of a frame."""
+        if not self.pattern:
+            return self.path
+        name = pathlib.Path(self.path).name
+        name = re.sub(r"#+", lambda found: f"{frame:0{len(found[0])}}", name) if "#" in name else name % frame
+        return str(pathlib.Path(self.path).with_name(name))
+
+    def frames(self):
+        """First and last frame that the scene has: those of its files, or 0 where one file has them all."""
+        if not self.pattern:
+            return [0, 0]
+        folder, name = pathlib.Path(self.path).parent, pathlib.Path(self.path).name
+        digits = re.compile(r"(\d+)".join(re.escape(part) for part in re.split(r"%0?\d*d|#+", name)))
+        found = [digits.fullmatch(path.name) for path in folder.glob("*")]
+        numbers = [int(match[1]) for match in found if match]
+        if not numbers:
+            raise Refused(f"{self.path}: there is no file of that name with a number in it")
+        return [min(numbers), max(numbers)]
+
+    def load(self, frame, variant):
+        """The scene of a frame, in a variant, which is then the one in use."""
+        self.mi.set_variant(variant)
+        try:
+            if self.module:
+                found = self.module.scene(frame / self.fps)
+                return self.mi.load_dict(found) if isinstance(found, dict) else found
+            known = {"frame": str(frame), "time": repr(frame / self.fps)}
+            return self.mi.load_file(self.file(frame), **self.defined, **{name: known[name] for name in self.uses})
+        except (RuntimeError, OSError) as error:
+            raise Refused(f"{self.file(frame)}: Mitsuba cannot load it: {' '.join(str(error).split())}") from error
+
+
+class Renderer:
+    """Answers images of views, for layout.capture. Rays of depth are cast in scalar_rgb, whatever renders colour."""
+
+    def __init__(self, mi, options, scenes):
+        self.mi = mi
+        self.options = options
+        self.scenes = scenes
+        self.colored = self.traced = None
+        self.surfaces = {}
+
+    def frame(self, number):
+        if self.traced and not self.scenes.moves():
+            return
+        self.surfaces = {}
+        self.colored = self.traced = None
+        self.traced = self.scenes.load(number, "scalar_rgb")
+        self.colored = self.traced
+        if self.options.variant != "scalar_rgb":
+            self.colored = self.scenes.load(number, self.options.variant)
+
+    def to_scene(self, vector):
+        return TO_SCENE[self.options.up](*vector)
+
+    def place(self, view):
+        return self.to_scene([value / self.options.unit for value in view.camera.position])
+
+    def images(self, view):
+        found = {}
+        if "color" in view.kinds:
+            self.mi.set_variant(self.options.variant)
+            found["color"] = self.color(view)
+        if view.kinds != ["color"]:
+            self.mi.set_variant("scalar_rgb")
+            found.update(self.surfaces_of(view))
+        return found
+
+    # ---- colour
+
+    def color(self, view):
+        mi = self.mi
+        image = mi.render(self.colored, sensor=self.sensor(view), spp=self.options.samples, seed=view.seed)
+        width, height = view.size
+        channels = image.shape[2]
+        values = array("f", list(image.array))
+        if image.shape[:2] != (height, width) or channels < 3:
+            raise Refused(f"the scene's integrator answers images of {image.shape}: red, green and blue were expected")
+        planes = [values[channel::channels] for channel in range(3)]
+        return [view.mirror(plane) for plane in planes] if view.mirrored else planes
+
+    def sensor(self, view):
+        mi = self.mi
+        width, height = view.size
+        film = {"type": "hdrfilm", "width": width, "height": height, "pixel_format": "rgb", "component_format": "float32",
+                "rfilter": {"type": "box"}}
+        # Mitsuba's cameras have +X to the left, +Y up and look along +Z.
+        left = [-value for value in self.to_scene(view.right)]
+        if view.mirrored:
+            left = [-value for value in left]
+        axes = (left, self.to_scene(view.up), self.to_scene(view.forward), self.place(view))
+        matrix = [[axis[row] for axis in axes] for row in range(3)] + [[0, 0, 0, 1]]
+        to_world = mi.ScalarTransform4f(matrix)
+        if view.projection == "equirect":
+            mi.register_sensor("lightfold_equirect", equirect_class(mi))
+            return mi.load_dict({"type": "lightfold_equirect", "to_world": to_world, "film": film,
+                                 "sampler": {"type": "independent"}})
+        return mi.load_dict({"type": "perspective", "fov": view.fov_y_deg, "fov_axis": "y", "to_world": to_world, "film": film,
+                             "near_clip": 1e-4 / self.options.unit, "far_clip": 1e9 / self.options.unit,
+                             "sampler": {"type": "independent"}})
+
+    # ---- depth, normals, materials
+
+    def surfaces_of(self, view):
+        """Planes of what lies on the ray through the middle of each pixel."""
+        mi, unit = self.mi, self.options.unit
+        to_world = TO_WORLD[self.options.up]
+        origin = mi.Point3f(*self.place(view))
+        depth = array("f")
+        normals = [array("f"), array("f"), array("f")]
+        optics = [array("f"), array("f"), array("f")]
+        more = view.kinds[-1] in ("normal", "material")
+        for direction in view.directions():
+            toward = mi.Vector3f(*self.to_scene(direction))
+            distance, met, surface = self.first(origin, toward)
+            depth.append(distance * unit)
+            if more:
+                values = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)) if met is None else self.look(met, surface, toward)
+                for plane, value in zip(normals, to_world(*values[0])):
+                    plane.append(value)
+                for plane, value in zip(optics, values[1]):
+                    plane.append(value)
+        return {"depth": [depth], "normal": normals, "material": optics}
+
+    def first(self, origin, toward):
+        """(distance, intersection, surface) of what a ray meets first; +inf, None, None where that is nothing."""
+        ray = self.mi.Ray3f(origin, toward)
+        for hole in range(MAX_HOLES):
+            met = self.traced.ray_intersect(ray)
+            if not met.is_valid():
+                break
+            surface = self.surface(met.bsdf(ray))
+            if not (surface.holes and surface.transmits(met)):
+                return (met.t if not hole else self.length(met.p - origin)), met, surface
+            ray = met.spawn_ray(toward)
+        return float("inf"), None, None
+
+    @staticmethod
+    def length(vector):
+        return (vector.x ** 2 + vector.y ** 2 + vector.z ** 2) ** 0.5
+
+    def surface(self, bsdf):
+        found = self.surfaces.get(bsdf)
+        if found is None:
+            found = self.surfaces[bsdf] = Surface(self.mi, bsdf)
+        return found
+
+    def look(self, met, surface, toward):
+        """Normal that faces the camera, in the scene's axes, and reflect, refract, ior."""
+        normal = met.sh_frame.n
+        cosine = normal.x * toward.x + normal.y * toward.y + normal.z * toward.z
+        if cosine > 0:
+            normal = -normal
+        geometric = met.n
+        inside = geometric.x * toward.x + geometric.y * toward.y + geometric.z * toward.z > 0
+        return (normal.x, normal.y, normal.z), surface.optics(min(abs(cosine), 1.0), inside)
+
+
+class Surface:
+    """What is to be known of a BSDF."""
+
+    def __init__(self, mi, bsdf):
+        self.bsdf = bsdf
+        self.kind, self.ior, self.holes = None, 1.0, False
+        if bsdf is None:
+            return
+        known = mi.BSDFFlags
+
+        def has(*flags):
+            return any(mi.has_flag(bsdf.flags(), flag) for flag in flags)
+
+        self.holes = has(known.Null) and bsdf.class_name() != "ThinDielectric"
+        if has(known.Diffuse, known.Glossy, known.Delta1D):
+            return
+        iors = [values for name, values in mi.traverse(bsdf) if name.split(".")[-1] == "eta"]
+        thin = has(known.Null) and not self.holes
+        if has(known.DeltaTransmission) or thin:
+            if iors and isinstance(iors[0], float):
+                self.kind, self.ior = "glass", iors[0]
+        elif has(known.DeltaReflection):
+            self.kind = "mirror"
+
+    def transmits(self, met):
+        through = self.bsdf.eval_null_transmission(met)
+        return sum(through) / len(through) > 0.5
+
+    def optics(self, cosine, inside):
+        if self.kind == "mirror":
+            return 1.0, 0.0, 1.0
+        if self.kind == "glass":
+            reflected = layout.fresnel(cosine, 1 / self.ior if inside else self.ior)
+            return reflected, 1 - reflected, self.ior
+        return 0.0, 0.0, 1.0
+
+
+def equirect_class(mi):
+    """A sensor that sees in all directions, which Mitsuba has not: of the variant that is in use."""
+    import drjit as dr
+
+    class Equirect(mi.Sensor):
+        def __init__(self, props):
+            super().__init__(props)
+            self.frame = mi.Transform4f(props["to_world"].matrix) if hasattr(props["to_world"], "matrix") else props["to_world"]
+
+        def sample_ray(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
+            lon = (2 * position_sample.x - 1) * dr.pi
+            lat = (0.5 - position_sample.y) * dr.pi
+            # +X is to the left, as in Mitsuba's own cameras.
+            local = mi.Vector3f(-dr.sin(lon) * dr.cos(lat), dr.sin(lat), dr.cos(lon) * dr.cos(lat))
+            interaction = dr.zeros(mi.SurfaceInteraction3f)
+            wavelengths, weight = self.sample_wavelengths(interaction, wavelength_sample, active)
+            ray = mi.Ray3f(self.frame @ mi.Point3f(0, 0, 0), dr.normalize(self.frame @ local), time, wavelengths)
+            return ray, weight
+
+        def sample_ray_differential(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
+            ray, weight = self.sample_ray(time, wavelength_sample, position_sample, aperture_sample, active)
+            return mi.RayDifferential3f(ray), weight
+
+    return Equirect
+
+
+def main():
+    options = arguments()
+    mi = package()
+    if options.variant not in mi.variants():
+        raise Refused(f"--variant {options.variant}: this Mitsuba has {', '.join(mi.variants())}")
+    if options.threads:
+        import drjit
+        drjit.set_thread_count(options.threads)
+    mi.set_variant("scalar_rgb")
+    mi.set_log_level(mi.LogLevel.Error)
+    scenes = SceneFile(mi, options)
+    frames = scenes.frames()
+    stamp = layout.scene_stamp(scenes.file(frames[0]))
+    stamp |= {"renderer": f"Mitsuba {mi.__version__} {options.variant}", "defined": scenes.defined, "up": options.up,
+              "unit": options.unit}
+    plan = layout.Plan(options, stamp, frames, options.fps)
+    layout.capture(plan, Renderer(mi, options, scenes))
+
+
+if __name__ == "__main__":
+    run(main)
