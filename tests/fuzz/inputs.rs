@@ -48,6 +48,7 @@ impl Inputs {
             "gltf" => (Kind::Json, seeds::gltf()),
             "glb" => (Kind::Header(4000), seeds::glb()),
             "obj" => (Kind::Bytes, seeds::obj()),
+            "mtl" => (Kind::Bytes, seeds::mtl()),
             codec => (Kind::Case, codec.as_bytes().try_into().map(seeds::cases).unwrap_or_default()),
         };
         assert!(!seeds.is_empty(), "no seeds for {}", target.name);

@@ -14,7 +14,7 @@ use lightfold::image::{Plane, png};
 use lightfold::report::tradeoff::KNOBS;
 use lightfold::report::tradeoff::store::FIGURES;
 
-use crate::model_files::{Gltf, OBJ, rich};
+use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
 use crate::targets::stream::Case;
 
@@ -170,6 +170,11 @@ pub fn glb() -> Vec<Vec<u8>> {
 /// OBJ files.
 pub fn obj() -> Vec<Vec<u8>> {
     vec![OBJ.into(), b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e30\nf 1 2 3 4\nf 1// 2// -1//\n".to_vec()]
+}
+
+/// MTL files.
+pub fn mtl() -> Vec<Vec<u8>> {
+    vec![MTL.into(), b"newmtl b\nKd 0.5\nillum 5\nTr 0.5\n".to_vec()]
 }
 
 /// Manifests.

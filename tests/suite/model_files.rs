@@ -217,3 +217,7 @@ pub fn rich() -> Gltf {
 /// An OBJ file with what such files have.
 pub const OBJ: &str = "# a comment\nmtllib none.mtl\no one\nv 0 0 0 1 0 0\nv 1 0 0\nv 1 1 0 1\nv 0 1 0.5\nvt 0 0\nvt 1 0\n\
     vt 1 1\nvt 0 1\nvn 0 0 1\nusemtl red\nf 1/1/1 2/2/1 3/3/1 \\\n4/4/1\ng two\nf -4//1 -2//1 -1//1\nf 1 2 3\nl 1 2 3\np 1\ns off\n";
+
+/// An MTL file with what such files have.
+pub const MTL: &str = "newmtl a\nKa 1 1 1\nKd 0.5 0.25 1\nKs 0.5 0.5 0.5\nKe 1 0 0\nNs 20\nNi 1.5\nd 0.75\nillum 2\nTf 1 1 1\n\
+    map_Kd -clamp on -s 1 1 1 none.png\nmap_d ../none.png\nnewmtl b\nKd 0.5\nillum 7\nTr 0.25\nmap_Ke none.png\n";

@@ -6,7 +6,7 @@ use glam::DVec3;
 use lightfold::scene::{Mesh, Model, Play, SceneAtTime};
 use serde_json::{Value, json};
 
-use crate::model_files::{Gltf, OBJ, TRIANGLE, rich};
+use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};
 
 pub const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
 
@@ -427,6 +427,8 @@ fn obj_files_without_their_materials_are_grey() {
     assert_eq!((mesh.triangles.len(), mesh.materials.len()), (4, 1));
     assert!(mesh.material_of.iter().all(|&material| material == 0));
     assert_eq!(mesh.normals.len(), mesh.positions.len());
+    let (model, _) = open_beside("a.obj", OBJ.as_bytes(), &[("none.mtl", MTL.as_bytes())]).unwrap();
+    assert_eq!(first(&model).materials.len(), 3);
     let broken = "newmtl a\nKd x\n";
     let (_, notes) = open_beside("a.obj", OBJ.as_bytes(), &[("none.mtl", broken.as_bytes())]).unwrap();
     assert!(notes[1].contains("damaged"), "{notes:?}");

@@ -133,7 +133,7 @@ impl Model {
     }
 
     /// Most bytes of memory that a file of so many bytes may take while it is read, together with those that it names:
-    /// what [`budget`] allows, and as much again for text as it is parsed and for trees of boxes as they are built.
+    /// what its budget allows, and as much again for text as it is parsed and for trees of boxes as they are built.
     pub fn memory_bound(bytes: u64) -> u64 {
         Budget::allowance(bytes).saturating_mul(2)
     }

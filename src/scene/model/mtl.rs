@@ -45,7 +45,7 @@ impl Library<'_> {
                 return Err(tobj::LoadError::OpenFileFailed);
             }
         };
-        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let text = plain(&String::from_utf8_lossy(&bytes));
         let loaded = tobj::load_mtl_buf(&mut BufReader::new(text.as_bytes()));
         if let Err(error) = &loaded {
             self.notes.push(format!("materials are left out: {name} is damaged: {error}"));
@@ -133,6 +133,28 @@ impl Library<'_> {
     }
 }
 
+/// A text that the parser cannot stumble over: colours have three numbers. One stands for three; of others, which
+/// are not read, comes an error.
+fn plain(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().take(4).collect();
+        match words[..] {
+            [color @ ("Ka" | "Kd" | "Ks" | "Ke"), ..] => {
+                let [r, g, b] = match words[1..] {
+                    [r, g, b] => [r, g, b],
+                    [gray] => [gray; 3],
+                    _ => ["none"; 3],
+                };
+                plain.push_str(&format!("{color} {r} {g} {b}"));
+            }
+            _ => plain.push_str(line),
+        }
+        plain.push('\n');
+    }
+    plain
+}
+
 /// The name in a statement of a map, behind its options, and whether one of them clamps it.
 fn file_of(statement: &str) -> (&str, Wrap) {
     let mut rest = statement.trim();
@@ -205,4 +227,26 @@ fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
 /// A factor of a file, which should lie in 0..=1.
 fn unit(value: f32) -> f64 {
     if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_have_three_numbers() {
+        assert_eq!(
+            plain("Kd 1 2 3 4\n Ks 0.5\nKe\nKa 1 2\nNs 3"),
+            "Kd 1 2 3\nKs 0.5 0.5 0.5\nKe none none none\nKa none none none\nNs 3\n"
+        );
+    }
+
+    #[test]
+    fn names_of_maps_stand_behind_their_options() {
+        assert_eq!(file_of(" a b.png "), ("a b.png", Wrap::Repeat));
+        assert_eq!(file_of("-s 1 2 -clamp on -o 0.5 a.png"), ("a.png", Wrap::Clamp));
+        assert_eq!(file_of("-mm 0 1 -bm 2 -clamp off x y.png"), ("x y.png", Wrap::Repeat));
+        assert_eq!(file_of("-s"), ("", Wrap::Repeat));
+        assert_eq!(file_of("-"), ("", Wrap::Repeat));
+    }
 }

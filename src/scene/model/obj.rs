@@ -89,6 +89,8 @@ struct Plain {
 fn plain(bytes: &[u8]) -> Result<Plain> {
     let mut text = Vec::with_capacity(bytes.len());
     let mut no_surface = 0;
+    // Corners, texture coordinates and normals so far.
+    let mut counts = [0; 3];
     let mut joined = Vec::new();
     for (number, line) in (1..).zip(bytes.split(|&byte| byte == b'\n')) {
         let line = line.strip_suffix(b"\r").unwrap_or(line);
@@ -107,17 +109,24 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
                     text.push(b' ');
                     text.extend_from_slice(word);
                 }
+                counts[0] += 1;
             }
             Some(b"f") => {
-                let long = |word: &[u8]| word.split(|&byte| byte == b'/').any(|index| index.len() > 11);
-                if let Some(word) = words.find(|word| long(word)) {
-                    let word = String::from_utf8_lossy(&word[..word.len().min(40)]).into_owned();
-                    return Err(Error::invalid(format!("line {number}: “{word}” is no corner of a face")));
+                text.push(b'f');
+                for word in words {
+                    let word = String::from_utf8_lossy(word);
+                    let Some(corner) = corner(&word, counts) else {
+                        let word: String = word.chars().take(40).collect();
+                        return Err(Error::invalid(format!("line {number}: “{word}” is no corner of a face")));
+                    };
+                    text.push(b' ');
+                    text.extend_from_slice(corner.as_bytes());
                 }
-                text.extend_from_slice(&joined);
             }
             Some(b"l" | b"p" | b"curv" | b"curv2" | b"surf") => no_surface += 1,
-            Some(b"vt" | b"vn" | b"o" | b"g" | b"usemtl" | b"mtllib") => {
+            Some(word @ (b"vt" | b"vn" | b"o" | b"g" | b"usemtl" | b"mtllib")) => {
+                counts[1] += usize::from(word == b"vt");
+                counts[2] += usize::from(word == b"vn");
                 text.extend_from_slice(String::from_utf8_lossy(&joined).as_bytes());
             }
             _ => {}
@@ -126,4 +135,50 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
         joined.clear();
     }
     Ok(Plain { text, no_surface })
+}
+
+/// A corner of a face with its numbers counted from the first, where `counts` are behind it; `None` for what is no corner.
+fn corner(word: &str, counts: [usize; 3]) -> Option<String> {
+    let mut numbers = Vec::new();
+    for (at, part) in word.split('/').enumerate() {
+        let count = *counts.get(at)?;
+        if part.is_empty() && at > 0 {
+            numbers.push(String::new());
+            continue;
+        }
+        let number: i64 = part.parse().ok()?;
+        let number = if number < 0 { i64::try_from(count).ok()?.checked_add(number)? + 1 } else { number };
+        numbers.push((1..=i64::from(u32::MAX)).contains(&number).then(|| number.to_string())?);
+    }
+    Some(numbers.join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_are_counted_from_the_first() {
+        let of = |word: &str| corner(word, [9, 5, 2]);
+        for (word, expected) in
+            [("3", "3"), ("-1", "9"), ("-9/-5/-2", "1/1/1"), ("4//1", "4//1"), ("7/8/9", "7/8/9"), ("1//", "1//")]
+        {
+            assert_eq!(of(word).as_deref(), Some(expected));
+        }
+        for word in [
+            "0",
+            "-10",
+            "1/-6",
+            "1/2/-3",
+            "1/2/3/4",
+            "/1",
+            "",
+            "x",
+            "4294967296",
+            "9223372036854775808",
+            "-9223372036854775808",
+        ] {
+            assert_eq!(of(word), None, "{word}");
+        }
+    }
 }

@@ -76,6 +76,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "gltf", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "glb", execs: 2000, run: models::run_gltf, bound: models::bound },
     Target { name: "obj", execs: 2000, run: models::run_obj, bound: models::bound },
+    Target { name: "mtl", execs: 2000, run: models::run_mtl, bound: models::bound },
 ];
 
 /// Whether an error is one sentence for a person, and ends a command with the code of bad input.

@@ -5,11 +5,12 @@ use std::path::Path;
 use lightfold::scene::Model;
 use tempfile::NamedTempFile;
 
-use super::{Judged, judge};
+use super::{Judged, Verdict, judge};
 
 thread_local! {
     static GLTF: NamedTempFile = new_file(".gltf");
     static OBJ: NamedTempFile = new_file(".obj");
+    static MTL: (NamedTempFile, NamedTempFile) = painted();
 }
 
 /// In memory, where the system has a place for that.
@@ -19,9 +20,22 @@ fn new_file(suffix: &str) -> NamedTempFile {
     tempfile::Builder::new().prefix("fuzz").suffix(suffix).tempfile_in(folder).expect("a temporary file")
 }
 
+/// A file of materials, and one that names it.
+fn painted() -> (NamedTempFile, NamedTempFile) {
+    let (mtl, obj) = (new_file(".mtl"), new_file(".obj"));
+    let name = mtl.path().file_name().and_then(|name| name.to_str()).expect("a name").to_string();
+    let text = format!("mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n");
+    std::fs::write(obj.path(), text).expect("the temporary file is written");
+    (mtl, obj)
+}
+
 fn run(file: &NamedTempFile, bytes: &[u8]) -> Judged {
     std::fs::write(file.path(), bytes).expect("the temporary file is written");
-    let model = Model::open(file.path());
+    look(file.path())
+}
+
+fn look(path: &Path) -> Judged {
+    let model = Model::open(path);
     if let Ok((model, notes)) = &model {
         if notes.iter().any(|note| note.trim().is_empty()) {
             return Err("a note without words".into());
@@ -71,6 +85,17 @@ pub fn run_gltf(bytes: &[u8]) -> Judged {
 /// An OBJ file.
 pub fn run_obj(bytes: &[u8]) -> Judged {
     OBJ.with(|file| run(file, bytes))
+}
+
+/// The materials of an OBJ file. Where they cannot be read there are none, which is no error.
+pub fn run_mtl(bytes: &[u8]) -> Judged {
+    MTL.with(|(mtl, obj)| {
+        std::fs::write(mtl.path(), bytes).expect("the temporary file is written");
+        let refused =
+            Model::open(obj.path()).is_ok_and(|(_, notes)| notes.iter().any(|note| note.starts_with("materials")));
+        let judged = look(obj.path())?;
+        Ok(if refused { Verdict::Refused } else { judged })
+    })
 }
 
 /// What a mesh file may take: see [`Model::memory_bound`].
