@@ -357,6 +357,14 @@ a.lfold                  key              2      1.2   100.00%       25339      
 
 
 class RecordTest(unittest.TestCase):
+    def test_rows_of_rays_are_found_in_what_the_bench_prints(self):
+        text = ("scene      triangles build s   camera   256    512   1024   shadow random   sees shaded\n"
+                "landscape     250632    0.17            4.10   4.63   5.14     1.94   1.52   1.56   1.86\n"
+                "sponza.glb is not measured: it is not there\n")
+        bench = script("bench")
+        self.assertEqual(bench.rays_of(text), [["landscape", "250632", "0.17", "4.10", "4.63", "5.14", "1.94", "1.52",
+                                                "1.56", "1.86"]])
+
     def test_figures_are_found_in_what_the_bench_prints(self):
         figures = script("bench").figures_of(RATIOS)
         self.assertEqual(len(figures), 9)
