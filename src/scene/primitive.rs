@@ -91,6 +91,27 @@ pub struct AxisBox {
 }
 
 impl AxisBox {
+    /// The smallest box around points; `None` without any.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<AxisBox> {
+        let alone = |point| AxisBox { min: point, max: point };
+        points.into_iter().map(alone).reduce(AxisBox::join)
+    }
+
+    /// The smallest box around two.
+    pub fn join(self, other: AxisBox) -> AxisBox {
+        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether a point lies inside or on a face.
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// Distance in metres from a point to the box; 0 inside.
+    pub fn distance_m(&self, point: DVec3) -> f64 {
+        point.distance(point.clamp(self.min, self.max))
+    }
+
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
