@@ -11,6 +11,8 @@ pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod model;
+#[cfg(test)]
+mod numbers;
 pub mod primitive;
 pub mod procedural;
 pub mod raycast;

@@ -376,6 +376,19 @@ mod tests {
     }
 
     #[test]
+    fn a_box_around_points_contains_them_and_is_so_far_from_others() {
+        assert_eq!(AxisBox::around([]), None);
+        let points = [DVec3::new(1.0, 5.0, -3.0), DVec3::new(-1.0, 2.0, 0.0), DVec3::new(0.0, 3.0, 1.0)];
+        let around = AxisBox::around(points).unwrap();
+        assert_eq!((around.min, around.max), (DVec3::new(-1.0, 2.0, -3.0), DVec3::new(1.0, 5.0, 1.0)));
+        assert!(points.iter().all(|&point| around.contains(point) && around.distance_m(point) == 0.0));
+        for (outside, distance) in [(DVec3::new(4.0, 3.0, 5.0), 5.0), (DVec3::new(0.0, 1.0, 0.0), 1.0)] {
+            assert!(!around.contains(outside) && around.distance_m(outside) == distance);
+        }
+        assert!(!around.contains(DVec3::NAN));
+    }
+
+    #[test]
     fn box_faces_axis_parallel_and_inside() {
         let hit = UNIT.intersect(&ray([0.3, 0.2, 4.0], [0.0, 0.0, -1.0]), 0.0).unwrap();
         assert_eq!((hit.distance, hit.normal), (3.0, DVec3::Z));
