@@ -14,6 +14,7 @@ mod geometry;
 mod pictures;
 mod quantisation;
 mod report;
+mod scene;
 mod sight;
 mod temporal;
 
@@ -43,15 +44,24 @@ pub enum Family {
     Color,
     /// Faces, projections and what cameras see.
     Geometry,
+    /// Rays, triangles and what lies between points.
+    Scene,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Family; 6] =
-        [Family::Quantisation, Family::Temporal, Family::Fits, Family::Blocks, Family::Color, Family::Geometry];
+    pub const ALL: [Family; 7] = [
+        Family::Quantisation,
+        Family::Temporal,
+        Family::Fits,
+        Family::Blocks,
+        Family::Color,
+        Family::Geometry,
+        Family::Scene,
+    ];
 
     /// The words for them, in the same order.
-    pub const NAMES: [&str; 6] = ["quantisation", "temporal", "fits", "blocks", "colour", "geometry"];
+    pub const NAMES: [&str; 7] = ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene"];
 
     /// The word for it.
     pub fn name(self) -> &'static str {
@@ -234,8 +244,8 @@ impl Shelf {
 
 /// All cases, family by family.
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 6] =
-        [quantisation::cases, temporal::cases, fits::cases, blocks::cases, color::cases, geometry::cases];
+    let families: [fn() -> Vec<HardCase>; 7] =
+        [quantisation::cases, temporal::cases, fits::cases, blocks::cases, color::cases, geometry::cases, scene::cases];
     families.into_iter().flat_map(|cases| cases()).collect()
 }
 

@@ -112,14 +112,11 @@ impl MeshBvh {
                 sound(&corners).then_some(Leaf { corners, triangle: triangle as u32, paint })
             })
             .collect();
-        let (min, max) = leaves
-            .iter()
-            .flat_map(|leaf| leaf.corners)
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), corner| (min.min(corner), max.max(corner)));
-        let bounds = (!leaves.is_empty()).then_some(AxisBox { min, max });
+        let bounds = AxisBox::around(leaves.iter().flat_map(|leaf| leaf.corners));
         let (center, half_size) = bounds.map_or((DVec3::ZERO, 1.0), |bounds| {
             (0.5 * (bounds.min + bounds.max), 0.5 * (bounds.max - bounds.min).max_element())
         });
+        let AxisBox { min, max } = bounds.unwrap_or(AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY });
         let margin = 2.0 * INFLATION * half_size;
         let mut built = MeshBvh {
             mesh,
@@ -204,13 +201,7 @@ impl MeshBvh {
         if matches!(leaf.paint, Paint::Solid | Paint::Glass) {
             return false;
         }
-        let triangle = leaf.triangle as usize;
-        let material = &self.mesh.materials[self.mesh.material_of[triangle] as usize];
-        let alpha = match &material.base_texture {
-            Some(texture) => material.alpha * texture.sample(self.mesh.uv(triangle, at)).1,
-            None => material.alpha,
-        };
-        material.alpha_cutoff.is_some_and(|cutoff| alpha < cutoff)
+        self.mesh.is_hole(leaf.triangle as usize, at)
     }
 
     /// Shows `visit` every triangle that the ray may meet between the two distances, and some that it does not.

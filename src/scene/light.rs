@@ -20,8 +20,31 @@ pub struct Lamp {
     pub radiance: DVec3,
     /// Distance in metres from which on it lights nothing; may be `+inf`.
     pub reach: f64,
+    /// How its light comes to an end there.
+    pub window: Window,
     /// Where it shines to, `None` for all around.
     pub cone: Option<Cone>,
+}
+
+/// What the inverse square of the distance is multiplied with, so that light ends at the reach of its lamp.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Window {
+    /// (1 − (d/r)²)², which ends with slope 0: the lamps of the procedural scenes.
+    #[default]
+    Smooth,
+    /// 1 − (d/r)⁴, as glTF's `KHR_lights_punctual` recommends: nearly the inverse square up to half the reach.
+    Punctual,
+}
+
+impl Window {
+    /// Two factors whose product is the window, for the squares of the distance and of the reach: 1 without an end.
+    pub(super) fn factors(self, squared: f64, reach_squared: f64) -> [f64; 2] {
+        let share = squared / reach_squared;
+        match self {
+            Window::Smooth => [1.0 - share; 2],
+            Window::Punctual => [(1.0 - share * share).max(0.0), 1.0],
+        }
+    }
 }
 
 /// The light of a spot.
@@ -107,5 +130,17 @@ mod tests {
         assert!((at(0.8) - 0.25).abs() < 1e-12);
         let sharp = Cone { cos_outer: 0.9, ..cone };
         assert_eq!((sharp.strength(DVec3::NEG_Y), sharp.strength(DVec3::X)), (1.0, 0.0));
+    }
+
+    #[test]
+    fn windows_end_at_the_reach_and_not_before() {
+        let window = |window: Window, d: f64, r: f64| window.factors(d * d, r * r).iter().product::<f64>();
+        for kind in [Window::Smooth, Window::Punctual] {
+            assert_eq!(
+                (window(kind, 0.0, 8.0), window(kind, 8.0, 8.0), window(kind, 5.0, f64::INFINITY)),
+                (1.0, 0.0, 1.0)
+            );
+        }
+        assert_eq!((window(Window::Smooth, 1.0, 2.0), window(Window::Punctual, 1.0, 2.0)), (0.5625, 0.9375));
     }
 }

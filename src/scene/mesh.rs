@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4};
 
 use super::texture::ImageTexture;
 
@@ -18,6 +18,9 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates of each corner, (0, 0) the top left of an image; empty where there are none.
     pub uvs: Vec<Vec2>,
+    /// Colour and alpha of each corner, linear, 0..=1, multiplied with the base colour and its alpha; empty where there are
+    /// none.
+    pub colors: Vec<Vec4>,
     /// Corners of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Self::materials`] of each triangle.
@@ -74,6 +77,8 @@ pub struct MeshMaterial {
     pub emissive_texture: Option<Arc<ImageTexture>>,
     /// Highlight.
     pub phong: Phong,
+    /// The part of its weight that is the base colour of a metal, and takes the colours of corners as that does.
+    pub metal: DVec3,
     /// Mirror or glass.
     pub optics: Optics,
     /// Whether it shines with its colour whatever the light.
@@ -92,6 +97,7 @@ impl Default for MeshMaterial {
             emission: DVec3::ZERO,
             emissive_texture: None,
             phong: Phong::default(),
+            metal: DVec3::ZERO,
             optics: Optics::Opaque,
             unlit: false,
         }
@@ -111,5 +117,30 @@ impl Mesh {
         }
         let [a, b, c] = self.triangles[triangle].map(|corner| self.uvs[corner as usize].as_dvec2());
         a + at.x * (b - a) + at.y * (c - a)
+    }
+
+    /// Colour and alpha between the corners, as [`Self::uv`]; `None` without any.
+    pub fn color(&self, triangle: usize, at: DVec2) -> Option<DVec4> {
+        if self.colors.is_empty() {
+            return None;
+        }
+        let [a, b, c] = self.triangles[triangle].map(|corner| self.colors[corner as usize].as_dvec4());
+        Some(a + at.x * (b - a) + at.y * (c - a))
+    }
+
+    /// Whether the triangle's material has a hole there, at barycentric coordinates as for [`Self::uv`].
+    pub fn is_hole(&self, triangle: usize, at: DVec2) -> bool {
+        let material = self.material_of.get(triangle).and_then(|&index| self.materials.get(index as usize));
+        let Some((material, cutoff)) = material.and_then(|material| Some((material, material.alpha_cutoff?))) else {
+            return false;
+        };
+        let mut alpha = material.alpha;
+        if let Some(texture) = &material.base_texture {
+            alpha *= texture.sample(self.uv(triangle, at)).1;
+        }
+        if let Some(color) = self.color(triangle, at) {
+            alpha *= color.w;
+        }
+        alpha < cutoff
     }
 }

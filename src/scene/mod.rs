@@ -11,6 +11,8 @@ pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod model;
+#[cfg(test)]
+mod numbers;
 pub mod primitive;
 pub mod procedural;
 pub mod raycast;
@@ -24,7 +26,7 @@ pub use animated::Scene;
 pub use bvh::{MeshBvh, MeshHit};
 pub use capture::{CapturePlan, CaptureSummary, Kept, MAX_FACE_SIZE, Pass, capture_face};
 pub use footage::FootagePlan;
-pub use light::{Cone, Lamp, Light, Sky, Sun};
+pub use light::{Cone, Lamp, Light, Sky, Sun, Window};
 pub use material::{Material, Texture};
 pub use mesh::{Mesh, MeshMaterial, Optics, Phong};
 pub use model::{Model, Play};

@@ -91,6 +91,27 @@ pub struct AxisBox {
 }
 
 impl AxisBox {
+    /// The smallest box around points; `None` without any.
+    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<AxisBox> {
+        let alone = |point| AxisBox { min: point, max: point };
+        points.into_iter().map(alone).reduce(AxisBox::join)
+    }
+
+    /// The smallest box around two.
+    pub fn join(self, other: AxisBox) -> AxisBox {
+        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether a point lies inside or on a face.
+    pub fn contains(&self, point: DVec3) -> bool {
+        point.cmpge(self.min).all() && point.cmple(self.max).all()
+    }
+
+    /// Distance in metres from a point to the box; 0 inside.
+    pub fn distance_m(&self, point: DVec3) -> f64 {
+        point.distance(point.clamp(self.min, self.max))
+    }
+
     /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
@@ -352,6 +373,19 @@ mod tests {
             let away = Ray::new(from.at(hit.distance) + 1e-6 * hit.normal, hit.normal).unwrap();
             assert_eq!(ball.intersect(&away, 0.0), None);
         }
+    }
+
+    #[test]
+    fn a_box_around_points_contains_them_and_is_so_far_from_others() {
+        assert_eq!(AxisBox::around([]), None);
+        let points = [DVec3::new(1.0, 5.0, -3.0), DVec3::new(-1.0, 2.0, 0.0), DVec3::new(0.0, 3.0, 1.0)];
+        let around = AxisBox::around(points).unwrap();
+        assert_eq!((around.min, around.max), (DVec3::new(-1.0, 2.0, -3.0), DVec3::new(1.0, 5.0, 1.0)));
+        assert!(points.iter().all(|&point| around.contains(point) && around.distance_m(point) == 0.0));
+        for (outside, distance) in [(DVec3::new(4.0, 3.0, 5.0), 5.0), (DVec3::new(0.0, 1.0, 0.0), 1.0)] {
+            assert!(!around.contains(outside) && around.distance_m(outside) == distance);
+        }
+        assert!(!around.contains(DVec3::NAN));
     }
 
     #[test]

@@ -163,9 +163,8 @@ impl SceneAtTime {
         if strength <= 0.0 || self.light_stopped(&Ray::from_unit(point, towards), distance) {
             return None;
         }
-        // Inverse square times a window that reaches 0 with slope 0.
-        let window = 1.0 - squared / reach;
-        let fall_off = cosine / distance * window * window / squared.max(self.lamp_core());
+        let [one, other] = lamp.window.factors(squared, reach);
+        let fall_off = cosine / distance * one * other / squared.max(self.lamp_core());
         Some((lamp.radiance * fall_off * strength, towards))
     }
 

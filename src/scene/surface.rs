@@ -87,7 +87,7 @@ fn of_mesh(bvh: &MeshBvh, ray: &Ray, hit: &MeshHit) -> Surface {
         }
         _ => color,
     };
-    Surface {
+    let mut painted = Surface {
         point,
         side,
         normal,
@@ -97,6 +97,21 @@ fn of_mesh(bvh: &MeshBvh, ray: &Ray, hit: &MeshHit) -> Surface {
         phong: material.phong,
         optics: material.optics,
         unlit: material.unlit,
+    };
+    if let Some(color) = mesh.color(hit.triangle, hit.barycentric) {
+        painted.tint(color.truncate(), material.metal);
+    }
+    painted
+}
+
+impl Surface {
+    /// Multiplies the base colour with a colour, which is also the highlight of a metal and the tint of optics.
+    fn tint(&mut self, color: DVec3, metal: DVec3) {
+        self.albedo *= color;
+        self.phong.weight -= metal * (1.0 - color);
+        if let Optics::Mirror { tint } | Optics::Glass { tint, .. } = &mut self.optics {
+            *tint *= color;
+        }
     }
 }
 

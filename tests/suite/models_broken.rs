@@ -26,6 +26,31 @@ fn refused(result: Result<(), String>, words: &str) {
     assert!(message.contains("a.glb") || message.contains("a.gltf") || message.contains("a.obj"), "{message}");
 }
 
+#[test]
+fn extras_may_be_anything_and_accessors_without_data_are_zeros() {
+    for extras in [json!("text"), json!(3), json!([1, [2]]), json!(true), json!(null), json!({ "a": { "b": 1 } })] {
+        let everywhere = |root: &mut Value| {
+            root["extras"] = extras.clone();
+            for list in ["nodes", "meshes", "accessors", "materials", "scenes", "skins", "animations", "bufferViews"] {
+                for thing in root[list].as_array_mut().into_iter().flatten() {
+                    thing["extras"] = extras.clone();
+                }
+            }
+            root["asset"]["extras"] = extras.clone();
+            root["meshes"][0]["primitives"][0]["extras"] = extras.clone();
+        };
+        assert_eq!(changed(everywhere), Ok(()), "{extras}");
+    }
+    // Normals of zeros are those of the triangles.
+    let zeros = |root: &mut Value| {
+        root["accessors"][1].as_object_mut().unwrap().remove("bufferView");
+        root["accessors"][1].as_object_mut().unwrap().remove("byteOffset");
+    };
+    assert_eq!(changed(zeros), Ok(()));
+    let positions = |root: &mut Value| _ = root["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(changed(positions), Ok(()), "what it moves may be without area");
+}
+
 /// A change of a document, and words of what is said about it.
 type Case = (&'static str, fn(&mut Value));
 

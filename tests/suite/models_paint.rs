@@ -1,7 +1,7 @@
 //! What triangles of mesh files are painted with, and what shines on them.
 
 use glam::{DVec2, DVec3};
-use lightfold::scene::{MeshMaterial, Optics, Wrap};
+use lightfold::scene::{MeshMaterial, Model, Optics, Window, Wrap, trace};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, TRIANGLE, base64, png};
@@ -21,11 +21,11 @@ fn material(value: &Value) -> (MeshMaterial, Vec<String>) {
 #[test]
 fn materials_become_what_rays_are_shaded_with() {
     let rough = |base: f64, metallic: f64, roughness: f64| json!({ "pbrMetallicRoughness": { "baseColorFactor": [base, base, base, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness } });
-    // Plastic: 4% at right angles, exponent 2/α² − 2 with α = 0.25.
+    // Plastic: 4% at right angles, exponent (2/α² − 2)/4 with α = 0.25.
     let (plastic, _) = material(&rough(0.5, 0.0, 0.5));
     assert_eq!((plastic.base_color, plastic.optics), (DVec3::splat(0.5), Optics::Opaque));
     assert!(
-        (plastic.phong.exponent - 30.0).abs() < 1e-9 && (plastic.phong.weight.x - 0.04).abs() < 1e-9,
+        (plastic.phong.exponent - 7.5).abs() < 1e-9 && (plastic.phong.weight.x - 0.04).abs() < 1e-9,
         "{:?}",
         plastic.phong
     );
@@ -62,6 +62,21 @@ fn materials_become_what_rays_are_shaded_with() {
     assert_eq!((glossy.base_color, glossy.phong.weight), (DVec3::splat(0.5), DVec3::splat(0.25)));
     let (odd, _) = material(&json!({ "pbrMetallicRoughness": { "baseColorFactor": [7.0, -1.0, 0.5, 1.0] } }));
     assert_eq!(odd.phong.weight, DVec3::new(1.0, 0.0, 0.5), "of a metal, as the file says nothing else");
+}
+
+#[test]
+fn highlights_are_about_as_wide_as_those_of_microfacets() {
+    for roughness in [0.3_f64, 0.6] {
+        let (metal, _) = material(&json!({ "pbrMetallicRoughness": { "roughnessFactor": roughness } }));
+        // Of a lobe cosⁿ about the mirror direction, the angle at which half of it is left.
+        let phong = 0.5_f64.powf(metal.phong.exponent.recip()).acos();
+        // GGX is half of its peak where (cos²h (α² − 1) + 1)² = 2 α⁴, and the mirror direction is 2 h away.
+        let squared = roughness.powi(4);
+        let half = ((1.0 - 2.0_f64.sqrt() * squared) / (1.0 - squared)).sqrt().acos();
+        let ratio = phong / (2.0 * half);
+        // The exponent about the half vector, four times as large, would make it 0.65 as wide.
+        assert!((0.85..1.35).contains(&ratio), "roughness {roughness}: {ratio}");
+    }
 }
 
 #[test]
@@ -171,7 +186,7 @@ fn lights_become_suns_and_lamps() {
     assert!((lamp.radiance - DVec3::splat(2.0)).length() < 1e-6);
     let cone = spot_lamp.cone.unwrap();
     assert!((cone.axis + DVec3::Z).length() < 1e-12 && cone.cos_inner == 1.0 && (cone.cos_outer - 0.5).abs() < 1e-6);
-    assert_eq!(spot_lamp.reach, 7.0);
+    assert_eq!((spot_lamp.reach, spot_lamp.window), (7.0, Window::Punctual));
     // A lamp that moves, above a triangle that does not.
     let times = file.floats("SCALAR", &[0.0, 1.0]);
     let output = file.floats("VEC3", &[0.0, 0.0, 0.0, 8.0, 0.0, 0.0]);
@@ -179,6 +194,84 @@ fn lights_become_suns_and_lamps() {
     let (model, _) = open(&file);
     assert_eq!((model.duration_s(), model.at(0.5).light().lamps[1].position), (1.0, DVec3::X * 4.0));
     assert_eq!(model.at(0.5).meshes().len(), 1);
+}
+
+/// The colour that is seen straight from above the triangle at (x, y), which are its weights of the other two corners.
+fn above(model: &Model, x: f64, y: f64) -> Option<DVec3> {
+    let hit = trace(&model.at(0.0), DVec3::new(x, y, 1.0), DVec3::NEG_Z);
+    hit.distance.is_finite().then_some(hit.color)
+}
+
+/// A triangle with these colours at its corners, in one of the ways that files have them.
+fn colored(kind: &str, colors: [[f32; 4]; 3], material: &Value) -> (Model, Vec<String>) {
+    let mut file = Gltf::new();
+    let positions = file.floats("VEC3", &TRIANGLE);
+    let plain = colors.as_flattened();
+    let whole = |most: f32| plain.iter().map(move |value| (value * most).round());
+    let accessor = match kind {
+        "bytes" => {
+            let view = file.view(&whole(255.0).map(|value| value as u8).collect::<Vec<_>>());
+            json!({ "bufferView": view, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC4" })
+        }
+        "shorts" => {
+            let view = file.view(&whole(65_535.0).flat_map(|value| (value as u16).to_le_bytes()).collect::<Vec<_>>());
+            json!({ "bufferView": view, "componentType": 5123, "normalized": true, "count": 3, "type": "VEC4" })
+        }
+        _ => Value::Null,
+    };
+    let colors = match kind {
+        "three floats" => file.floats("VEC3", &colors.map(|[r, g, b, _]| [r, g, b]).concat()),
+        "four floats" => file.floats("VEC4", plain),
+        _ => file.push("accessors", accessor),
+    };
+    file.push("materials", material.clone());
+    let mesh = file.mesh(json!({ "attributes": { "POSITION": positions, "COLOR_0": colors }, "material": 0 }));
+    file.root_node(json!({ "mesh": mesh }));
+    open(&file)
+}
+
+#[test]
+fn colours_of_corners_are_multiplied_into_the_base_colour() {
+    let unlit = json!({ "extensions": { "KHR_materials_unlit": {} }, "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1.0, 1.0, 1.0] } });
+    let rgb = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]];
+    for kind in ["bytes", "shorts", "three floats", "four floats"] {
+        let (model, notes) = colored(kind, rgb, &unlit);
+        assert!(notes.is_empty(), "{notes:?}");
+        let seen = above(&model, 0.2, 0.3).unwrap();
+        assert!((seen - DVec3::new(0.25, 0.2, 0.3)).length() < 1e-6, "{kind}: {seen}");
+    }
+    // A file that says nothing of a material's kind has a metal, whose colour is that of its highlight.
+    let red = [[1.0, 0.0, 0.0, 1.0]; 3];
+    let metal =
+        above(&colored("bytes", red, &json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.5 } })).0, 0.2, 0.3);
+    assert!(metal.is_some_and(|seen| seen.x > 0.01 && seen.y.abs() < 1e-12), "{metal:?}");
+    let mirror = json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.0 } });
+    let mirror = above(&colored("bytes", red, &mirror).0, 0.2, 0.3);
+    assert!(mirror.is_some_and(|seen| seen.x > 0.01 && seen.y.abs() < 1e-12), "{mirror:?}");
+    // Their alpha makes holes where the material has any.
+    let fading = [[1.0; 4], [1.0, 1.0, 1.0, 0.0], [1.0; 4]];
+    let masked = colored("bytes", fading, &json!({ "alphaMode": "MASK" })).0;
+    assert!(above(&masked, 0.4, 0.1).is_some() && above(&masked, 0.6, 0.1).is_none());
+    assert!(above(&colored("bytes", fading, &json!({})).0, 0.6, 0.1).is_some());
+}
+
+#[test]
+fn what_is_not_shown_is_said_once() {
+    let mut file = on_node(&json!({}));
+    let picture = file.view(&png(1, 1, &[[128, 128, 255, 255]]));
+    file.push("images", json!({ "bufferView": picture }));
+    file.push("textures", json!({ "source": 0 }));
+    for double_sided in [true, false, false] {
+        let material =
+            json!({ "doubleSided": double_sided, "normalTexture": { "index": 0 }, "occlusionTexture": { "index": 0 } });
+        file.push("materials", material);
+    }
+    let (_, notes) = open(&file);
+    assert_eq!(notes.len(), 2, "{notes:?}");
+    assert!(
+        notes[0].contains("normal maps of 3 materials") && notes[1].starts_with("2 materials are single-sided"),
+        "{notes:?}"
+    );
 }
 
 #[test]

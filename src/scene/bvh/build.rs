@@ -174,6 +174,7 @@ fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::numbers::Numbers;
 
     fn around(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)
@@ -213,12 +214,8 @@ mod tests {
 
     #[test]
     fn threads_do_not_matter() {
-        let boxes: Vec<Aabb> = (0..40_000_u32)
-            .map(|i| {
-                let at = |k: u32| (i.wrapping_mul(k) >> 8) as f32 / 16_777_216.0;
-                around(Vec3A::new(at(2_654_435_761), at(40_503 * 77_777), at(97 * 1_000_003)), 0.001)
-            })
-            .collect();
+        let mut numbers = Numbers::new(1);
+        let boxes: Vec<Aabb> = (0..40_000).map(|_| around(numbers.point().as_vec3a(), 0.001)).collect();
         let trees = [1, 3].map(|threads| {
             rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| tree(&boxes))
         });

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use super::super::mesh::MeshMaterial;
+use super::super::numbers::Numbers;
 use super::super::texture::{ImageTexture, Wrap};
 use super::*;
 
@@ -19,24 +20,6 @@ fn plainly(bvh: &MeshBvh, ray: &Ray, min_distance: f64) -> Option<MeshHit> {
         }
     }
     best
-}
-
-/// Numbers in −1..1 that look random and are always the same.
-pub(in super::super) struct Numbers(u64);
-
-impl Numbers {
-    pub(in super::super) fn new(seed: u64) -> Self {
-        Numbers(seed)
-    }
-
-    pub(in super::super) fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-
-    pub(in super::super) fn point(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next())
-    }
 }
 
 fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Mesh {

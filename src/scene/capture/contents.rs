@@ -31,13 +31,15 @@ fn hash_moment(hasher: &mut DefaultHasher, moment: &SceneAtTime) {
 }
 
 fn hash_mesh(hasher: &mut DefaultHasher, mesh: &Mesh) {
-    let Mesh { positions, normals, uvs, triangles, material_of, materials } = mesh;
-    for count in [positions.len(), normals.len(), uvs.len(), triangles.len(), material_of.len(), materials.len()] {
+    let Mesh { positions, normals, uvs, colors, triangles, material_of, materials } = mesh;
+    let corners = [positions.len(), normals.len(), uvs.len(), colors.len()];
+    for count in corners.into_iter().chain([triangles.len(), material_of.len(), materials.len()]) {
         hasher.write_usize(count);
     }
     positions.iter().flat_map(|at| at.to_array()).for_each(|value| hasher.write_u64(value.to_bits()));
     normals.iter().flat_map(|at| at.to_array()).for_each(|value| hasher.write_u32(value.to_bits()));
     uvs.iter().flat_map(|at| at.to_array()).for_each(|value| hasher.write_u32(value.to_bits()));
+    colors.iter().flat_map(|at| at.to_array()).for_each(|value| hasher.write_u32(value.to_bits()));
     triangles.iter().flatten().chain(material_of).for_each(|index| hasher.write_u32(*index));
     materials.iter().for_each(|material| hash_material(hasher, material));
 }
@@ -58,7 +60,7 @@ fn hash_texture(hasher: &mut DefaultHasher, texture: Option<&Arc<ImageTexture>>)
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec2};
+    use glam::{DVec3, Vec2, Vec4};
 
     use super::*;
     use crate::scene::raycast::Light;
@@ -89,6 +91,7 @@ mod tests {
             hash(|mesh, _, _| mesh.positions[1].x = 1.5),
             hash(|mesh, _, _| mesh.uvs[2].y = 0.5),
             hash(|mesh, _, _| mesh.triangles[0] = [0, 2, 1]),
+            hash(|mesh, _, _| mesh.colors = vec![Vec4::ONE; 3]),
             hash(|_, material, _| material.alpha = 0.5),
             hash(|_, material, _| material.name = "b".into()),
             hash(|_, _, texture| texture.pixels[1][2] = 9),
@@ -97,6 +100,6 @@ mod tests {
         assert_eq!(hashes[0], hash(|_, _, _| ()));
         hashes.sort_unstable();
         hashes.dedup();
-        assert_eq!(hashes.len(), 8);
+        assert_eq!(hashes.len(), 9);
     }
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::scene::mesh::{Mesh, MeshMaterial};
 
@@ -18,6 +18,8 @@ pub struct Part<'a> {
     pub normals: &'a [DVec3],
     /// Texture coordinates, or empty.
     pub uvs: &'a [Vec2],
+    /// Colours of the corners, or empty.
+    pub colors: &'a [Vec4],
     /// Corners of the triangles, all of them within `positions`.
     pub triangles: &'a [[u32; 3]],
     /// Index of the material.
@@ -42,6 +44,8 @@ pub struct Channels {
     pub normals: bool,
     /// Texture coordinates: some part has some.
     pub uvs: bool,
+    /// Colours: some part has some. Others are white.
+    pub colors: bool,
 }
 
 /// Triangles that were left out.
@@ -104,6 +108,9 @@ impl Assembly {
                 }
                 let normal = part.normals.get(at).and_then(|normal| normal.try_normalize()).unwrap_or(facing);
                 let number = self.push(part.positions[at], normal.as_vec3(), part.uvs.get(at).copied());
+                if self.channels.colors {
+                    self.mesh.colors.push(part.colors.get(at).copied().unwrap_or(Vec4::ONE));
+                }
                 if welded {
                     numbers[at] = number;
                 }
@@ -152,6 +159,7 @@ impl Assembly {
         self.mesh.positions.shrink_to_fit();
         self.mesh.normals.shrink_to_fit();
         self.mesh.uvs.shrink_to_fit();
+        self.mesh.colors.shrink_to_fit();
         self.mesh.triangles.shrink_to_fit();
         self.mesh.material_of.shrink_to_fit();
         self.mesh

@@ -18,7 +18,7 @@ const MOST: u64 = 16 << 30;
 /// Bytes that a triangle takes in a mesh and in the tree of its boxes.
 pub const TRIANGLE_BYTES: u64 = 160;
 /// Bytes that a corner takes in a mesh, and on the way there.
-pub const CORNER_BYTES: u64 = 120;
+pub const CORNER_BYTES: u64 = 152;
 
 /// Bytes of memory that may still be asked for.
 #[derive(Debug)]

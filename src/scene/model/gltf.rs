@@ -43,7 +43,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         let read = Skin::read(&skin, &mut buffers);
         skins.push(read.map_err(|error| error.context(format!("skin {}", skin.index())))?);
     }
-    let mut meshes = Meshes { known: vec![None; document.meshes().len()], paints: &paints, skipped: 0, colored: 0 };
+    let mut meshes = Meshes { known: vec![None; document.meshes().len()], paints: &paints, skipped: 0 };
     let mut instances = Vec::new();
     for node in document.nodes().filter(|node| nodes.shown[node.index()]) {
         let Some(mesh) = node.mesh() else { continue };
@@ -92,7 +92,6 @@ struct Meshes<'a> {
     known: Vec<Option<Vec<Arc<Geometry>>>>,
     paints: &'a [Paint],
     skipped: usize,
-    colored: usize,
 }
 
 impl Meshes<'_> {
@@ -108,7 +107,6 @@ impl Meshes<'_> {
                     Some(geometry) => parts.push(Arc::new(geometry)),
                     None => self.skipped += 1,
                 }
-                self.colored += usize::from(primitive.get(&gltf::Semantic::Colors(0)).is_some());
             }
             self.known[number] = Some(parts);
         }
@@ -119,9 +117,6 @@ impl Meshes<'_> {
         if self.skipped > 0 {
             let count = self.skipped;
             notes.push(format!("{count} primitives of points or lines are left out: they have no surface"));
-        }
-        if self.colored > 0 {
-            notes.push(format!("colours of corners are left out of {} primitives", self.colored));
         }
     }
 }

@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3};
 use gltf::khr_lights_punctual::Kind;
 
 use crate::error::{Error, Result};
-use crate::scene::raycast::{Cone, Lamp, Light, Sun};
+use crate::scene::raycast::{Cone, Lamp, Light, Sun, Window};
 
 /// Most lights of a scene: each surface point asks for each of them whether it is in its shadow.
 const MAX_SUNS: usize = 64;
@@ -37,6 +37,10 @@ impl NodeLight {
     /// The node.
     pub fn node(&self) -> usize {
         self.node
+    }
+
+    fn lamp(&self, position: DVec3, cone: Option<Cone>) -> Lamp {
+        Lamp { position, radiance: self.color, reach: self.reach, window: Window::Punctual, cone }
     }
 }
 
@@ -90,11 +94,11 @@ pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
         match (one.kind, axis) {
             (LightKind::Sun, Some(axis)) => light.suns.push(Sun { direction: -axis, radiance: one.color }),
             (LightKind::Lamp, _) if position.is_finite() => {
-                light.lamps.push(Lamp { position, radiance: one.color, reach: one.reach, cone: None });
+                light.lamps.push(one.lamp(position, None));
             }
             (LightKind::Spot { cos_inner, cos_outer }, Some(axis)) if position.is_finite() => {
                 let cone = Some(Cone { axis, cos_inner, cos_outer });
-                light.lamps.push(Lamp { position, radiance: one.color, reach: one.reach, cone });
+                light.lamps.push(one.lamp(position, cone));
             }
             // Scaled to nothing, it shines nowhere.
             _ => {}

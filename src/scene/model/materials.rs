@@ -2,9 +2,11 @@
 //!
 //! Enters: metallic-roughness or specular-glossiness parameters. Leaves: diffuse, a highlight, emission, mirror or glass.
 //!
-//! A microfacet lobe of roughness r becomes Phong's with exponent 2/α² − 2, where α = r². A dielectric reflects what
-//! its index of refraction makes it reflect head on, a metal its base colour, and a metal has no diffuse part. Roughness
-//! and metalness in textures count by their means.
+//! A microfacet lobe of roughness r becomes Phong's. Microfacets are about as many as those of Blinn's lobe with exponent
+//! 2/α² − 2, where α = r²; that one is of the angle of the half vector. Phong's is of the angle to the mirror direction,
+//! which is twice that, so that a lobe as wide has about a quarter of the exponent: (2/α² − 2)/4, at least 1.
+//! A dielectric reflects what its index of refraction makes it reflect head on, a metal its base colour, and a metal has
+//! no diffuse part. Roughness and metalness in textures count by their means.
 
 use glam::DVec3;
 use gltf::Material;
@@ -43,7 +45,23 @@ pub fn read_all(document: &gltf::Document, buffers: &mut Buffers, notes: &mut Ve
         all.push(read(&material, buffers, &mut textures, notes));
     }
     notes.append(&mut textures.notes);
+    note_left_out(document, notes);
     all
+}
+
+/// What no material is shown with, said once.
+fn note_left_out(document: &gltf::Document, notes: &mut Vec<String>) {
+    let normal = document.materials().filter(|material| material.normal_texture().is_some()).count();
+    let occlusion = document.materials().filter(|material| material.occlusion_texture().is_some()).count();
+    if normal + occlusion > 0 {
+        notes.push(format!(
+            "normal maps of {normal} materials and occlusion maps of {occlusion} are left out: surfaces are shaded without"
+        ));
+    }
+    let single = document.materials().filter(|material| material.index().is_some() && !material.double_sided()).count();
+    if single > 0 && single < document.materials().count() {
+        notes.push(format!("{single} materials are single-sided in the file; here all are seen from both sides"));
+    }
 }
 
 fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, notes: &mut Vec<String>) -> Paint {
@@ -74,7 +92,7 @@ fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, not
         Optics::Opaque
     };
     let alpha = roughness * roughness;
-    let exponent = (2.0 / (alpha * alpha) - 2.0).clamp(1.0, MAX_EXPONENT);
+    let exponent = ((2.0 / (alpha * alpha) - 2.0) / 4.0).clamp(1.0, MAX_EXPONENT);
     let head_on = surface.specular.unwrap_or_else(|| DVec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2)));
     let weight = (head_on * (1.0 - metallic) + base_mean * metallic).clamp(DVec3::ZERO, DVec3::ONE);
     let strength = material.emissive_strength().map_or(1.0, f64::from).clamp(0.0, 1e6);
@@ -112,6 +130,7 @@ fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, not
             alpha: surface.alpha,
             emission,
             emissive_texture,
+            metal: if matt { DVec3::ZERO } else { (base_mean * metallic).clamp(DVec3::ZERO, weight) },
             phong: if matt { Phong::default() } else { Phong { weight, exponent } },
             optics,
             unlit: material.unlit(),

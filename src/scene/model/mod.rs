@@ -10,7 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use self::budget::Budget;
-use self::stage::{Stage, Which};
+use self::stage::{Moves, Stage, Which};
 use super::bvh::MeshBvh;
 use super::raycast::{Light, SceneAtTime};
 use crate::error::{Error, Result};
@@ -51,7 +51,7 @@ pub struct Model {
 struct Motion {
     stage: Stage,
     /// Which of its instances move.
-    moves: Vec<bool>,
+    moves: Moves,
 }
 
 /// Which animation of a file is shown.
@@ -116,19 +116,18 @@ impl Model {
     }
 
     fn of_stage(stage: Stage, animations: Vec<String>, notes: &mut Vec<String>) -> Result<Model> {
-        let (moves, lights_move) = stage.moves();
+        let moves = stage.moves();
         let fixed = stage.at(0.0, Which::Still, &moves);
         let moving = stage.at(0.0, Which::Moving, &moves);
         let mut left_out = fixed.left_out;
         left_out.add(moving.left_out);
         left_out.note(notes);
         let shown = fixed.mesh.triangles.len() + moving.mesh.triangles.len();
-        let anything_moves = lights_move || moves.contains(&true);
-        if shown == 0 && !anything_moves {
+        if shown == 0 && !moves.anything() {
             return Err(nothing());
         }
         let still = if fixed.mesh.triangles.is_empty() { vec![] } else { vec![Arc::new(MeshBvh::new(fixed.mesh))] };
-        let motion = anything_moves.then_some(Motion { stage, moves });
+        let motion = moves.anything().then_some(Motion { stage, moves });
         Ok(Model { still, light: fixed.light, motion, animations })
     }
 

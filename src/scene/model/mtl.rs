@@ -3,6 +3,7 @@
 //! Enters: the names of files, and materials as they are in them. Leaves: diffuse, a highlight, emission, mirror or glass.
 //!
 //! Ks and Ns are Phong's highlight without normalisation, whose peak is Ks; here it is weighted so that its peak stays.
+//! Ns is taken for Phong's exponent about the mirror direction as it stands.
 //! Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
 
 use std::collections::BTreeMap;
@@ -105,6 +106,7 @@ impl Library<'_> {
             emission,
             emissive_texture,
             phong: Phong { weight, exponent },
+            metal: DVec3::ZERO,
             optics,
             unlit: false,
         }

@@ -52,6 +52,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
     let channels = Channels {
         normals: models.iter().any(|model| aligned(&model.mesh, &model.mesh.normals, 3)),
         uvs: models.iter().any(|model| aligned(&model.mesh, &model.mesh.texcoords, 2)),
+        colors: false,
     };
     let mut assembly = Assembly::new(channels);
     for tobj::Model { mesh, name } in &models {
@@ -70,6 +71,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
             positions: &vectors(&mesh.positions),
             normals: &vectors(normals),
             uvs: &uvs,
+            colors: &[],
             triangles: mesh.indices.as_chunks::<3>().0,
             material: material as u32,
             winding: Winding::Outward,

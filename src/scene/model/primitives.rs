@@ -2,8 +2,9 @@
 //!
 //! Enters: a primitive of a document. Leaves: its corners and triangles as they are before nodes move them.
 
-use glam::{Affine2, Vec2, Vec3};
+use glam::{Affine2, Vec2, Vec3, Vec4};
 use gltf::Semantic;
+use gltf::accessor::Dimensions;
 use gltf::mesh::Mode;
 
 use super::buffers::Buffers;
@@ -19,6 +20,8 @@ pub struct Geometry {
     pub normals: Vec<Vec3>,
     /// Texture coordinates for each corner, or none at all.
     pub uvs: Vec<Vec2>,
+    /// Colour and alpha of each corner, linear, 0..=1, or none at all.
+    pub colors: Vec<Vec4>,
     /// Corners of each triangle; all of them exist.
     pub triangles: Vec<[u32; 3]>,
     /// Index of the material.
@@ -68,6 +71,7 @@ pub fn read(
         uvs = read.into_iter().map(|uv| transform.transform_point2(Vec2::from_array(uv))).collect();
         same(count, uvs.len(), "texture coordinates")?;
     }
+    let colors = colors(primitive, count, buffers)?;
     let order: Option<Vec<u32>> = match primitive.indices() {
         Some(accessor) => Some(buffers.integers::<1>(accessor.index())?.into_iter().flatten().collect()),
         None => None,
@@ -82,7 +86,22 @@ pub fn read(
     let triangles = triangles(mode, corners).map(|triangle| triangle.map(corner)).collect();
     let targets = targets(primitive, count, buffers)?;
     let influences = influences(primitive, count, buffers)?;
-    Ok(Some(Geometry { positions, normals, uvs, triangles, material, targets, influences }))
+    Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
+}
+
+/// The first set of colours; without alpha, they are solid. glTF has them between 0 and 1.
+fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
+    let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };
+    let read: Vec<Vec4> = match accessor.dimensions() {
+        Dimensions::Vec3 => {
+            let read = buffers.floats::<3>(accessor.index())?;
+            read.into_iter().map(|color| Vec3::from_array(color).extend(1.0)).collect()
+        }
+        _ => buffers.floats::<4>(accessor.index())?.into_iter().map(Vec4::from_array).collect(),
+    };
+    same(count, read.len(), "colours")?;
+    let sound = |color: Vec4| if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::ONE };
+    Ok(read.into_iter().map(sound).collect())
 }
 
 fn targets(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Target>> {

@@ -65,9 +65,25 @@ pub struct Shown {
     pub left_out: LeftOut,
 }
 
+/// What the animation moves.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Moves {
+    /// For each instance, whether it is moved.
+    pub instances: Vec<bool>,
+    /// Whether any light is.
+    pub lights: bool,
+}
+
+impl Moves {
+    /// Whether there is anything.
+    pub fn anything(&self) -> bool {
+        self.lights || self.instances.contains(&true)
+    }
+}
+
 impl Stage {
-    /// For each instance, and at last for the lights, whether the animation moves it.
-    pub fn moves(&self) -> (Vec<bool>, bool) {
+    /// What the animation moves.
+    pub fn moves(&self) -> Moves {
         let mut nodes = vec![false; self.nodes.locals.len()];
         let mut morphs = nodes.clone();
         for channel in self.animation.channels.iter().filter(|channel| !channel.is_constant()) {
@@ -80,11 +96,11 @@ impl Stage {
             let carried = instance.skin.map_or(nodes[instance.node], |skin| skins[skin]);
             carried || (morphs[instance.node] && !instance.geometry.targets.is_empty())
         });
-        (instances.collect(), self.lights.iter().any(|light| nodes[light.node()]))
+        Moves { instances: instances.collect(), lights: self.lights.iter().any(|light| nodes[light.node()]) }
     }
 
     /// Some of the instances, and all lights, at a time in seconds. `moves` is what [`Self::moves`] said.
-    pub fn at(&self, time_s: f64, which: Which, moves: &[bool]) -> Shown {
+    pub fn at(&self, time_s: f64, which: Which, moves: &Moves) -> Shown {
         let mut poses: Vec<Local> = self.nodes.locals.clone();
         for channel in &self.animation.channels {
             if channel.property != Property::MorphTargetWeights {
@@ -101,10 +117,16 @@ impl Stage {
         weights.for_each(|channel| morphed[channel.node] = Some(channel.weights(time_s)));
 
         let shown = |moves: bool| moves == (which == Which::Moving);
-        let meant = self.instances.iter().zip(moves).filter(|(_, moves)| shown(**moves)).map(|(instance, _)| instance);
+        let meant = self
+            .instances
+            .iter()
+            .zip(&moves.instances)
+            .filter(|(_, moves)| shown(**moves))
+            .map(|(instance, _)| instance);
         let channels = meant.clone().fold(Channels::default(), |channels, instance| Channels {
             normals: channels.normals || !instance.geometry.normals.is_empty(),
             uvs: channels.uvs || !instance.geometry.uvs.is_empty(),
+            colors: channels.colors || !instance.geometry.colors.is_empty(),
         });
         let mut assembly = Assembly::new(channels);
         for Instance { node, skin, weights, geometry } in meant {
@@ -117,6 +139,7 @@ impl Stage {
                 positions: &placed.positions,
                 normals: &placed.normals,
                 uvs: &geometry.uvs,
+                colors: &geometry.colors,
                 triangles: &geometry.triangles,
                 material: geometry.material,
                 winding: placed.winding,

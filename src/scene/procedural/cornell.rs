@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{rgb, room, wall};
-use crate::scene::light::{Cone, Lamp, Light, Sky};
+use crate::scene::light::{Cone, Lamp, Light, Sky, Window};
 use crate::scene::material::{Material, Texture};
 use crate::scene::primitive::{AxisBox, Shape, TurnedBox};
 use crate::scene::raycast::{Object, SceneAtTime};
@@ -38,6 +38,7 @@ pub(super) fn at(objects: Vec<Object>) -> SceneAtTime {
         position: DVec3::new(0.0, 1.98, 0.0),
         radiance: rgb(1.2, 1.0, 0.75),
         reach: f64::INFINITY,
+        window: Window::Smooth,
         cone: Some(Cone { axis: DVec3::NEG_Y, cos_inner: 0.9, cos_outer: -0.1 }),
     };
     let sky = Sky { ambient: rgb(0.12, 0.11, 0.1), ..Sky::NONE };

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec2, DVec3};
 
 use super::{ball, block, rgb};
-use crate::scene::light::{Lamp, Light};
+use crate::scene::light::{Lamp, Light, Window};
 use crate::scene::material::{Material, Texture};
 use crate::scene::primitive::{Fence, Quad, Shape, TurnedBox};
 use crate::scene::raycast::{CastsShadow, Object, SceneAtTime};
@@ -142,7 +142,13 @@ pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     objects.push(bulb);
 
     let light = Light {
-        lamps: vec![Lamp { position: LAMP, radiance: 0.12 * glow * warm, reach: 2.0, cone: None }],
+        lamps: vec![Lamp {
+            position: LAMP,
+            radiance: 0.12 * glow * warm,
+            reach: 2.0,
+            window: Window::Smooth,
+            cone: None,
+        }],
         ..Light::default()
     };
     SceneAtTime::new(objects, light)

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 
 use super::{ball, block, rgb, room};
-use crate::scene::light::{Cone, Lamp, Light, Sky};
+use crate::scene::light::{Cone, Lamp, Light, Sky, Window};
 use crate::scene::material::{Material, Texture};
 use crate::scene::mesh::Phong;
 use crate::scene::primitive::{AxisBox, Fence, Shape};
@@ -109,6 +109,7 @@ pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
         position,
         radiance,
         reach: f64::INFINITY,
+        window: Window::Smooth,
         cone: Some(Cone { axis, cos_inner: 0.3, cos_outer: -0.7 }),
     };
     let lamps =

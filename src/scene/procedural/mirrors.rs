@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::{ball, block, rgb, room};
-use crate::scene::light::{Lamp, Light, Sky};
+use crate::scene::light::{Lamp, Light, Sky, Window};
 use crate::scene::material::Texture;
 use crate::scene::mesh::{Optics, Phong};
 use crate::scene::primitive::AxisBox;
@@ -47,7 +47,13 @@ pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let mut mirror = ball(DVec3::new(0.1 + 1.2 * cos, 0.4, -0.5 + 0.95 * sin), 0.4, Texture::Solid(DVec3::ZERO));
     mirror.material.optics = Optics::Mirror { tint: DVec3::splat(0.95) };
     objects.push(mirror);
-    let lamp = Lamp { position: BULB, radiance: rgb(1.8, 1.65, 1.4), reach: f64::INFINITY, cone: None };
+    let lamp = Lamp {
+        position: BULB,
+        radiance: rgb(1.8, 1.65, 1.4),
+        reach: f64::INFINITY,
+        window: Window::Smooth,
+        cone: None,
+    };
     let sky = Sky { ambient: rgb(0.2, 0.2, 0.2), ..Sky::NONE };
     SceneAtTime::new(objects, Light { suns: vec![], lamps: vec![lamp], sky })
 }

@@ -50,6 +50,7 @@ fn scene(scale: f64, shift: DVec3) -> SceneAtTime {
         position: put(DVec3::new(0.4, 1.5, 0.2)),
         radiance: DVec3::splat(0.8 * scale * scale),
         reach: 5.0 * scale,
+        window: Window::Punctual,
         cone: None,
     };
     let light = Light { lamps: vec![lamp], ..Light::default() };

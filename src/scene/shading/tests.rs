@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::super::bvh::MeshBvh;
-use super::super::light::{Cone, Light, Sky, Sun};
+use super::super::light::{Cone, Light, Sky, Sun, Window};
 use super::super::material::{Material, Texture};
 use super::super::mesh::{Mesh, MeshMaterial};
 use super::super::primitive::{AxisBox, Quad, Shape, Sphere};
@@ -64,6 +64,7 @@ fn a_square_of_triangles_is_lit_as_a_quad_is() {
         position: DVec3::new(1.0, 2.0, 0.5),
         radiance: DVec3::new(1.0, 0.7, 0.3),
         reach: f64::INFINITY,
+        window: Window::Smooth,
         cone: Some(Cone { axis: DVec3::NEG_Y, cos_inner: 0.9, cos_outer: 0.5 }),
     }];
     let material = MeshMaterial { base_color: DVec3::ONE, ..MeshMaterial::default() };

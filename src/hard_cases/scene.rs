@@ -1,0 +1,309 @@
+//! Rays and what they meet where both are hard: cameras in bad places, broken and doubled triangles, all sizes, edges, far
+//! away.
+//!
+//! All of it is in binary64 on the CPU; there is nothing for a graphics device to show. The ball of triangles has its
+//! corners at whole numbers of octants, so that neighbours share theirs to the bit.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::gpu::random::Random;
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::scene::{
+    AxisBox, Lamp, Light, Material, Mesh, MeshBvh, MeshMaterial, Object, Optics, Ray, SceneAtTime, Shape, Sphere,
+    Texture, Window, trace,
+};
+
+/// Sizes of scenes, metres, and how far from the origin they lie, in sizes.
+const SIZES: [(f64, f64, &str); 4] =
+    [(1.0, 0.0, "1 m"), (1e-6, 0.0, "a micrometre"), (1e6, 0.0, "1000 km"), (1.0, 1e6, "1 m, 1000 km from the origin")];
+/// Steps along the edge of an octant of the ball.
+const STEPS: u32 = 16;
+/// Rays of a case.
+const RAYS: u32 = 20_000;
+/// Relative rounding of binary64.
+const ROUNDING: f64 = f64::EPSILON / 2.0;
+
+/// All cases.
+pub(super) fn cases() -> Vec<HardCase> {
+    let shelf = |pipeline: &str, unit| Shelf::new(Family::Scene, pipeline, unit);
+    let none = Bound::AtMost(0.0);
+    let mut cases = Vec::new();
+    let center = shelf("camera at the centre of a ball", "of the radius");
+    let wall = shelf("camera in a wall", "of the distance");
+    let leaks = shelf("rays at edges and corners of a closed mesh", "leaks");
+    let sight = shelf("sight of points on a closed mesh", "wrong answers");
+    for (size, away, name) in SIZES {
+        // A square and its root: half a rounding of one and a whole one of the other.
+        cases.push(center.case(name, Bound::AtMost(1.5 * ROUNDING), move || Ok(from_the_center(size, away))));
+        // Inverse and product here, quotient there; the difference above is the same.
+        cases.push(wall.case(name, Bound::AtMost(3.0 * ROUNDING), move || Ok(from_a_wall(size, away))));
+        // Neighbours bring what they share into the ray's frame by the same roundings.
+        cases.push(leaks.case(name, none, move || Ok(at_edges(size, away))));
+        // Points are off their triangles by roundings of their coordinates, far less than sight leaves out at its ends.
+        cases.push(sight.case(name, none, move || Ok(sight_of_surfaces(size, away))));
+    }
+    let scale = shelf("distances in a scene of another size", "of the radius, times the cosine");
+    // Corners, eye and direction are rounded anew, by 4 roundings of a radius together. In the ray's frame a coordinate, of
+    // up to 4 radii, has 4 roundings; weights of triangles that are nearly equilateral have 5 of these over their
+    // side, thrice, and so does the distance, as it changes by a side at most: 15 · 16, and 40 for what is left.
+    let most = (2.0 * 280.0 + 4.0) * ROUNDING;
+    for (size, _, name) in SIZES.into_iter().skip(1).take(2) {
+        cases.push(scale.case(name, Bound::AtMost(most), move || Ok(against_one_metre(size))));
+    }
+    let broken = shelf("nearest triangle among broken ones", "other answers");
+    cases.push(broken.case("no area, NaN, infinite and huge corners", none, || Ok(among_broken())));
+    let doubled = shelf("nearest of coplanar triangles", "answers that are not the first");
+    cases.push(doubled.case("each triangle three times", none, || Ok(among_doubled())));
+    let far = shelf("rays from far away at the middle of a mesh", "missed");
+    // The tree is walked up to 1e9 half sizes, and all triangles are tried beyond.
+    for reach in [1e3, 0.99e9, 1.01e9, 1e12] {
+        cases.push(far.case(format!("{reach:e} half sizes"), none, move || Ok(from_afar(reach))));
+    }
+    let places = shelf("light seen from bad places", "not finite, or below 0");
+    cases.push(places.case("on triangles, edges, corners, in a plane, in glass, at a lamp", none, || Ok(bad_places())));
+    cases
+}
+
+/// Triangles around a ball of radius 1.
+fn ball() -> Vec<[DVec3; 3]> {
+    let mut triangles = Vec::new();
+    for octant in 0..8 {
+        let at = |a: u32, b: u32, c: u32| {
+            let side = |bit: u32, steps: u32| if octant >> bit & 1 == 0 { f64::from(steps) } else { -f64::from(steps) };
+            // The sum makes −0 the 0 of the neighbour.
+            DVec3::new(side(0, a), side(1, b), side(2, c)).normalize() + 0.0
+        };
+        for a in 0..STEPS {
+            for b in 0..STEPS - a {
+                let c = STEPS - a - b;
+                triangles.push([at(a, b, c), at(a + 1, b, c - 1), at(a, b + 1, c - 1)]);
+                if c > 1 {
+                    triangles.push([at(a + 1, b, c - 1), at(a + 1, b + 1, c - 2), at(a, b + 1, c - 1)]);
+                }
+            }
+        }
+    }
+    triangles
+}
+
+fn mesh(triangles: &[[DVec3; 3]]) -> MeshBvh {
+    MeshBvh::new(Mesh {
+        positions: triangles.as_flattened().to_vec(),
+        triangles: (0..triangles.len() as u32).map(|number| [3 * number, 3 * number + 1, 3 * number + 2]).collect(),
+        material_of: vec![0; triangles.len()],
+        materials: [MeshMaterial::default()].into(),
+        ..Mesh::default()
+    })
+}
+
+/// The ball of a size, so many sizes from the origin along each axis.
+fn placed(size: f64, away: f64) -> Vec<[DVec3; 3]> {
+    ball().into_iter().map(|corners| corners.map(|corner| size * (corner + away))).collect()
+}
+
+/// −1..1.
+fn share(random: &mut Random) -> f64 {
+    f64::from(random.word()) / 2_147_483_648.0 - 1.0
+}
+
+fn inside(random: &mut Random) -> DVec3 {
+    DVec3::new(share(random), share(random), share(random))
+}
+
+/// Rays from points along directions; none where a direction has no length.
+fn rays(seed: u64, mut make: impl FnMut(&mut Random, u32) -> (DVec3, DVec3)) -> Vec<Ray> {
+    let mut random = Random::new(seed);
+    (0..RAYS).map(|turn| make(&mut random, turn)).filter_map(|(from, along)| Ray::new(from, along)).collect()
+}
+
+fn from_the_center(size: f64, away: f64) -> Measured {
+    let sphere = Sphere { center: DVec3::splat(size * away), radius: 0.3 * size };
+    let mut worst = Worst::greatest();
+    for ray in rays(1, |random, _| (sphere.center, inside(random))) {
+        let met = sphere.intersect(&ray, 0.0).map_or(f64::NAN, |hit| hit.distance);
+        worst.see((met - sphere.radius).abs() / sphere.radius, || format!("{:?}", ray.direction()));
+    }
+    worst.measured()
+}
+
+fn from_a_wall(size: f64, away: f64) -> Measured {
+    let min = DVec3::splat(size * away);
+    // Thin, so that most rays leave by the two large faces.
+    let wall = AxisBox { min, max: min + size * DVec3::new(1.0, 0.7, 1e-3) };
+    let mut worst = Worst::greatest();
+    let middle = 0.5 * (wall.min + wall.max);
+    for ray in rays(2, |random, _| (middle + 0.49 * (wall.max - wall.min) * inside(random), inside(random))) {
+        let (from, along) = (ray.origin(), ray.direction());
+        let leaves = |axis: usize| {
+            let face = if along[axis] < 0.0 { wall.min[axis] } else { wall.max[axis] };
+            if along[axis] == 0.0 { f64::INFINITY } else { (face - from[axis]) / along[axis] }
+        };
+        let expected = leaves(0).min(leaves(1)).min(leaves(2));
+        let met = wall.intersect(&ray, 0.0).map_or(f64::NAN, |hit| hit.distance);
+        worst.see((met - expected).abs() / expected, || format!("{from:?} along {along:?}"));
+    }
+    worst.measured()
+}
+
+fn at_edges(size: f64, away: f64) -> Measured {
+    let triangles = placed(size, away);
+    let bvh = mesh(&triangles);
+    let middle = DVec3::splat(size * away);
+    let mut wrong = Measured::count(0, None);
+    for ray in rays(3, |random, turn| {
+        let [a, b, _] = triangles[turn as usize % triangles.len()];
+        let along = [0.0, 0.5, 0.5 + 0.5 * share(random)][turn as usize % 3];
+        let target = a + along * (b - a);
+        // From within, and from outside through the ball.
+        let near = if turn % 2 == 0 { middle } else { target + 2.0 * (target - middle) };
+        let origin = near + 0.3 * size * inside(random);
+        (origin, target - origin)
+    }) {
+        let leaks = bvh.nearest(&ray, 0.0).is_none() || !bvh.occluded(&ray, 0.0, f64::INFINITY);
+        note(&mut wrong, leaks, || format!("{:?} along {:?}", ray.origin(), ray.direction()));
+    }
+    wrong
+}
+
+fn sight_of_surfaces(size: f64, away: f64) -> Measured {
+    let triangles = placed(size, away);
+    let scene = SceneAtTime::with_meshes(Vec::new(), vec![Arc::new(mesh(&triangles))], Light::default());
+    let mut wrong = Measured::count(0, None);
+    let mut random = Random::new(4);
+    for corners in &triangles {
+        let [a, b, c] = *corners;
+        let (s, t) = (0.25 + 0.2 * share(&mut random), 0.25 + 0.2 * share(&mut random));
+        let point = a + s * (b - a) + t * (c - a);
+        let across = ((b - a) / size).cross((c - a) / size).normalize();
+        let out = if across.dot(point - size * away) < 0.0 { -across } else { across };
+        // Nothing overhangs a ball: all straight above is in sight, and its far side hides all below.
+        let ways = [(0.01, true), (3.0, true), (-3.0, false), (-1e3, false)];
+        for (reach, in_sight) in ways {
+            let eye = point + reach * size * out;
+            let answers = [scene.sees(eye, point), scene.sees(point, eye)];
+            note(&mut wrong, answers != [in_sight; 2], || format!("{point:?} from {eye:?}"));
+        }
+    }
+    wrong
+}
+
+fn against_one_metre(size: f64) -> Measured {
+    let plain = mesh(&ball());
+    let other = mesh(&placed(size, 0.0));
+    let mut worst = Worst::greatest();
+    for ray in rays(5, |random, _| {
+        let origin = 1.7 * inside(random);
+        (origin, 0.9 * inside(random) - origin)
+    }) {
+        // Rays of the same direction: the length of one of another size may be rounded otherwise.
+        let scaled = Ray::new(size * ray.origin(), ray.direction());
+        let (Some(a), Some(b)) = (plain.nearest(&ray, 0.0), scaled.and_then(|ray| other.nearest(&ray, 0.0))) else {
+            continue;
+        };
+        let [p, q, r] = plain.mesh().corners(a.triangle);
+        let cosine = (q - p).cross(r - p).normalize().dot(ray.direction()).abs();
+        // What falls to the other side of an edge seen edge on is another question.
+        if cosine > 0.1 {
+            worst.see((b.distance / size - a.distance).abs() * cosine, || format!("{:?}", ray.origin()));
+        }
+    }
+    worst.measured()
+}
+
+fn among_broken() -> Measured {
+    let sound = ball();
+    let mut random = Random::new(6);
+    let mut triangles = sound.clone();
+    for turn in 0..200 {
+        let [a, b, c] = sound[random.below(sound.len() as u32) as usize].map(|corner| 0.5 * corner);
+        triangles.push(match turn % 5 {
+            0 => [a, a, a],
+            1 => [a, b, 2.0 * b - a],
+            2 => [a, b, DVec3::new(c.x, f64::NAN, c.z)],
+            3 => [a, DVec3::X * f64::INFINITY, c],
+            _ => [a, b, 1e200 * c],
+        });
+    }
+    // Corners on one line may make a sliver after rounding, which is a triangle that can be met.
+    triangles.retain(|[a, b, c]| {
+        let across = (*b - *a).cross(*c - *a);
+        !(across.is_finite() && across != DVec3::ZERO) || across.length() > 1e-9
+    });
+    let (plain, other) = (mesh(&sound), mesh(&triangles));
+    let mut wrong = Measured::count(0, None);
+    note(&mut wrong, plain.bounds() != other.bounds(), || "the box around them".into());
+    for ray in rays(7, |random, _| {
+        let origin = 2.0 * inside(random);
+        (origin, 0.5 * inside(random) - origin)
+    }) {
+        note(&mut wrong, plain.nearest(&ray, 0.0) != other.nearest(&ray, 0.0), || format!("{ray:?}"));
+    }
+    wrong
+}
+
+fn among_doubled() -> Measured {
+    let sound = ball();
+    let (plain, other) = (mesh(&sound), mesh(&[sound.clone(), sound.clone(), sound].concat()));
+    let mut wrong = Measured::count(0, None);
+    for ray in rays(8, |random, _| {
+        let origin = 2.0 * inside(random);
+        (origin, 0.5 * inside(random) - origin)
+    }) {
+        note(&mut wrong, plain.nearest(&ray, 0.0) != other.nearest(&ray, 0.0), || format!("{ray:?}"));
+    }
+    wrong
+}
+
+fn from_afar(reach: f64) -> Measured {
+    let bvh = mesh(&ball());
+    let mut wrong = Measured::count(0, None);
+    for ray in rays(9, |random, _| {
+        let origin = reach * inside(random).normalize_or(DVec3::X);
+        (origin, -origin)
+    }) {
+        // At 1e12 the direction is off the middle by a thousandth of the radius at most.
+        let close = bvh.nearest(&ray, 0.0).is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
+        note(&mut wrong, !close || !bvh.occluded(&ray, 0.0, 2.0 * reach), || format!("{:?}", ray.origin()));
+    }
+    wrong
+}
+
+fn bad_places() -> Measured {
+    let triangles = ball();
+    let white = Material::diffuse(Texture::Solid(DVec3::ONE));
+    let mut glass = Object::new(Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.5 }), white);
+    glass.material.optics = Optics::Glass { ior: 1.5, tint: DVec3::ONE };
+    let lamp = Lamp {
+        position: DVec3::new(0.0, 0.7, 0.0),
+        radiance: DVec3::ONE,
+        reach: 5.0,
+        window: Window::Punctual,
+        cone: None,
+    };
+    let light = Light { lamps: vec![lamp], ..Light::default() };
+    let scene = SceneAtTime::with_meshes(vec![glass], vec![Arc::new(mesh(&triangles))], light);
+    let mut wrong = Measured::count(0, None);
+    let mut random = Random::new(10);
+    for [a, b, c] in triangles {
+        let places = [a, 0.5 * (a + b), (a + b + c) / 3.0, a + 3.0 * (b - a), DVec3::ZERO, 0.5 * a, lamp.position];
+        for place in places {
+            for direction in [inside(&mut random), b - a, c - place, DVec3::X, DVec3::NEG_Y] {
+                let hit = trace(&scene, place, direction);
+                let sound = hit.color.is_finite() && hit.color.min_element() >= 0.0;
+                let fine = sound && hit.distance > 0.0 && hit.normal.is_finite();
+                note(&mut wrong, !fine, || format!("{place:?} along {direction:?}"));
+            }
+        }
+    }
+    wrong
+}
+
+/// Counts one more that is wrong.
+fn note(measured: &mut Measured, is_wrong: bool, place: impl FnOnce() -> String) {
+    if is_wrong {
+        measured.figure += 1.0;
+        measured.place.get_or_insert_with(place);
+    }
+}
