@@ -227,7 +227,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
     let frames = search::spread_frames(range, most);
     let moments = search::moments(&scene, &frames, args.fps());
-    let progress = Progress::start(global, "looking from candidates", settings.steps())?;
+    let progress = Progress::start(global, "looking", settings.steps())?;
     let search = Search::new(moments, &region, &settings, &progress)?;
     drop(progress);
     let mut positions = Vec::new();
