@@ -14,7 +14,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::cli::options;
+use crate::cli::options::{self, parse_positive};
 use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -146,11 +146,6 @@ impl From<PresetArg> for Preset {
             PresetArg::Quick => Preset::Quick,
         }
     }
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err(format!("'{text}': more than 0 was expected")) }
 }
 
 fn parse_percent(text: &str) -> Result<f64, String> {
