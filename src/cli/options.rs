@@ -4,6 +4,7 @@ mod camera;
 mod color;
 mod depth;
 mod material;
+mod number;
 mod sequence;
 mod side;
 
@@ -26,6 +27,7 @@ pub use depth::{
     BoundArgs, DepthArgs, DepthReadingArgs, DepthStepArgs, DepthUnitArgs, DomainArgs, ModelArgs, parse_share,
 };
 pub use material::MaterialArgs;
+pub use number::{parse_not_negative, parse_number, parse_positive};
 pub use sequence::{ColorSpaceArg, ImageArgs, SequenceArgs};
 pub use side::SideArgs;
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use glam::DVec3;
 
-use crate::cli::options::{self, EffortArg};
+use crate::cli::options::{self, EffortArg, parse_not_negative, parse_positive};
 use crate::cli::output::{self, OutputFile, OutputFolder};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -118,28 +118,13 @@ pub enum LightingArg {
 /// θ where nobody says, as in the paper's figure 4.
 const DEFAULT_THETA_DEG: f64 = 50.0;
 
-fn number(text: &str) -> Result<f64, String> {
-    let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    value.ok_or_else(|| format!("'{text}' is no number"))
-}
-
 fn parse_theta(text: &str) -> Result<f64, String> {
-    let degrees = number(text)?;
+    let degrees = options::parse_number(text)?;
     if (0.0..=180.0).contains(&degrees) {
         Ok(degrees)
     } else {
         Err(format!("'{text}': 0 to 180 degrees were expected"))
     }
-}
-
-fn parse_not_negative(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value >= 0.0 { Ok(value) } else { Err(format!("'{text}': 0 or more was expected")) }
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    let value = number(text)?;
-    if value > 0.0 { Ok(value) } else { Err(format!("'{text}': more than 0 was expected")) }
 }
 
 impl Args {
@@ -227,7 +212,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
     let frames = search::spread_frames(range, most);
     let moments = search::moments(&scene, &frames, args.fps());
-    let progress = Progress::start(global, "looking from candidates", settings.steps())?;
+    let progress = Progress::start(global, "looking", settings.steps())?;
     let search = Search::new(moments, &region, &settings, &progress)?;
     drop(progress);
     let mut positions = Vec::new();

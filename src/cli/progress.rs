@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 use crate::cli::GlobalArgs;
 use crate::error::{Error, Result};
@@ -27,8 +27,12 @@ impl Progress {
         }
         let visible = !global.quiet && std::io::stderr().is_terminal();
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {per_sec} eta {eta}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {rate} eta {eta}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar())
+            .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+                // What cannot be written is not shown.
+                let _ = text.write_str(&rate(state.per_sec()));
+            });
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style).with_message(what);
         Ok(Progress { bar })
     }
@@ -47,5 +51,23 @@ impl Monitor for Progress {
 
     fn interrupted(&self) -> bool {
         INTERRUPTED.load(Ordering::Relaxed)
+    }
+}
+
+/// Steps a second, with one decimal where there are few: `0.4/s`, `35/s`.
+fn rate(per_second: f64) -> String {
+    if per_second < 9.95 { format!("{per_second:.1}/s") } else { format!("{per_second:.0}/s") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_have_one_decimal_at_most() {
+        assert_eq!(
+            [0.0, 0.4321, 9.94, 9.97, 35.4321, 1234.5678].map(rate),
+            ["0.0/s", "0.4/s", "9.9/s", "10/s", "35/s", "1235/s"]
+        );
     }
 }

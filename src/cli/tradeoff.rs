@@ -14,7 +14,7 @@ use std::time::Instant;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use crate::cli::options;
+use crate::cli::options::{self, parse_positive};
 use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -52,7 +52,10 @@ use input::Footage;
     all alike. A decoding time is the median of runs in one process, the container in memory. A point that fails leaves a \
     hole, and is tried again the next time.\n\n\
     Where a scene is named (a .glb, .gltf or .obj file, or one that is built in), options of place are swept instead, and \
-    DIR has placement.csv, placement.json and a picture: seconds, and what the cameras cover by the same samples for all.\n\n\
+    DIR has placement.csv, placement.json and pictures, but no page: seconds, and what the cameras cover by the same 32768 \
+    points on surfaces for all. All knobs make one grid. placement.csv is written after each point, and keeps what was \
+    measured where a sweep is stopped; the same command does not go on from there, but starts over with --overwrite. \
+    --preset, --recommend, --budget-seconds, --weights and --stream are for footage alone.\n\n\
     Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
     /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
@@ -69,7 +72,8 @@ pub struct Args {
     /// Sweeps that are prepared: those of the papers' figures, or the same in few values
     #[arg(long, value_name = "NAME", value_enum)]
     pub preset: Option<PresetArg>,
-    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html
+    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; of a scene, for placement.csv,
+    /// placement.json and pictures
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
     /// Replace what DIR holds of other footage, options, machine or program, instead of refusing
@@ -78,7 +82,7 @@ pub struct Args {
     /// Timed runs of each point
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeats: u32,
-    /// Seconds that all of it may take: values and runs that do not fit are left out, which is said
+    /// Seconds that all of it may take: values and runs that do not fit are left out, which is said. Not for a scene
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     pub budget_seconds: Option<f64>,
     /// Only streams of these kinds: color, depth, material; also tells what a lone sequence holds
@@ -142,11 +146,6 @@ impl From<PresetArg> for Preset {
             PresetArg::Quick => Preset::Quick,
         }
     }
-}
-
-fn parse_positive(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| format!("'{text}' is no number"))?;
-    if number > 0.0 && number.is_finite() { Ok(number) } else { Err(format!("'{text}': more than 0 was expected")) }
 }
 
 fn parse_percent(text: &str) -> Result<f64, String> {

@@ -23,6 +23,9 @@ const DOUBTFUL: f64 = 0.02;
 const DOUBTFUL_PROBE: f64 = 0.04;
 /// A reading under which no larger share agrees is doubtful, too: everything hides everything.
 const AGREES_TOO_LITTLE: f64 = 0.02;
+/// Where nothing is seen through but little agrees, as between probes around an object, which see different sides of it,
+/// another reading must make so much agree to be preferred: any that brings surfaces together makes some agree by chance.
+const FAIR_SHARE: f64 = 0.2;
 /// By so much a reading must be better than another to be preferred.
 pub const DECISIVE: f64 = 3.0;
 /// Readings that are no worse than this fit as well as the best one.
@@ -194,6 +197,17 @@ impl Comparison<'_> {
             (reading, tally) = (changes[first].reading.clone(), tallies[first]);
         }
         let mut figures = figures.to_vec();
+        if !steps.is_empty() && all.contradiction() < DOUBTFUL && tally.agreement() < FAIR_SHARE {
+            figures.extend([("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())]);
+            let words: Vec<&str> = steps.iter().map(|(_, words)| words.as_str()).collect();
+            let says = format!(
+                "{what}, too little to tell; reading {} it would be {} and {}, hardly more",
+                words.join(" together with "),
+                percent(tally.contradiction()),
+                percent(tally.agreement())
+            );
+            return Ok(vec![Finding::new("probes", Verdict::CannotTell, says).with(&figures)]);
+        }
         if steps.is_empty() {
             let finding = match odd {
                 Some((probe, misfit_without)) => {

@@ -2,11 +2,12 @@
 //!
 //! Enters: an open [`Source`]. Leaves: [`Finding`]s about the order and orientation of cube faces (`seams`), planar depth
 //! or distance (`flatness`, `between_probes`), scale, positions and orientations (`between_probes`), near, far and background
-//! (`values`), light or codes (`light`). Nothing is changed; a suspicion is a figure and a sentence, for a person to judge.
+//! (`values`), light or codes (`light`), images twice (`copies`). Nothing is changed; a suspicion is a figure and a sentence, for a person to judge.
 
 mod arrangement;
 mod between_probes;
 mod borders;
+mod copies;
 mod finding;
 mod flatness;
 mod light;
@@ -16,8 +17,6 @@ mod reproject;
 mod seams;
 mod values;
 mod views;
-
-use std::collections::BTreeMap;
 
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
@@ -112,58 +111,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         });
         findings.push(light::check(values, space, files));
     }
-    findings.extend(copies(&footage));
+    findings.extend(copies::check(&footage, source.depth_kind()));
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
-}
-
-/// Images that are the same although they should not be, and images of nothing.
-fn copies(footage: &read::Footage) -> Vec<Finding> {
-    let pairs = equal_images(footage, &[read::Shows::Surfaces]);
-    let mut findings = Vec::new();
-    match pairs.first() {
-        Some(names) => {
-            let says = format!("{} are the same picture, pixel by pixel", names[..2].join(" and "));
-            findings.push(Finding::new("images", Verdict::Suspect, says).with(&[("copies", pairs.len() as f64)]));
-        }
-        None => findings.push(no_copies(footage)),
-    }
-    if let Some(name) = footage.blank.first() {
-        // A wall or a dome may be of one colour, too.
-        let says = format!("{name} is of one colour, but its depth is not of one value: an image that was never made?");
-        findings.push(Finding::new("images", Verdict::CannotTell, says).with(&[("blank", footage.blank.len() as f64)]));
-    }
-    findings
-}
-
-/// Names of images that are pixel by pixel the same, among those that show what is asked for.
-fn equal_images<'a>(footage: &'a read::Footage, shows: &[read::Shows]) -> Vec<Vec<&'a str>> {
-    let mut by_mark: BTreeMap<u64, Vec<&str>> = BTreeMap::new();
-    for image in footage.marked.iter().filter(|image| shows.contains(&image.shows)) {
-        by_mark.entry(image.mark).or_default().push(&image.name);
-    }
-    let mut pairs: Vec<Vec<&str>> = by_mark.into_values().filter(|names| names.len() > 1).collect();
-    pairs.sort_unstable();
-    pairs
-}
-
-/// What is to be said where no surface is shown twice: the same sky is seen from everywhere.
-fn no_copies(footage: &read::Footage) -> Finding {
-    let skies = equal_images(footage, &[read::Shows::Background]);
-    let unknown = equal_images(footage, &[read::Shows::Unknown]);
-    let figures = [("copies", 0.0), ("equal_backgrounds", skies.len() as f64), ("equal_unknown", unknown.len() as f64)];
-    let finding = if let Some(names) = unknown.first() {
-        let says =
-            format!("{} are the same picture, as they may be where they show the sky alone", names[..2].join(" and "));
-        Finding::new("images", Verdict::CannotTell, says)
-    } else if let Some(names) = skies.first() {
-        let says = format!(
-            "no two images of surfaces are the same; {} are, but have no depth that varies, as a sky",
-            names[..2].join(" and ")
-        );
-        Finding::new("images", Verdict::Fine, says)
-    } else {
-        Finding::new("images", Verdict::Fine, "no two images are the same")
-    };
-    finding.with(&figures)
 }

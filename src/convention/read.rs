@@ -34,7 +34,7 @@ pub struct Choice {
 /// What an image shows, by the depth of its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shows {
-    /// Surfaces at more than one depth: no other image is like it.
+    /// Surfaces at more than one depth.
     Surfaces,
     /// Nothing, or surfaces at one depth only, such as a sky, which looks the same from everywhere.
     Background,
@@ -47,6 +47,12 @@ pub enum Shows {
 pub struct Marked {
     /// `color 00/px`.
     pub name: String,
+    /// Its probe's name.
+    pub probe: String,
+    /// Its face.
+    pub face: Face,
+    /// What its values are.
+    pub kind: StreamKind,
     /// Equal for equal pixels.
     pub mark: u64,
     /// What is to be seen.
@@ -173,7 +179,7 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
             };
             let name = format!("{} {}/{}", kind.name(), probe.name, face.name());
             match (mark, kind) {
-                (Some(mark), _) => marked.push((index, face, name, mark)),
+                (Some(mark), _) => marked.push((index, (face, kind), name, mark)),
                 (None, StreamKind::Color) => blank.push((index, face, name)),
                 (None, _) => {}
             }
@@ -212,9 +218,9 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
     let of_varied = |(index, face, _): &(usize, Face, String)| varied.contains(&(*index, *face));
     footage.marked = marked
         .into_iter()
-        .map(|(index, face, name, mark)| {
+        .map(|(index, (face, kind), name, mark)| {
             let shows = shown.get(&(index, face)).copied().unwrap_or(Shows::Unknown);
-            Marked { name, mark, shows }
+            Marked { name, probe: source.probes()[index].name.clone(), face, kind, mark, shows }
         })
         .collect();
     footage.blank = blank.into_iter().filter(of_varied).map(|(_, _, name)| name).collect();

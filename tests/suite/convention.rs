@@ -296,6 +296,39 @@ fn copies_of_images_are_found() {
 }
 
 #[test]
+fn walls_that_are_alike_are_no_copies() {
+    let set = Set::new();
+    let verdict = |report: &Report, words: &str| {
+        let images = finding(report, "images");
+        assert!(images.says.contains(words), "{report:#?}");
+        images.verdict
+    };
+    // The middle of a room as high as it is long and wide.
+    let wall = |x, y, distance: f64| (distance * distance_from_planar(x, y, SIDE)) as f32;
+    set.rewrite(0..1, |_, _| Plane::from_fn(SIDE, SIDE, |x, y| wall(x, y, 2.0)));
+    let one = |manifest: &mut Manifest| manifest.probes.truncate(1);
+    assert_eq!(verdict(&set.check_as(one), "are the same picture, as walls"), Verdict::CannotTell);
+    let color = |face: Face| set.depth_file(0, face).with_file_name("color.0000.exr");
+    std::fs::copy(color(Face::Pz), color(Face::Nx)).unwrap();
+    assert_eq!(verdict(&set.check_as(one), "color 00/nx and color 00/pz are the same"), Verdict::Suspect);
+    // A floor without end, seen from one height and said to be seen from two.
+    set.rewrite(1..3, |face, _| {
+        Plane::from_fn(SIDE, SIDE, |x, y| match face {
+            Face::Ny => wall(x, y, 1.5),
+            _ => f32::INFINITY,
+        })
+    });
+    let two = |height: f64| {
+        set.check_as(|manifest| {
+            manifest.probes = manifest.probes[1..3].to_vec();
+            (manifest.probes[0].position[1], manifest.probes[1].position[1]) = (1.5, height);
+        })
+    };
+    assert_eq!(verdict(&two(1.5), "as walls that are alike"), Verdict::CannotTell);
+    assert_eq!(verdict(&two(1.9), "depth 01/ny and depth 02/ny"), Verdict::Suspect);
+}
+
+#[test]
 fn the_same_sky_from_everywhere_is_no_copy() {
     let set = Set::new();
     let color = |probe: usize| set.depth_file(probe, Face::Py).with_file_name("color.0000.exr");

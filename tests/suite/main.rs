@@ -40,3 +40,4 @@ mod vectors_of_limits;
 mod vectors_of_nodes;
 mod view;
 mod visibility;
+mod whole_way;

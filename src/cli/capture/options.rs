@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::Args;
+use crate::cli::options;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
@@ -61,16 +62,12 @@ pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
 
 /// Parses a number of frames per second.
 pub fn parse_fps(text: &str) -> Result<f64, String> {
-    above_zero(text).ok_or_else(|| format!("'{text}' is no number of frames per second above 0"))
+    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of frames per second above 0"))
 }
 
 /// Parses a distance.
 pub fn parse_metres(text: &str) -> Result<f64, String> {
-    above_zero(text).ok_or_else(|| format!("'{text}' is no number of metres above 0"))
-}
-
-fn above_zero(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|value: &f64| value.is_finite() && *value > 0.0)
+    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of metres above 0"))
 }
 
 /// What a file of cameras has to say besides where they are.

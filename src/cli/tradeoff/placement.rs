@@ -15,14 +15,17 @@ use crate::cli::{Cli, GlobalArgs, Outcome};
 use crate::error::{Error, Result};
 use crate::report::plot::save;
 use crate::report::tradeoff::knob::Stage;
-use crate::report::tradeoff::placement::{self, Sweep};
+use crate::report::tradeoff::placement::{self, Placed, Sweep};
 use crate::report::tradeoff::{Axis, Knob};
 use crate::scene::Scene;
 
 /// Options of `place` that tradeoff gives itself.
 const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "force"];
-/// Options that say what is to be covered: points and ruler have them alike.
-const OF_THE_RULER: &[&str] = &["region", "min-distance", "k", "lighting", "theta", "frames", "fps", "animation"];
+/// Options that say how cameras are found. All others say what is to be covered: points and ruler have them alike.
+const OF_THE_SEARCH: &[&str] = &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "threads"];
+
+/// Name of the picture of coverage by the value of a knob.
+const BY_VALUE: &str = "placement-by-value";
 
 /// Whether a scene is meant and not footage.
 pub fn is_scene(text: &str) -> bool {
@@ -56,10 +59,22 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
     let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&args.output);
     let work = work.map_err(|error| Error::io(&args.output, error.kind().into()))?;
     let progress = Progress::start(global, "placing", sweep.runs())?;
-    let placed = sweep.measure(&Children::new(&progress, start)?, work.path(), &progress)?;
+    let mut kept = 0;
+    let mut keep = |placed: &[Placed]| {
+        kept = placed.len();
+        write(&csv_path, &placement::to_csv(&axes, placed)?)
+    };
+    let placed = sweep.measure(&Children::new(&progress, start)?, work.path(), &progress, &mut keep);
     drop(progress);
-    let pictures = save::save(&placement::figure(&sweep, &placed), &args.output, "placement")?;
-    write(&csv_path, &placement::to_csv(&axes, &placed)?)?;
+    if placed.is_err() && kept > 0 {
+        let (path, all) = (csv_path.display(), sweep.points().len());
+        output::note(format_args!("{path}: {kept} of {all} points are kept; to measure again is to start over"));
+    }
+    let placed = placed?;
+    let mut pictures = save::save(&placement::figure(&sweep, &placed), &args.output, "placement")?.to_vec();
+    if let Some(figure) = placement::figure_by_value(&sweep, &placed) {
+        pictures.extend(save::save(&figure, &args.output, BY_VALUE)?);
+    }
     let report = placement::json(scene, &placed);
     write_json(&report, &json_path)?;
     drop(folder);
@@ -69,8 +84,9 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
         let files = [csv_path, json_path].into_iter().chain(pictures);
         let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
         output::print_text(&format!(
-            "{}\nCoverage is that of the cameras by the exhaustive samples, the same for all rows; own is by the row's.\n\n{}\n",
+            "{}\nCoverage is that of the cameras by the same {} points on surfaces for all rows; own is by the row's.\n\n{}\n",
             placement::table(&axes, &placed),
+            placement::RULER_SAMPLES,
             files.join("\n")
         ))?;
     }
@@ -158,7 +174,7 @@ fn options_of_all(scene: &str, words: &[String], axes: &[Axis]) -> Result<(Vec<S
         } else {
             words.push(format!("--{name}"));
         }
-        if OF_THE_RULER.contains(&name) {
+        if !OF_THE_SEARCH.contains(&name) {
             ruler.extend(words.iter().cloned());
         }
         fixed.extend(words);
@@ -197,6 +213,17 @@ mod tests {
     }
 
     #[test]
+    fn every_name_is_an_option_of_place_and_in_one_list() {
+        let mut root = Cli::command();
+        root.build();
+        let place = root.find_subcommand("place").unwrap();
+        for name in OWN.iter().chain(OF_THE_SEARCH) {
+            assert!(place.get_arguments().any(|argument| argument.get_long() == Some(name)), "--{name}");
+        }
+        assert!(OWN.iter().all(|name| !OF_THE_SEARCH.contains(name)));
+    }
+
+    #[test]
     fn options_of_all_points_are_sorted_or_refused() {
         let of = |line: &str, swept: &'static str| {
             let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
@@ -207,6 +234,12 @@ mod tests {
         let (fixed, ruler) = of(two, "effort").unwrap();
         assert_eq!(ruler, ["--region=-1,-1,-1,1,1,1", "--region=2,2,2,3,3,3"]);
         assert_eq!(fixed.len(), 3);
+        let many = "--region=0,0,0,1,1,1 --k 2 --lighting specular --theta 20 --fps 30 --frames 0-3 --min-distance 1 \
+                    --candidates 9 --surface-samples 99 --grid --until 0.1 --threads 2";
+        let (_, of_scene) = of(many, "effort").unwrap();
+        let mut names: Vec<&str> = of_scene.iter().filter_map(|word| word.split('=').next()).collect();
+        names.sort_unstable();
+        assert_eq!(names, ["--fps", "--frames", "--k", "--lighting", "--min-distance", "--region", "--theta"]);
         assert!(fixed.contains(&"--cameras=4".to_owned()));
         assert!(of("--region 0,0,0,1,1,1 --cameras 4", "cameras").unwrap_err().to_string().contains("swept"));
         let theta = [Axis { knob: "theta", values: vec!["20".to_owned()] }];

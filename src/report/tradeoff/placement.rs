@@ -1,8 +1,8 @@
 //! What placing cameras costs: sweeps of the options of `place` over one scene (CALF 4).
 //!
 //! Enters: a scene, the options that all points have, and a grid of others. Leaves: for each point the seconds it took
-//! and what its cameras cover, measured for all points by one ruler: the exhaustive samples of the scene, under the
-//! options that all points have.
+//! and what its cameras cover, measured for all points by one ruler: the same [`RULER_SAMPLES`] points on the surfaces,
+//! under the options that all points have.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -45,6 +45,11 @@ const fn knob(name: &'static str, label: &'static str, default: &'static str, us
 pub fn find(name: &str) -> Option<&'static Knob> {
     KNOBS.iter().find(|knob| knob.name == name)
 }
+
+/// Points on surfaces by which all sets of cameras are judged, as many as an exhaustive search has.
+pub const RULER_SAMPLES: u32 = 32_768;
+/// Candidates of the ruler. Cameras that are given do not depend on them, so that there are few.
+const RULER_CANDIDATES: u32 = 256;
 
 /// What is measured.
 #[derive(Debug, Clone)]
@@ -119,11 +124,18 @@ impl Sweep<'_> {
     }
 
     /// Measures all points, each in a process of its own: rounds over all of them, so that a machine that becomes slower
-    /// does so for all alike. The monitor advances by one for each command.
+    /// does so for all alike. The monitor advances by one for each command. `keep` is given all that is known after each
+    /// point, so that a sweep that is stopped leaves it.
     ///
     /// # Errors
-    /// When a command fails, or the monitor is interrupted.
-    pub fn measure(&self, runner: &dyn Runner, work: &Path, monitor: &dyn Monitor) -> Result<Vec<Placed>> {
+    /// When a command or `keep` fails, or the monitor is interrupted.
+    pub fn measure(
+        &self,
+        runner: &dyn Runner,
+        work: &Path,
+        monitor: &dyn Monitor,
+        keep: &mut dyn FnMut(&[Placed]) -> Result<()>,
+    ) -> Result<Vec<Placed>> {
         let cameras = work.join("cameras.json");
         let mut placed: Vec<Placed> = Vec::new();
         for round in 0..self.repeats {
@@ -133,6 +145,7 @@ impl Sweep<'_> {
                 let seconds = number(&report, "seconds")?;
                 if round > 0 {
                     placed[at].timing.runs.push(seconds);
+                    keep(&placed)?;
                     continue;
                 }
                 let coverage = self.judge(runner, &cameras, work)?;
@@ -145,6 +158,7 @@ impl Sweep<'_> {
                     coverage,
                     timing: Timing { runs: vec![seconds] },
                 });
+                keep(&placed)?;
             }
         }
         Ok(placed)
@@ -154,7 +168,9 @@ impl Sweep<'_> {
     fn judge(&self, runner: &dyn Runner, cameras: &Path, work: &Path) -> Result<f64> {
         let mut words: Vec<OsString> = ["place", self.scene].map(OsString::from).to_vec();
         words.extend(self.ruler.iter().map(OsString::from));
-        words.extend(["--effort=exhaustive", "--cameras=0", "--start"].map(OsString::from));
+        let count = |name: &str, count: u32| OsString::from(format!("--{name}={count}"));
+        words.extend([count("candidates", RULER_CANDIDATES), count("surface-samples", RULER_SAMPLES)]);
+        words.extend(["--cameras=0", "--start"].map(OsString::from));
         words.push(cameras.into());
         number(&runner.run(&into(words, &work.join("judged.json")))?, "coverage")
     }
@@ -209,12 +225,33 @@ pub fn figure(sweep: &Sweep<'_>, placed: &[Placed]) -> Drawing {
     let x = axis::Axis::logarithmic("seconds", placed.iter().map(Placed::seconds));
     let y = axis::Axis::without_zero("coverage (%)", placed.iter().map(|point| 100.0 * point.coverage));
     let along = sweep.axes.last().map_or("", |axis| axis.knob);
-    let mut chart = Chart::new(format!("Coverage of {} by time, along {along}", sweep.scene), x, y);
+    let chart = Chart::new(format!("Coverage of {} by time, along {along}", sweep.scene), x, y);
+    with_points(chart, placed, |point| Some(point.seconds())).draw(760, 460)
+}
+
+/// Coverage by the value of the last knob, where that is a number: a line for each setting of all others.
+pub fn figure_by_value(sweep: &Sweep<'_>, placed: &[Placed]) -> Option<Drawing> {
+    let knob = find(sweep.axes.last()?.knob)?;
+    let value = |point: &Placed| point.settings.last()?.1.parse().ok().filter(|value: &f64| value.is_finite());
+    let values: Vec<f64> = placed.iter().map(value).collect::<Option<_>>()?;
+    let x = if values.iter().all(|value| *value > 0.0) {
+        axis::Axis::logarithmic(knob.label, values)
+    } else {
+        axis::Axis::without_zero(knob.label, values)
+    };
+    let y = axis::Axis::without_zero("coverage (%)", placed.iter().map(|point| 100.0 * point.coverage));
+    let chart = Chart::new(format!("Coverage of {} by {}", sweep.scene, knob.name), x, y);
+    Some(with_points(chart, placed, value).draw(760, 460))
+}
+
+/// A chart with a line for each setting of all knobs but the last.
+fn with_points(mut chart: Chart, placed: &[Placed], x: impl Fn(&Placed) -> Option<f64>) -> Chart {
     for point in placed {
         let others = &point.settings[..point.settings.len().saturating_sub(1)];
         let name = point::words(others).unwrap_or_default();
+        let Some(x) = x(point) else { continue };
         let mark = Mark {
-            x: point.seconds(),
+            x,
             y: 100.0 * point.coverage,
             spread: None,
             name: point.settings.last().map(|(_, value)| value.clone()),
@@ -227,7 +264,7 @@ pub fn figure(sweep: &Sweep<'_>, placed: &[Placed]) -> Drawing {
             }
         }
     }
-    chart.draw(760, 460)
+    chart
 }
 
 /// Names of the files of a report, below its folder.
@@ -266,13 +303,19 @@ mod tests {
         let axes = [Axis { knob: "effort", values: ["fast", "normal"].map(str::to_owned).to_vec() }];
         let fixed = ["--region=0,0,0,1,1,1", "--cameras=2"].map(str::to_owned);
         let sweep = Sweep { scene: "a.glb", fixed: &fixed, ruler: &fixed[..1], axes: &axes, repeats: 3 };
-        let placed = sweep.measure(&told, Path::new("work"), &Silent).unwrap();
+        let mut kept = Vec::new();
+        let mut keep = |placed: &[Placed]| {
+            kept.push(placed.iter().map(|point| point.timing.runs.len()).collect::<Vec<_>>());
+            Ok(())
+        };
+        let placed = sweep.measure(&told, Path::new("work"), &Silent, &mut keep).unwrap();
+        assert_eq!(kept, [vec![1], vec![1, 1], vec![2, 1], vec![2, 2], vec![3, 2], vec![3, 3]]);
         let lines = told.0.into_inner();
         assert_eq!(lines.len() as u64, sweep.runs());
         assert_eq!(
             lines[1],
-            "place a.glb --region=0,0,0,1,1,1 --effort=exhaustive --cameras=0 --start work/cameras.json --json -o \
-             work/judged.json"
+            "place a.glb --region=0,0,0,1,1,1 --candidates=256 --surface-samples=32768 --cameras=0 --start \
+             work/cameras.json --json -o work/judged.json"
         );
         assert!(lines[2].contains("--effort=normal") && lines[4].contains("--effort=fast"), "{lines:?}");
         assert_eq!(placed.len(), 2);
@@ -284,6 +327,46 @@ mod tests {
         assert!(table(&axes, &placed).to_string().contains("75.00"));
         assert_eq!(json("a.glb", &placed)["points"][1]["settings"]["effort"], "normal");
         assert!(figure(&sweep, &placed).shapes.len() > 10);
+    }
+
+    #[test]
+    fn what_was_measured_is_kept_where_a_later_command_fails() {
+        /// Answers three times.
+        struct Failing(Told);
+        impl Runner for Failing {
+            fn run(&self, words: &[OsString]) -> Result<Value> {
+                let left = self.0.0.borrow().len() < 3;
+                if left { self.0.run(words) } else { Err(Error::Interrupted) }
+            }
+            fn now_seconds(&self) -> f64 {
+                0.0
+            }
+        }
+        let axes = [Axis { knob: "k", values: ["0.5", "1"].map(str::to_owned).to_vec() }];
+        let sweep = Sweep { scene: "a.glb", fixed: &[], ruler: &[], axes: &axes, repeats: 1 };
+        let mut csv = String::new();
+        let mut keep = |placed: &[Placed]| {
+            csv = to_csv(&axes, placed)?;
+            Ok(())
+        };
+        let failing = Failing(Told(RefCell::new(Vec::new())));
+        let stopped = sweep.measure(&failing, Path::new("work"), &Silent, &mut keep);
+        assert!(matches!(stopped, Err(Error::Interrupted)));
+        assert!(csv.lines().count() == 2 && csv.contains("\n0.5,2,12,"), "{csv}");
+    }
+
+    #[test]
+    fn a_knob_of_numbers_has_a_chart_by_its_values() {
+        let told = Told(RefCell::new(Vec::new()));
+        let by_value = |knob: &'static str, values: &[&str]| {
+            let axes = [Axis { knob, values: values.iter().map(|value| (*value).to_owned()).collect() }];
+            let sweep = Sweep { scene: "a.glb", fixed: &[], ruler: &[], axes: &axes, repeats: 1 };
+            let placed = sweep.measure(&told, Path::new("work"), &Silent, &mut |_| Ok(())).unwrap();
+            figure_by_value(&sweep, &placed)
+        };
+        assert!(by_value("k", &["0.1", "1", "3"]).unwrap().shapes.len() > 10);
+        assert!(by_value("k", &["0", "1"]).is_some());
+        assert!(by_value("effort", &["fast", "normal"]).is_none());
     }
 
     #[test]

@@ -1,0 +1,39 @@
+//! Numbers on the command line: finite, and in their range.
+
+/// Parses a finite number.
+pub fn parse_number(text: &str) -> Result<f64, String> {
+    let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
+    value.ok_or_else(|| format!("'{text}' is no number"))
+}
+
+/// Parses a finite number above 0.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    let value = parse_number(text)?;
+    if value > 0.0 { Ok(value) } else { Err(format!("'{text}': more than 0 was expected")) }
+}
+
+/// Parses a finite number that is 0 or more.
+pub fn parse_not_negative(text: &str) -> Result<f64, String> {
+    let value = parse_number(text)?;
+    if value >= 0.0 { Ok(value) } else { Err(format!("'{text}': 0 or more was expected")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_finite_and_in_range() {
+        assert_eq!(
+            (parse_number(" -1.5 "), parse_positive("2e-3"), parse_not_negative("0")),
+            (Ok(-1.5), Ok(2e-3), Ok(0.0))
+        );
+        for text in ["", "inf", "nan", "1,5", "2m"] {
+            let said = parse_number(text).unwrap_err();
+            assert!(said.contains("is no number"), "{said}");
+            assert!(parse_positive(text).is_err() && parse_not_negative(text).is_err());
+        }
+        assert!(parse_positive("0").unwrap_err().contains("more than 0"));
+        assert!(parse_not_negative("-1").unwrap_err().contains("0 or more"));
+    }
+}
