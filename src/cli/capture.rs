@@ -14,9 +14,8 @@ use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
-use crate::fingerprint::{Fingerprint, digest};
-use crate::scene::capture::hash_of_scene;
-use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Scene};
+use crate::fingerprint::Fingerprint;
+use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Play, Scene};
 
 use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_size};
 
@@ -53,6 +52,9 @@ pub struct Args {
     /// Capture from here, in metres; may be given more than once
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub position: Vec<DVec3>,
+    /// Which animation of the file is shown, by its name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
     /// Frames; without them, all of the animation, or frame 0 where nothing moves.
     #[command(flatten)]
     pub frames: FrameArgs,
@@ -97,9 +99,13 @@ pub struct Args {
 /// Captures.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let start = Instant::now();
+    if args.output == Path::new("-") {
+        return Err(Error::Usage("-o -: a dataset is a folder of files, which no pipe takes; name a folder".into()));
+    }
     check_cameras_stay(args)?;
     let (cameras, viewers) = args.read_cameras()?;
-    let (scene, notes) = Scene::open(&args.scene)?;
+    let play = args.animation.as_deref().map_or(Play::First, Play::Named);
+    let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
     if !global.quiet {
         notes.iter().for_each(output::note);
     }
@@ -158,7 +164,7 @@ impl Work<'_> {
         if !folder.is_locked() {
             self.say("the file system has no locks, so two captures into this folder would not see each other: start no second one");
         }
-        let now = self.fingerprint()?;
+        let now = self.fingerprint();
         let kept = self.begin(&mut folder, &now)?;
         let done = self.plan.write(self.scene, folder.work_path(), kept, self.progress);
         let done = done.and_then(|summary| folder.commit().map(|()| summary));
@@ -215,23 +221,14 @@ impl Work<'_> {
     }
 
     /// What the images follow from.
-    fn fingerprint(&self) -> Result<Fingerprint> {
+    fn fingerprint(&self) -> Fingerprint {
         let mut fields = Fingerprint::of_program();
         fields.extend(self.plan.options());
-        let scene = match self.scene {
-            Scene::Procedural(scene) => scene.kind().name().to_owned(),
-            Scene::Model(_) => {
-                let path = Path::new(&self.args.scene);
-                let bytes = std::fs::read(path).map_err(|error| Error::io(path, error))?;
-                // A GLB holds all that it is; others name files beside them.
-                let named = if bytes.starts_with(b"glTF") { 0 } else { hash_of_scene(self.scene) };
-                format!("{}{named:016x}", digest(&bytes))
-            }
-        };
-        fields.push(("the contents of the scene", scene));
+        fields.push(("the contents of the scene", self.scene.contents().to_owned()));
+        fields.push(("--animation", format!("{:?}", self.args.animation.as_deref().unwrap_or("the first"))));
         // Sines and roots are rounded by the system's library.
         fields.push(("the kind of machine", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)));
-        Ok(Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()))
+        Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
     }
 }
 

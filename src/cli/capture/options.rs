@@ -112,8 +112,8 @@ impl Args {
             (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
         };
         let fps = self.fps;
-        let frames =
-            self.frames.frames.unwrap_or_else(|| wanted_frames(&cameras, frames_of_animation(scene.duration_s(), fps)));
+        let wanted = || wanted_frames(&cameras, || frames_of_animation(scene.duration_s(), fps));
+        let frames = self.frames.frames.map_or_else(wanted, Ok)?;
         Ok(CapturePlan {
             name: self.name(),
             fps,
@@ -181,10 +181,15 @@ impl Args {
 }
 
 /// From the first to the last frame in which a camera looks: all of the animation where it does not say.
-fn wanted_frames(cameras: &CameraSet, all: FrameRange) -> FrameRange {
-    let own = cameras.cameras.iter().map(|camera| camera.frames.unwrap_or([all.first, all.last]));
-    let hull = own.reduce(|[first, last], [other_first, other_last]| [first.min(other_first), last.max(other_last)]);
-    hull.map_or(all, |[first, last]| FrameRange { first, last })
+fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> Result<FrameRange> {
+    let mut hull: Option<FrameRange> = None;
+    for camera in &cameras.cameras {
+        let own = camera.frames.map_or_else(&all, |[first, last]| Ok(FrameRange { first, last }))?;
+        hull = Some(
+            hull.map_or(own, |hull| FrameRange { first: hull.first.min(own.first), last: hull.last.max(own.last) }),
+        );
+    }
+    hull.map_or_else(all, Ok)
 }
 
 /// Whether a file's cameras have eyes. What is no JSON is said later.
@@ -216,12 +221,18 @@ mod tests {
         let all = FrameRange { first: 0, last: 6 };
         let at = |frames| PlacedCamera { frames, ..PlacedCamera::at([0.0; 3]) };
         let wanted = |own: &[Option<[u32; 2]>]| {
-            let frames = wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), all);
+            let frames =
+                wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), || Ok(all)).unwrap();
             [frames.first, frames.last]
         };
         assert_eq!(wanted(&[None, None]), [0, 6]);
         assert_eq!(wanted(&[Some([4, 5]), Some([5, 9])]), [4, 9]);
         assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
+        // Where each camera says, nobody asks for the animation.
+        let said = CameraSet::new(vec![at(Some([4, 5]))]);
+        let endless = || Err(Error::Usage("endless".into()));
+        assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);
+        assert!(wanted_frames(&CameraSet::new(vec![at(None)]), endless).is_err());
     }
 
     #[test]

@@ -36,6 +36,12 @@ impl PartialFolder {
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
         }
+        if output.is_symlink() && !output.exists() {
+            return Err(Error::Usage(format!(
+                "{}: a link that leads nowhere, where a folder was expected; remove it, or make what it leads to",
+                output.display()
+            )));
+        }
         let path = path_for(output)?;
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
@@ -48,7 +54,8 @@ impl PartialFolder {
                 path.display()
             )));
         };
-        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0);
+        // A disk that was full may have lost the state of images that are sound.
+        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || count(&path) > 0;
         Ok(PartialFolder { output: output.to_path_buf(), path, state: file, is_locked, keep })
     }
 
@@ -218,6 +225,29 @@ mod tests {
             assert_eq!(std::fs::read(output.join("sub/b")).unwrap(), round.to_string().as_bytes());
             assert_eq!(names(base.path()), ["cap"]);
         }
+    }
+
+    #[test]
+    fn images_without_a_state_are_not_removed() {
+        let base = tempfile::tempdir().unwrap();
+        let left = base.path().join(".cap.capture.partial");
+        std::fs::create_dir(&left).unwrap();
+        std::fs::write(left.join("a.exr"), "1").unwrap();
+        std::fs::write(left.join(STATE), "").unwrap();
+        let mut folder = PartialFolder::open(&base.path().join("cap")).unwrap();
+        assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("", 1));
+        drop(folder);
+        assert_eq!(names(&left), [STATE, "a.exr"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_that_leads_nowhere_is_refused() {
+        let base = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink(base.path().join("gone"), base.path().join("cap")).unwrap();
+        let said = PartialFolder::open(&base.path().join("cap")).unwrap_err().to_string();
+        assert!(said.contains("leads nowhere"), "{said}");
+        assert_eq!(names(base.path()), ["cap"]);
     }
 
     #[test]
