@@ -28,12 +28,16 @@ use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_si
     lightfold capture scene.gltf --cameras old/lightfield.json --aov depth,normal,material -o cap\n  \
     lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
+    lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --projection perspective --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
     SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
     --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
     camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\" and \"frames\" ([first, last]); \
     the probes of a lightfield.json; or viewers as of `decode --camera`, from which perspective images are captured: the \
     truth to compare with what is made of a light field.\n\n\
+    A scene that brings no light is lit by a sun, 51 degrees high towards (0.5, 0.78, 0.38), of radiance 1.75, 1.6, 1.35 (of a \
+    white surface that faces it), and by light from everywhere, 0.3, 0.36, 0.46. Behind all scenes from files is a sky of \
+    0.5, 0.66, 0.86 at the horizon and 0.16, 0.32, 0.68 straight up.\n\n\
     Colour is the mean of a pixel's samples; all else is what one ray through its centre meets, and is never filtered. \
     The same scene and options write the same bytes on any number of threads.\n\n\
     A capture that is stopped keeps its images beside DIR: the same command with --resume goes on with them and ends in \
@@ -52,6 +56,9 @@ pub struct Args {
     /// Capture from here, in metres; may be given more than once
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub position: Vec<DVec3>,
+    /// Turn each --position to look there, with +Y up, in metres; for a picture add --projection perspective and --fov
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
+    pub look_at: Option<DVec3>,
     /// Which animation of the file is shown, by its name [default: the first]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
@@ -113,6 +120,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     // Before anything is written.
     plan.manifest()?;
     check_output(&plan, &args.output)?;
+    if !global.quiet {
+        args.notes(&scene, &plan).iter().for_each(output::note);
+    }
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
     let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };

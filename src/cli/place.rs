@@ -272,9 +272,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 /// The file of cameras: those of `--start` as they are, the new ones behind them.
 fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> Result<CameraSet> {
     let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
-    let has_names = cameras.iter().any(|camera| camera.name.is_some());
     let mut taken: Vec<String> =
         start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
+    // Numbers get more digits where there are many, and names that were given stay.
+    let grown = CameraSet::new(vec![PlacedCamera::at([0.0; 3]); placement.cameras.len()]);
+    let has_names = (0..taken.len()).any(|at| taken[at] != grown.name_of(at));
+    if has_names {
+        cameras.iter_mut().zip(&taken).for_each(|(camera, name)| camera.name = Some(name.clone()));
+    }
     for (at, placed) in placement.cameras.iter().enumerate().skip(placement.started) {
         let mut camera = PlacedCamera::at(placed.position.to_array());
         camera.gain = Some(placed.gain);

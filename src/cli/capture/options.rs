@@ -3,12 +3,14 @@
 use std::path::Path;
 
 use clap::ValueEnum;
+use glam::DVec3;
 
 use super::Args;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
+use crate::math::{Camera, Lens};
 use crate::reconstruct::CameraFile;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
@@ -89,8 +91,8 @@ impl Args {
     /// When they cannot be read.
     pub(super) fn read_cameras(&self) -> Result<(CameraSet, Viewers)> {
         let Some(path) = &self.cameras else {
-            let cameras = self.position.iter().map(|position| PlacedCamera::at(position.to_array()));
-            return Ok((CameraSet::new(cameras.collect()), Viewers::No));
+            let cameras = self.position.iter().map(|position| self.camera_at(*position)).collect::<Result<_>>()?;
+            return Ok((CameraSet::new(cameras), Viewers::No));
         };
         let path = if path.is_dir() { path.join(crate::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
         let text = CameraSet::read_text(&path)?;
@@ -99,6 +101,41 @@ impl Args {
             false => CameraSet::from_json(&text).map(|set| (set, Viewers::No)),
         };
         read().map_err(|error| error.in_file(&path))
+    }
+
+    fn camera_at(&self, position: DVec3) -> Result<PlacedCamera> {
+        let at = PlacedCamera::at(position.to_array());
+        let Some(target) = self.look_at else { return Ok(at) };
+        let camera = Camera::look_at(position, target, DVec3::Y, Lens::new(self.fov.unwrap_or(90.0)))?;
+        Ok(PlacedCamera { orientation: camera.orientation(), ..at })
+    }
+
+    /// Sentences about what is surprising in what will be captured.
+    pub(super) fn notes(&self, scene: &Scene, plan: &CapturePlan) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Scene::Model(model) = scene
+            && model.is_lit_by_default()
+        {
+            notes.push("the scene brings no light: it is lit by a sun and a sky, whose figures --help has".to_owned());
+        }
+        let (last, length_s) = (plan.frames.last, scene.duration_s());
+        if length_s <= 0.0 {
+            if plan.frames.count() > 1 {
+                notes.push("nothing moves in the scene: all frames are alike".to_owned());
+            }
+        } else if let Ok(all) = frames_of_animation(length_s, plan.fps)
+            && last > all.last
+        {
+            let then = match scene {
+                Scene::Procedural(_) => "it begins anew",
+                Scene::Model(_) => "everything stays where it was at its end",
+            };
+            notes.push(format!("the animation has the frames {}-{}; behind them, {then}", all.first, all.last));
+        }
+        if plan.passes.contains(&Pass::Normal) {
+            notes.push("normals are for other programs: encode has no stream for them, and leaves them out".to_owned());
+        }
+        notes
     }
 
     /// What is to be captured.
@@ -233,6 +270,21 @@ mod tests {
         let endless = || Err(Error::Usage("endless".into()));
         assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);
         assert!(wanted_frames(&CameraSet::new(vec![at(None)]), endless).is_err());
+    }
+
+    /// The help has the figures of the light that scenes without any get.
+    #[test]
+    fn the_light_of_scenes_without_any_is_told() {
+        use clap::Args as _;
+        let help = super::Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
+        let light = crate::scene::Light::default();
+        let sun = light.suns[0];
+        let elevation = format!("{:.0} degrees", sun.direction.y.asin().to_degrees());
+        assert!(help.contains(&elevation), "{elevation}");
+        for figures in [sun.radiance, light.sky.horizon, light.sky.zenith, light.sky.ambient] {
+            let figures = figures.to_array().map(|value| value.to_string()).join(", ");
+            assert!(help.contains(&figures), "{figures}");
+        }
     }
 
     #[test]

@@ -147,7 +147,7 @@ impl CapturePlan {
         let (name, placed) = (self.cameras.name_of(camera), &self.cameras.cameras[camera]);
         let fov_y_deg = match self.projection {
             Projection::Perspective => Some(placed.fov_y_deg.or(self.fov_y_deg).ok_or_else(|| {
-                Error::Usage(format!("camera {name} has no field of view: give one to all that have none"))
+                Error::Usage(format!("camera {name} has no field of view: give one by --fov, or as its \"fov_y_deg\""))
             })?),
             _ => None,
         };
