@@ -178,6 +178,45 @@ fn folders_hide_no_built_in_scenes_and_what_is_no_scene_is_told_what_would_be() 
 }
 
 #[test]
+fn a_scene_is_told_by_inspect() {
+    let folder = TempDir::new().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let mut file = moved();
+    file.push("animations", json!({ "name": "nod\u{1b}[0m", "channels": [], "samplers": [] }));
+    fs::write(at("a.glb"), file.glb()).unwrap();
+    fs::write(at("b.gltf"), painted().text()).unwrap();
+    fs::write(at("paint.png"), png(1, 1, &[RED])).unwrap();
+    let told = |scene: &str| -> Value {
+        serde_json::from_slice(&fine(&format!("inspect {scene} --json"), folder.path()).stdout).unwrap()
+    };
+    let moved = told("a.glb");
+    assert_eq!(moved["bounds_m"], json!({ "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 0.0] }));
+    let [left, up, nod] = [0, 1, 2].map(|at| moved["animations"][at].clone());
+    assert_eq!(left, json!({ "name": "left", "duration_s": 1.0 }));
+    assert_eq!(up, json!({ "name": "up", "duration_s": 0.5 }));
+    assert_eq!(nod["name"], "nod?[0m");
+    let counts =
+        |told: &Value| ["triangles", "objects", "materials", "textures", "suns", "lamps"].map(|key| told[key].clone());
+    assert_eq!(counts(&moved), [1, 0, 1, 0, 1, 0]);
+    let painted = told("b.gltf");
+    assert_eq!((counts(&painted), &painted["animations"]), ([1, 0, 1, 1, 1, 0].map(Value::from), &json!([])));
+    let courtyard = told("courtyard");
+    assert!(
+        courtyard["objects"].as_u64().unwrap() > 5 && courtyard["animations"][0]["duration_s"] == 4.0,
+        "{courtyard}"
+    );
+    let text = String::from_utf8(fine("inspect a.glb", folder.path()).stdout).unwrap();
+    assert!(text.contains("0.000, 0.000, 0.000 to 1.000, 1.000, 0.000, 1.000 x 1.000 x 0.000 m"), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("left ") && line.ends_with(" 1.000")), "{text}");
+    assert!(refused("inspect a.glb --verify", folder.path()).contains("one table"));
+    // Of a dataset it says which option to add.
+    fine("capture b.gltf --position 0,0,1 --size 8 --samples 1 -q -o cap", folder.path());
+    for name in ["cap", "cap/lightfield.json"] {
+        assert!(refused(&format!("inspect {name}"), folder.path()).contains("--check"), "{name}");
+    }
+}
+
+#[test]
 fn a_picture_is_taken_towards_a_point() {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("a.obj"), OBJ).unwrap();

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::claim::{Claimed, claim};
 use super::move_into;
+use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 
 /// What the name of an unfinished folder ends in; it begins with a dot and the name of the output.
@@ -119,7 +120,7 @@ impl PartialFolder {
         }
     }
 
-    /// Moves everything to the output; files of the same names there are replaced.
+    /// Moves images and the manifest to the output; files of the same names there are replaced. Anything else goes.
     ///
     /// # Errors
     /// When something cannot be moved. What is left can be gone on with.
@@ -127,6 +128,7 @@ impl PartialFolder {
         let output = &self.output;
         let io = |error| Error::io(output, error);
         self.keep = true;
+        remove_foreign(&self.path).map_err(io)?;
         if output.exists() {
             move_into(&self.path, output, &|name| name != STATE).map_err(io)?;
             return std::fs::remove_dir_all(&self.path).map_err(io);
@@ -152,13 +154,31 @@ fn path_for(output: &Path) -> Result<PathBuf> {
     }
 }
 
+/// Removes what no capture writes: it would come to lie among the images.
+fn remove_foreign(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if entry.file_type()?.is_dir() {
+            remove_foreign(&entry.path())?;
+        } else if !is_image(Path::new(&name)) && name != MANIFEST_NAME && name != STATE {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+fn is_image(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "exr")
+}
+
 fn count(folder: &Path) -> u64 {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.map(|entry| {
         let path = entry.path();
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => count(&path),
-            Ok(_) => u64::from(path.extension().is_some_and(|extension| extension == "exr")),
+            Ok(_) => u64::from(is_image(&path)),
             Err(_) => 0,
         }
     });
@@ -212,17 +232,18 @@ mod tests {
     fn everything_moves_to_the_output_also_where_there_is_one() {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("cap");
-        for (round, expected) in [(0, vec!["a", "sub"]), (1, vec!["a", "sub"])] {
+        for (round, expected) in [(0, vec!["a.exr", "sub"]), (1, vec!["a.exr", "sub"])] {
             let mut folder = PartialFolder::open(&output).unwrap();
             folder.start_over("of it").unwrap();
             std::fs::create_dir(folder.work_path().join("sub")).unwrap();
-            for name in ["a", "sub/b"] {
+            for name in ["a.exr", "sub/b.exr", "notes.txt", "sub/b.exr.partial"] {
                 std::fs::write(folder.work_path().join(name), round.to_string()).unwrap();
             }
             folder.commit().unwrap();
             drop(folder);
             assert_eq!(names(&output), expected);
-            assert_eq!(std::fs::read(output.join("sub/b")).unwrap(), round.to_string().as_bytes());
+            assert_eq!(names(&output.join("sub")), ["b.exr"]);
+            assert_eq!(std::fs::read(output.join("sub/b.exr")).unwrap(), round.to_string().as_bytes());
             assert_eq!(names(base.path()), ["cap"]);
         }
     }
