@@ -28,7 +28,7 @@ use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_si
     lightfold capture scene.gltf --cameras old/lightfield.json --aov depth,normal,material -o cap\n  \
     lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
     lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
-    lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --projection perspective --fov 50 -o view\n  \
+    lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
     lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
     SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
     --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
@@ -56,7 +56,7 @@ pub struct Args {
     /// Capture from here, in metres; may be given more than once
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub position: Vec<DVec3>,
-    /// Turn each --position to look there, with +Y up, in metres; for a picture add --projection perspective and --fov
+    /// Take perspective pictures from each --position towards this point in metres, with +Y up; --fov says how wide
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
     pub look_at: Option<DVec3>,
     /// Which animation of the file is shown, by its name [default: the first]
@@ -72,7 +72,7 @@ pub struct Args {
     /// [default: 512, for panoramas 2048]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
-    /// What an image shows [default: cube; perspective where the cameras are viewers]
+    /// What an image shows [default: cube; perspective where the cameras are viewers, and with --look-at]
     #[arg(long, value_enum)]
     pub projection: Option<ProjectionArg>,
     /// Vertical field of view in degrees, for cameras of perspective captures that have none of their own

@@ -144,6 +144,7 @@ impl Args {
     /// When sizes contradict each other. What else is wrong, [`CapturePlan::manifest`] tells.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
         let projection = match (self.projection, viewers) {
+            (None, _) if self.look_at.is_some() => Projection::Perspective,
             (Some(ProjectionArg::Cube), _) | (None, Viewers::No) => Projection::Cubemap,
             (Some(ProjectionArg::Equirect), _) => Projection::Equirect,
             (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
