@@ -310,6 +310,14 @@ class LayoutTest(AdapterTest):
         self.assertAlmostEqual(layout.fresnel(brewster, 1.5), ((1.5 ** 2 - 1) / (1.5 ** 2 + 1)) ** 2 / 2)
         self.assertEqual(layout.fresnel(0.5, 1 / 1.5), 1)
 
+    def test_glass_is_left_through_its_dense_side(self):
+        self.assertEqual(layout.glass(0.5, 1.5, inside=True), (1, 0, 1.5))
+        reflect, refract, ior = layout.glass(0.5, 1.5, inside=False)
+        self.assertLess(reflect, 0.1)
+        self.assertEqual((reflect + refract, ior), (1, 1.5))
+        # Along the normal both sides are alike.
+        self.assertAlmostEqual(layout.glass(1, 1.5, inside=True)[0], 0.04)
+
     def test_a_capture_is_a_dataset_of_the_room(self):
         for words in (["--size", "24"], ["--projection", "equirect", "--size", "64"],
                       ["--projection", "perspective", "--size", "32x24", "--fov", "60"]):
@@ -606,6 +614,32 @@ class BlenderTest(AdapterTest):
         self.assert_captured(command + self.words("--size", "24", "--cycles-device", "CPU"))
         self.assert_captured(command + self.words("--size", "64", "--projection", "equirect", "--frames", "1"))
         self.assert_captured(command + self.words("--size", "96x64", "--projection", "perspective", "--frames", "0", "--fov", "100"))
+
+    def test_a_camera_inside_of_glass_looks_from_the_dense_side(self):
+        place, radius, _ = BALLS[1]
+        cameras = {"lightfold_cameras": 1, "cameras": [{"position": [place[0] + 0.75 * radius, *place[1:]]}]}
+        made = plan(self.work, "--size", "16", cameras=cameras)
+        command = [self.python, "-B", str(CAPTURE / "blender.py"), str(self.work / "room.blend"), "--cameras",
+                   str(self.work / "cameras.json"), "-o", str(self.work / "out"), "--size", "16", "--frames", "0",
+                   "--aov", "material", "--samples", "1"]
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        name = json.loads((self.work / "out" / layout.MANIFEST).read_text())["files"]["material"].replace("{probe}", "00")
+        whole = 0
+        for face in layout.FACES:
+            view = made.view(made.cameras[0], face, 0, [])
+            _, channels = exr.read(self.work / "out" / (name.replace("{face}", face) % 0))
+            for direction, reflect, ior in zip(view.directions(), channels["reflect"], channels["ior"]):
+                off = [here - there for here, there in zip(view.camera.position, place)]
+                toward = sum(a * b for a, b in zip(off, direction))
+                ahead = math.sqrt(toward * toward - sum(a * a for a in off) + radius * radius) - toward
+                cosine = sum((a + ahead * b) / radius * b for a, b in zip(off, direction))
+                self.assertEqual(ior, IOR)
+                # Where all is reflected from, a ball of flat pieces has another edge.
+                if abs(cosine - math.sqrt(1 - 1 / IOR ** 2)) > 0.05:
+                    self.assertAlmostEqual(reflect, layout.glass(cosine, IOR, True)[0], delta=0.02)
+                    whole += reflect == 1
+        self.assertGreater(whole, 100)
 
     def test_what_cannot_be_rendered_is_one_sentence(self):
         (self.work / "bad.blend").write_bytes(b"BLENDER no more")

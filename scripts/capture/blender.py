@@ -231,11 +231,18 @@ class Renderer:
             if kind == "mirror":
                 values = (1.0, 0.0, 1.0)
             elif kind == "glass":
-                reflected = layout.fresnel(min(1.0, abs(dot(direction, normal))), ior)
-                values = (reflected, 1 - reflected, ior)
+                values = layout.glass(min(1.0, abs(dot(direction, normal))), ior, self.is_inside(view, direction))
             for plane, value in zip(planes, values):
                 plane.append(value)
         return planes
+
+
+    def is_inside(self, view, direction):
+        """Whether a ray first meets a surface from behind, which Cycles' normals do not tell: they face the camera."""
+        origin = to_blender([value / self.unit for value in view.camera.position])
+        toward = to_blender(direction)
+        found, _, normal, *_ = self.scene.ray_cast(self.bpy.context.evaluated_depsgraph_get(), origin, toward)
+        return found and dot(normal, toward) > 0
 
 
 def dot(one, other):

@@ -175,6 +175,12 @@ def fresnel(cosine, ior):
     return (across * across + along * along) / 2
 
 
+def glass(cosine, ior, inside):
+    """reflect, refract and ior of a surface of glass. A camera inside of it looks from the dense side to the thin one."""
+    reflected = fresnel(cosine, 1 / ior if inside else ior)
+    return reflected, 1 - reflected, ior
+
+
 def rotated(vector, orientation):
     """A vector turned by a unit quaternion x, y, z, w."""
     if orientation is None:

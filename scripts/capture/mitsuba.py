@@ -298,8 +298,7 @@ class Surface:
         if self.kind == "mirror":
             return 1.0, 0.0, 1.0
         if self.kind == "glass":
-            reflected = layout.fresnel(cosine, 1 / self.ior if inside else self.ior)
-            return reflected, 1 - reflected, self.ior
+            return layout.glass(cosine, self.ior, inside)
         return 0.0, 0.0, 1.0
 
 

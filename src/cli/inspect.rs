@@ -1,9 +1,10 @@
 //! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound; whether a dataset is what its
-//! manifest says.
+//! manifest says; what a scene is made of.
 
 mod check;
 mod json;
 mod plot;
+mod scene;
 mod text;
 
 use std::path::PathBuf;
@@ -11,12 +12,13 @@ use std::path::PathBuf;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs};
+use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs, is_dataset};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, output};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::report;
+use crate::scene::Scene;
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
 
@@ -27,6 +29,8 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
     after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour. Temporal: after the coding in time, \
     before LZMA2.\nKeys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all \
     frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
+    Of a scene (glTF, GLB, OBJ, or built in) it tells bounds in metres, triangles, materials and lights at the beginning, and \
+    animations.\n\n\
     --check reads one frame of up to 16 probes. It answers fine, SUSPECT or cannot tell for the order and orientation of \
     cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour. \
     With --check the exit code is 1 where something is suspected.\n\n\
@@ -34,10 +38,10 @@ use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, I
     lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
     lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00\n  \
-    lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
+    lightfold inspect scene.glb\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// The container, - for standard input; with --check a lightfield.json or its folder
+    /// The container, - for standard input; a scene, as `capture` takes it; with --check a lightfield.json or its folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Streams.
@@ -117,6 +121,15 @@ struct Document<'a> {
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     if args.check {
         return check::run(args, global);
+    }
+    if let Some(name) = args.input.to_str().filter(|name| Scene::is_named_by(name)) {
+        return scene::run(args, name, global);
+    }
+    if is_dataset(&args.input) {
+        return Err(Error::Usage(format!(
+            "{}: a dataset, and no container yet; --check looks whether its files are what its manifest says",
+            args.input.display()
+        )));
     }
     plot::check(args)?;
     let decoder = Decoder::open(&args.input)?;

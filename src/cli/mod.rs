@@ -84,7 +84,7 @@ pub enum Command {
     Bc4w(bc4w::Args),
     /// Join containers into one, compress one further, or pack quadtrees at a bound
     Pack(pack::Args),
-    /// Show what a container holds and what it costs, and verify it; check a dataset's conventions
+    /// Show what a container holds and what it costs, and verify it; check a dataset's conventions; show a scene's size
     Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),

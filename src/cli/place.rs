@@ -20,9 +20,9 @@ use crate::placement::search::{self, DEFAULT_UNTIL, Extent};
 use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Settings, Stop};
 use crate::report::placement as figures;
 use crate::report::plot::save;
-use crate::scene::Scene;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::footage::FPS;
+use crate::scene::{Play, Scene};
 
 use report::Report;
 
@@ -76,6 +76,9 @@ pub struct Args {
     /// diagonal]
     #[arg(long, value_name = "K", value_parser = parse_not_negative)]
     pub k: Option<f64>,
+    /// Which animation of the file is played, by its name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
     /// The frames that the cameras are to serve, such as 0-95 [default: all of the animation]
     #[arg(long, value_name = "A-B", value_parser = options::parse_frames)]
     pub frames: Option<FrameRange>,
@@ -190,9 +193,9 @@ impl Args {
     }
 
     /// All frames that cameras serve.
-    fn frames(&self, scene: &Scene) -> [u32; 2] {
-        let range = self.frames.unwrap_or_else(|| frames_of_animation(scene.duration_s(), self.fps()));
-        [range.first, range.last]
+    fn frames(&self, scene: &Scene) -> Result<[u32; 2]> {
+        let range = self.frames.map_or_else(|| frames_of_animation(scene.duration_s(), self.fps()), Ok)?;
+        Ok([range.first, range.last])
     }
 }
 
@@ -202,12 +205,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let begun = Instant::now();
     let region = Region::parse(&args.region)?;
     let start = args.start.as_deref().map(CameraSet::read).transpose()?;
-    let (scene, notes) = Scene::open(&args.scene)?;
+    let play = args.animation.as_deref().map_or(Play::First, Play::Named);
+    let (scene, notes) = Scene::open_to_play(&args.scene, play)?;
     if !global.quiet {
         notes.iter().for_each(output::note);
     }
     let settings = args.settings();
-    let range = args.frames(&scene);
+    let range = args.frames(&scene)?;
     // What stands still is looked at once.
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
     let frames = search::spread_frames(range, most);
@@ -253,9 +257,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 /// The file of cameras: those of `--start` as they are, the new ones behind them.
 fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> Result<CameraSet> {
     let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
-    let has_names = cameras.iter().any(|camera| camera.name.is_some());
     let mut taken: Vec<String> =
         start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
+    // Numbers get more digits where there are many, and names that were given stay.
+    let grown = CameraSet::new(vec![PlacedCamera::at([0.0; 3]); placement.cameras.len()]);
+    let has_names = (0..taken.len()).any(|at| taken[at] != grown.name_of(at));
+    if has_names {
+        cameras.iter_mut().zip(&taken).for_each(|(camera, name)| camera.name = Some(name.clone()));
+    }
     for (at, placed) in placement.cameras.iter().enumerate().skip(placement.started) {
         let mut camera = PlacedCamera::at(placed.position.to_array());
         camera.gain = Some(placed.gain);

@@ -98,6 +98,10 @@ impl CameraSet {
         if text.len() as u64 > MAX_MANIFEST_BYTES {
             return Err(Error::invalid("a file of cameras has at most 16 MiB, this one has more").in_file(path));
         }
+        // Editors put a byte order mark before UTF-8.
+        if text.starts_with(b"\xef\xbb\xbf") {
+            text.drain(..3);
+        }
         Ok(text)
     }
 
@@ -108,6 +112,11 @@ impl CameraSet {
     pub fn from_json(text: &[u8]) -> Result<CameraSet> {
         let value: serde_json::Value =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
+        if !value.is_object() {
+            return Err(Error::invalid(
+                "this is not a file of cameras: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]} is one",
+            ));
+        }
         if value.get("lightfield").is_some() {
             return Ok(Self::of_probes(&Manifest::from_json(text)?.probes));
         }
@@ -208,6 +217,19 @@ mod tests {
             "probes": [{"name": "a", "position": [1, 2, 3]}]}"#;
         let set = CameraSet::from_json(text).unwrap();
         assert_eq!((set.name_of(0).as_str(), set.cameras[0].position), ("a", [1.0, 2.0, 3.0]));
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_text() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cameras.json");
+        let text = r#"{"lightfold_cameras": 1, "cameras": [{"position": [0, 1.5, 0]}]}"#;
+        std::fs::write(&path, format!("\u{feff}{text}")).unwrap();
+        assert_eq!(CameraSet::read(&path).unwrap(), CameraSet::from_json(text.as_bytes()).unwrap());
+        for text in ["[]", "3", "null", "\"a\""] {
+            let error = CameraSet::from_json(text.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains("\"lightfold_cameras\": 1"), "{error}");
+        }
     }
 
     #[test]

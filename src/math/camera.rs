@@ -1,6 +1,6 @@
 //! A perspective camera in the world: right-handed, +Y up, metres.
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::frustum::{Frustum, Window};
 use crate::error::{Error, Result};
@@ -106,6 +106,14 @@ impl Camera {
     /// Forward, right and down: of length 1, each at right angles to the others.
     pub fn axes(&self) -> [DVec3; 3] {
         self.axes
+    }
+
+    /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
+    /// looks so.
+    pub fn orientation(&self) -> Option<[f64; 4]> {
+        let [forward, right, down] = self.axes;
+        let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
+        (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
     /// All that it sees.

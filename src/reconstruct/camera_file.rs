@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
@@ -91,15 +91,11 @@ impl CameraFile {
         let cameras = Self::parse(text)?;
         let file: CameraFile =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
-        let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| {
-            let [forward, right, down] = timed.camera.axes();
-            let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
-            PlacedCamera {
-                orientation: (turn != DQuat::IDENTITY).then(|| turn.to_array()),
-                fov_y_deg: Some(entry.fov_y_deg),
-                frames: entry.frames,
-                ..PlacedCamera::at(entry.eye)
-            }
+        let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
+            orientation: timed.camera.orientation(),
+            fov_y_deg: Some(entry.fov_y_deg),
+            frames: entry.frames,
+            ..PlacedCamera::at(entry.eye)
         };
         let set = CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect());
         let mut aspects: Vec<f64> = file.cameras.iter().filter_map(|entry| entry.aspect).collect();

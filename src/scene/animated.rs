@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
-use super::model::Model;
+use super::model::{Model, Play};
 use super::procedural::{DemoKind, DemoScene};
 use super::raycast::SceneAtTime;
-use crate::error::Result;
+use crate::error::{Error, Result};
+
+/// What files of scenes end in, without the dot.
+const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];
 
 /// A scene that has a state at every time.
 #[derive(Debug)]
@@ -20,23 +23,40 @@ impl Scene {
     /// Whether [`Self::open`] would take a text for a scene, by its name alone: one that is built in, or a file that ends
     /// in `.glb`, `.gltf` or `.obj`.
     pub fn is_named_by(text: &str) -> bool {
-        let path = Path::new(text);
-        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-        let is_file = ending.is_some_and(|ending| ["glb", "gltf", "obj"].iter().any(|known| ending == *known));
-        is_file || (!path.exists() && DemoKind::from_name(text).is_some())
+        has_ending(text) || built_in(text).is_some()
     }
 
-    /// Opens a built-in scene by its name ([`DemoKind::from_name`]), or a file. A file is meant where one of that name
-    /// exists. Notes tell what was left out or replaced, a sentence each.
+    /// Opens a built-in scene by its name ([`DemoKind::from_name`]), or a file with its first animation. A file is meant where
+    /// one of that name exists; a folder is none. Notes tell what was left out or replaced, a sentence each.
     ///
     /// # Errors
-    /// As for [`Model::open`].
+    /// As for [`Model::open`], and when there is neither a scene nor a file of that name.
     pub fn open(text: &str) -> Result<(Scene, Vec<String>)> {
-        let path = Path::new(text);
-        if let (false, Some(kind)) = (path.exists(), DemoKind::from_name(text)) {
-            return Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new()));
+        Scene::open_to_play(text, Play::First)
+    }
+
+    /// The same with any animation. That of a built-in scene has no name.
+    ///
+    /// # Errors
+    /// As for [`Self::open`], and when there is no animation of that name.
+    pub fn open_to_play(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
+        if let Some(kind) = built_in(text) {
+            return match play {
+                Play::Named(name) => Err(Error::Usage(format!(
+                    "{text}: there is no animation “{name}”; a built-in scene has one, without a name"
+                ))),
+                _ => Ok((Scene::Procedural(DemoScene::new(kind)), Vec::new())),
+            };
         }
-        let (model, notes) = Model::open(path)?;
+        let path = Path::new(text);
+        if path.is_dir() || (!path.exists() && !has_ending(text)) {
+            let what = if path.is_dir() { "a folder" } else { "no file" };
+            return Err(Error::Usage(format!(
+                "{text}: {what}, and no scene; name a file (.glb, .gltf, .obj) or a built-in scene: {}",
+                DemoKind::ALL.map(DemoKind::name).join(", ")
+            )));
+        }
+        let (model, notes) = Model::open_to_play(path, play)?;
         Ok((Scene::Model(Box::new(model)), notes))
     }
 
@@ -55,4 +75,24 @@ impl Scene {
             Scene::Model(model) => model.duration_s(),
         }
     }
+
+    /// What it follows from, told apart from what it may come to later: the name of a built-in scene, a stand-in for the bytes
+    /// of all files that were read.
+    pub fn contents(&self) -> &str {
+        match self {
+            Scene::Procedural(scene) => scene.kind().name(),
+            Scene::Model(model) => model.contents(),
+        }
+    }
+}
+
+fn has_ending(text: &str) -> bool {
+    let ending = Path::new(text).extension().map(|ending| ending.to_ascii_lowercase());
+    ending.is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
+}
+
+/// The built-in scene that is meant: a file of its name comes first, a folder does not.
+fn built_in(text: &str) -> Option<DemoKind> {
+    let path = Path::new(text);
+    DemoKind::from_name(text).filter(|_| !path.exists() || path.is_dir())
 }

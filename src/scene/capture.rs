@@ -3,7 +3,6 @@
 //! Enters: a scene, cameras, frames, sizes. Leaves: images, one by one ([`view`]), or a folder of them that is a dataset
 //! ([`plan`], [`mod@write`]).
 
-pub mod contents;
 pub mod plan;
 pub mod samples;
 pub mod view;
@@ -17,7 +16,6 @@ use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face};
 use crate::monitor::Silent;
 
-pub use contents::hash_of_scene;
 pub use plan::{CapturePlan, Take, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, Window, capture_view};

@@ -4,6 +4,7 @@ mod anatomy;
 mod blocks;
 mod capture;
 mod capture_footage;
+mod capture_scenes;
 mod cli;
 mod commands;
 mod convention;

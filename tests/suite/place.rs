@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use lightfold::dataset::CameraSet;
+use lightfold::dataset::cameras::PlacedCamera;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -84,6 +85,16 @@ fn a_set_is_gone_on_with_and_measured() {
     let set = read(at("more.json"));
     let names: Vec<String> = (0..5).map(|at| set.name_of(at)).collect();
     assert_eq!(names, ["01", "left", "02", "03", "04"]);
+    // Nor do they change where numbers have three digits.
+    let many = CameraSet::new(vec![PlacedCamera::at([0.0, 1.5, 0.0]); 99]);
+    fs::write(at("many.json"), many.to_json().unwrap()).unwrap();
+    fine(&format!("{SMALL} --cameras 3 --start many.json -q -o more.json"), folder.path());
+    let set = read(at("more.json"));
+    let names: Vec<String> = (0..102).map(|at| set.name_of(at)).collect();
+    assert_eq!(
+        (names[0].as_str(), names[98].as_str(), &names[99..]),
+        ("00", "98", &["99", "100", "101"].map(String::from)[..])
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use clap::ValueEnum;
+use glam::DVec3;
 
 use super::Args;
 use crate::cli::options;
@@ -10,6 +11,7 @@ use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
+use crate::math::{Camera, Lens};
 use crate::reconstruct::CameraFile;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
@@ -86,8 +88,8 @@ impl Args {
     /// When they cannot be read.
     pub(super) fn read_cameras(&self) -> Result<(CameraSet, Viewers)> {
         let Some(path) = &self.cameras else {
-            let cameras = self.position.iter().map(|position| PlacedCamera::at(position.to_array()));
-            return Ok((CameraSet::new(cameras.collect()), Viewers::No));
+            let cameras = self.position.iter().map(|position| self.camera_at(*position)).collect::<Result<_>>()?;
+            return Ok((CameraSet::new(cameras), Viewers::No));
         };
         let path = if path.is_dir() { path.join(crate::dataset::manifest::MANIFEST_NAME) } else { path.clone() };
         let text = CameraSet::read_text(&path)?;
@@ -98,19 +100,55 @@ impl Args {
         read().map_err(|error| error.in_file(&path))
     }
 
+    fn camera_at(&self, position: DVec3) -> Result<PlacedCamera> {
+        let at = PlacedCamera::at(position.to_array());
+        let Some(target) = self.look_at else { return Ok(at) };
+        let camera = Camera::look_at(position, target, DVec3::Y, Lens::new(self.fov.unwrap_or(90.0)))?;
+        Ok(PlacedCamera { orientation: camera.orientation(), ..at })
+    }
+
+    /// Sentences about what is surprising in what will be captured.
+    pub(super) fn notes(&self, scene: &Scene, plan: &CapturePlan) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Scene::Model(model) = scene
+            && model.is_lit_by_default()
+        {
+            notes.push("the scene brings no light: it is lit by a sun and a sky, whose figures --help has".to_owned());
+        }
+        let (last, length_s) = (plan.frames.last, scene.duration_s());
+        if length_s <= 0.0 {
+            if plan.frames.count() > 1 {
+                notes.push("nothing moves in the scene: all frames are alike".to_owned());
+            }
+        } else if let Ok(all) = frames_of_animation(length_s, plan.fps)
+            && last > all.last
+        {
+            let then = match scene {
+                Scene::Procedural(_) => "it begins anew",
+                Scene::Model(_) => "everything stays where it was at its end",
+            };
+            notes.push(format!("the animation has the frames {}-{}; behind them, {then}", all.first, all.last));
+        }
+        if plan.passes.contains(&Pass::Normal) {
+            notes.push("normals are for other programs: encode has no stream for them, and leaves them out".to_owned());
+        }
+        notes
+    }
+
     /// What is to be captured.
     ///
     /// # Errors
     /// When sizes contradict each other. What else is wrong, [`CapturePlan::manifest`] tells.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
         let projection = match (self.projection, viewers) {
+            (None, _) if self.look_at.is_some() => Projection::Perspective,
             (Some(ProjectionArg::Cube), _) | (None, Viewers::No) => Projection::Cubemap,
             (Some(ProjectionArg::Equirect), _) => Projection::Equirect,
             (Some(ProjectionArg::Perspective), _) | (None, Viewers::Yes(_)) => Projection::Perspective,
         };
         let fps = self.fps;
-        let frames =
-            self.frames.frames.unwrap_or_else(|| wanted_frames(&cameras, frames_of_animation(scene.duration_s(), fps)));
+        let wanted = || wanted_frames(&cameras, || frames_of_animation(scene.duration_s(), fps));
+        let frames = self.frames.frames.map_or_else(wanted, Ok)?;
         Ok(CapturePlan {
             name: self.name(),
             fps,
@@ -178,10 +216,15 @@ impl Args {
 }
 
 /// From the first to the last frame in which a camera looks: all of the animation where it does not say.
-fn wanted_frames(cameras: &CameraSet, all: FrameRange) -> FrameRange {
-    let own = cameras.cameras.iter().map(|camera| camera.frames.unwrap_or([all.first, all.last]));
-    let hull = own.reduce(|[first, last], [other_first, other_last]| [first.min(other_first), last.max(other_last)]);
-    hull.map_or(all, |[first, last]| FrameRange { first, last })
+fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> Result<FrameRange> {
+    let mut hull: Option<FrameRange> = None;
+    for camera in &cameras.cameras {
+        let own = camera.frames.map_or_else(&all, |[first, last]| Ok(FrameRange { first, last }))?;
+        hull = Some(
+            hull.map_or(own, |hull| FrameRange { first: hull.first.min(own.first), last: hull.last.max(own.last) }),
+        );
+    }
+    hull.map_or_else(all, Ok)
 }
 
 /// Whether a file's cameras have eyes. What is no JSON is said later.
@@ -213,12 +256,33 @@ mod tests {
         let all = FrameRange { first: 0, last: 6 };
         let at = |frames| PlacedCamera { frames, ..PlacedCamera::at([0.0; 3]) };
         let wanted = |own: &[Option<[u32; 2]>]| {
-            let frames = wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), all);
+            let frames =
+                wanted_frames(&CameraSet::new(own.iter().map(|frames| at(*frames)).collect()), || Ok(all)).unwrap();
             [frames.first, frames.last]
         };
         assert_eq!(wanted(&[None, None]), [0, 6]);
         assert_eq!(wanted(&[Some([4, 5]), Some([5, 9])]), [4, 9]);
         assert_eq!(wanted(&[Some([4, 9]), None]), [0, 9]);
+        // Where each camera says, nobody asks for the animation.
+        let said = CameraSet::new(vec![at(Some([4, 5]))]);
+        let endless = || Err(Error::Usage("endless".into()));
+        assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);
+        assert!(wanted_frames(&CameraSet::new(vec![at(None)]), endless).is_err());
+    }
+
+    /// The help has the figures of the light that scenes without any get.
+    #[test]
+    fn the_light_of_scenes_without_any_is_told() {
+        use clap::Args as _;
+        let help = super::Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
+        let light = crate::scene::Light::default();
+        let sun = light.suns[0];
+        let elevation = format!("{:.0} degrees", sun.direction.y.asin().to_degrees());
+        assert!(help.contains(&elevation), "{elevation}");
+        for figures in [sun.radiance, light.sky.horizon, light.sky.zenith, light.sky.ambient] {
+            let figures = figures.to_array().map(|value| value.to_string()).join(", ");
+            assert!(help.contains(&figures), "{figures}");
+        }
     }
 
     #[test]

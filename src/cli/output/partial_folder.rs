@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::claim::{Claimed, claim};
 use super::move_into;
+use crate::dataset::manifest::MANIFEST_NAME;
 use crate::error::{Error, Result};
 
 /// What the name of an unfinished folder ends in; it begins with a dot and the name of the output.
@@ -36,6 +37,12 @@ impl PartialFolder {
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
         }
+        if output.is_symlink() && !output.exists() {
+            return Err(Error::Usage(format!(
+                "{}: a link that leads nowhere, where a folder was expected; remove it, or make what it leads to",
+                output.display()
+            )));
+        }
         let path = path_for(output)?;
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
@@ -48,7 +55,8 @@ impl PartialFolder {
                 path.display()
             )));
         };
-        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0);
+        // A disk that was full may have lost the state of images that are sound.
+        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || count(&path) > 0;
         Ok(PartialFolder { output: output.to_path_buf(), path, state: file, is_locked, keep })
     }
 
@@ -112,7 +120,7 @@ impl PartialFolder {
         }
     }
 
-    /// Moves everything to the output; files of the same names there are replaced.
+    /// Moves images and the manifest to the output; files of the same names there are replaced. Anything else goes.
     ///
     /// # Errors
     /// When something cannot be moved. What is left can be gone on with.
@@ -120,6 +128,7 @@ impl PartialFolder {
         let output = &self.output;
         let io = |error| Error::io(output, error);
         self.keep = true;
+        remove_foreign(&self.path).map_err(io)?;
         if output.exists() {
             move_into(&self.path, output, &|name| name != STATE).map_err(io)?;
             return std::fs::remove_dir_all(&self.path).map_err(io);
@@ -145,13 +154,31 @@ fn path_for(output: &Path) -> Result<PathBuf> {
     }
 }
 
+/// Removes what no capture writes: it would come to lie among the images.
+fn remove_foreign(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if entry.file_type()?.is_dir() {
+            remove_foreign(&entry.path())?;
+        } else if !is_image(Path::new(&name)) && name != MANIFEST_NAME && name != STATE {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+fn is_image(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "exr")
+}
+
 fn count(folder: &Path) -> u64 {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.map(|entry| {
         let path = entry.path();
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => count(&path),
-            Ok(_) => u64::from(path.extension().is_some_and(|extension| extension == "exr")),
+            Ok(_) => u64::from(is_image(&path)),
             Err(_) => 0,
         }
     });
@@ -205,19 +232,43 @@ mod tests {
     fn everything_moves_to_the_output_also_where_there_is_one() {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("cap");
-        for (round, expected) in [(0, vec!["a", "sub"]), (1, vec!["a", "sub"])] {
+        for (round, expected) in [(0, vec!["a.exr", "sub"]), (1, vec!["a.exr", "sub"])] {
             let mut folder = PartialFolder::open(&output).unwrap();
             folder.start_over("of it").unwrap();
             std::fs::create_dir(folder.work_path().join("sub")).unwrap();
-            for name in ["a", "sub/b"] {
+            for name in ["a.exr", "sub/b.exr", "notes.txt", "sub/b.exr.partial"] {
                 std::fs::write(folder.work_path().join(name), round.to_string()).unwrap();
             }
             folder.commit().unwrap();
             drop(folder);
             assert_eq!(names(&output), expected);
-            assert_eq!(std::fs::read(output.join("sub/b")).unwrap(), round.to_string().as_bytes());
+            assert_eq!(names(&output.join("sub")), ["b.exr"]);
+            assert_eq!(std::fs::read(output.join("sub/b.exr")).unwrap(), round.to_string().as_bytes());
             assert_eq!(names(base.path()), ["cap"]);
         }
+    }
+
+    #[test]
+    fn images_without_a_state_are_not_removed() {
+        let base = tempfile::tempdir().unwrap();
+        let left = base.path().join(".cap.capture.partial");
+        std::fs::create_dir(&left).unwrap();
+        std::fs::write(left.join("a.exr"), "1").unwrap();
+        std::fs::write(left.join(STATE), "").unwrap();
+        let mut folder = PartialFolder::open(&base.path().join("cap")).unwrap();
+        assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("", 1));
+        drop(folder);
+        assert_eq!(names(&left), [STATE, "a.exr"]);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_that_leads_nowhere_is_refused() {
+        let base = tempfile::tempdir().unwrap();
+        std::os::unix::fs::symlink(base.path().join("gone"), base.path().join("cap")).unwrap();
+        let said = PartialFolder::open(&base.path().join("cap")).unwrap_err().to_string();
+        assert!(said.contains("leads nowhere"), "{said}");
+        assert_eq!(names(base.path()), ["cap"]);
     }
 
     #[test]

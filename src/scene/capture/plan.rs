@@ -61,11 +61,23 @@ pub struct Take {
     pub frame: u32,
 }
 
+/// Most frames of an animation that nobody asked for: more than an hour's worth, and a stray key in a file may ask for more.
+const MAX_ANIMATION_FRAMES: u32 = 100_000;
+
 /// Frames of an animation of that length: all that begin before its end, and at least one.
-pub fn frames_of_animation(duration_s: f64, fps: f64) -> FrameRange {
+///
+/// # Errors
+/// When there are more than 100 000 of them.
+pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
     // A millionth of a frame is rounding. Casts saturate, and NaN is 0.
     let count = (duration_s * fps - 1e-6).ceil() as u32;
-    FrameRange { first: 0, last: count.max(1) - 1 }
+    if count > MAX_ANIMATION_FRAMES {
+        return Err(Error::Usage(format!(
+            "the animation lasts {duration_s} s, more than {MAX_ANIMATION_FRAMES} frames at {fps} fps: say by --frames which \
+             of them are wanted"
+        )));
+    }
+    Ok(FrameRange { first: 0, last: count.max(1) - 1 })
 }
 
 impl CapturePlan {
@@ -135,7 +147,7 @@ impl CapturePlan {
         let (name, placed) = (self.cameras.name_of(camera), &self.cameras.cameras[camera]);
         let fov_y_deg = match self.projection {
             Projection::Perspective => Some(placed.fov_y_deg.or(self.fov_y_deg).ok_or_else(|| {
-                Error::Usage(format!("camera {name} has no field of view: give one to all that have none"))
+                Error::Usage(format!("camera {name} has no field of view: give one by --fov, or as its \"fov_y_deg\""))
             })?),
             _ => None,
         };
@@ -310,8 +322,13 @@ mod tests {
 
     #[test]
     fn animations_have_the_frames_before_their_end() {
-        let last = |duration_s| frames_of_animation(duration_s, 24.0).last;
+        let last = |duration_s| frames_of_animation(duration_s, 24.0).unwrap().last;
         assert_eq!([0.0, 0.01, 1.0, 4.0, 1.0 / 24.0 * 7.0, f64::NAN].map(last), [0, 0, 23, 95, 6, 0]);
+        assert_eq!(last(100_000.0 / 24.0), 99_999);
+        for duration_s in [100_001.0 / 24.0, 1e30, f64::INFINITY] {
+            let error = frames_of_animation(duration_s, 24.0).unwrap_err().to_string();
+            assert!(error.contains("--frames"), "{error}");
+        }
     }
 
     #[test]

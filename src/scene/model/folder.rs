@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::budget::Budget;
 use crate::error::{Error, Result};
+use crate::fingerprint::digest;
 use crate::image::open_regular;
 
 /// Where names of other files lead.
@@ -15,12 +16,14 @@ pub struct Folder {
     path: PathBuf,
     /// What was read, so that a file that is named twice is read once.
     read: Vec<(PathBuf, Arc<Vec<u8>>)>,
+    /// Names that led to nothing.
+    missing: Vec<String>,
 }
 
 impl Folder {
     /// The folder that a scene's file lies in.
     pub fn of(file: &Path) -> Folder {
-        Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new() }
+        Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new(), missing: Vec::new() }
     }
 
     /// Bytes of the file that `name` leads to.
@@ -28,6 +31,25 @@ impl Folder {
     /// # Errors
     /// When the name leads out of the folder, or the file cannot be read.
     pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
+        let fetched = self.look_up(name, budget);
+        if fetched.is_err() {
+            self.missing.push(name.to_owned());
+        }
+        fetched
+    }
+
+    /// A stand-in for the bytes of a scene's file and of all that were fetched since, and for the names of those that could
+    /// not be: what the scene follows from.
+    pub fn contents(&self, file: &[u8]) -> String {
+        let of_named: Vec<(&Path, String)> = self
+            .read
+            .iter()
+            .map(|(path, bytes)| (path.strip_prefix(&self.path).unwrap_or(path), digest(bytes)))
+            .collect();
+        digest(format!("{} {of_named:?} {:?}", digest(file), self.missing).as_bytes())
+    }
+
+    fn look_up(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         let path = self.path.join(inside(name)?);
         if let Some((_, bytes)) = self.read.iter().find(|(read, _)| *read == path) {
             return Ok(bytes.clone());
@@ -136,5 +158,30 @@ mod tests {
         assert!(Arc::ptr_eq(&first, &second) && **first == [1, 2, 3]);
         assert!(files.fetch("b.bin", &mut budget).unwrap_err().to_string().contains("b.bin"));
         assert!(files.fetch(".", &mut budget).is_err(), "a folder is no file");
+    }
+
+    #[test]
+    fn every_file_that_was_named_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+        let contents = |file: &[u8], names: &[&str]| {
+            let mut files = Folder::of(&folder.path().join("scene.gltf"));
+            let mut budget = Budget::new(0);
+            names.iter().for_each(|name| drop(files.fetch(name, &mut budget)));
+            files.contents(file)
+        };
+        write("a.bin", &[1]);
+        let mut all = vec![contents(b"1", &["a.bin", "b.png"])];
+        assert_eq!(contents(b"1", &["a.bin", "b.png"]), all[0]);
+        all.push(contents(b"2", &["a.bin", "b.png"]));
+        write("b.png", &[2]);
+        all.push(contents(b"1", &["a.bin", "b.png"]));
+        write("b.png", &[3]);
+        all.push(contents(b"1", &["a.bin", "b.png"]));
+        write("a.bin", &[4]);
+        all.push(contents(b"1", &["a.bin", "b.png"]));
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), 5);
     }
 }

@@ -25,6 +25,10 @@ pub struct Read {
     pub stage: Stage,
     /// Names of all animations.
     pub animations: Vec<String>,
+    /// Their lengths in seconds, as the file states them; `None` where it does not.
+    pub durations_s: Vec<Option<f64>>,
+    /// As [`Folder::contents`].
+    pub contents: String,
 }
 
 /// Reads a document.
@@ -70,7 +74,11 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         Play::None => None,
         Play::Named(name) => Some(animations.iter().position(|other| other == name).ok_or_else(|| {
             let all: Vec<&str> = animations.iter().take(20).map(String::as_str).collect();
-            let all = if all.is_empty() { "it has none".to_string() } else { format!("it has {}", all.join(", ")) };
+            let all = if all.is_empty() {
+                "it has none".to_string()
+            } else {
+                super::printable(&format!("it has {}", all.join(", ")))
+            };
             Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display()))
         })?),
     };
@@ -84,7 +92,19 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         notes.push(format!("of {} animations the first is shown, “{shown}”", animations.len()));
     }
     let materials = paints.into_iter().map(|paint| paint.material).collect();
-    Ok(Read { stage: Stage { nodes, instances, skins, materials, lights, animation }, animations })
+    let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
+    let contents = buffers.folder.contents(bytes);
+    let stage = Stage { nodes, instances, skins, materials, lights, animation };
+    Ok(Read { stage, animations, durations_s, contents })
+}
+
+/// Seconds up to the last key: the greatest of the times that glTF 2.0, 3.6.2.5 has stated beside them.
+fn stated_duration_s(root: &gltf::json::Root, animation: &gltf::json::Animation) -> Option<f64> {
+    let last = |sampler: &gltf::json::animation::Sampler| {
+        let max = root.accessors.get(sampler.input.value())?.max.as_ref()?;
+        max.get(0)?.as_f64().filter(|time| time.is_finite())
+    };
+    animation.samplers.iter().map(last).try_fold(0.0, |longest: f64, time| Some(longest.max(time?)))
 }
 
 /// Meshes that were read, each when the first node shows it.

@@ -44,6 +44,8 @@ pub struct Model {
     light: Light,
     motion: Option<Motion>,
     animations: Vec<String>,
+    durations_s: Vec<Option<f64>>,
+    contents: String,
 }
 
 /// What is placed anew at each time.
@@ -99,23 +101,32 @@ impl Model {
         let first = text.iter().find(|byte| !byte.is_ascii_whitespace());
         if document::is_glb(&bytes) || first == Some(&b'{') {
             let read = gltf::read(&bytes, path, play, notes)?;
-            return Model::of_stage(read.stage, read.animations, notes);
+            let (stage, animations, durations_s, contents) =
+                (read.stage, read.animations, read.durations_s, read.contents);
+            return Ok(Model { animations, durations_s, contents, ..Model::of_stage(stage, notes)? });
         }
         if extension.is_none_or(|extension| extension != "obj") {
             return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
         }
         if let Play::Named(name) = play {
-            return Err(Error::Usage(format!("{}: an OBJ file has no animation “{name}”", path.display())));
+            return Err(Error::Usage(format!(
+                "{}: there is no animation “{name}”; an OBJ file has none",
+                path.display()
+            )));
         }
-        let mesh = obj::read(&bytes, path, notes)?;
+        let (mesh, contents) = obj::read(&bytes, path, notes)?;
         if mesh.triangles.is_empty() {
             return Err(nothing());
         }
         let still = vec![Arc::new(MeshBvh::new(mesh))];
-        Ok(Model { still, light: Light::default(), motion: None, animations: Vec::new() })
+        Ok(Model { contents, ..Model::of_parts(still, Light::default(), None) })
     }
 
-    fn of_stage(stage: Stage, animations: Vec<String>, notes: &mut Vec<String>) -> Result<Model> {
+    fn of_parts(still: Vec<Arc<MeshBvh>>, light: Light, motion: Option<Motion>) -> Model {
+        Model { still, light, motion, animations: Vec::new(), durations_s: Vec::new(), contents: String::new() }
+    }
+
+    fn of_stage(stage: Stage, notes: &mut Vec<String>) -> Result<Model> {
         let moves = stage.moves();
         let fixed = stage.at(0.0, Which::Still, &moves);
         let moving = stage.at(0.0, Which::Moving, &moves);
@@ -128,7 +139,7 @@ impl Model {
         }
         let still = if fixed.mesh.triangles.is_empty() { vec![] } else { vec![Arc::new(MeshBvh::new(fixed.mesh))] };
         let motion = moves.anything().then_some(Motion { stage, moves });
-        Ok(Model { still, light: fixed.light, motion, animations })
+        Ok(Model::of_parts(still, fixed.light, motion))
     }
 
     /// Most bytes of memory that a file of so many bytes may take while it is read, together with those that it names:
@@ -140,6 +151,22 @@ impl Model {
     /// Names of all animations in the file, in its order; “animation N” for one without a name.
     pub fn animations(&self) -> &[String] {
         &self.animations
+    }
+
+    /// Lengths of all animations in seconds, in the same order, as the file states them; `None` where it does not.
+    pub fn durations_s(&self) -> &[Option<f64>] {
+        &self.durations_s
+    }
+
+    /// A stand-in for the bytes of all files that it was read from, and for the names of those that were missing: it changes
+    /// when any of them does.
+    pub fn contents(&self) -> &str {
+        &self.contents
+    }
+
+    /// Whether it is lit by [`Light::default`], as its file brings no light.
+    pub fn is_lit_by_default(&self) -> bool {
+        self.light == Light::default()
     }
 
     /// Length of its animation in seconds, 0 where nothing moves.

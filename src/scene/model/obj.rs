@@ -22,11 +22,11 @@ use crate::scene::mesh::{Mesh, MeshMaterial};
 /// Bytes that the parser takes for each byte of text, at most.
 const PARSED: u64 = 32;
 
-/// Reads a file.
+/// Reads a file; answers [`Folder::contents`], too.
 ///
 /// # Errors
 /// When a line cannot be read, or a face has a corner that is not there.
-pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> {
+pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Mesh, String)> {
     let mut budget = Budget::new(bytes.len() as u64);
     budget.take(bytes.len() as u64, PARSED, "the text")?;
     let Plain { text, no_surface } = plain(bytes)?;
@@ -78,7 +78,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<Mesh> 
         });
     }
     assembly.left_out.note(notes);
-    Ok(assembly.finish(paints.into()))
+    Ok((assembly.finish(paints.into()), folder.contents(bytes)))
 }
 
 /// A text that the parser cannot stumble over.
