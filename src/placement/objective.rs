@@ -133,6 +133,11 @@ impl Problem {
         &self.facets
     }
 
+    /// Puts another k in the place of the one that was given.
+    pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
+        self.rate_per_m = rate_per_m;
+    }
+
     /// k, per metre.
     pub fn rate_per_m(&self) -> f64 {
         self.rate_per_m

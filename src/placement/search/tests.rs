@@ -1,6 +1,6 @@
 use super::*;
 use crate::monitor::Silent;
-use crate::scene::{AxisBox, Light, Material, Object, Shape, Sphere, Texture};
+use crate::scene::{Light, Material, Object, Shape, Sphere, Texture};
 
 fn scene(shapes: &[Shape]) -> SceneAtTime {
     let paint = Material::diffuse(Texture::Solid(DVec3::ONE));
