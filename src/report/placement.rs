@@ -172,12 +172,7 @@ mod tests {
         };
         assert!(lines(&figures[0].drawing, 4) >= 3);
         assert!(lines(&figures[1].drawing, 8) >= 1 && lines(&figures[1].drawing, 4) >= 1);
-        let texts: Vec<&str> = figures[1]
-            .drawing
-            .shapes
-            .iter()
-            .filter_map(|shape| if let Shape::Text { text, .. } = shape { Some(text.text.as_str()) } else { None })
-            .collect();
+        let texts = texts(&figures[1].drawing);
         assert!(texts.contains(&"diffuse") && texts.contains(&"specular, θ = 50°"), "{texts:?}");
     }
 
@@ -187,8 +182,11 @@ mod tests {
     }
 
     fn texts(drawing: &Drawing) -> Vec<&str> {
-        let text = |shape| if let Shape::Text { text, .. } = shape { Some(text) } else { None };
-        drawing.shapes.iter().filter_map(text).map(|text| text.text.as_str()).collect()
+        drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| if let Shape::Text { text, .. } = shape { Some(text.text.as_str()) } else { None })
+            .collect()
     }
 
     #[test]

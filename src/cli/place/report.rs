@@ -13,7 +13,6 @@ use crate::error::Result;
 use crate::placement::{Figures, Lighting, Placed, Placement, Search};
 use crate::report::anatomy::counted;
 use crate::report::placement::Curve;
-use crate::report::plot::number::short;
 use crate::report::{Column, Table, csv};
 
 /// Part of the surface below which a region is taken to be in the wrong place.
@@ -94,7 +93,14 @@ fn percent(share: f64) -> String {
 
 /// A number as people write it: with a power of ten only where it is very small or very large.
 fn plain(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e4).contains(&value.abs()) { short(value) } else { format!("{value:.3e}") }
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e4).contains(&value) {
+        let digits = (3.0 - value.log10()).floor().clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
 }
 
 /// A length with as many digits as tell candidates apart.
@@ -333,5 +339,17 @@ impl Report<'_> {
             all["decay"] = self.decays.iter().map(curve).collect();
         }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_plain_unless_tiny_or_huge() {
+        let found = [0.0, 0.00125, 1.2345678, 577.35, 9999.4, 1.5e5, 2e-9].map(plain);
+        assert_eq!(found, ["0", "0.00125", "1.235", "577.4", "9999", "1.500e5", "2.000e-9"]);
+        assert_eq!([metres(1.23456, 5.0), metres(0.001234567, 0.002)], ["1.235", "0.001235"]);
     }
 }
