@@ -16,7 +16,7 @@ use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
-use crate::placement::search::{self, DEFAULT_UNTIL, Extent};
+use crate::placement::search::{self, DEFAULT_MOST_CAMERAS, DEFAULT_UNTIL, Extent, LEAST_THETA_DEG};
 use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Settings, Stop};
 use crate::report::placement as figures;
 use crate::report::plot::save;
@@ -33,32 +33,39 @@ use report::Report;
     lightfold place dragon.glb --region=-2,-2,-2,2,2,2 --cameras 8 -o cameras.json --json\n  \
     lightfold place room.glb --region walk.obj --lighting specular --theta 30 -o cameras.json\n  \
     lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv rows.csv -o cameras.json\n  \
-    lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n\n\
+    lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n  \
+    lightfold place room.glb --region=-4,1,-1,4,2,1 --spread 16 -o even.json\n\n\
     Cameras are placed one after the other, each where it adds most to what is seen and not seen well already. Within the \
     viewer distance, which is that of a surface from the region and at least --min-distance, a camera sees as well as any \
     viewer; with each metre beyond, it is worth less by the factor exp(-K). Candidates lie in the region, outside of solids.\n\n\
     Coverage is, for diffuse surfaces, the part of all surface that cameras see; for specular ones, the part of all directions \
     above the surface that are less than --theta degrees from a camera that sees it. 'Reachable' is what all candidates \
     together cover: the rest is hidden from everywhere in the region. 'Within' counts only what is seen from within the viewer \
-    distance, 'weighted' counts the rest at its reduced worth, as in figure 3 of the paper.")]
+    distance (or from a quarter of it beyond, and at least 5% of the region's diagonal: without that, only a camera at the one \
+    place nearest to a surface would count), 'weighted' counts the rest at its reduced worth, as in figure 3 of the paper. Both \
+    are parts of the surface, so they stand beside diffuse coverage only.")]
 pub struct Args {
     /// The scene: a glTF, GLB or OBJ file, or the name of a built-in one, such as courtyard
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Where viewers may be: x0,y0,z0,x1,y1,z1 (two corners, metres), sphere:x,y,z,r, or a file with a closed mesh. May be
     /// given more than once, for the union
-    #[arg(long, value_name = "BOX|MESH", required = true, allow_hyphen_values = true)]
+    #[arg(long, value_name = "BOX|SPHERE|MESH", required = true, allow_hyphen_values = true)]
     pub region: Vec<String>,
     /// The file of cameras to write, - for standard output
     #[arg(long, short, value_name = "CAMERAS.json")]
     pub output: PathBuf,
-    /// Place so many cameras; fewer only where no further one adds anything
+    /// Place so many cameras; fewer only where no further one adds anything [default: until --until, and no more than 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=100_000))]
     pub cameras: Option<u32>,
     /// Stop where the next camera adds no more than this part of the surface, such as 0.005 or 0.5% [default: 0.1%, or 0 with
     /// --cameras]
     #[arg(long, value_name = "GAIN", value_parser = options::parse_share)]
     pub until: Option<f64>,
+    /// Spread so many cameras evenly over the open part of the region, by Hammersley's points, instead of searching; what they
+    /// cover is told all the same
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
+    pub spread: Option<u32>,
     /// Go on behind the cameras of this file (or a lightfield.json): they count, and are written first; --cameras 0 only
     /// measures them
     #[arg(long, value_name = "CAMERAS.json")]
@@ -66,7 +73,8 @@ pub struct Args {
     /// Whether surfaces look alike from everywhere, or each side has to be seen
     #[arg(long, value_enum, default_value_t = LightingArg::Diffuse)]
     pub lighting: LightingArg,
-    /// With specular lighting: cameras less than so many degrees apart, seen from a surface, see the same there [default: 50]
+    /// With specular lighting: cameras less than so many degrees apart, seen from a surface, see the same there [default: 50]. Below 1
+    /// degree nearly every camera is new everywhere, and --cameras has to say how many
     #[arg(long, value_name = "DEGREES", value_parser = parse_theta)]
     pub theta: Option<f64>,
     /// The least distance in metres that a viewer has from a surface [default: 5% of the region's diagonal]
@@ -76,6 +84,9 @@ pub struct Args {
     /// diagonal]
     #[arg(long, value_name = "K", value_parser = parse_not_negative)]
     pub k: Option<f64>,
+    /// More values of K to place for, for a chart of --plot and rows of --csv: coverage by camera, a line for each
+    #[arg(long, value_name = "K,K,..", value_delimiter = ',', value_parser = parse_not_negative)]
+    pub compare_k: Vec<f64>,
     /// Which animation of the file is played, by its name [default: the first]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
@@ -161,9 +172,17 @@ impl Args {
         }
     }
 
+    /// When a search ends that was told no number.
+    fn is_endless(&self) -> bool {
+        self.cameras.is_none() && self.spread.is_none()
+    }
+
     fn stop(&self) -> Stop {
+        if self.spread.is_some() {
+            return Stop { cameras: Some(0), until: 0.0 };
+        }
         let until = self.until.unwrap_or(if self.cameras.is_some() { 0.0 } else { DEFAULT_UNTIL });
-        Stop { cameras: self.cameras.map(|count| count as usize), until }
+        Stop { cameras: Some(self.cameras.map_or(DEFAULT_MOST_CAMERAS, |count| count as usize)), until }
     }
 
     /// Refuses what makes no sense together.
@@ -175,12 +194,15 @@ impl Args {
         if self.theta.is_some() && self.lighting == LightingArg::Diffuse {
             return wrong("--theta means nothing for diffuse surfaces; add --lighting specular");
         }
-        if self.lighting() == (Lighting::Specular { theta_deg: 0.0 })
-            && (self.cameras.is_none() || self.until.is_some())
-        {
+        let is_small = matches!(self.lighting(), Lighting::Specular { theta_deg } if theta_deg < LEAST_THETA_DEG);
+        if is_small && (self.is_endless() || self.until.is_some()) {
             return wrong(
-                "with --theta 0 no camera is ever redundant, and gains do not shrink; say how many by --cameras alone",
+                "with --theta below 1 degree hardly any camera is ever redundant, and gains hardly shrink, so that a search would \
+                 not end; say how many by --cameras alone",
             );
+        }
+        if !self.compare_k.is_empty() && self.plot.is_none() && self.csv.is_none() {
+            return wrong("--compare-k is for a chart and for rows; add --plot DIR or --csv FILE.csv");
         }
         if self.cameras == Some(0) && self.start.is_none() {
             return wrong("--cameras 0 measures the cameras of a file; name it by --start");
@@ -217,7 +239,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let frames = search::spread_frames(range, most);
     let moments = search::moments(&scene, &frames, args.fps());
     let progress = Progress::start(global, "looking", settings.steps())?;
-    let search = Search::new(moments, &region, &settings, &progress)?;
+    let mut search = Search::new(moments, &region, &settings, &progress)?;
     drop(progress);
     let mut positions = Vec::new();
     if let Some(set) = &start {
@@ -229,21 +251,39 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             }
         }
     }
+    let started = positions.len();
+    if let Some(count) = args.spread {
+        positions.extend(search.spread(count as usize)?);
+    }
     let progress = Progress::start(global, "placing", u64::from(args.cameras.unwrap_or(0)))?;
-    let placement = search.place(args.lighting(), &positions, args.stop(), &progress)?;
+    let place = |search: &Search<'_>, lighting: Lighting| -> Result<Placement> {
+        Ok(Placement { started, ..search.place(lighting, &positions, args.stop(), &progress)? })
+    };
+    let placement = place(&search, args.lighting())?;
     if placement.cameras.is_empty() {
         return Err(Error::Usage(
             "no camera in the region adds anything: nothing can be seen from there, or --until is too large".into(),
         ));
     }
     let comparison = match args.plot.is_some() || args.csv.is_some() {
-        true => Some(search.place(args.other_lighting(), &positions, args.stop(), &progress)?),
+        true => Some(place(&search, args.other_lighting())?),
         false => None,
     };
+    let rate_per_m = search.problem().rate_per_m();
+    let mut decays = Vec::new();
+    for k in &args.compare_k {
+        search.set_rate_per_m(*k);
+        decays.push((*k, place(&search, args.lighting())?));
+    }
+    search.set_rate_per_m(rate_per_m);
     drop(progress);
     let seconds = begun.elapsed().as_secs_f64();
     let set = camera_set(args, start, &placement, &search)?;
-    let report = Report { args, search: &search, placement: &placement, comparison, set: &set, range, frames, seconds };
+    let report =
+        Report { args, search: &search, placement: &placement, comparison, decays, set: &set, range, frames, seconds };
+    if !global.quiet {
+        report.notes().iter().for_each(output::note);
+    }
     let files = write(&report)?;
     if args.json {
         output::print_json(&report.json(&files))?;
@@ -300,7 +340,7 @@ fn write(report: &Report<'_>) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     if let Some(folder) = &args.plot {
         let out = OutputFolder::create(folder)?;
-        for figure in figures::all(&report.curves()) {
+        for figure in figures::all(&report.curves(), &report.decays()) {
             let written = save(&figure.drawing, out.work_path(), figure.name).map_err(|error| out.present(error))?;
             files.extend(written.iter().filter_map(|path| Some(folder.join(path.file_name()?))));
         }

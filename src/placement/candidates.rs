@@ -17,6 +17,9 @@ const TRIES: usize = 64;
 /// Least size of a volume along an axis, as a part of the region's diagonal, for the share of candidates that it gets.
 const THINNEST: f64 = 1e-3;
 
+/// How close cameras that are spread without a search may be, as a part of the spacing of as many on an even grid.
+pub const APART: f64 = 0.5;
+
 /// How candidates are spread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CandidateKind {
@@ -63,11 +66,7 @@ impl Room<'_> {
             }
         };
         if found.is_empty() {
-            return Err(Error::Usage(format!(
-                "the region has no room for a camera: everywhere it is inside something, or less than {:.3e} m from a surface; \
-                 move it, or turn the faces of the mesh outwards where they point inwards",
-                self.clearance_m
-            )));
+            return Err(self.no_room());
         }
         Ok(found)
     }
@@ -86,6 +85,49 @@ impl Room<'_> {
         }
         found.truncate(wanted);
         found
+    }
+
+    /// Cameras without a search, as for a box in which a viewer's head moves (Seurat 3): `wanted` of Hammersley's points in the
+    /// box around the region, of those that are admitted and at least [`APART`] of an even spacing from each other. Fewer where
+    /// there is no room for so many. In the order of the set, along x.
+    ///
+    /// # Errors
+    /// When there is no room for a single one.
+    pub fn hammersley(&self, wanted: usize) -> Result<Vec<DVec3>> {
+        let bounds = self.region.bounds();
+        let apart_m = APART * self.spacing_m(wanted);
+        let mut count = wanted;
+        loop {
+            let at = |index: usize| {
+                let share = sequence::hammersley(index as u64, count as u64);
+                Some(bounds.min + share * (bounds.max - bounds.min)).filter(|point| self.admits(*point))
+            };
+            let admitted: Vec<Option<DVec3>> = (0..count).into_par_iter().map(at).collect();
+            let mut found: Vec<DVec3> = Vec::new();
+            for point in admitted.into_iter().flatten() {
+                if found.iter().all(|other| other.distance(point) >= apart_m) {
+                    found.push(point);
+                }
+            }
+            if found.len() >= wanted || count >= TRIES * wanted {
+                return match found.len() {
+                    0 => Err(self.no_room()),
+                    // As many of them, evenly from all of the set.
+                    all => Ok((0..wanted.min(all)).map(|at| found[at * all / wanted.min(all)]).collect()),
+                };
+            }
+            // The next larger set that may have enough.
+            let more = count * wanted / found.len().max(1);
+            count = more.clamp(count + 1, 2 * count + 1).min(TRIES * wanted);
+        }
+    }
+
+    fn no_room(&self) -> Error {
+        Error::Usage(format!(
+            "the region has no room for a camera: everywhere it is inside something, or less than {:.3e} m from a surface; \
+             move it, or turn the faces of the mesh outwards where they point inwards",
+            self.clearance_m
+        ))
     }
 
     /// Metres between neighbouring candidates, about.
@@ -214,6 +256,26 @@ mod tests {
                 assert!((low - 0.5).abs() < 0.04, "{kind:?}: {low}");
             }
         }
+    }
+
+    #[test]
+    fn hammersleys_cameras_are_apart_in_the_open_and_everywhere() {
+        let (site, region) = (site(), Region::parse(&["-2,-2,-2,2,2,2"]).unwrap());
+        for wanted in [1, 7, 16, 100] {
+            let found = room(&site, &region).hammersley(wanted).unwrap();
+            assert_eq!(found.len(), wanted);
+            assert!(found.iter().all(|at| at.length() > 1.0 && at.abs().max_element() <= 2.0));
+            let apart_m = APART * (64.0 / wanted as f64).cbrt();
+            for (at, point) in found.iter().enumerate() {
+                assert!(found[..at].iter().all(|other| other.distance(*point) >= apart_m), "{wanted}");
+            }
+            for axis in 0..3 {
+                let low = found.iter().filter(|at| at[axis] < 0.0).count() as f64 / wanted as f64;
+                assert!(wanted < 16 || (low - 0.5).abs() < 0.2, "{wanted} {axis}: {low}");
+            }
+        }
+        let inside = Region::parse(&["-0.3,-0.3,-0.3,0.3,0.3,0.3"]).unwrap();
+        assert!(room(&site, &inside).hammersley(4).unwrap_err().to_string().contains("no room"));
     }
 
     #[test]

@@ -1,6 +1,10 @@
 //! A mesh file as a volume.
 //!
-//! Enters: triangles without a border. Leaves: whether a point is inside, by the parity of crossings, and how far outside.
+//! Enters: triangles without a border. Leaves: whether a point is inside, and how far outside.
+//!
+//! Inside is where the surface winds around a point, whichever way and how often: shells that overlap, touch or lie in the same
+//! place are their union, and a shell that is turned inwards in another one is a cavity. So each edge must have as many
+//! triangles that run along it one way as the other.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -10,15 +14,16 @@ use glam::DVec3;
 use super::sequence;
 use super::triangle_tree::TriangleTree;
 use crate::error::{Error, Result};
-use crate::scene::{AxisBox, Mesh, MeshBvh, Model, Ray};
+use crate::scene::{AxisBox, Mesh, Model, Ray};
 
 /// Rays that vote on whether a point is inside: an odd number.
 const VOTES: usize = 5;
+/// What counts as on the surface, as a part of the diagonal of the bounds.
+const BORDER: f64 = 1e-12;
 
 /// A closed mesh, at time 0 of its file.
 #[derive(Debug, Clone)]
 pub struct ClosedMesh {
-    parts: Vec<MeshBvh>,
     tree: TriangleTree,
     bounds: AxisBox,
 }
@@ -34,10 +39,10 @@ impl ClosedMesh {
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// The volume of meshes. Every edge must have an even number of triangles; corners at the same place are one.
+    /// The volume of meshes: the union of their shells. Corners at the same place are one.
     ///
     /// # Errors
-    /// When there is no triangle, or an edge with an odd number of them.
+    /// When there is no triangle, or an edge whose triangles do not run along it as often one way as the other.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
             .iter()
@@ -48,10 +53,16 @@ impl ClosedMesh {
         if triangles.is_empty() {
             return Err(Error::invalid("a region needs a closed mesh, and this has no triangles"));
         }
-        let open = open_edges(&triangles);
+        let (open, turned) = wrong_edges(&triangles);
         if open > 0 {
             return Err(Error::invalid(format!(
                 "a region needs a closed mesh, and {open} edges of this one have an odd number of triangles; close its holes"
+            )));
+        }
+        if turned > 0 {
+            return Err(Error::invalid(format!(
+                "a region needs a mesh whose faces all point outwards, and at {turned} edges of this one neighbours point to \
+                 different sides; turn them alike"
             )));
         }
         let corners = || triangles.iter().flatten();
@@ -59,8 +70,7 @@ impl ClosedMesh {
             min: corners().fold(DVec3::INFINITY, |min, corner| min.min(*corner)),
             max: corners().fold(DVec3::NEG_INFINITY, |max, corner| max.max(*corner)),
         };
-        let parts = meshes.into_iter().map(MeshBvh::new).collect();
-        Ok(ClosedMesh { parts, tree: TriangleTree::new(triangles), bounds })
+        Ok(ClosedMesh { tree: TriangleTree::new(triangles), bounds })
     }
 
     /// A box around it.
@@ -68,25 +78,18 @@ impl ClosedMesh {
         self.bounds
     }
 
-    /// Whether most of some rays cross it an odd number of times: a ray along an edge may be wrong, most are not.
+    /// Whether it winds around a point, as most of some rays say (one along an edge may be wrong), or has the point on its
+    /// surface.
     pub fn contains(&self, point: DVec3) -> bool {
-        let inside_bounds = (point - self.bounds.min).min(self.bounds.max - point).min_element() >= 0.0;
-        inside_bounds && (0..VOTES).filter(|&vote| self.crossings(point, vote) % 2 == 1).count() > VOTES / 2
-    }
-
-    fn crossings(&self, point: DVec3, vote: usize) -> usize {
-        let Some(ray) = Ray::new(point, sequence::on_sphere(vote, VOTES)) else { return 0 };
-        let along = |part: &MeshBvh| {
-            let mut last = 0.0;
-            let mut count = 0;
-            // No more than there are triangles: two that are equally far count as one.
-            while let Some(hit) = part.nearest(&ray, last).filter(|_| count < part.mesh().triangles.len()) {
-                last = hit.distance;
-                count += 1;
-            }
-            count
-        };
-        self.parts.iter().map(along).sum()
+        if (point - self.bounds.min).min(self.bounds.max - point).min_element() < 0.0 {
+            return false;
+        }
+        let border_m = BORDER * (self.bounds.max - self.bounds.min).length();
+        let votes = (0..VOTES).filter(|&vote| {
+            let ray = Ray::new(point, sequence::on_sphere(vote, VOTES));
+            ray.is_some_and(|ray| self.tree.winding(&ray, border_m) != Some(0))
+        });
+        votes.count() > VOTES / 2
     }
 
     /// Metres to the nearest triangle, from inside or outside.
@@ -95,17 +98,19 @@ impl ClosedMesh {
     }
 }
 
-/// Edges with an odd number of triangles.
-fn open_edges(triangles: &[[DVec3; 3]]) -> usize {
+/// Edges with an odd number of triangles, and others that are not run along as often one way as the other.
+fn wrong_edges(triangles: &[[DVec3; 3]]) -> (usize, usize) {
     // −0 and 0 are one place.
     let key = |corner: DVec3| corner.to_array().map(|value| (value + 0.0).to_bits());
-    let mut counts: HashMap<[[u64; 3]; 2], u32> = HashMap::new();
+    let mut edges: HashMap<[[u64; 3]; 2], i64> = HashMap::new();
     for [a, b, c] in triangles.iter().map(|corners| corners.map(key)) {
         for [from, to] in [[a, b], [b, c], [c, a]] {
-            *counts.entry([from.min(to), from.max(to)]).or_default() += 1;
+            *edges.entry([from.min(to), from.max(to)]).or_default() += if from < to { 1 } else { -1 };
         }
     }
-    counts.values().filter(|count| *count % 2 == 1).count()
+    let open = edges.values().filter(|sum| *sum % 2 != 0).count();
+    let turned = edges.values().filter(|sum| **sum != 0).count() - open;
+    (open, turned)
 }
 
 #[cfg(test)]
@@ -134,6 +139,50 @@ mod tests {
                 assert!((mesh.surface_distance_m(point) - distance).abs() < 1e-12);
             }
         }
+    }
+
+    #[test]
+    fn shells_that_overlap_touch_or_lie_in_one_place_are_their_union() {
+        let boxes = |corners: &[[f64; 2]]| {
+            let mesh = |&[from, to]: &[f64; 2]| box_mesh(DVec3::new(from, 0.0, 0.0), DVec3::new(to, 1.0, 1.0));
+            ClosedMesh::new(corners.iter().map(mesh).collect()).unwrap()
+        };
+        let sets: [&[[f64; 2]]; 4] = [
+            &[[0.0, 2.0], [1.0, 3.0]],
+            &[[0.0, 1.0], [1.0, 3.0]],
+            &[[0.0, 3.0], [0.0, 3.0]],
+            &[[0.0, 3.0], [0.0, 3.0], [1.0, 2.0], [1.0, 2.0]],
+        ];
+        for set in sets {
+            let mesh = boxes(set);
+            for point in (0..400).map(|at| in_cube(at) * DVec3::new(5.0, 2.0, 2.0) - DVec3::new(1.0, 0.5, 0.5)) {
+                let inside = point.min(DVec3::new(3.0, 1.0, 1.0) - point).min_element() > 0.0;
+                assert_eq!(mesh.contains(point), inside, "{set:?} {point}");
+            }
+            // On the wall that two of them share, and on the outer one.
+            assert!(
+                mesh.contains(DVec3::new(1.0, 0.37, 0.52)) && mesh.contains(DVec3::new(3.0, 0.37, 0.52)),
+                "{set:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_shell_turned_inwards_is_a_cavity_and_one_turned_as_a_whole_is_a_volume() {
+        let turned = |min: f64, max: f64| {
+            let mut mesh = box_mesh(DVec3::splat(min), DVec3::splat(max));
+            mesh.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+            mesh
+        };
+        let cavity = ClosedMesh::new(vec![box_mesh(DVec3::ZERO, DVec3::splat(3.0)), turned(1.0, 2.0)]).unwrap();
+        let at = |mesh: &ClosedMesh, x: f64| mesh.contains(DVec3::new(x, 1.3, 1.6));
+        assert_eq!([0.5, 1.5, 2.5].map(|x| at(&cavity, x)), [true, false, true]);
+        let alone = ClosedMesh::new(vec![turned(0.0, 3.0)]).unwrap();
+        assert_eq!([-0.5, 1.5, 3.5].map(|x| at(&alone, x)), [false, true, false]);
+        // One face that is turned against its neighbours leaves no rule for what is inside.
+        let mut one = box_mesh(DVec3::ZERO, DVec3::ONE);
+        one.triangles[3].swap(0, 1);
+        assert!(ClosedMesh::new(vec![one]).unwrap_err().to_string().contains("3 edges"));
     }
 
     #[test]

@@ -9,6 +9,10 @@ use serde::Serialize;
 use super::objective::{Lighting, Problem, View};
 use super::sequence;
 
+/// How far beyond the viewer distance a camera still counts as within it, as a part of that distance: a quarter more metres are
+/// a fifth less detail. Equation 2 has no such tolerance; without one, only a camera at the one place of the region that is
+/// nearest to a surface would count.
+pub const WITHIN: f64 = 0.25;
 /// Directions of a half sphere, each a bit.
 const DIRECTIONS: usize = 64;
 
@@ -22,7 +26,7 @@ pub struct Figures {
     pub seen: f64,
     /// The same with what lies beyond the viewer distance fading (CALF figure 3, left): the mean of the best suitability.
     pub weighted: f64,
-    /// The part of the surface that is seen from within the viewer distance (CALF figure 3, right).
+    /// The part of the surface that is seen from within the viewer distance (CALF figure 3, right), by the tolerance of [`WITHIN`].
     pub within: f64,
 }
 
@@ -41,29 +45,33 @@ pub struct Coverage<'a> {
     problem: &'a Problem,
     lighting: Lighting,
     near_cosine: f64,
+    tolerance_m: f64,
     directions: Vec<DVec3>,
     facets: Vec<Covered>,
 }
 
 impl<'a> Coverage<'a> {
-    /// Nothing is covered.
-    pub fn new(problem: &'a Problem, lighting: Lighting) -> Coverage<'a> {
+    /// Nothing is covered. A camera so many metres beyond the viewer distance is still within it, or [`WITHIN`] of that distance
+    /// where this is more.
+    pub fn new(problem: &'a Problem, lighting: Lighting, tolerance_m: f64) -> Coverage<'a> {
         let directions = (0..DIRECTIONS).map(|at| sequence::on_hemisphere(at, DIRECTIONS)).collect();
         let facets = vec![Covered::default(); problem.facets().len()];
-        Coverage { problem, lighting, near_cosine: lighting.near_cosine(), directions, facets }
+        Coverage { problem, lighting, near_cosine: lighting.near_cosine(), tolerance_m, directions, facets }
     }
 
     /// Adds what cameras see.
     pub fn add(&mut self, views: &[&View]) {
         let (problem, near_cosine, directions) = (self.problem, self.near_cosine, &self.directions);
+        let tolerance_m = self.tolerance_m;
         let of_specular = self.lighting != Lighting::Diffuse;
         self.facets.par_iter_mut().enumerate().for_each(|(at, covered)| {
             let facet = &problem.facets()[at];
             let (right, forward) = facet.normal.any_orthonormal_pair();
             let to_world = DMat3::from_cols(right, facet.normal, forward);
+            let within_m = facet.viewer_distance_m + tolerance_m.max(WITHIN * facet.viewer_distance_m);
             for view in views.iter().filter(|view| view.seen[at / 64] >> (at % 64) & 1 == 1) {
                 covered.is_seen = true;
-                covered.is_within |= view.position.distance(facet.point) <= facet.viewer_distance_m;
+                covered.is_within |= view.position.distance(facet.point) <= within_m;
                 covered.best = covered.best.max(problem.suitability(view.position, at));
                 if of_specular && covered.directions != u64::MAX {
                     let to_camera = to_world.transpose() * (view.position - facet.point).normalize_or_zero();
@@ -105,7 +113,7 @@ mod tests {
 
     fn figures(lighting: Lighting, views: &[View]) -> Figures {
         let problem = problem();
-        let mut coverage = Coverage::new(&problem, lighting);
+        let mut coverage = Coverage::new(&problem, lighting, 0.1);
         views.iter().for_each(|view| coverage.add(&[view]));
         coverage.figures()
     }
@@ -119,6 +127,19 @@ mod tests {
         let half = figures(Lighting::Diffuse, &[View { seen: vec![0b10], ..view }]);
         assert_eq!((half.coverage, half.within), (0.25, 0.0));
         assert_eq!(figures(Lighting::Diffuse, &[]), Figures::default());
+    }
+
+    #[test]
+    fn within_has_a_tolerance() {
+        // Of a viewer distance of 1.5 m a quarter is more than 0.1 m, and less than 1 m.
+        let within = |distance: f64, tolerance_m: f64| {
+            let problem = problem();
+            let mut coverage = Coverage::new(&problem, Lighting::Diffuse, tolerance_m);
+            coverage.add(&[&View { position: DVec3::Y * distance, seen: vec![0b01] }]);
+            coverage.figures().within
+        };
+        assert_eq!([1.5, 1.874, 1.876].map(|distance| within(distance, 0.1)), [0.75, 0.75, 0.0]);
+        assert_eq!([2.499, 2.501].map(|distance| within(distance, 1.0)), [0.75, 0.0]);
     }
 
     #[test]

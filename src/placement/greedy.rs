@@ -24,6 +24,15 @@ pub struct Choice {
     pub gain: f64,
 }
 
+/// How much was computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Calls {
+    /// [`State::gain`]s.
+    pub gains: u64,
+    /// [`State::bound`]s.
+    pub bounds: u64,
+}
+
 /// Asks for all gains. Adds to `calls` how many.
 pub fn plain(state: &State<'_>, views: &[View], calls: &mut u64) -> Option<Choice> {
     let gains: Vec<f64> = views.par_iter().map(|view| state.gain(view)).collect();
@@ -79,9 +88,9 @@ impl Lazy {
         Lazy { queue: bounds.into_iter().enumerate().map(entry).collect(), round: 0 }
     }
 
-    /// The best candidate now. Cameras may have been added since the last time, and none taken away. Adds to `calls` how many
-    /// gains were asked for.
-    pub fn best(&mut self, state: &State<'_>, views: &[View], calls: &mut u64) -> Option<Choice> {
+    /// The best candidate now. Cameras may have been added since the last time, and none taken away. Adds to `calls` how
+    /// many gains and bounds were computed; the bounds of [`Self::new`], one for each candidate, are not among them.
+    pub fn best(&mut self, state: &State<'_>, views: &[View], calls: &mut Calls) -> Option<Choice> {
         self.round += 1;
         loop {
             // What is equal to the best found comes first where its index is lower, and is asked.
@@ -94,9 +103,10 @@ impl Lazy {
             }
             let view = &views[entry.candidate.0];
             if is_new {
-                *calls += 1;
+                calls.gains += 1;
                 (entry.bound, entry.is_gain) = (state.gain(view), true);
             } else {
+                calls.bounds += 1;
                 (entry.bound, entry.is_gain) = (entry.bound.min(state.bound(view)), false);
             }
             entry.round = self.round;
@@ -146,21 +156,21 @@ mod tests {
 
     /// Choices of both ways, at most `most`; and how often each asked.
     fn both(problem: &Problem, views: &[View], lighting: Lighting, most: usize) -> ([Vec<Choice>; 2], [u64; 2]) {
-        let mut calls = [0, 0];
+        let (mut plain_calls, mut calls) = (0, Calls::default());
         let mut state = State::new(problem, lighting);
         let mut first = Vec::new();
-        while let Some(choice) = plain(&state, views, &mut calls[0]).filter(|_| first.len() < most) {
+        while let Some(choice) = plain(&state, views, &mut plain_calls).filter(|_| first.len() < most) {
             state.add(&views[choice.candidate]);
             first.push(choice);
         }
         let mut state = State::new(problem, lighting);
         let mut lazy = Lazy::new(&state, views);
         let mut second = Vec::new();
-        while let Some(choice) = lazy.best(&state, views, &mut calls[1]).filter(|_| second.len() < most) {
+        while let Some(choice) = lazy.best(&state, views, &mut calls).filter(|_| second.len() < most) {
             state.add(&views[choice.candidate]);
             second.push(choice);
         }
-        ([first, second], calls)
+        ([first, second], [plain_calls, calls.gains])
     }
 
     proptest! {

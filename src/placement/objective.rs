@@ -133,6 +133,11 @@ impl Problem {
         &self.facets
     }
 
+    /// Puts another k in the place of the one that was given.
+    pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
+        self.rate_per_m = rate_per_m;
+    }
+
     /// k, per metre.
     pub fn rate_per_m(&self) -> f64 {
         self.rate_per_m
@@ -365,5 +370,56 @@ mod tests {
     fn bits_are_facets() {
         let view = View { position: DVec3::ZERO, seen: vec![0b1010, 1 << 63 | 1] };
         assert_eq!(view.facets().collect::<Vec<_>>(), [1, 3, 64, 127]);
+    }
+
+    mod bounds {
+        use proptest::prelude::*;
+
+        use super::super::super::sequence::in_cube;
+        use super::*;
+
+        proptest! {
+            #![proptest_config(ProptestConfig::with_cases(400))]
+            /// Facets in clusters of any size, so that cameras lie inside the boxes of groups too; near the origin and far off.
+            #[test]
+            fn a_bound_is_never_below_the_gain(
+                count in 1usize..128,
+                size in prop_oneof![Just(0.0), 1e-3..1.0f64, 1.0..50.0f64],
+                off in prop_oneof![Just(0.0), Just(1e4), Just(-1e7)],
+                rate in prop_oneof![Just(0.0), 0.0..4.0f64],
+                theta in prop_oneof![Just(None), Just(Some(0.0)), Just(Some(180.0)), (0.5..179.5f64).prop_map(Some)],
+                cameras in prop::collection::vec((0u64..5000, any::<[u64; 2]>(), 0.0..4.0f64), 2..12),
+            ) {
+                let place = |at: u64, size: f64| DVec3::splat(off) + size * (in_cube(at) - 0.5);
+                let facet = |at: usize| Facet {
+                    point: place((at / 8) as u64, 3.0) - DVec3::splat(off) + place(900 + at as u64, size),
+                    viewer_distance_m: 0.2 * (at % 5) as f64,
+                    ..facet(DVec3::ZERO, 1.0 / count as f64)
+                };
+                let problem = Problem::new((0..count).map(facet).collect(), rate);
+                let mask = |word: usize| match count.saturating_sub(64 * word) {
+                    0 => 0,
+                    left @ 1..64 => (1 << left) - 1,
+                    _ => u64::MAX,
+                };
+                let words = count.div_ceil(64);
+                let views: Vec<View> = cameras
+                    .iter()
+                    .map(|(at, seen, spread)| View {
+                        position: place(*at, *spread),
+                        seen: (0..words).map(|word| seen[word] & mask(word)).collect(),
+                    })
+                    .collect();
+                let lighting = theta.map_or(Lighting::Diffuse, |theta_deg| Lighting::Specular { theta_deg });
+                let mut state = State::new(&problem, lighting);
+                for placed in &views {
+                    for view in &views {
+                        let (bound, gain) = (state.bound(view), state.gain(view));
+                        prop_assert!(bound >= gain, "{bound:e} {gain:e} with {} cameras", state.cameras().len());
+                    }
+                    state.add(placed);
+                }
+            }
+        }
     }
 }

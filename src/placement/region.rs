@@ -33,9 +33,9 @@ impl Volume {
     /// # Errors
     /// When it is none of these, or the file cannot be used.
     pub fn parse(text: &str) -> Result<Volume> {
-        let wrong = || {
+        let wrong = |what: &str| {
             Error::Usage(format!(
-                "region '{text}': x0,y0,z0,x1,y1,z1 in metres, sphere:x,y,z,r or a file with a closed mesh was expected"
+                "region '{text}': {what} (a region is x0,y0,z0,x1,y1,z1 in metres, sphere:x,y,z,r or a file with a closed mesh)"
             ))
         };
         let numbers = |list: &str| -> Option<Vec<f64>> {
@@ -46,7 +46,8 @@ impl Volume {
                 Some(&[x, y, z, radius]) if radius > 0.0 => {
                     Ok(Volume::Ball(Sphere { center: DVec3::new(x, y, z), radius }))
                 }
-                _ => Err(wrong()),
+                Some(&[_, _, _, _]) => Err(wrong("a sphere's radius must be above 0")),
+                _ => Err(wrong("a sphere has four numbers, its middle and its radius")),
             };
         }
         match numbers(text).as_deref() {
@@ -54,9 +55,12 @@ impl Volume {
                 let (a, b) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
                 Ok(Volume::Box(AxisBox { min: a.min(b), max: a.max(b) }))
             }
-            Some(_) => Err(wrong()),
-            None if !Path::new(text).exists() => Err(wrong()),
-            None => Ok(Volume::Mesh(Box::new(ClosedMesh::open(Path::new(text))?))),
+            Some(found) => {
+                Err(wrong(&format!("a box has six numbers, two of its corners, and these are {}", found.len())))
+            }
+            None if Path::new(text).exists() => Ok(Volume::Mesh(Box::new(ClosedMesh::open(Path::new(text))?))),
+            None if text.contains(',') => Err(wrong("a box has six finite numbers, two of its corners")),
+            None => Err(wrong("there is no file of this name")),
         }
     }
 
@@ -167,6 +171,11 @@ mod tests {
             let said = Region::parse(&[text]).unwrap_err().to_string();
             assert!(said.contains("sphere:x,y,z,r") && said.contains(text), "{text}: {said}");
         }
+        let said = |text: &str| Region::parse(&[text]).unwrap_err().to_string();
+        assert!(said("1,2,3").contains("six numbers") && said("1,2,3").contains("are 3"));
+        assert!(said("1,2,x,4,5,6").contains("six finite numbers"));
+        assert!(said("sphere:1,2,3").contains("four numbers") && said("sphere:1,2,3,-1").contains("above 0"));
+        assert!(said("nowhere.glb").contains("no file"));
         assert!(Region::parse(&[""; 0]).unwrap_err().to_string().contains("--region"));
         assert!(Region::parse(&["-1e300,0,0,1e300,1,1"]).unwrap_err().to_string().contains("too large"));
     }

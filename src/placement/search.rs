@@ -6,14 +6,14 @@ use glam::DVec3;
 
 use super::candidates::{CandidateKind, Refinement, Room};
 use super::coverage::{Coverage, Figures};
-use super::greedy::{self, Choice, Lazy};
+use super::greedy::{self, Calls, Choice, Lazy};
 use super::objective::{Lighting, Problem, State, View};
 use super::region::Region;
 use super::site::{Facets, Site, ViewerDistance};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
-use crate::scene::{Scene, SceneAtTime};
+use crate::scene::{AxisBox, Scene, SceneAtTime};
 
 /// The gain, as a part of all area and time, at which a search ends where nobody says when: 0.1%.
 pub const DEFAULT_UNTIL: f64 = 1e-3;
@@ -21,9 +21,16 @@ pub const DEFAULT_UNTIL: f64 = 1e-3;
 pub const DEFAULT_RATE: f64 = 4.0;
 /// The smallest viewer distance where none is given, as a part of the diagonal of the region's box.
 pub const DEFAULT_MIN_DISTANCE: f64 = 0.05;
+/// How far beyond the viewer distance a camera still counts as within it, as a part of the diagonal of the region's box; or a
+/// part of that distance, where it is more: [`super::coverage::WITHIN`].
+pub const WITHIN_REGION: f64 = 0.05;
 /// The room that a camera has around it, as a part of the region's diagonal or of the scene's, whichever is smaller.
 pub const CLEARANCE: f64 = 1e-3;
-/// Candidates times points, at most: the bits of both take a gibibyte.
+/// New cameras at which a search ends where nobody says how many.
+pub const DEFAULT_MOST_CAMERAS: usize = 1000;
+/// θ below which cameras hardly ever cover for each other, degrees: gains do not fade, and a number of cameras must be given.
+pub const LEAST_THETA_DEG: f64 = 1.0;
+/// Candidates times points, at most. A bit for each takes half a gibibyte, and as many for each of up to two sides of a point.
 pub const MOST_SIGHTS: u64 = 1 << 32;
 
 /// How a search goes about it.
@@ -111,8 +118,11 @@ pub struct Placement {
     pub cameras: Vec<Placed>,
     /// How many there were.
     pub started: usize,
-    /// Gains of candidates that were asked for.
+    /// Gains of candidates that were computed, each a sum over all facets that the candidate sees. Bounds are not among them, nor
+    /// are gains beside candidates.
     pub objective_calls: u64,
+    /// Bounds of gains of candidates that were computed instead or before: a decay for each eight facets, not for each.
+    pub bound_calls: u64,
     /// How many plain greedy search asks for to choose the same: all candidates in each round.
     pub plain_objective_calls: u64,
     /// Gains asked for beside the best candidates, which is the same for both.
@@ -153,10 +163,8 @@ impl<'a> Search<'a> {
             )));
         }
         let site = Site::new(moments, samples)?;
-        let points = || site.points().iter().map(|at| at.point);
-        let low = points().fold(DVec3::INFINITY, DVec3::min);
-        let high = points().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let clearance_m = CLEARANCE * (high - low).length().min(region.diagonal_m());
+        let surfaces = site.bounds();
+        let clearance_m = CLEARANCE * (surfaces.max - surfaces.min).length().min(region.diagonal_m());
         let candidates = Room { site: &site, region, clearance_m }.candidates(settings.kind, wanted)?;
         let each_done = || {
             monitor.advance(1);
@@ -172,6 +180,21 @@ impl<'a> Search<'a> {
         let steps = if settings.kind == CandidateKind::Grid { 0 } else { Extent::of(settings.effort).steps };
         let (effort, min_distance_m) = (settings.effort, least_m);
         Ok(Search { site, region, clearance_m, facets, problem, views, steps, effort, min_distance_m })
+    }
+
+    /// Where cameras may be.
+    pub fn region(&self) -> &Region {
+        self.region
+    }
+
+    /// A box around the points on surfaces.
+    pub fn surface_bounds(&self) -> AxisBox {
+        self.site.bounds()
+    }
+
+    /// Places what follows for another k, per metre.
+    pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
+        self.problem.set_rate_per_m(rate_per_m);
     }
 
     /// The facets, and k.
@@ -194,6 +217,14 @@ impl<'a> Search<'a> {
         self.min_distance_m
     }
 
+    /// Positions that are spread over the region without a search: [`Room::hammersley`].
+    ///
+    /// # Errors
+    /// When there is no room for a single one.
+    pub fn spread(&self, wanted: usize) -> Result<Vec<DVec3>> {
+        self.room().hammersley(wanted)
+    }
+
     /// What a position sees.
     pub fn look(&self, position: DVec3) -> View {
         self.site.look(&self.facets, position)
@@ -214,9 +245,10 @@ impl<'a> Search<'a> {
     /// When the user asks to stop.
     pub fn place(&self, lighting: Lighting, start: &[DVec3], stop: Stop, monitor: &dyn Monitor) -> Result<Placement> {
         let mut state = State::new(&self.problem, lighting);
-        let mut coverage = Coverage::new(&self.problem, lighting);
+        let tolerance_m = WITHIN_REGION * self.region.diagonal_m();
+        let mut coverage = Coverage::new(&self.problem, lighting, tolerance_m);
         let mut cameras = Vec::new();
-        let mut reachable = Coverage::new(&self.problem, lighting);
+        let mut reachable = Coverage::new(&self.problem, lighting, tolerance_m);
         reachable.add(&self.views.iter().collect::<Vec<_>>());
         let mut keep = |view: &View, gain: f64, state: &mut State<'_>| {
             state.add(view);
@@ -231,7 +263,8 @@ impl<'a> Search<'a> {
             keep(&view, gain, &mut state);
         }
         let mut lazy = Lazy::new(&state, &self.views);
-        let (mut calls, mut rounds, mut refinement_calls) = (0, 0, 0);
+        let mut calls = Calls { gains: 0, bounds: self.views.len() as u64 };
+        let (mut rounds, mut refinement_calls) = (0, 0);
         let mut placed = 0;
         while stop.cameras.is_none_or(|most| placed < most) {
             monitor.check()?;
@@ -251,16 +284,17 @@ impl<'a> Search<'a> {
             lighting,
             cameras,
             started: start.len(),
-            objective_calls: calls,
+            objective_calls: calls.gains,
+            bound_calls: if self.effort == Effort::Exhaustive { 0 } else { calls.bounds },
             plain_objective_calls: rounds * self.views.len() as u64,
             refinement_calls,
             reachable: reachable.figures(),
         })
     }
 
-    fn best(&self, lazy: &mut Lazy, state: &State<'_>, calls: &mut u64) -> Option<Choice> {
+    fn best(&self, lazy: &mut Lazy, state: &State<'_>, calls: &mut Calls) -> Option<Choice> {
         match self.effort {
-            Effort::Exhaustive => greedy::plain(state, &self.views, calls),
+            Effort::Exhaustive => greedy::plain(state, &self.views, &mut calls.gains),
             Effort::Fast | Effort::Normal => lazy.best(state, &self.views, calls),
         }
     }

@@ -18,6 +18,23 @@ pub fn in_cube(index: u64) -> DVec3 {
     DVec3::new(along(CUBE_STEPS[0]), along(CUBE_STEPS[1]), along(CUBE_STEPS[2]))
 }
 
+/// A point of Hammersley's set of `count` in three dimensions, each coordinate in 0..1: its index as a part of the count, and
+/// the index mirrored at the point in base 2 and in base 3. Half a step on along the first axis, so that none lies at its end.
+pub fn hammersley(index: u64, count: u64) -> DVec3 {
+    DVec3::new((index as f64 + 0.5) / count as f64, mirrored(index, 2), mirrored(index, 3))
+}
+
+/// The digits of a number behind the point, the last one first.
+fn mirrored(mut number: u64, base: u64) -> f64 {
+    let (mut value, mut digit) = (0.0, 1.0);
+    while number > 0 {
+        digit /= base as f64;
+        value += digit * (number % base) as f64;
+        number /= base;
+    }
+    value
+}
+
 /// A direction of length 1, one of `count` that are spread evenly over the sphere.
 pub fn on_sphere(index: usize, count: usize) -> DVec3 {
     spiral(index, 1.0 - 2.0 * (index as f64 + 0.5) / count as f64)
@@ -56,6 +73,17 @@ mod tests {
                 counts[(cell.x + 4.0 * cell.y + 16.0 * cell.z) as usize] += 1;
             }
             assert!(counts.iter().all(|count| (86..=114).contains(count)), "{counts:?}");
+        }
+    }
+
+    #[test]
+    fn hammersleys_points_are_indices_and_their_mirrored_digits() {
+        let found: Vec<[f64; 3]> = (0..4).map(|at| hammersley(at, 4).to_array()).collect();
+        let thirds = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0 / 9.0];
+        let expected = [[0.125, 0.0], [0.375, 0.5], [0.625, 0.25], [0.875, 0.75]];
+        for (at, point) in found.iter().enumerate() {
+            assert_eq!(point[..2], expected[at]);
+            assert!((point[2] - thirds[at]).abs() < 1e-15);
         }
     }
 

@@ -4,8 +4,8 @@
 //! lies in the open.
 //!
 //! Surfaces have two sides. Which of them are meant, a mesh does not tell: a wall may be a sheet that is seen from both, and
-//! some files are turned inside out. So the candidates decide ([`Site::facets`]): the side of a point that more of them see
-//! is a facet, and the other one, too, if any of them sees it. The inside of a solid, which nobody sees, is none.
+//! some files are turned inside out. So the candidates decide ([`Site::facets`]): each side of a point that any of them sees
+//! is a facet, and of a point that none sees the front. The inside of a solid, which nobody sees, is none.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use super::region::Region;
 use super::sequence;
 use super::surface::{self, SurfacePoint};
 use crate::error::{Error, Result};
-use crate::scene::{Ray, SceneAtTime, Shape};
+use crate::scene::{AxisBox, Ray, SceneAtTime, Shape, Thing};
 
 /// Directions that are looked in to find out whether a position is inside something.
 const FEELERS: usize = 26;
@@ -75,6 +75,12 @@ impl Site {
         &self.points
     }
 
+    /// A box around the points.
+    pub fn bounds(&self) -> AxisBox {
+        let points = || self.points.iter().map(|at| at.point);
+        AxisBox { min: points().fold(DVec3::INFINITY, DVec3::min), max: points().fold(DVec3::NEG_INFINITY, DVec3::max) }
+    }
+
     /// Whether a position is outside everything solid at each moment, and along no feeler nearer than `clearance_m` to a
     /// surface.
     ///
@@ -121,7 +127,7 @@ impl Site {
             let side = |normal: DVec3, seers: usize| {
                 (seers > 0, at, Facet { point: on.point, normal, weight, viewer_distance_m })
             };
-            [(front >= back || front > 0).then(|| side(on.normal, front)), (back > 0).then(|| side(-on.normal, back))]
+            [(front > 0 || back == 0).then(|| side(on.normal, front)), (back > 0).then(|| side(-on.normal, back))]
         };
         let sides: Vec<[Option<(bool, usize, Facet)>; 2]> = self.points.par_iter().enumerate().map(sides).collect();
         let mut sides: Vec<(bool, usize, Facet)> = sides.into_iter().flatten().flatten().collect();
@@ -201,19 +207,19 @@ enum Side {
 
 /// Metres to the first surface along a ray, and which side of it is met.
 fn first_met(scene: &SceneAtTime, ray: &Ray) -> Option<(f64, Side)> {
-    let side = |normal: DVec3| if normal.dot(ray.direction()) > 0.0 { Side::Back } else { Side::Front };
-    let of_objects = scene.objects().iter().filter_map(|object| {
-        object.bounds().intersect(ray, 0.0)?;
-        let hit = object.shape().intersect(ray, 0.0)?;
-        let is_sheet = matches!(object.shape(), Shape::Quad(_));
-        Some((hit.distance, if is_sheet { Side::Front } else { side(hit.normal) }))
-    });
-    let of_meshes = scene.meshes().iter().filter_map(|bvh| {
-        let hit = bvh.nearest(ray, 0.0)?;
-        let [a, b, c] = bvh.mesh().corners(hit.triangle);
-        Some((hit.distance, side((b - a).cross(c - a))))
-    });
-    of_objects.chain(of_meshes).reduce(|best, other| if other.0 < best.0 { other } else { best })
+    let is_near = |at: &usize| scene.objects()[*at].bounds().intersect(ray, 0.0).is_some();
+    let hit = scene.first_hit(ray, (0..scene.objects().len()).filter(is_near))?;
+    let normal = match hit.thing {
+        Thing::Object { index, .. } if matches!(scene.objects()[index].shape(), Shape::Quad(_)) => {
+            return Some((hit.distance, Side::Front));
+        }
+        Thing::Object { normal, .. } => normal,
+        Thing::Mesh { index, at } => {
+            let [a, b, c] = scene.meshes()[index].mesh().corners(at.triangle);
+            (b - a).cross(c - a)
+        }
+    };
+    Some((hit.distance, if normal.dot(ray.direction()) > 0.0 { Side::Back } else { Side::Front }))
 }
 
 #[cfg(test)]
@@ -221,7 +227,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::{AxisBox, Light, Material, Mesh, MeshBvh, Object, Quad, Sphere, Texture};
+    use crate::scene::{Light, Material, Mesh, MeshBvh, Object, Quad, Sphere, Texture};
 
     fn object(shape: Shape) -> Object {
         Object::new(shape, Material::diffuse(Texture::Solid(DVec3::ONE)))

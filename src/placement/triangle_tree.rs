@@ -1,8 +1,10 @@
-//! How far a point is from triangles.
+//! How far a point is from triangles, and how often a ray goes out through them.
 //!
-//! Enters: triangles in metres. Leaves: the distance to the nearest of them, found by a tree of boxes.
+//! Enters: triangles in metres. Leaves: the distance to the nearest of them, and signed crossings, found by a tree of boxes.
 
 use glam::DVec3;
+
+use crate::scene::{AxisBox, Ray, RayFrame};
 
 /// Triangles of a leaf, at most.
 const LEAF: usize = 4;
@@ -60,6 +62,36 @@ impl TriangleTree {
             }
         }
         best.sqrt()
+    }
+
+    /// How many more triangles a ray leaves by their front than by their back: the winding number of closed meshes around its
+    /// origin. Every triangle counts, also where several lie in one place. `None` where one is met within `border_m` of the
+    /// origin, on either side of it.
+    pub fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
+        let frame = RayFrame::new(ray);
+        let mut winding = 0;
+        let mut open = if self.nodes.is_empty() { vec![] } else { vec![0] };
+        while let Some(at) = open.pop() {
+            let node = &self.nodes[at];
+            if (AxisBox { min: node.min, max: node.max }).intersect(ray, -border_m).is_none() {
+                continue;
+            }
+            let Some((first, count)) = node.leaf else {
+                open.extend([at + 1, node.second]);
+                continue;
+            };
+            for corners in &self.triangles[first..first + count] {
+                let Some((distance, _)) = frame.meet(corners).filter(|(distance, _)| *distance >= -border_m) else {
+                    continue;
+                };
+                if distance <= border_m {
+                    return None;
+                }
+                let [a, b, c] = corners;
+                winding += if (*b - *a).cross(*c - *a).dot(ray.direction()) > 0.0 { 1 } else { -1 };
+            }
+        }
+        Some(winding)
     }
 }
 

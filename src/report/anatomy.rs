@@ -207,7 +207,7 @@ impl Subject<'_> {
 }
 
 /// A count with its word.
-fn counted(count: u64, what: &str) -> String {
+pub(crate) fn counted(count: u64, what: &str) -> String {
     format!(
         "{count} {what}{}",
         if count == 1 {

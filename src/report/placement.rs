@@ -37,11 +37,13 @@ pub struct Figure {
     pub drawing: Drawing,
 }
 
-/// Coverage within and beyond the viewer distance for the first curve, and how all of them converge.
-pub fn all(curves: &[Curve]) -> Vec<Figure> {
+/// Coverage within and beyond the viewer distance for the first curve, how all of them converge, and the curves of several k
+/// where there are any.
+pub fn all(curves: &[Curve], decays: &[Curve]) -> Vec<Figure> {
     let first = curves.first().map(|curve| Figure { name: "coverage", drawing: coverage(curve) });
     let all = Figure { name: "convergence", drawing: convergence(curves) };
-    first.into_iter().chain([all]).collect()
+    let decay = (!decays.is_empty()).then(|| Figure { name: "decay", drawing: decay(decays) });
+    first.into_iter().chain([all]).chain(decay).collect()
 }
 
 fn words(lighting: Lighting) -> String {
@@ -71,22 +73,35 @@ fn most_cameras(curves: &[Curve]) -> usize {
     curves.iter().map(|curve| curve.figures.len()).max().unwrap_or(0).max(1)
 }
 
-fn axes(curves: &[Curve], up: &str) -> (Axis, Axis) {
-    (Axis::linear("cameras", [0.0, most_cameras(curves) as f64]), Axis::linear(up, [0.0, 100.0]))
+/// The axis of shares ends at 100%, or at what is shown where that is little.
+fn axes(curves: &[Curve], up: &str, series: &[Series]) -> (Axis, Axis) {
+    let most = series.iter().flat_map(|series| &series.marks).map(|mark| mark.y).fold(0.0, f64::max);
+    let top = if most > 0.0 && most < 50.0 { most } else { 100.0 };
+    (Axis::linear("cameras", [0.0, most_cameras(curves) as f64]), Axis::linear(up, [0.0, top]))
 }
 
-/// Figure 3.
+/// Figure 3. Coverage of specular surfaces is of directions, which have no viewer distance.
 fn coverage(curve: &Curve) -> Drawing {
-    let (x, y) = axes(std::slice::from_ref(curve), "% of all surface");
     let figures = &curve.figures;
-    let chart = Chart {
-        series: vec![
+    let series = match curve.lighting {
+        Lighting::Diffuse => vec![
             series("seen".into(), 0, figures, |figures| figures.seen),
             series("seen, weighted".into(), 1, figures, |figures| figures.weighted),
             series("within viewer distance".into(), 2, figures, |figures| figures.within),
             level("seen, reachable".into(), 0, curve.reachable.seen, figures.len()),
             level("within, reachable".into(), 2, curve.reachable.within, figures.len()),
         ],
+        Lighting::Specular { .. } => vec![
+            series("directions".into(), 0, figures, |figures| figures.coverage),
+            series("surface seen".into(), 1, figures, |figures| figures.seen),
+            level("directions, reachable".into(), 0, curve.reachable.coverage, figures.len()),
+            level("surface, reachable".into(), 1, curve.reachable.seen, figures.len()),
+        ],
+    };
+    let up = if curve.lighting == Lighting::Diffuse { "% of all surface" } else { "% of all" };
+    let (x, y) = axes(std::slice::from_ref(curve), up, &series);
+    let chart = Chart {
+        series,
         legend: format!("k = {:.3} per metre", curve.rate_per_m),
         ..Chart::new(format!("Coverage of {} by cameras, {}", curve.scene, words(curve.lighting)), x, y)
     };
@@ -95,7 +110,6 @@ fn coverage(curve: &Curve) -> Drawing {
 
 /// Figure 4.
 fn convergence(curves: &[Curve]) -> Drawing {
-    let (x, y) = axes(curves, "coverage (%)");
     let scene = curves.first().map_or("", |curve| curve.scene.as_str());
     let of = |(number, curve): (usize, &Curve)| {
         series(words(curve.lighting), number, &curve.figures, |figures| figures.coverage)
@@ -105,11 +119,28 @@ fn convergence(curves: &[Curve]) -> Drawing {
         level(name, number, curve.reachable.coverage, most_cameras(curves))
     };
     let each = || curves.iter().enumerate();
-    let chart = Chart {
-        series: each().map(of).chain(each().map(reachable)).collect(),
-        legend: "Lighting".to_owned(),
-        ..Chart::new(format!("Convergence in {scene}"), x, y)
+    let series: Vec<Series> = each().map(of).chain(each().map(reachable)).collect();
+    let (x, y) = axes(curves, "coverage (%)", &series);
+    let chart = Chart { series, legend: "Lighting".to_owned(), ..Chart::new(format!("Convergence in {scene}"), x, y) };
+    chart.draw(SIZE[0], SIZE[1])
+}
+
+/// Figure 3 for several k: what is seen at all, and from within the viewer distance.
+fn decay(curves: &[Curve]) -> Drawing {
+    let scene = curves.first().map_or("", |curve| curve.scene.as_str());
+    let seen = |(number, curve): (usize, &Curve)| {
+        series(format!("k = {}, seen", curve.rate_per_m), number, &curve.figures, |figures| figures.seen)
     };
+    let within = |(number, curve): (usize, &Curve)| {
+        let name = format!("k = {}, within", curve.rate_per_m);
+        let line = series(name, number, &curve.figures, |figures| figures.within);
+        Series { look: Look::of(number).dashed([6.0, 4.0]), ..line }
+    };
+    let each = || curves.iter().enumerate();
+    let series: Vec<Series> = each().map(seen).chain(each().map(within)).collect();
+    let (x, y) = axes(curves, "% of all surface", &series);
+    let legend = "k per metre; viewer distance".to_owned();
+    let chart = Chart { series, legend, ..Chart::new(format!("Coverage of {scene} by cameras and k"), x, y) };
     chart.draw(SIZE[0], SIZE[1])
 }
 
@@ -133,7 +164,7 @@ mod tests {
     fn each_curve_has_a_line_through_all_cameras() {
         let curves =
             [curve(Lighting::Diffuse, &[0.5, 0.8, 0.9]), curve(Lighting::Specular { theta_deg: 50.0 }, &[0.3; 7])];
-        let figures = all(&curves);
+        let figures = all(&curves, &[]);
         assert_eq!(figures.iter().map(|figure| figure.name).collect::<Vec<_>>(), ["coverage", "convergence"]);
         let lines = |drawing: &Drawing, points: usize| {
             let is = |shape: &&Shape| matches!(shape, Shape::Line { through, .. } if through.len() == points);
@@ -141,17 +172,44 @@ mod tests {
         };
         assert!(lines(&figures[0].drawing, 4) >= 3);
         assert!(lines(&figures[1].drawing, 8) >= 1 && lines(&figures[1].drawing, 4) >= 1);
-        let texts: Vec<&str> = figures[1]
-            .drawing
-            .shapes
-            .iter()
-            .filter_map(|shape| if let Shape::Text { text, .. } = shape { Some(text.text.as_str()) } else { None })
-            .collect();
+        let texts = texts(&figures[1].drawing);
         assert!(texts.contains(&"diffuse") && texts.contains(&"specular, θ = 50°"), "{texts:?}");
     }
 
     #[test]
     fn a_single_camera_is_a_chart_too() {
-        assert_eq!(all(&[curve(Lighting::Diffuse, &[1.0])]).len(), 2);
+        assert_eq!(all(&[curve(Lighting::Diffuse, &[1.0])], &[]).len(), 2);
+    }
+
+    fn texts(drawing: &Drawing) -> Vec<&str> {
+        drawing
+            .shapes
+            .iter()
+            .filter_map(|shape| if let Shape::Text { text, .. } = shape { Some(text.text.as_str()) } else { None })
+            .collect()
+    }
+
+    #[test]
+    fn each_k_has_a_line_of_what_is_seen_and_one_within() {
+        let of = |rate_per_m: f64| Curve { rate_per_m, ..curve(Lighting::Diffuse, &[0.5, 0.7]) };
+        let figures = all(&[of(1.0)], &[of(0.5), of(2.0)]);
+        let found = figures.iter().find(|figure| figure.name == "decay").unwrap();
+        let texts = texts(&found.drawing);
+        for line in ["k = 0.5, seen", "k = 0.5, within", "k = 2, seen", "k = 2, within"] {
+            assert!(texts.contains(&line), "{texts:?}");
+        }
+    }
+
+    #[test]
+    fn little_coverage_fills_the_chart_and_specular_is_of_directions() {
+        let mut few = curve(Lighting::Specular { theta_deg: 50.0 }, &[0.02, 0.04]);
+        few.reachable = few.figures[1];
+        let figures = all(&[few.clone()], &[]);
+        for figure in &figures {
+            assert!(!texts(&figure.drawing).contains(&"100"), "{}", figure.name);
+        }
+        assert!(texts(&figures[0].drawing).contains(&"directions"));
+        few.reachable.coverage = 0.9;
+        assert!(texts(&all(&[few], &[])[0].drawing).contains(&"100"));
     }
 }

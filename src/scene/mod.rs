@@ -34,3 +34,4 @@ pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, Turn
 pub use procedural::{DemoKind, DemoScene};
 pub use raycast::{CastsShadow, FirstHit, Hit, OPAQUE, Object, SceneAtTime, Thing, trace};
 pub use texture::{ImageTexture, Wrap};
+pub(crate) use triangle::RayFrame;

@@ -11,7 +11,7 @@ use super::primitive::Ray;
 
 /// A ray's own frame: the axis that it follows most becomes depth, the others are sheared so that it runs along it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct RayFrame {
+pub(crate) struct RayFrame {
     origin: DVec3,
     depth: usize,
     /// Shear of the two axes that follow it for each metre of depth, and metres along the ray for each of them.
@@ -19,7 +19,7 @@ pub(super) struct RayFrame {
 }
 
 impl RayFrame {
-    pub(super) fn new(ray: &Ray) -> RayFrame {
+    pub(crate) fn new(ray: &Ray) -> RayFrame {
         let direction = ray.direction();
         let depth = direction.abs().max_position();
         let per_metre = direction[depth].recip();
@@ -30,7 +30,7 @@ impl RayFrame {
     /// Metres along the ray (of either sign) and weights of the second and third corner, or `None` for a miss and for
     /// triangles that the ray sees edge on. Edges and corners belong to all triangles that have them.
     #[inline]
-    pub(super) fn meet(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
+    pub(crate) fn meet(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
         match self.depth {
             0 => self.meet_in([1, 2, 0], corners),
             1 => self.meet_in([2, 0, 1], corners),

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -10,8 +11,12 @@ use super::Args;
 use crate::dataset::cameras::CameraSet;
 use crate::error::Result;
 use crate::placement::{Figures, Lighting, Placed, Placement, Search};
+use crate::report::anatomy::counted;
 use crate::report::placement::Curve;
 use crate::report::{Column, Table, csv};
+
+/// Part of the surface below which a region is taken to be in the wrong place.
+const HARDLY_ANYTHING: f64 = 0.01;
 
 /// Everything that is told.
 pub struct Report<'a> {
@@ -23,6 +28,8 @@ pub struct Report<'a> {
     pub placement: &'a Placement,
     /// What it found for the other lighting, where that was asked for.
     pub comparison: Option<Placement>,
+    /// What it found for each k of `--compare-k`.
+    pub decays: Vec<(f64, Placement)>,
     /// The cameras as they are written.
     pub set: &'a CameraSet,
     /// First and last frame that cameras serve.
@@ -55,10 +62,11 @@ struct Row {
     seen: f64,
     weighted: f64,
     within: f64,
+    k_per_m: f64,
 }
 
-fn rows(placement: &Placement) -> impl Iterator<Item = Row> + '_ {
-    placement.cameras.iter().enumerate().map(|(at, placed)| {
+fn rows(placement: &Placement, k_per_m: f64) -> impl Iterator<Item = Row> + '_ {
+    placement.cameras.iter().enumerate().map(move |(at, placed)| {
         let [x, y, z] = placed.position.to_array();
         let Figures { coverage, seen, weighted, within } = placed.figures;
         let lighting = placement.lighting.name();
@@ -74,12 +82,25 @@ fn rows(placement: &Placement) -> impl Iterator<Item = Row> + '_ {
             seen,
             weighted,
             within,
+            k_per_m,
         }
     })
 }
 
 fn percent(share: f64) -> String {
     format!("{:.2}", 100.0 * share)
+}
+
+/// A number as people write it: with a power of ten only where it is very small or very large.
+fn plain(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e4).contains(&value) {
+        let digits = (3.0 - value.log10()).floor().clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
 }
 
 /// A length with as many digits as tell candidates apart.
@@ -101,14 +122,56 @@ impl Report<'_> {
 
     /// The curves of all lightings that were placed for, the one that was asked for first.
     pub fn curves(&self) -> Vec<Curve> {
-        let curve = |placement: &Placement| Curve {
+        self.placements().map(|placement| self.curve(placement, self.search.problem().rate_per_m())).collect()
+    }
+
+    /// The curves of `--compare-k`.
+    pub fn decays(&self) -> Vec<Curve> {
+        self.decays.iter().map(|(k, placement)| self.curve(placement, *k)).collect()
+    }
+
+    fn curve(&self, placement: &Placement, rate_per_m: f64) -> Curve {
+        Curve {
             lighting: placement.lighting,
             scene: self.scene_name(),
-            rate_per_m: self.search.problem().rate_per_m(),
+            rate_per_m,
             figures: placement.cameras.iter().map(|placed| placed.figures).collect(),
             reachable: placement.reachable,
-        };
-        self.placements().map(curve).collect()
+        }
+    }
+
+    /// What a user may not expect, a sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let (found, bounds, region) = (self.placement, self.search.surface_bounds(), self.search.region().bounds());
+        let mut notes = Vec::new();
+        if self.args.stop().cameras == Some(found.cameras.len() - found.started) && self.args.is_endless() {
+            let count = found.cameras.len() - found.started;
+            notes.push(format!("stopped after {count} cameras; say by --cameras how many more there may be"));
+        }
+        if let Some(wanted) = self.args.spread.map(|count| count as usize)
+            && found.cameras.len() - found.started < wanted
+        {
+            let count = counted((found.cameras.len() - found.started) as u64, "camera");
+            notes.push(format!(
+                "there is room for {count} only, if none is to be much closer to another than on a grid"
+            ));
+        }
+        let away = (bounds.min - region.max).max(region.min - bounds.max).max(DVec3::ZERO).length();
+        let across = (bounds.max - bounds.min).length();
+        let is_blind = found.reachable.seen < HARDLY_ANYTHING;
+        if is_blind || away > across {
+            let digits = across + (bounds.min.abs().max(bounds.max.abs())).max_element();
+            let corner = |at: DVec3| at.to_array().map(|value| metres(value, digits)).join(", ");
+            notes.push(format!(
+                "from the region {}% of the surface can be seen, and it is {} m away from the scene, which reaches from {} to {}; \
+                 see whether it lies where viewers are to be",
+                percent(found.reachable.seen),
+                plain(away),
+                corner(bounds.min),
+                corner(bounds.max)
+            ));
+        }
+        notes
     }
 
     /// One row for each camera of each lighting.
@@ -116,7 +179,10 @@ impl Report<'_> {
     /// # Errors
     /// When it cannot be written as CSV.
     pub fn csv(&self) -> Result<String> {
-        csv::of_rows(&self.placements().flat_map(rows).collect::<Vec<_>>())
+        let rate_per_m = self.search.problem().rate_per_m();
+        let asked = self.placements().flat_map(|placement| rows(placement, rate_per_m));
+        let decays = self.decays.iter().flat_map(|(k, placement)| rows(placement, *k));
+        csv::of_rows(&asked.chain(decays).collect::<Vec<_>>())
     }
 
     /// The table and what belongs to it.
@@ -128,20 +194,26 @@ impl Report<'_> {
         let placement = self.placement;
         let _ = writeln!(
             text,
-            "{} candidates, {} points on surfaces, {}; k {:.3e} per metre, viewer distance at least {:.3e} m",
-            self.search.views().len(),
-            self.search.surface_samples(),
+            "{}, {} on surfaces, {}; k {} per metre, viewer distance at least {} m",
+            counted(self.search.views().len() as u64, "candidate"),
+            counted(self.search.surface_samples() as u64, "point"),
             match self.frames.len() {
                 1 => "1 frame".to_owned(),
                 count => format!("{count} frames of {}-{}", self.range[0], self.range[1]),
             },
-            self.search.problem().rate_per_m(),
-            self.search.min_distance_m(),
+            plain(self.search.problem().rate_per_m()),
+            plain(self.search.min_distance_m()),
         );
         let _ = writeln!(
             text,
-            "{} gains computed where the plain search computes {}, {} beside the best candidates; {:.2} s",
-            placement.objective_calls, placement.plain_objective_calls, placement.refinement_calls, self.seconds
+            "What a candidate adds was worked out {}, where trying all each time takes {}, and estimated {}; {} beside the best \
+             {} tried; {:.2} s",
+            counted(placement.objective_calls, "time"),
+            placement.plain_objective_calls,
+            counted(placement.bound_calls, "time"),
+            counted(placement.refinement_calls, "position"),
+            if placement.refinement_calls == 1 { "was" } else { "were" },
+            self.seconds
         );
         files.iter().for_each(|path| {
             let _ = writeln!(text, "{}", path.display());
@@ -155,32 +227,46 @@ impl Report<'_> {
             Lighting::Specular { theta_deg } => format!("specular surfaces, theta {theta_deg} degrees"),
         };
         let reachable = placement.reachable;
+        let within = match placement.lighting {
+            Lighting::Diffuse => format!(", within {}", percent(reachable.within)),
+            Lighting::Specular { .. } => format!(", seen {}", percent(reachable.seen)),
+        };
+        let aside = if self.is_written(placement) { "" } else { ", for comparison: not written" };
         format!(
-            "{}: {of}. In percent; reachable: coverage {}, within {}",
+            "{}: {of}{aside}. In percent; reachable: coverage {}{within}",
             self.args.scene,
-            percent(reachable.coverage),
-            percent(reachable.within)
+            percent(reachable.coverage)
         )
     }
 
+    /// Whether a placement is the one that was asked for.
+    fn is_written(&self, placement: &Placement) -> bool {
+        std::ptr::eq(placement, self.placement)
+    }
+
     fn table(&self, placement: &Placement) -> Table {
-        let mut table = Table::new(&[
+        let mut columns = vec![
             Column::Left("Camera"),
             Column::Right("x"),
             Column::Right("y"),
             Column::Right("z"),
             Column::Right("Gain"),
             Column::Right("Coverage"),
-            Column::Right("Weighted"),
-            Column::Right("Within"),
-        ]);
-        let diagonal_m = placement.cameras.iter().map(|placed| placed.position.length()).fold(0.0, f64::max);
+        ];
+        // Coverage of specular surfaces is of directions; of what is beside it, both tell parts of the surface.
+        let is_diffuse = placement.lighting == Lighting::Diffuse;
+        columns
+            .extend(if is_diffuse { vec!["Weighted", "Within"] } else { vec!["Seen"] }.into_iter().map(Column::Right));
+        let mut table = Table::new(&columns);
+        let bounds = self.search.region().bounds();
+        let diagonal_m = (bounds.max - bounds.min).length();
         for (at, placed) in placement.cameras.iter().enumerate() {
             let [x, y, z] = placed.position.to_array().map(|value| metres(value, diagonal_m));
-            let Figures { coverage, weighted, within, .. } = placed.figures;
+            let Figures { coverage, seen, weighted, within } = placed.figures;
             let mark = if at < placement.started { " (given)" } else { "" };
-            let name = if std::ptr::eq(placement, self.placement) { self.set.name_of(at) } else { at.to_string() };
-            let shares = [placed.gain, coverage, weighted, within].map(percent);
+            let name = if self.is_written(placement) { self.set.name_of(at) } else { at.to_string() };
+            let beside = if is_diffuse { vec![weighted, within] } else { vec![seen] };
+            let shares = [placed.gain, coverage].into_iter().chain(beside).map(percent);
             table.row([format!("{name}{mark}"), x, y, z].into_iter().chain(shares));
         }
         table
@@ -213,6 +299,7 @@ impl Report<'_> {
             "surface_samples": self.search.surface_samples(),
             "facets": self.search.problem().facets().len(),
             "objective_calls": self.placement.objective_calls,
+            "bound_calls": self.placement.bound_calls,
             "plain_objective_calls": self.placement.plain_objective_calls,
             "refinement_calls": self.placement.refinement_calls,
             "coverage": last.coverage,
@@ -231,11 +318,38 @@ impl Report<'_> {
                     "coverage": placement.cameras.iter().map(|placed| placed.figures.coverage).collect::<Vec<_>>(),
                     "reachable": placement.reachable,
                     "objective_calls": placement.objective_calls,
+                    "bound_calls": placement.bound_calls,
                     "plain_objective_calls": placement.plain_objective_calls,
                 })
             };
             all["convergence"] = self.placements().map(curve).collect();
         }
+        if !self.decays.is_empty() {
+            let curve = |(k, placement): &(f64, Placement)| {
+                let each = |value: fn(&Figures) -> f64| {
+                    placement.cameras.iter().map(|placed| value(&placed.figures)).collect::<Vec<f64>>()
+                };
+                json!({
+                    "k_per_m": k,
+                    "seen": each(|figures| figures.seen),
+                    "weighted": each(|figures| figures.weighted),
+                    "within": each(|figures| figures.within),
+                })
+            };
+            all["decay"] = self.decays.iter().map(curve).collect();
+        }
         all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_plain_unless_tiny_or_huge() {
+        let found = [0.0, 0.00125, 1.2345678, 577.35, 9999.4, 1.5e5, 2e-9].map(plain);
+        assert_eq!(found, ["0", "0.00125", "1.235", "577.4", "9999", "1.500e5", "2.000e-9"]);
+        assert_eq!([metres(1.23456, 5.0), metres(0.001234567, 0.002)], ["1.235", "0.001235"]);
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::monitor::Silent;
-use crate::scene::{AxisBox, Light, Material, Object, Shape, Sphere, Texture};
+use crate::scene::{Light, Material, Object, Shape, Sphere, Texture};
 
 fn scene(shapes: &[Shape]) -> SceneAtTime {
     let paint = Material::diffuse(Texture::Solid(DVec3::ONE));
@@ -72,6 +72,7 @@ fn plain_and_lazy_place_the_same_and_lazy_asks_a_tenth() {
         assert_eq!(lazy.refinement_calls, plain.refinement_calls);
         assert_eq!(plain.objective_calls, plain.plain_objective_calls);
         assert_eq!(lazy.plain_objective_calls, plain.objective_calls);
+        assert!(lazy.bound_calls >= search.views.len() as u64 && plain.bound_calls == 0);
         assert!(lazy.cameras.len() >= 15, "{}", lazy.cameras.len());
         let calls = [lazy.objective_calls, plain.objective_calls];
         assert!(10 * calls[0] <= calls[1], "{lighting:?}: {calls:?} for {} cameras", lazy.cameras.len());
@@ -129,7 +130,9 @@ fn scale_does_not_matter() {
     };
     let usual = place(1.0);
     for scale in [1e-6, 1e6] {
-        for (a, b) in usual.iter().zip(place(scale)) {
+        let other = place(scale);
+        assert_eq!((usual.len(), other.len()), (6, 6));
+        for (a, b) in usual.iter().zip(other) {
             assert!((a.position - b.position / scale).length() < 1e-6, "{a:?} {b:?}");
             assert!((a.gain - b.gain).abs() < 1e-6 && (a.figures.coverage - b.figures.coverage).abs() < 1e-2);
         }
@@ -207,4 +210,60 @@ fn frames_are_spread_over_the_range() {
     assert_eq!(spread_frames([7, 9], 16), [7, 8, 9]);
     assert_eq!(spread_frames([5, 5], 16), [5]);
     assert_eq!(spread_frames([0, u32::MAX], 2).len(), 2);
+}
+
+/// Equation 7 as ARCHITECTURE reads it: the integral of equation 4 over time, worked out here from its words alone.
+#[test]
+fn of_a_film_each_moment_counts_by_its_time_and_nothing_twice() {
+    let at = |x: f64| scene(&[ball(DVec3::X * x, 0.5)]);
+    let region = Region::parse(&["-4,-4,2,4,4,4"]).unwrap();
+    let settings = Settings { rate_per_m: Some(0.7), min_distance_m: Some(0.5), ..settings(Effort::Fast) };
+    let search = Search::new(vec![at(-2.0), at(2.0)], &region, &settings, &Silent).unwrap();
+    let facets = search.problem().facets();
+    let time = |is_meant: fn(&super::super::objective::Facet) -> bool| -> f64 {
+        facets.iter().filter(|facet| is_meant(facet)).map(|facet| facet.weight).sum()
+    };
+    // The ball is as large at both moments, and each is half of the time.
+    assert!((time(|facet| facet.point.x < 0.0) - 0.5).abs() < 1e-12);
+    assert!((time(|facet| facet.point.x > 0.0) - 0.5).abs() < 1e-12);
+    let cameras = [DVec3::new(-3.0, 0.3, 3.5), DVec3::new(1.0, -0.4, 2.2)];
+    let stop = Stop { cameras: Some(0), until: 0.0 };
+    let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();
+    let suited = |camera: DVec3, at: usize| {
+        let facet = &facets[at];
+        let way = camera - facet.point;
+        // A ball hides what is turned away, and nothing else stands here.
+        let is_seen = way.dot(facet.normal) > 0.0;
+        // Z: straight up to the region above, or half a metre.
+        let viewer_m = (2.0 - facet.point.z).max(0.5);
+        if is_seen { (-0.7 * (way.length() - viewer_m).max(0.0)).exp() } else { 0.0 }
+    };
+    let mut best = vec![0.0; facets.len()];
+    for (camera, placed) in cameras.iter().zip(&found.cameras) {
+        let mut once = 0.0;
+        let mut twice = 0.0;
+        for (at, best) in best.iter_mut().enumerate() {
+            let suitability = suited(*camera, at);
+            let left = (suitability - *best).max(0.0);
+            once += facets[at].weight * left;
+            twice += facets[at].weight * suitability * left;
+            *best = best.max(suitability);
+        }
+        assert!((placed.gain - once).abs() < 1e-9, "{} {once}", placed.gain);
+        assert!(twice < 0.8 * once);
+    }
+}
+
+#[test]
+fn spread_cameras_need_no_search_and_are_measured() {
+    let region = around(2.0);
+    let search = Search::new(vec![group(1.0)], &region, &settings(Effort::Fast), &Silent).unwrap();
+    let cameras = search.spread(12).unwrap();
+    assert!(cameras.len() == 12 && cameras.iter().all(|camera| search.admits(*camera)));
+    let stop = Stop { cameras: Some(0), until: 0.0 };
+    let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();
+    let best = search.place(Lighting::Diffuse, &[], Stop { cameras: Some(12), until: 0.0 }, &Silent).unwrap();
+    let weighted = |found: &Placement| found.cameras.last().unwrap().figures.weighted;
+    // The search is there to be better than this.
+    assert!(weighted(&found) > 0.3 && weighted(&found) < weighted(&best), "{} {}", weighted(&found), weighted(&best));
 }

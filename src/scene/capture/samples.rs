@@ -1,7 +1,7 @@
 //! Where in a pixel its colour is sampled.
 //!
 //! The same points in every pixel and every frame: what does not move keeps its bits. A square number of samples lies on a
-//! regular grid, any other on Hammersley's points (Seurat 3): `k/N` across, the bits of `k` mirrored at the binary point down.
+//! regular grid, any other on Hammersley's points: `k/N` across, the bits of `k` mirrored at the binary point down.
 
 use crate::error::{Error, Result};
 
