@@ -20,7 +20,7 @@ use crate::report::tradeoff::{Axis, Knob};
 use crate::scene::Scene;
 
 /// Options of `place` that tradeoff gives itself.
-const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "force"];
+const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start"];
 /// Options that say how cameras are found. All others say what is to be covered: points and ruler have them alike.
 const OF_THE_SEARCH: &[&str] = &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "threads"];
 
