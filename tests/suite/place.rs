@@ -208,7 +208,7 @@ fn the_table_says_what_is_compared_and_a_lost_region_is_told() {
     );
     // Parts of directions and parts of surface do not share a table, but for what is seen.
     assert!(!compared[..second].contains("Weighted") && compared[second..].contains("Weighted"), "{compared}");
-    assert!(!text("").contains("see whether"));
+    assert!(!text("--threads 1").contains("see whether"));
     let far = "place cornell --region=500,1,500,501,2,501 --candidates 1 --surface-samples 64 --cameras 1 -o far.json";
     let said = fine(far, folder.path());
     let words = String::from_utf8(said.stderr).unwrap();
