@@ -96,7 +96,7 @@ fn plain(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e4).contains(&value) {
-        let digits = (3.0 - value.log10()).floor().clamp(0.0, 6.0) as usize;
+        let digits = (3.0 - value.log10()).ceil().clamp(0.0, 6.0) as usize;
         format!("{value:.digits$}")
     } else {
         format!("{value:.3e}")
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn numbers_are_plain_unless_tiny_or_huge() {
         let found = [0.0, 0.00125, 1.2345678, 577.35, 9999.4, 1.5e5, 2e-9].map(plain);
-        assert_eq!(found, ["0", "0.00125", "1.235", "577.4", "9999", "1.500e5", "2.000e-9"]);
+        assert_eq!(found, ["0", "0.001250", "1.235", "577.4", "9999", "1.500e5", "2.000e-9"]);
         assert_eq!([metres(1.23456, 5.0), metres(0.001234567, 0.002)], ["1.235", "0.001235"]);
     }
 }

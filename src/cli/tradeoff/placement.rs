@@ -20,9 +20,10 @@ use crate::report::tradeoff::{Axis, Knob};
 use crate::scene::Scene;
 
 /// Options of `place` that tradeoff gives itself.
-const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start"];
+const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compare-k"];
 /// Options that say how cameras are found. All others say what is to be covered: points and ruler have them alike.
-const OF_THE_SEARCH: &[&str] = &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "threads"];
+const OF_THE_SEARCH: &[&str] =
+    &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "spread", "threads"];
 
 /// Name of the picture of coverage by the value of a knob.
 const BY_VALUE: &str = "placement-by-value";
