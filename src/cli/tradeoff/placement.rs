@@ -121,7 +121,8 @@ fn axes(args: &Args) -> Result<Vec<Axis>> {
         if axes.iter().any(|axis| axis.knob == knob.name) {
             return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", knob.name)));
         }
-        let own = sweep.knob.stage == Stage::Place || sweep.values != sweep.knob.usual;
+        // Its usual values may be others than those of the option of encoding that has this name.
+        let own = sweep.knob.stage == Stage::Place || sweep.given;
         let usual = || knob.usual.iter().map(|value| (*value).to_owned()).collect();
         axes.push(Axis { knob: knob.name, values: if own { sweep.values.clone() } else { usual() } });
     }

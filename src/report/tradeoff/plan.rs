@@ -15,6 +15,8 @@ pub struct Sweep {
     pub knob: &'static Knob,
     /// Its values, in the order of reports.
     pub values: Vec<String>,
+    /// Whether they were given, or are the usual ones.
+    pub given: bool,
 }
 
 impl Sweep {
@@ -27,6 +29,7 @@ impl Sweep {
             let (coding, placing) = (names(KNOBS), names(placement::KNOBS));
             format!("'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}")
         })?;
+        let given = values.is_some();
         let values: Vec<String> = match values {
             None => knob.usual.iter().map(|value| (*value).to_owned()).collect(),
             Some(values) => values.split(',').map(|value| value.trim().to_owned()).collect(),
@@ -37,7 +40,7 @@ impl Sweep {
         if let Some(twice) = (1..values.len()).find(|&at| values[..at].contains(&values[at])) {
             return Err(format!("{name} has the value {} twice", values[twice]));
         }
-        Ok(Sweep { knob, values })
+        Ok(Sweep { knob, values, given })
     }
 }
 
@@ -270,6 +273,7 @@ mod tests {
         let sweep = Sweep::parse("psnr=30, 40").unwrap();
         assert_eq!((sweep.knob.name, sweep.values.join("|")), ("psnr", "30|40".to_owned()));
         assert_eq!(Sweep::parse("cell").unwrap().values, ["8", "16", "32", "64", "128"]);
+        assert!(sweep.given && !Sweep::parse("cell").unwrap().given);
         assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is none of the knobs depth-codec, "));
         assert!(Sweep::parse("cell=8,,16").unwrap_err().contains("empty value"));
         assert!(Sweep::parse("cell=").unwrap_err().contains("empty value"));
