@@ -76,7 +76,7 @@ impl Volume {
     /// Whether a point is inside or on the border.
     pub fn contains(&self, point: DVec3) -> bool {
         match self {
-            Volume::Box(solid) => (point - solid.min).min(solid.max - point).min_element() >= 0.0,
+            Volume::Box(solid) => solid.contains(point),
             Volume::Ball(ball) => point.distance_squared(ball.center) <= ball.radius * ball.radius,
             Volume::Mesh(mesh) => mesh.contains(point),
         }
@@ -85,7 +85,7 @@ impl Volume {
     /// Metres from a point to the volume, 0 inside.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         match self {
-            Volume::Box(solid) => (solid.min - point).max(point - solid.max).max(DVec3::ZERO).length(),
+            Volume::Box(solid) => solid.distance_m(point),
             Volume::Ball(ball) => (point.distance(ball.center) - ball.radius).max(0.0),
             Volume::Mesh(mesh) if mesh.contains(point) => 0.0,
             Volume::Mesh(mesh) => mesh.surface_distance_m(point),
