@@ -116,6 +116,20 @@ impl Camera {
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
+    /// The direction, of length 1, of a point of its picture: 0 to 1 from left to right, and from top to bottom.
+    pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
+        let [forward, right, down] = self.axes;
+        (forward + (2.0 * x - 1.0) * self.half[0] * right + (2.0 * y - 1.0) * self.half[1] * down).normalize()
+    }
+
+    /// Where a point of the world, relative to the eye, lies in its picture, and how deep along its axis, in the units of
+    /// the point. None where it is not before the camera.
+    pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
+        let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
+        let at = [(right / deep, self.half[0]), (down / deep, self.half[1])].map(|(at, half)| 0.5 + 0.5 * at / half);
+        (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
+    }
+
     /// All that it sees.
     pub fn frustum(&self) -> Frustum {
         let [x, y] = self.half;

@@ -1,10 +1,18 @@
 //! What viewers see of a light field (CALF 6).
 //!
 //! Enters: an open container and cameras. Leaves: which tiles and cells the cameras see, so that only those are
-//! decoded.
+//! decoded; the texels of what is shown (`player`, `light_field`); pictures from any eye (`render`: `march` says where a ray
+//! ends, `interpolate` what colour is there).
 
+pub mod active_views;
 pub mod camera_file;
+pub mod counters;
 pub mod face_image;
+pub mod interpolate;
+pub mod light_field;
+pub mod march;
+pub mod player;
+pub mod render;
 pub mod seen_units;
 pub mod visibility;
 
