@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::math::Camera;
+use crate::memory::Budget;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
@@ -45,6 +46,8 @@ pub struct PlaybackOptions {
     pub decode: DecodeScope,
     /// Whether mirrors and glass send rays on.
     pub effects: EffectMode,
+    /// Memory for what is decoded.
+    pub memory: Budget,
 }
 
 /// How pictures are made, where near and far may be left to the light field.
@@ -176,8 +179,6 @@ pub struct PlaybackSummary {
     pub counters: Counters,
     /// Units and bytes.
     pub counts: ShowCounts,
-    /// Stored bytes of all chunks of the chosen probes that hold frames which were shown.
-    pub bytes_all: u64,
     /// Times.
     pub pacing: FramePacing,
 }
@@ -201,7 +202,7 @@ impl<'a> Playback<'a> {
     /// As for [`Player::new`].
     pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
         Ok(Playback {
-            player: Player::new(decoder, &options.probes)?,
+            player: Player::new(decoder, &options.probes)?.with_memory(options.memory),
             sight_lines: SightLines::new(decoder),
             selector: ViewSelector::new(options.selection),
             options,
@@ -278,6 +279,6 @@ impl<'a> Playback<'a> {
             update: Pacing::of(&self.update_ms),
             render: Pacing::of(&self.render_ms),
         };
-        PlaybackSummary { bytes_all: self.player.bytes_all(), pacing, ..self.summary }
+        PlaybackSummary { pacing, ..self.summary }
     }
 }
