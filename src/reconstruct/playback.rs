@@ -46,8 +46,6 @@ pub struct PlaybackOptions {
     pub decode: DecodeScope,
     /// Whether mirrors and glass send rays on.
     pub effects: EffectMode,
-    /// Memory for what is decoded.
-    pub memory: Budget,
 }
 
 /// How pictures are made, where near and far may be left to the light field.
@@ -179,6 +177,8 @@ pub struct PlaybackSummary {
     pub counters: Counters,
     /// Units and bytes.
     pub counts: ShowCounts,
+    /// [`ShowCounts::bytes_all`].
+    pub bytes_all: u64,
     /// Times.
     pub pacing: FramePacing,
 }
@@ -202,7 +202,7 @@ impl<'a> Playback<'a> {
     /// As for [`Player::new`].
     pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
         Ok(Playback {
-            player: Player::new(decoder, &options.probes)?.with_memory(options.memory),
+            player: Player::new(decoder, &options.probes)?,
             sight_lines: SightLines::new(decoder),
             selector: ViewSelector::new(options.selection),
             options,
@@ -210,6 +210,12 @@ impl<'a> Playback<'a> {
             update_ms: Vec::new(),
             render_ms: Vec::new(),
         })
+    }
+
+    /// The same, with at most so much memory for what is decoded.
+    #[must_use]
+    pub fn with_memory(self, budget: Budget) -> Playback<'a> {
+        Playback { player: self.player.with_memory(budget), ..self }
     }
 
     /// What shows the frames.
@@ -279,6 +285,6 @@ impl<'a> Playback<'a> {
             update: Pacing::of(&self.update_ms),
             render: Pacing::of(&self.render_ms),
         };
-        PlaybackSummary { pacing, ..self.summary }
+        PlaybackSummary { bytes_all: self.summary.counts.bytes_all, pacing, ..self.summary }
     }
 }
