@@ -87,6 +87,14 @@ pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
+/// Writes 8-bit R, G, B and alpha; colour is not multiplied by alpha. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// As for [`write_color8`].
+pub fn write_rgba8(path: &Path, plane: &Plane<[u8; 4]>) -> Result<()> {
+    write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgba8)
+}
+
 /// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
 ///
 /// # Errors

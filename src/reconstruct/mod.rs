@@ -13,6 +13,7 @@ pub mod light_field;
 pub mod march;
 pub mod player;
 pub mod render;
+pub mod rendered_image;
 pub mod seen_units;
 pub mod visibility;
 

@@ -1,6 +1,7 @@
 //! How results look: tables for people, CSV for spreadsheets, charts; and sweeps of knobs. No command has a layout of its own.
 
 pub mod anatomy;
+pub mod contact_sheet;
 pub mod csv;
 pub mod machine;
 pub mod placement;
