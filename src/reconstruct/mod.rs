@@ -12,8 +12,12 @@ pub mod interpolate;
 pub mod light_field;
 pub mod march;
 pub mod player;
+pub mod reference;
 pub mod render;
+pub mod reproject;
 pub mod seen_units;
+pub mod similarity;
+pub mod splat;
 pub mod visibility;
 
 pub use camera_file::{CameraFile, TimedCamera};
