@@ -11,6 +11,7 @@ pub mod face_image;
 pub mod interpolate;
 pub mod light_field;
 pub mod march;
+pub mod methods;
 pub mod pacing;
 pub mod path;
 pub mod performance;
