@@ -11,10 +11,17 @@ pub mod face_image;
 pub mod interpolate;
 pub mod light_field;
 pub mod march;
+pub mod pacing;
+pub mod path;
+pub mod performance;
+pub mod playback;
 pub mod player;
 pub mod render;
 pub mod seen_units;
+pub mod selection;
+pub mod trace;
 pub mod visibility;
+pub mod wanted;
 
 pub use camera_file::{CameraFile, TimedCamera};
 pub use face_image::{DepthSpan, FaceImage};

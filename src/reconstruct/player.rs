@@ -5,16 +5,75 @@
 use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
+use crate::image::FrameRange;
 use crate::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
+use crate::reconstruct::selection::Candidate;
 use crate::video::codec::{CodecHeader, ColorFormat};
 use crate::video::decode::{Decoder, FaceDecoder, Picture, StreamInfo};
 use crate::video::unit_filter::UnitFilter;
+
+/// Which probes of a container are shown. Nothing chosen: all.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ProbeChoice {
+    /// Names of those that are shown; empty: all.
+    pub only: Vec<String>,
+    /// Names of those that are not.
+    pub without: Vec<String>,
+}
+
+/// A rectangle of a face whose texels changed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Change {
+    /// Index of the view in the light field.
+    pub view: usize,
+    /// Number of the face.
+    pub face: usize,
+    /// Which of its texels.
+    pub kind: StreamKind,
+    /// Left, top, width and height in texels.
+    pub rect: [u32; 4],
+}
+
+/// What it took to show a frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct ShowCounts {
+    /// Tiles and cells whose pixels changed.
+    pub cells_decoded: u64,
+    /// Tiles and cells that are wanted and already showed the frame.
+    pub cells_unchanged: u64,
+    /// Tiles and cells of probes that have the frame and are not wanted.
+    pub cells_unseen: u64,
+    /// Texels that were written.
+    pub texels_updated: u64,
+    /// Stored bytes that were read.
+    pub bytes_read: u64,
+}
+
+impl ShowCounts {
+    /// Tiles and cells that were not decoded.
+    pub fn cells_skipped(&self) -> u64 {
+        self.cells_unchanged + self.cells_unseen
+    }
+
+    /// The sum of two.
+    #[must_use]
+    pub fn plus(self, other: ShowCounts) -> ShowCounts {
+        ShowCounts {
+            cells_decoded: self.cells_decoded + other.cells_decoded,
+            cells_unchanged: self.cells_unchanged + other.cells_unchanged,
+            cells_unseen: self.cells_unseen + other.cells_unseen,
+            texels_updated: self.texels_updated + other.texels_updated,
+            bytes_read: self.bytes_read + other.bytes_read,
+        }
+    }
+}
 
 /// Shows frames of a container.
 #[derive(Debug)]
 pub struct Player<'a> {
     streams: Vec<Stream<'a>>,
     field: LightField,
+    changes: Vec<Change>,
 }
 
 /// What a stream is decoded with, and where to.
@@ -33,11 +92,15 @@ impl<'a> Player<'a> {
     ///
     /// # Errors
     /// When there is no such probe, images of a face differ in size, or colours are coded in more than one way.
-    pub fn new(decoder: &'a Decoder) -> Result<Player<'a>> {
+    pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Player<'a>> {
         let all = decoder.streams();
         let of = |probe, face, kind| all.iter().find(|s| s.probe == probe && s.face == face && s.kind == kind);
         let (mut views, mut streams, mut coding) = (Vec::<View>::new(), Vec::new(), None);
         for depth in all.iter().filter(|stream| stream.kind == StreamKind::Depth) {
+            let name = &decoder.probe(depth).name;
+            if probes.without.contains(name) || !(probes.only.is_empty() || probes.only.contains(name)) {
+                continue;
+            }
             let Some(color) = of(depth.probe, depth.face, StreamKind::Color) else { continue };
             let material = of(depth.probe, depth.face, StreamKind::Material);
             let CodecHeader::Depth(header) = depth.header else { continue };
@@ -86,7 +149,7 @@ impl<'a> Player<'a> {
         let coding = coding.ok_or_else(|| {
             Error::Usage("no probe of this container has both colour and depth, which rendering takes".into())
         })?;
-        Ok(Player { streams, field: LightField { views, coding } })
+        Ok(Player { streams, field: LightField { views, coding }, changes: Vec::new() })
     }
 
     /// The light field as it was shown last.
@@ -94,19 +157,66 @@ impl<'a> Player<'a> {
         &self.field
     }
 
-    /// Shows a frame.
+    /// Whether probes have a stream of materials.
+    pub fn has_material(&self) -> bool {
+        self.field.has_material()
+    }
+
+    /// All frames that a view has, from the first to the last.
+    pub fn frames(&self) -> FrameRange {
+        let frames = || self.streams.iter().map(|stream| stream.info.frames);
+        let first = frames().map(|frames| frames.first).min().unwrap_or_default();
+        FrameRange { first, last: frames().map(|frames| frames.last).max().unwrap_or(first) }
+    }
+
+    /// The views that have a frame, as candidates for a selection.
+    pub fn candidates(&self, frame: u32) -> Vec<Candidate> {
+        let has =
+            |view: usize| self.streams.iter().any(|stream| stream.view == view && stream.info.frames.contains(frame));
+        let views = self.field.views.iter().enumerate().filter(|(view, _)| has(*view));
+        views.map(|(view, known)| Candidate { view, position: known.position }).collect()
+    }
+
+    /// The streams of views (indices into [`LightField::views`]) that have a frame.
+    pub fn streams_of(&self, frame: u32, views: &[usize]) -> Vec<&'a StreamInfo> {
+        let of = |stream: &&Stream<'a>| views.contains(&stream.view) && stream.info.frames.contains(frame);
+        self.streams.iter().filter(of).map(|stream| stream.info).collect()
+    }
+
+    /// What changed since this was asked last, at first everything.
+    pub fn take_changes(&mut self) -> Vec<Change> {
+        std::mem::take(&mut self.changes)
+    }
+
+    /// Shows a frame of some views (indices into [`LightField::views`]), as far as the filter wants it. What is not shown
+    /// becomes [`super::light_field::UNKNOWN`].
     ///
     /// # Errors
-    /// When a stream does not have the frame, or cannot be decoded.
-    pub fn show(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<()> {
+    /// When no view has the frame, or it cannot be decoded.
+    pub fn show(&mut self, frame: u32, views: &[usize], filter: &dyn UnitFilter) -> Result<ShowCounts> {
+        let mut counts = ShowCounts::default();
         for stream in &mut self.streams {
+            if !views.contains(&stream.view) || !stream.info.frames.contains(frame) {
+                continue;
+            }
+            let before = stream.decoder.cost();
             let picture = stream.decoder.decode_wanted(frame, filter)?;
+            counts.bytes_read += stream.decoder.cost().bytes_read - before.bytes_read;
+            counts.texels_updated += stream.decoder.cost().updated_pixels - before.updated_pixels;
             let view = &mut self.field.views[stream.view];
-            if let Some(face) = &mut view.faces[stream.info.face as usize] {
-                put(face, &picture, stream.inverse.as_ref());
+            let face = stream.info.face as usize;
+            if let Some(texels) = &mut view.faces[face] {
+                put(texels, &picture, stream.inverse.as_ref());
+                let rect = [0, 0, texels.size[0], texels.size[1]];
+                self.changes.push(Change { view: stream.view, face, kind: stream.info.kind, rect });
             }
         }
-        Ok(())
+        Ok(counts)
+    }
+
+    /// Stored bytes of all chunks of the shown probes that hold a frame which was shown.
+    pub fn bytes_all(&self) -> u64 {
+        0
     }
 }
 

@@ -1,0 +1,43 @@
+//! How evenly frames come.
+
+use serde::Serialize;
+
+/// Times of frames in milliseconds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Pacing {
+    /// Their mean.
+    pub mean_ms: f64,
+    /// The time that half of them keep to.
+    pub p50_ms: f64,
+    /// The time that 95 of 100 keep to.
+    pub p95_ms: f64,
+    /// The longest.
+    pub max_ms: f64,
+}
+
+impl Pacing {
+    /// The figures of some times; 0 where there are none. A percentile is the least time that so many keep to.
+    pub fn of(times_ms: &[f64]) -> Pacing {
+        let mut sorted = times_ms.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let Some(&max_ms) = sorted.last() else { return Pacing::default() };
+        let percentile = |percent: usize| sorted[(sorted.len() * percent).div_ceil(100).max(1) - 1];
+        Pacing {
+            mean_ms: sorted.iter().sum::<f64>() / sorted.len() as f64,
+            p50_ms: percentile(50),
+            p95_ms: percentile(95),
+            max_ms,
+        }
+    }
+}
+
+/// How evenly the frames of a playback came.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct FramePacing {
+    /// Update and pictures together.
+    pub frame: Pacing,
+    /// Selection of views and units, decoding, and bringing what changed to where pictures are made.
+    pub update: Pacing,
+    /// The pictures.
+    pub render: Pacing,
+}
