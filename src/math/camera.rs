@@ -126,6 +126,11 @@ impl Camera {
         self.axes
     }
 
+    /// Half the width and half the height of the image at distance 1.
+    pub fn half(&self) -> [f64; 2] {
+        self.half
+    }
+
     /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
     /// looks so.
     pub fn orientation(&self) -> Option<[f64; 4]> {
