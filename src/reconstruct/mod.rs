@@ -12,6 +12,7 @@ pub mod interpolate;
 pub mod light_field;
 pub mod march;
 pub mod player;
+pub mod pyramid;
 pub mod render;
 pub mod seen_units;
 pub mod visibility;
