@@ -31,7 +31,7 @@ pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
 pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 
 /// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
-const LEAST_M: f32 = 1e-18;
+pub const LEAST_M: f32 = 1e-18;
 
 /// The greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where of one of them nothing is known.
 ///
@@ -106,7 +106,7 @@ impl FaceTexels {
     /// The greatest inverse depth of the texels from one to another, both included, or of somewhat more of them.
     ///
     /// Squares as wide as a half to the whole of the rectangle cover it: at most three in a row, of three rows.
-    fn greatest_between(&self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> f32 {
+    pub(crate) fn greatest_between(&self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> f32 {
         let level = (right - left).max(bottom - top).checked_ilog2().unwrap_or(0);
         let (size, values) = match level.checked_sub(1) {
             None => (self.size, &self.inverse_depth[..]),
@@ -140,7 +140,9 @@ impl View {
 /// Face, u, v and planar depth of a point in a view's axes. None behind a perspective view.
 fn plane_of(view: &View, local: Vec3) -> Option<(usize, [f32; 2], f32)> {
     if view.faces[Face::View as usize].is_some() {
-        return (local.z < 0.0).then(|| (Face::View as usize, [local.x / -local.z, local.y / local.z], -local.z));
+        let inverse = 1.0 / -local.z;
+        let plane = [local.x * inverse, -local.y * inverse];
+        return (local.z < 0.0).then_some((Face::View as usize, plane, -local.z));
     }
     let (face, u, v, planar_m) = cube_face(local);
     Some((face, [u, v], planar_m))
