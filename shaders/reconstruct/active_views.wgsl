@@ -32,11 +32,15 @@ fn evidence(view: u32, point: vec3<f32>) -> u32 {
         // The centre itself has no direction.
         return select(NOT_KNOWN, OPEN, near && squared <= MIN_POSITIVE);
     }
+    // Within near it is so even where no texel was decoded.
+    if (near) {
+        return OPEN;
+    }
     let surface = nearest_inverse_depth(at);
     if (surface == UNKNOWN) {
         return NOT_KNOWN;
     }
-    return select(BEHIND, OPEN, near || bitcast<f32>(surface) < at.inverse_depth);
+    return select(BEHIND, OPEN, bitcast<f32>(surface) < at.inverse_depth);
 }
 
 fn is_surface(point: vec3<f32>) -> bool {

@@ -7,6 +7,8 @@
 //! Colours and hits are those of the CPU but for the rounding of single floats, in which devices differ: a ray that
 //! grazes a surface may pass it on one and not on the other.
 
+pub mod agreement;
+pub mod playback;
 pub mod scene;
 pub mod texels;
 
