@@ -184,7 +184,11 @@ impl<'a> ShownFace<'a> {
         let mut push = |kind: StreamKind, rects: Vec<Rect>| {
             changes.rects.extend(joined(rects).into_iter().map(|rect| (kind, rect)));
         };
-        push(StreamKind::Depth, self.update_depth(texels));
+        let depths = joined(self.update_depth(texels));
+        for &[left, top, width, height] in &depths {
+            texels.depth_changed(left..left + width, top..top + height);
+        }
+        push(StreamKind::Depth, depths);
         push(StreamKind::Color, update_color(&self.color, texels));
         if let Some(material) = &self.material {
             push(StreamKind::Material, update_material(material, texels));
