@@ -5,7 +5,7 @@ use crate::image::transfer::ToneMap;
 use crate::metrics::psnr::CodeError;
 use crate::metrics::ssim_rgb8;
 use crate::reconstruct::render::Rendered;
-use crate::reconstruct::similarity::{difference, display_codes};
+use crate::reconstruct::similarity::difference;
 
 /// Codes by which the channels of a pixel may differ.
 pub const CODES: u8 = 2;
@@ -44,7 +44,7 @@ impl Agreement {
     /// # Errors
     /// When the pictures differ in size.
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
-        let [found, expected] = [on_device, on_cpu].map(|picture| display_codes(picture, ToneMap::default()));
+        let [found, expected] = [on_device, on_cpu].map(|picture| picture.codes(ToneMap::default()));
         let error = CodeError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
         let differences = difference(&found, &expected)?;
         let alphas = on_device.alpha.data().iter().zip(on_cpu.alpha.data());
