@@ -14,7 +14,8 @@ use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
-use crate::reconstruct::march::{Ray, Steps, intersect};
+use crate::reconstruct::march::{self, Ray, Steps};
+use crate::reconstruct::pyramid;
 
 /// A hit is a hole where every texel differs from it by more than this in the logarithm of the distance, beyond what the
 /// steps leave open: nobody saw a surface there.
@@ -50,6 +51,16 @@ pub enum Acceleration {
     /// Segments that a view proves to be empty are passed over; the hits are the same.
     #[default]
     Pyramid,
+}
+
+impl Acceleration {
+    /// The distance in metres at which a ray meets a surface, if it does; the same either way.
+    pub fn intersect(self, views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
+        match self {
+            Acceleration::None => march::intersect(views, ray, steps, counters),
+            Acceleration::Pyramid => pyramid::intersect(views, ray, steps, counters),
+        }
+    }
 }
 
 /// How a picture is made.
@@ -163,29 +174,45 @@ fn outcome(
     settings: &RenderSettings,
     counters: &mut Counters,
 ) -> Outcome {
-    match intersect(views, ray, &settings.steps, counters) {
+    match settings.acceleration.intersect(views, ray, &settings.steps, counters) {
         Some(distance_m) => {
             let unsure = if settings.steps.refine == 0 { settings.steps.log_step() } else { 0.0 };
-            match surface_color(views, weights, ray.at(distance_m)) {
-                Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(views.coding, &seen)),
-                seen => Outcome::Hole(seen.map(|seen| light(views.coding, &seen))),
-            }
+            surface(views, weights, ray.at(distance_m), unsure)
         }
         None => {
             counters.background_rays += 1;
-            match background_color(views, weights, ray.direction) {
-                Some(seen) => Outcome::Seen(light(views.coding, &seen)),
-                None => Outcome::Hole(None),
-            }
+            background(views, weights, ray.direction)
         }
+    }
+}
+
+/// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
+/// leave open where.
+pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
+    match surface_color(views, weights, point) {
+        Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(views.coding, &seen)),
+        seen => Outcome::Hole(seen.map(|seen| light(views.coding, &seen))),
+    }
+}
+
+/// What a ray brings that meets no surface.
+pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
+    match background_color(views, weights, direction) {
+        Some(seen) => Outcome::Seen(light(views.coding, &seen)),
+        None => Outcome::Hole(None),
     }
 }
 
 /// Linear light of what views saw.
 fn light(coding: ColorCoding, seen: &Seen) -> Vec3 {
+    light_of(coding, seen.color)
+}
+
+/// Linear light of a colour as it is coded.
+pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
     match coding {
-        ColorCoding::Light => seen.color,
-        ColorCoding::Codes(tone) => seen.color.to_array().map(|code| decode(tone, code)).into(),
+        ColorCoding::Light => color,
+        ColorCoding::Codes(tone) => color.to_array().map(|code| decode(tone, code)).into(),
     }
 }
 

@@ -93,6 +93,9 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
                 }
             }
         }
+        if change.kind == StreamKind::Depth {
+            target.depth_changed(left..left + width, top..top + height);
+        }
     }
 }
 
