@@ -31,6 +31,7 @@ mod properties;
 mod quadtree;
 mod quality;
 mod render;
+mod render_decode;
 mod resume;
 mod roundtrip;
 mod samples;
