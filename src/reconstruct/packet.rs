@@ -6,7 +6,7 @@ use glam::Vec4;
 use crate::image::cube::Face;
 use crate::reconstruct::active_views::{ActiveView, ActiveViews};
 use crate::reconstruct::lanes::{ALL, Lanes, Points, cut, either, lanes_of, to_whole};
-use crate::reconstruct::light_field::{FaceTexels, UNKNOWN};
+use crate::reconstruct::light_field::{ColorCoding, FaceTexels, UNKNOWN};
 use crate::reconstruct::pyramid::{LEAST_M, ROUNDING, SURELY_BELOW_ONE};
 
 /// The numbers that map a plane at depth 1 to an image.
@@ -20,17 +20,20 @@ struct Map {
 /// An active view, laid out flat.
 #[derive(Debug)]
 pub(crate) struct PacketView<'a> {
-    /// Columns of the turn into its axes.
-    turn: [[f32; 3]; 3],
-    from_eye: [f32; 3],
+    /// Columns of the turn into its axes, each number in all lanes.
+    turn: [[Lanes; 3]; 3],
+    from_eye: [Lanes; 3],
     reach_m: f32,
+    near_m: Lanes,
     near_squared: f32,
     greatest_inverse_depth: f32,
     is_view: bool,
+    /// Whether the number of every texel in its image is below 2²³.
+    are_small: bool,
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
     /// Eight, so that any three bits are the number of one.
-    depth: [&'a [f32]; 8],
-    width: [u32; 8],
+    pub(crate) depth: [&'a [f32]; 8],
+    pub(crate) width: [u32; 8],
     maps: [Map; 7],
     /// Where all its images are mapped alike.
     alike: Option<Map>,
@@ -61,6 +64,12 @@ impl Faces {
         Faces(0x0404_0404 - 4 * spread(is_x) - 2 * spread(is_y) + spread(negative))
     }
 
+    /// The number of the face of all lanes, where it is one.
+    #[inline(always)]
+    fn only(self) -> Option<usize> {
+        (self.0 == (self.0 & 7) * 0x0101_0101).then_some((self.0 & 7) as usize)
+    }
+
     /// The number of a lane's face.
     #[inline(always)]
     pub(crate) fn of(self, lane: usize) -> usize {
@@ -75,8 +84,8 @@ pub(crate) struct Places {
     pub(crate) exist: u32,
     pub(crate) face: Faces,
     plane: [Lanes; 2],
-    planar_m: Lanes,
-    pub(crate) inverse_depth: Lanes,
+    pub(crate) planar_m: Lanes,
+    inverse_depth: Lanes,
     /// Column and row, in texels.
     pub(crate) at: [Lanes; 2],
     /// Columns and rows of the images.
@@ -103,11 +112,13 @@ impl<'a> PacketView<'a> {
         let first = all.next();
         let alike = first.filter(|first| all.all(|map| map == *first));
         PacketView {
-            turn: active.probe_from_world.to_cols_array_2d(),
-            from_eye: active.from_eye.to_array(),
+            turn: active.probe_from_world.to_cols_array_2d().map(|column| column.map(Lanes::splat)),
+            from_eye: active.from_eye.to_array().map(Lanes::splat),
             reach_m: active.from_eye.abs().max_element(),
+            near_m: Lanes::splat(active.view.near_m),
             near_squared: active.view.near_m * active.view.near_m,
             greatest_inverse_depth: active.greatest_inverse_depth,
+            are_small: faces.iter().flatten().all(|face| face.inverse_depth.len() <= 1 << 23),
             is_view: faces[Face::View as usize].is_some(),
             faces,
             depth: std::array::from_fn(|at| of(at).map_or(&[][..], |face| &face.inverse_depth)),
@@ -195,31 +206,39 @@ impl<'a> PacketView<'a> {
     /// Inverse depths of the texels that points fall into.
     #[inline(always)]
     fn nearest(&self, places: &Places) -> Lanes {
-        let within = |at: Lanes, size: Lanes| to_whole(cut(at.max(Lanes::ZERO).min(size - 1.0)));
-        let column = within(places.at[0], places.size[0]);
-        let row = within(places.at[1], places.size[1]);
-        let texel = |lane: usize| {
-            let face = places.face.of(lane);
-            let at = row[lane] as usize * self.width[face] as usize + column[lane] as usize;
-            self.depth[face].get(at).copied().unwrap_or(UNKNOWN)
+        let within = |axis: usize| cut(places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0));
+        let (column, row) = (within(0), within(1));
+        let at = if self.are_small {
+            to_whole(row * places.size[0] + column).map(|at| at as usize)
+        } else {
+            let (column, row) = (to_whole(column), to_whole(row));
+            std::array::from_fn(|lane| {
+                row[lane] as usize * self.width[places.face.of(lane)] as usize + column[lane] as usize
+            })
         };
-        Lanes::new(texel(0), texel(1), texel(2), texel(3))
+        let texel = |depth: &[f32], lane: usize| depth.get(at[lane]).copied().unwrap_or(UNKNOWN);
+        if let Some(face) = places.face.only() {
+            let depth = self.depth[face];
+            return Lanes::new(texel(depth, 0), texel(depth, 1), texel(depth, 2), texel(depth, 3));
+        }
+        let each = |lane| texel(self.depth[places.face.of(lane)], lane);
+        Lanes::new(each(0), each(1), each(2), each(3))
     }
 
     /// What it says of points, of which it has the ways to them and their places.
     #[inline(always)]
     pub(crate) fn answers(&self, local: &Points, places: &Places) -> Answers {
         let surface = self.nearest(places);
-        let square = local.x * local.x + local.y * local.y + local.z * local.z;
-        let near = square.cmplt(Vec4::splat(self.near_squared));
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
-        let before = (near | surface.cmplt(places.inverse_depth)).bitmask();
-        let mut open = known & before;
-        if places.exist != ALL {
-            let centre = (near & square.cmple(Vec4::splat(f32::MIN_POSITIVE))).bitmask();
-            open |= centre & !places.exist;
+        let before = surface.cmplt(places.inverse_depth).bitmask();
+        // No distance is less than the planar depth.
+        if places.planar_m.cmpge(self.near_m).bitmask() == ALL {
+            return Answers { open: known & before, behind: known & !before };
         }
-        Answers { open, behind: known & !before }
+        let square = local.x * local.x + local.y * local.y + local.z * local.z;
+        let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
+        let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
+        Answers { open: known & (near | before) | centre, behind: known & !(near | before) }
     }
 
     /// Lanes, of those asked, of which it proves that all points from one end to the other are open.
@@ -275,10 +294,15 @@ impl<'a> PacketView<'a> {
 #[derive(Debug)]
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
+    /// Whether colours are codes of 8 bits, and not light.
+    pub(crate) are_codes: bool,
 }
 
 impl<'a> PacketViews<'a> {
     pub(crate) fn new(views: &ActiveViews<'a>) -> PacketViews<'a> {
-        PacketViews { views: views.views.iter().map(PacketView::new).collect() }
+        PacketViews {
+            views: views.views.iter().map(PacketView::new).collect(),
+            are_codes: matches!(views.coding, ColorCoding::Codes(_)),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! What colours four points have: [`super::interpolate::surface_color`] of each, but for what rounding makes of logarithms
 //! and of the order of sums: less than a hundredth of a code of 8 bits.
 
-use glam::Vec4;
+use glam::Vec3;
 
 use crate::image::transfer::ToneMap;
 use crate::reconstruct::interpolate::{DEPTH_EPSILON, Seen};
@@ -12,8 +12,8 @@ use crate::reconstruct::packet::{PacketView, PacketViews, Places};
 /// What views saw, summed up.
 #[derive(Debug)]
 struct Sums {
-    /// Of each lane, in codes or light.
-    color: [Vec4; 4],
+    /// Red, green and blue, in codes up to 255 or light.
+    color: [Lanes; 3],
     weight: Lanes,
     difference: Lanes,
 }
@@ -25,20 +25,18 @@ pub(crate) fn surface_colors(
     asked: u32,
     points: &Points,
 ) -> [Option<Seen>; 4] {
-    let mut sums = Sums { color: [Vec4::ZERO; 4], weight: Lanes::ZERO, difference: Lanes::INFINITY };
-    let mut unit = 1.0;
+    let mut sums = Sums { color: [Lanes::ZERO; 3], weight: Lanes::ZERO, difference: Lanes::INFINITY };
     for (view, &camera_weight) in views.views.iter().zip(camera_weights) {
         let places = view.places(&view.local(points));
         if asked & places.exist != 0 {
             add(&mut sums, view, &places, asked & places.exist, camera_weight);
         }
-        if view.faces.iter().flatten().any(|face| matches!(face.color, ColorTexels::Codes(_))) {
-            unit = 255.0;
-        }
     }
+    let unit = if views.are_codes { 255.0 } else { 1.0 };
+    let [red, green, blue] = sums.color.map(|color| (color / (unit * sums.weight)).to_array());
     let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
     std::array::from_fn(|lane| {
-        let color = (sums.color[lane] / (unit * weight[lane])).truncate();
+        let color = Vec3::new(red[lane], green[lane], blue[lane]);
         (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(Seen { color, difference: difference[lane] })
     })
 }
@@ -55,42 +53,53 @@ fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, came
     let mut taps = [[0; 4]; 4];
     let mut depths = [[UNKNOWN; 4]; 4];
     for lane in lanes_of(lanes) {
-        let Some(face) = view.faces[places.face.of(lane)] else { continue };
+        let face = places.face.of(lane);
+        let (depth, width) = (view.depth[face], view.width[face] as usize);
         for tap in 0..4 {
-            let texel = rows[tap / 2][lane] as usize * face.size[0] as usize + columns[tap % 2][lane] as usize;
-            (taps[tap][lane], depths[tap][lane]) = (texel, face.inverse_depth[texel]);
+            let texel = rows[tap / 2][lane] as usize * width + columns[tap % 2][lane] as usize;
+            (taps[tap][lane], depths[tap][lane]) = (texel, depth.get(texel).copied().unwrap_or(UNKNOWN));
         }
     }
     let [across, down] = parts;
-    let bilinear = [(1.0 - across) * (1.0 - down), across * (1.0 - down), (1.0 - across) * down, across * down];
-    let mut weights = [[0.0; 4]; 4];
+    let above = 1.0 - down;
+    let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
     for tap in 0..4 {
         let depth = Lanes::from_array(depths[tap]);
-        let is_surface = depth.cmpne(Lanes::splat(BACKGROUND)) & depth.cmpne(Lanes::splat(UNKNOWN));
-        let ratio = either(is_surface, depth / places.inverse_depth, Lanes::ONE);
+        let is_surface = depth.cmpgt(Lanes::splat(BACKGROUND)) & depth.cmplt(Lanes::splat(UNKNOWN));
+        let ratio = either(is_surface, depth * places.planar_m, Lanes::ONE);
         let difference = ln(ratio).abs();
         let weight = bilinear[tap] * camera_weight / (difference + DEPTH_EPSILON);
         let weight = either(is_surface, weight, Lanes::ZERO);
         sums.weight += weight;
         sums.difference = sums.difference.min(either(is_surface, difference, Lanes::INFINITY));
-        weights[tap] = weight.to_array();
+        let counted = is_surface.bitmask();
+        let colors = colors(view, places, counted, &taps[tap]);
+        for (sum, color) in sums.color.iter_mut().zip(colors) {
+            *sum += weight * color;
+        }
     }
+}
+
+/// Red, green and blue of texels: codes up to 255, or light; 0 in lanes that do not count.
+fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> [Lanes; 3] {
+    let mut codes = [0u32; 4];
+    let mut light = [[0.0; 4]; 3];
+    let mut are_codes = true;
     for lane in lanes_of(lanes) {
         let Some(face) = view.faces[places.face.of(lane)] else { continue };
-        let color = &mut sums.color[lane];
-        match &face.color {
-            ColorTexels::Codes(texels) => {
-                for tap in 0..4 {
-                    let [r, g, b, _] = texels[taps[tap][lane]];
-                    *color += weights[tap][lane] * Vec4::new(r.into(), g.into(), b.into(), 0.0);
-                }
-            }
-            ColorTexels::Light(_) => {
-                for tap in (0..4).filter(|&tap| weights[tap][lane] > 0.0) {
-                    *color += weights[tap][lane] * face.color.get(taps[tap][lane]).extend(0.0);
-                }
-            }
+        if let ColorTexels::Codes(of_face) = &face.color {
+            codes[lane] = u32::from_le_bytes(of_face[texels[lane]]);
+        } else {
+            are_codes = false;
+            let color = face.color.get(texels[lane]).to_array();
+            (0..3).for_each(|channel| light[channel][lane] = color[channel]);
         }
+    }
+    if are_codes {
+        let channel = |shift: u32| Lanes::from_array(codes.map(|code| (code >> shift & 0xff) as i32 as f32));
+        [channel(0), channel(8), channel(16)]
+    } else {
+        light.map(Lanes::from_array)
     }
 }
 
