@@ -5,12 +5,15 @@
 //! ends, `interpolate` what colour is there).
 
 pub mod active_views;
+#[cfg(test)]
+mod agreement;
 pub mod camera_file;
 pub mod counters;
 pub mod face_image;
 pub mod interpolate;
 mod lanes;
 pub mod light_field;
+pub(crate) mod made;
 pub mod march;
 mod packet;
 mod packet_color;
