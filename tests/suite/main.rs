@@ -30,6 +30,7 @@ mod place;
 mod properties;
 mod quadtree;
 mod quality;
+mod render_quality;
 mod resume;
 mod roundtrip;
 mod samples;
