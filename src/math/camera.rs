@@ -126,6 +126,11 @@ impl Camera {
         self.axes
     }
 
+    /// Half the width and half the height of the image at distance 1.
+    pub fn half(&self) -> [f64; 2] {
+        self.half
+    }
+
     /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
     /// looks so.
     pub fn orientation(&self) -> Option<[f64; 4]> {
@@ -157,6 +162,23 @@ impl Camera {
     /// All points on rays from its eye through its picture, also those nearer or farther than it sees.
     pub fn sight_lines(&self) -> Frustum {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
+    }
+
+    /// Width of its picture over the height.
+    pub fn aspect(&self) -> f64 {
+        self.half[0] / self.half[1]
+    }
+
+    /// The same camera with a picture of another width: `aspect`, above 0, is the width over the height.
+    #[must_use]
+    pub fn with_aspect(self, aspect: f64) -> Camera {
+        Camera { half: [self.half[1] * aspect, self.half[1]], ..self }
+    }
+
+    /// The same camera, moved to its right by so many metres; to its left where they are below 0.
+    #[must_use]
+    pub fn moved_right(self, metres: f64) -> Camera {
+        Camera { eye: self.eye + self.axes[1] * metres, ..self }
     }
 
     /// All that it sees.

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::transfer::ToneMap;
 use crate::math::camera::rotation;
+use crate::reconstruct::pyramid::DepthPyramid;
 
 /// The inverse planar depth of a background: no surface at any distance.
 pub const BACKGROUND: f32 = 0.0;
@@ -70,6 +71,8 @@ pub struct FaceTexels {
     /// Weights of reflection and refraction, and the index of refraction, as `video::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
+    /// What passes over empty parts of rays; [`FaceTexels::depth_changed`] keeps it true to `inverse_depth`.
+    pub pyramid: DepthPyramid,
 }
 
 impl FaceTexels {
@@ -86,6 +89,7 @@ impl FaceTexels {
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
             material: has_material.then(|| vec![[0; 4]; texels]),
+            pyramid: DepthPyramid::default(),
         }
     }
 
@@ -220,6 +224,22 @@ impl InverseDepth {
             DepthKind::Planar => inverse,
             DepthKind::Distance => inverse * face.stretch(column, row),
         }
+    }
+
+    /// Writes texels that show `codes`, from a column of a row on, which they must fit into; answers the first and the last of
+    /// them that became different.
+    pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
+        let start = row as usize * face.size[0] as usize + column as usize;
+        let mut differ = None;
+        for (at, &code) in (0u32..).zip(codes) {
+            let inverse_depth = self.of(code, face, column + at, row);
+            let texel = &mut face.inverse_depth[start + at as usize];
+            if *texel != inverse_depth {
+                *texel = inverse_depth;
+                differ = Some([differ.map_or(at, |[first, _]: [u32; 2]| first), at]);
+            }
+        }
+        differ
     }
 }
 

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 use crate::math::Camera;
+use crate::memory::Budget;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
@@ -176,7 +177,7 @@ pub struct PlaybackSummary {
     pub counters: Counters,
     /// Units and bytes.
     pub counts: ShowCounts,
-    /// Stored bytes of all chunks of the chosen probes that hold frames which were shown.
+    /// [`ShowCounts::bytes_all`].
     pub bytes_all: u64,
     /// Times.
     pub pacing: FramePacing,
@@ -209,6 +210,12 @@ impl<'a> Playback<'a> {
             update_ms: Vec::new(),
             render_ms: Vec::new(),
         })
+    }
+
+    /// The same, with at most so much memory for what is decoded.
+    #[must_use]
+    pub fn with_memory(self, budget: Budget) -> Playback<'a> {
+        Playback { player: self.player.with_memory(budget), ..self }
     }
 
     /// What shows the frames.
@@ -278,6 +285,6 @@ impl<'a> Playback<'a> {
             update: Pacing::of(&self.update_ms),
             render: Pacing::of(&self.render_ms),
         };
-        PlaybackSummary { bytes_all: self.player.bytes_all(), pacing, ..self.summary }
+        PlaybackSummary { bytes_all: self.summary.counts.bytes_all, pacing, ..self.summary }
     }
 }

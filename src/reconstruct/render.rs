@@ -14,7 +14,8 @@ use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
-use crate::reconstruct::march::{Ray, Steps, intersect};
+use crate::reconstruct::march::{self, Ray, Steps};
+use crate::reconstruct::pyramid;
 
 /// A hit is a hole where every texel differs from it by more than this in the logarithm of the distance, beyond what the
 /// steps leave open: nobody saw a surface there.
@@ -50,6 +51,16 @@ pub enum Acceleration {
     /// Segments that a view proves to be empty are passed over; the hits are the same.
     #[default]
     Pyramid,
+}
+
+impl Acceleration {
+    /// The distance in metres at which a ray meets a surface, if it does; the same either way.
+    pub fn intersect(self, views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
+        match self {
+            Acceleration::None => march::intersect(views, ray, steps, counters),
+            Acceleration::Pyramid => pyramid::intersect(views, ray, steps, counters),
+        }
+    }
 }
 
 /// How a picture is made.
@@ -163,7 +174,7 @@ fn outcome(
     settings: &RenderSettings,
     counters: &mut Counters,
 ) -> Outcome {
-    match intersect(views, ray, &settings.steps, counters) {
+    match settings.acceleration.intersect(views, ray, &settings.steps, counters) {
         Some(distance_m) => {
             let unsure = if settings.steps.refine == 0 { settings.steps.log_step() } else { 0.0 };
             surface(views, weights, ray.at(distance_m), unsure)

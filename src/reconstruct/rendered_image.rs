@@ -5,7 +5,7 @@
 use half::f16;
 
 use crate::image::plane::Plane;
-use crate::image::transfer::{EncodeTable, ToneMap};
+use crate::image::transfer::ToneMap;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::render::{HoleFill, Rendered};
 
@@ -22,15 +22,15 @@ impl ColorCoding {
 
 impl Rendered {
     /// 8-bit codes, without alpha.
-    pub fn codes(&self, table: &EncodeTable) -> Plane<[u8; 3]> {
-        self.color.map(|light| light.map(|light| table.code(finite(light))))
+    pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
+        self.color.map(|light| light.map(|light| tone.code(light)))
     }
 
     /// 8-bit codes and alpha; colour is not multiplied by alpha.
-    pub fn rgba_codes(&self, table: &EncodeTable) -> Plane<[u8; 4]> {
+    pub fn rgba_codes(&self, tone: ToneMap) -> Plane<[u8; 4]> {
         let alpha = self.alpha.data();
         let mut at = 0;
-        self.codes(table).map(|&[r, g, b]| {
+        self.codes(tone).map(|&[r, g, b]| {
             at += 1;
             [r, g, b, (alpha[at - 1] * 255.0).round() as u8]
         })
@@ -67,7 +67,7 @@ mod tests {
             alpha: Plane::new(3, 1, vec![1.0, 0.0, 0.25]).unwrap(),
             counters: Counters::default(),
         };
-        let codes = rendered.rgba_codes(&EncodeTable::new(&ToneMap::default()));
+        let codes = rendered.rgba_codes(ToneMap::default());
         assert_eq!(codes.data(), [[255, 188, 0, 255], [255, 255, 255, 0], [0, 255, 0, 64]]);
         let blank = rendered.rgba_light(HoleFill::Blank);
         assert_eq!(blank.get(1, 0).map(f16::to_f32), [0.0; 4]);

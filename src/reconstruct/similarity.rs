@@ -69,7 +69,7 @@ impl Similarity {
                 sizes[0], sizes[1]
             )));
         }
-        let [shown, wanted] = [display_codes(rendered, tone), truth_codes(truth, tone)];
+        let [shown, wanted] = [rendered.codes(tone), truth_codes(truth, tone)];
         let all = CodeError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
         let ssim = ssim_rgb8(&shown, &wanted)?;
         let mut sum = Similarity {
@@ -158,11 +158,6 @@ impl Similarity {
 
 fn some_psnr(error: &CodeError) -> Option<f64> {
     (error.samples > 0).then(|| error.psnr_db())
-}
-
-/// A picture as display codes.
-pub fn display_codes(rendered: &Rendered, tone: ToneMap) -> Plane<[u8; 3]> {
-    rendered.color.map(|light| light.map(|light| tone.code(light)))
 }
 
 /// The truth as display codes, as `encode` makes them of a dataset's colours.

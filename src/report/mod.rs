@@ -3,6 +3,7 @@
 pub mod anatomy;
 pub mod contact_sheet;
 pub mod csv;
+pub mod error_picture;
 pub mod machine;
 pub mod placement;
 pub mod plot;

@@ -173,3 +173,13 @@ pub struct ViewArgs {
     #[arg(long, value_enum, default_value_t = DecodeArg::Seen)]
     pub decode: DecodeArg,
 }
+
+/// Parses `256` or `640x480`, sides of up to 65,536 pixels and 2^28 pixels in all.
+pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
+    let size = crate::cli::capture::parse_size(text)?;
+    let (width, height) = (u64::from(size.0), u64::from(size.1.unwrap_or(size.0)));
+    if width.max(height) > 1 << 16 || width * height > 1 << 28 {
+        return Err(format!("'{text}': up to 65536 pixels a side and 268 million in all were expected"));
+    }
+    Ok(size)
+}

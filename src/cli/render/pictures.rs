@@ -7,7 +7,7 @@ use crate::cli::output::{OutputFile, OutputFolder};
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
-use crate::image::transfer::EncodeTable;
+use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
 use crate::reconstruct::render::{HoleFill, Rendered};
 use crate::report::contact_sheet::ContactSheet;
@@ -52,7 +52,7 @@ enum Destination {
 /// Takes pictures; nothing appears before [`Self::commit`].
 pub struct Pictures {
     destination: Destination,
-    table: EncodeTable,
+    tone: ToneMap,
     holes: HoleFill,
     sheet: Option<(PathBuf, ContactSheet)>,
     /// Bytes of files that were written.
@@ -78,7 +78,7 @@ impl Pictures {
     ///
     /// # Errors
     /// A name that is none of a PNG or EXR file, one file for several pictures, a folder that cannot be made.
-    pub fn open(options: &PictureOptions<'_>, table: EncodeTable) -> Result<Pictures> {
+    pub fn open(options: &PictureOptions<'_>, tone: ToneMap) -> Result<Pictures> {
         let destination = match options.output {
             None => Destination::Nowhere,
             Some(path) if path == Path::new("-") => match options.count {
@@ -99,7 +99,7 @@ impl Pictures {
             return Err(Error::Usage(format!("{}: a contact sheet is a file ending in .png", sheet.display())));
         }
         let sheet = options.contact_sheet.map(|path| (path.to_path_buf(), ContactSheet::default()));
-        Ok(Pictures { destination, table, holes: options.holes, sheet, bytes: 0 })
+        Ok(Pictures { destination, tone, holes: options.holes, sheet, bytes: 0 })
     }
 
     fn files(path: &Path, options: &PictureOptions<'_>) -> Result<Destination> {
@@ -139,7 +139,7 @@ impl Pictures {
     pub fn put(&mut self, name: &PictureName, eyes: &[Rendered]) -> Result<()> {
         let joined = beside(eyes)?;
         if let Some((_, sheet)) = &mut self.sheet {
-            sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(&self.table));
+            sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
         }
         let (work, format, files) = match &self.destination {
             Destination::Nowhere => return Ok(()),
@@ -165,7 +165,7 @@ impl Pictures {
         for (file, picture) in files {
             let path = work.join(file);
             match format {
-                Format::Png => png::write_rgba8(&path, &picture.rgba_codes(&self.table))?,
+                Format::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
                 Format::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
             }
             self.bytes += std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
@@ -175,7 +175,7 @@ impl Pictures {
 
     fn print(&mut self, picture: &Rendered) -> Result<()> {
         let mut bytes = Vec::new();
-        png::encode_rgba8(&mut bytes, &picture.rgba_codes(&self.table))?;
+        png::encode_rgba8(&mut bytes, &picture.rgba_codes(self.tone))?;
         self.bytes += bytes.len() as u64;
         let mut out = std::io::stdout().lock();
         out.write_all(&bytes).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
