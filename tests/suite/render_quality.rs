@@ -6,24 +6,20 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use lightfold::Result;
 use lightfold::container::Reader;
 use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::image::plane::DepthPlane;
 use lightfold::image::{Face, FrameRange};
-use lightfold::math::Camera;
-use lightfold::monitor::{Monitor, Silent};
-use lightfold::reconstruct::active_views::ActiveViews;
+use lightfold::monitor::Silent;
 use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels};
+use lightfold::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
 use lightfold::reconstruct::path::Shot;
-use lightfold::reconstruct::playback::{PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
-use lightfold::reconstruct::player::{Change, ProbeChoice};
+use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
+use lightfold::reconstruct::player::ProbeChoice;
 use lightfold::reconstruct::reference::{Reference, ReferenceImage};
-use lightfold::reconstruct::render::{HoleFill, Rendered, render};
-use lightfold::reconstruct::reproject::reproject;
+use lightfold::reconstruct::render::Rendered;
 use lightfold::reconstruct::similarity::Similarity;
-use lightfold::reconstruct::splat::splat;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
 use lightfold::video::decode::Decoder;
 use lightfold::video::encode::{EncodeSettings, encode};
@@ -44,26 +40,13 @@ enum Method {
 const METHODS: [(&str, Method); 3] =
     [("march", Method::March), ("splat", Method::Splat), ("reproject", Method::Reproject)];
 
-/// Makes pictures by a method.
-struct By {
-    method: Method,
-    options: PictureOptions,
-    distance_m: Option<DepthPlane>,
-}
-
-impl Renderer for By {
-    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
-        Ok(())
-    }
-
-    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
-        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
-        let settings = self.options.settings(&views);
-        match self.method {
-            Method::March => render(&views, camera, &settings, monitor),
-            Method::Splat => splat(&views, camera, &settings, monitor),
-            Method::Reproject => reproject(&views, camera, self.distance_m.as_ref().unwrap(), HoleFill::Blank, monitor),
-        }
+/// What makes pictures by a method; reprojection takes a true distance for each pixel.
+fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> Box<dyn Renderer> {
+    let options = PictureOptions { size, ..PictureOptions::default() };
+    match method {
+        Method::March => Box::new(CpuRenderer { options }),
+        Method::Splat => Box::new(SplatRenderer { options }),
+        Method::Reproject => Box::new(ReprojectRenderer { options, distances_m: distance_m.into_iter().collect() }),
     }
 }
 
@@ -93,10 +76,9 @@ fn encoded(folder: &Path) -> Decoder {
     Decoder::new(Reader::from_memory(bytes).unwrap()).unwrap()
 }
 
-fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, mut by: By) -> Rendered {
-    by.options.size = image.size;
+fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut dyn Renderer) -> Rendered {
     let shot = Shot { frame: 0, cameras: vec![image.camera] };
-    playback.show(&shot, &mut by, &Silent).unwrap().pictures.remove(0)
+    playback.show(&shot, renderer, &Silent).unwrap().pictures.remove(0)
 }
 
 fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
@@ -111,8 +93,9 @@ fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let truth = reference.truth(at, 0).unwrap();
-            let by = By { method, options: PictureOptions::default(), distance_m: truth.distance_m.clone() };
-            sum.merge(&Similarity::of(&picture(&mut playback, image, by), &truth, tone).unwrap()).unwrap();
+            let mut by = renderer(method, image.size, truth.distance_m.clone());
+            let rendered = picture(&mut playback, image, by.as_mut());
+            sum.merge(&Similarity::of(&rendered, &truth, tone).unwrap()).unwrap();
         }
         assert_eq!(sum.images, 6);
         rows.push(Row {
@@ -223,8 +206,7 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
     for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "03") {
         for (name, method) in METHODS {
             let distance_m = reference.truth(at, 0).unwrap().distance_m;
-            let by = By { method, options: PictureOptions::default(), distance_m };
-            let rendered = picture(&mut playback, image, by);
+            let rendered = picture(&mut playback, image, renderer(method, image.size, distance_m).as_mut());
             let field = playback.player().field();
             let ColorCoding::Codes(tone) = field.coding else { panic!("8-bit colour was asked for") };
             let Some(ColorTexels::Codes(texels)) = field.views[0].faces[image.face as usize].as_ref().map(|f| &f.color)

@@ -1,6 +1,5 @@
 //! Sweeps of the options of `render` over a dataset, of which one probe is left out.
 
-use std::ffi::OsString;
 use std::path::Path;
 use std::time::Instant;
 
@@ -211,7 +210,7 @@ mod tests {
             let axes = [Axis { knob: knob.name, values: knob.usual.iter().map(ToString::to_string).collect() }];
             let sweep = Sweep { dataset: "set", probe: "00", frames: Some("0-1"), fixed: &[], axes: &axes, repeats: 1 };
             for settings in sweep.points() {
-                let line: Vec<OsString> = sweep.command(Path::new("a.lfold"), &settings);
+                let line = sweep.command(Path::new("a.lfold"), &settings);
                 input::parse(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
             }
         }

@@ -218,8 +218,8 @@ mod tests {
                 }
             };
             assert_eq!(value("DEPTH_EPSILON") as f32, DEPTH_EPSILON);
-            assert_eq!(value("NO_FACE"), NO_FACE.into());
-            assert_eq!(value("UNKNOWN"), f32::INFINITY.to_bits().into());
+            assert_eq!(value("NO_FACE"), f64::from(NO_FACE));
+            assert_eq!(value("UNKNOWN"), f64::from(f32::INFINITY.to_bits()));
             assert_eq!(value("MIN_POSITIVE") as f32, f32::MIN_POSITIVE);
             seen += 1;
         }
