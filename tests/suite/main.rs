@@ -32,6 +32,7 @@ mod quadtree;
 mod quality;
 mod render;
 mod render_decode;
+mod render_quality;
 mod resume;
 mod roundtrip;
 mod samples;
