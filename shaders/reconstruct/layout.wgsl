@@ -61,7 +61,8 @@ struct Face {
     pyramid_column: u32,
     pyramid_row: u32,
     levels: u32,
-    spare: u32,
+    // Number of its face.
+    number: u32,
     scale: vec2<f32>,
     centre: vec2<f32>,
 }

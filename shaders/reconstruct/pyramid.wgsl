@@ -109,10 +109,12 @@ fn is_open_between(ray: Ray, from_m: f32, to_m: f32) -> bool {
     return false;
 }
 
-fn intersect(ray: Ray) -> Hit {
+// From the `first` of the distances on: what is nearer is taken to be open.
+fn intersect_from(ray: Ray, first: u32) -> Hit {
     let count = scene.distance_count;
-    var at = 0u;
-    var length = scene.longest_segment;
+    var at = first;
+    // As long as one may be that begins here.
+    var length = select(min(first & (~first + 1u), scene.longest_segment), scene.longest_segment, first == 0u);
     while (at < count) {
         let last = min(at + length, count) - 1u;
         if (last == at) {
@@ -139,4 +141,8 @@ fn intersect(ray: Ray) -> Hit {
         }
     }
     return Hit(false, 0.0);
+}
+
+fn intersect(ray: Ray) -> Hit {
+    return intersect_from(ray, 0u);
 }

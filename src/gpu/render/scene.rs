@@ -85,7 +85,7 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("pyramid_column", 1),
             ("pyramid_row", 1),
             ("levels", 1),
-            ("spare", 1),
+            ("number", 1),
             ("scale", 2),
             ("centre", 2),
         ],
@@ -143,7 +143,7 @@ pub fn words(
             words.faces.extend([origin.layer, texels.material.is_some().into()]);
             words.faces.extend(texels.size);
             words.faces.extend(origin.pyramid);
-            words.faces.extend([texels.pyramid.levels() as u32, 0]);
+            words.faces.extend([texels.pyramid.levels() as u32, face as u32]);
             put(&mut words.faces, texels.scale.as_slice());
             put(&mut words.faces, texels.centre.as_slice());
         }
