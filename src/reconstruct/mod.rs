@@ -9,6 +9,7 @@ pub mod camera_file;
 pub mod counters;
 pub mod face_image;
 pub mod interpolate;
+pub mod key_poses;
 mod lanes;
 pub mod light_field;
 pub mod march;
