@@ -30,7 +30,7 @@ struct Scene {
     pyramid_rows: u32,
     // Points of a segment at most, a power of two; 1 where every point is looked at.
     longest_segment: u32,
-    spare: u32,
+    spare: array<u32, 3>,
 }
 
 struct View {

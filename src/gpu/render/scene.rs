@@ -56,7 +56,7 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("rows", 1),
             ("pyramid_rows", 1),
             ("longest_segment", 1),
-            ("spare", 1),
+            ("spare", 3),
         ],
     ),
     (
@@ -119,7 +119,7 @@ pub fn words(
         Acceleration::None => 1,
         Acceleration::Pyramid => settings.steps.distances_m.len().next_power_of_two() as u32,
     };
-    scene.extend([pyramid_rows, longest, 0]);
+    scene.extend([pyramid_rows, longest, 0, 0, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
