@@ -30,7 +30,9 @@ struct Scene {
     pyramid_rows: u32,
     // Points of a segment at most, a power of two; 1 where every point is looked at.
     longest_segment: u32,
-    spare: array<u32, 3>,
+    // Points of the first segment.
+    first_segment: u32,
+    spare: array<u32, 2>,
 }
 
 struct View {
