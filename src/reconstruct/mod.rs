@@ -2,18 +2,23 @@
 //!
 //! Enters: an open container and cameras. Leaves: which tiles and cells the cameras see, so that only those are
 //! decoded; the texels of what is shown (`player`, `light_field`); pictures from any eye (`render`: `march` says where a ray
-//! ends, `interpolate` what colour is there).
+//! ends, `interpolate` what colour is there, `effects` what mirrors and glass show there, by `material`, `normal` and
+//! `solid`).
 
 pub mod active_views;
 pub mod camera_file;
 pub mod counters;
+pub mod effects;
 pub mod face_image;
 pub mod interpolate;
 pub mod light_field;
 pub mod march;
+pub mod material;
+pub mod normal;
 pub mod player;
 pub mod render;
 pub mod seen_units;
+pub mod solid;
 pub mod visibility;
 
 pub use camera_file::{CameraFile, TimedCamera};

@@ -12,6 +12,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
+use crate::reconstruct::effects::{Effects, Met};
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::march::{Ray, Steps, intersect};
@@ -38,7 +39,7 @@ pub enum EffectMode {
     Auto,
     /// Never: views are interpolated everywhere.
     None,
-    /// Also where no weight is above 0, for tests: the pictures are the same.
+    /// Also where no weight of the materials is above 0, for tests: the pictures are the same.
     Force,
 }
 
@@ -106,10 +107,12 @@ pub fn render(
 ) -> Result<Rendered> {
     let [width, height] = settings.size;
     let weights = camera_weights(views);
+    let sends_on = sends_on(views, settings.effects);
     let row = |y: u32| -> Result<(Vec<Pixel>, Counters)> {
         monitor.check()?;
         let mut counters = Counters::default();
-        let pixels = (0..width).map(|x| pixel(views, &weights, (camera, settings), [x, y], &mut counters)).collect();
+        let pixels =
+            (0..width).map(|x| pixel(views, &weights, (camera, settings, sends_on), [x, y], &mut counters)).collect();
         Ok((pixels, counters))
     };
     let rows: Vec<_> = (0..height).into_par_iter().map(row).collect::<Result<_>>()?;
@@ -122,10 +125,19 @@ pub fn render(
     })
 }
 
+/// Whether rays are sent on in a picture of these views.
+pub fn sends_on(views: &ActiveViews<'_>, effects: EffectMode) -> bool {
+    match effects {
+        EffectMode::None => false,
+        EffectMode::Force => views.views.iter().any(|view| view.view.has_material()),
+        EffectMode::Auto => views.views.iter().any(|view| view.view.calls_for_effects()),
+    }
+}
+
 fn pixel(
     views: &ActiveViews<'_>,
     weights: &[f32],
-    (camera, settings): (&Camera, &RenderSettings),
+    (camera, settings, sends_on): (&Camera, &RenderSettings, bool),
     [x, y]: [u32; 2],
     counters: &mut Counters,
 ) -> Pixel {
@@ -138,7 +150,7 @@ fn pixel(
         let window = [place(x, at % samples, settings.size[0]), place(y, at / samples, settings.size[1])];
         let ray = Ray { origin: Vec3::ZERO, direction: camera.direction(window).as_vec3() };
         counters.primary_rays += 1;
-        let light = match outcome(views, weights, &ray, settings, counters) {
+        let light = match outcome(views, weights, &ray, (settings, sends_on), counters) {
             Outcome::Seen(light) => {
                 seen += 1;
                 Some(light)
@@ -160,25 +172,36 @@ fn outcome(
     views: &ActiveViews<'_>,
     weights: &[f32],
     ray: &Ray,
-    settings: &RenderSettings,
+    (settings, sends_on): (&RenderSettings, bool),
     counters: &mut Counters,
 ) -> Outcome {
-    match intersect(views, ray, &settings.steps, counters) {
-        Some(distance_m) => {
-            let unsure = if settings.steps.refine == 0 { settings.steps.log_step() } else { 0.0 };
-            match surface_color(views, weights, ray.at(distance_m)) {
-                Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(views.coding, &seen)),
-                seen => Outcome::Hole(seen.map(|seen| light(views.coding, &seen))),
-            }
+    let Some(distance_m) = intersect(views, ray, &settings.steps, counters) else {
+        counters.background_rays += 1;
+        return background_light(views, weights, ray.direction);
+    };
+    let point = ray.at(distance_m);
+    match surface_light(views, weights, point, &settings.steps) {
+        Outcome::Seen(light) if sends_on => {
+            let met = Met { point, direction: ray.direction, light };
+            Outcome::Seen(Effects::new(views, weights, settings).light(&met, counters))
         }
-        None => {
-            counters.background_rays += 1;
-            match background_color(views, weights, ray.direction) {
-                Some(seen) => Outcome::Seen(light(views.coding, &seen)),
-                None => Outcome::Hole(None),
-            }
-        }
+        outcome => outcome,
     }
+}
+
+/// What views saw of a surface in a point, `point` in metres from the eye and found with these steps.
+pub fn surface_light(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, steps: &Steps) -> Outcome {
+    let unsure = if steps.refine == 0 { steps.log_step() } else { 0.0 };
+    match surface_color(views, weights, point) {
+        Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(views.coding, &seen)),
+        seen => Outcome::Hole(seen.map(|seen| light(views.coding, &seen))),
+    }
+}
+
+/// What views saw of the background in a direction of length 1.
+pub fn background_light(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
+    background_color(views, weights, direction)
+        .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
 }
 
 /// Linear light of what views saw.
