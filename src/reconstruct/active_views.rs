@@ -27,6 +27,8 @@ pub struct ActiveView<'a> {
     pub from_eye: Vec3,
     /// Turns directions of the world into those of its faces.
     pub probe_from_world: Mat3,
+    /// [`View::greatest_inverse_depth`].
+    pub greatest_inverse_depth: f32,
 }
 
 impl ActiveView<'_> {
@@ -86,6 +88,7 @@ impl<'a> ActiveViews<'a> {
             view,
             from_eye: (view.position - eye).as_vec3(),
             probe_from_world: view.probe_from_world.as_mat3(),
+            greatest_inverse_depth: view.greatest_inverse_depth(),
         };
         let views = indices.iter().filter_map(|&at| field.views.get(at)).map(relative).collect();
         ActiveViews { eye, views, coding: field.coding }

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
-use crate::reconstruct::march::{Ray, intersect_from};
+use crate::reconstruct::march::Ray;
 use crate::reconstruct::material::surface_material;
 use crate::reconstruct::normal::patch;
 use crate::reconstruct::render::{Outcome, RenderSettings, background_light, surface_light};
@@ -131,7 +131,8 @@ impl<'a> Effects<'a> {
         if first == steps.distances_m.len() {
             return None;
         }
-        let Some(distance_m) = intersect_from(self.views, ray, steps, first, counters) else {
+        let from = (steps, first);
+        let Some(distance_m) = self.settings.acceleration.intersect_from(self.views, ray, from, counters) else {
             return match background_light(self.views, self.camera_weights, ray.direction) {
                 Outcome::Seen(light) => Some(share * light),
                 Outcome::Hole(_) => None,

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::transfer::ToneMap;
 use crate::math::camera::rotation;
+use crate::reconstruct::pyramid::DepthPyramid;
 
 /// The inverse planar depth of a background: no surface at any distance.
 pub const BACKGROUND: f32 = 0.0;
@@ -70,6 +71,8 @@ pub struct FaceTexels {
     /// Weights of reflection and refraction, and the index of refraction, as `video::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
+    /// What passes over empty parts of rays; [`FaceTexels::depth_changed`] keeps it true to `inverse_depth`.
+    pub pyramid: DepthPyramid,
 }
 
 impl FaceTexels {
@@ -86,6 +89,7 @@ impl FaceTexels {
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
             material: has_material.then(|| vec![[0; 4]; texels]),
+            pyramid: DepthPyramid::default(),
         }
     }
 

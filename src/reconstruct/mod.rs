@@ -6,16 +6,25 @@
 //! `solid`).
 
 pub mod active_views;
+#[cfg(test)]
+mod agreement;
 pub mod camera_file;
 pub mod counters;
 pub mod effects;
 pub mod face_image;
 pub mod interpolate;
+mod lanes;
 pub mod light_field;
+pub(crate) mod made;
 pub mod march;
 pub mod material;
 pub mod normal;
+mod packet;
+mod packet_color;
+mod packet_march;
+mod packet_render;
 pub mod player;
+pub mod pyramid;
 pub mod render;
 pub mod seen_units;
 pub mod solid;

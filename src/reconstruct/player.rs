@@ -127,6 +127,7 @@ fn put(face: &mut FaceTexels, picture: &Picture, inverse: Option<&InverseDepth>)
             let Some(inverse) = inverse else { return };
             let texels = (0u32..).zip(plane.data()).map(|(at, &code)| inverse.of(code, face, at % width, at / width));
             face.inverse_depth = texels.collect();
+            face.depth_changed(0..width, 0..face.size[1]);
         }
         Picture::Color8(plane) => {
             if let ColorTexels::Codes(texels) = &mut face.color {
