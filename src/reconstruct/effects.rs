@@ -19,7 +19,7 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::march::Ray;
 use crate::reconstruct::material::surface_material;
 use crate::reconstruct::normal::patch;
-use crate::reconstruct::render::{Outcome, RenderSettings, background_light, surface_light};
+use crate::reconstruct::render::{Outcome, RenderSettings, background, surface};
 use crate::reconstruct::solid::{Inside, reflect};
 
 /// Rays of a smaller share are not sent: the colour that views saw takes their place.
@@ -133,13 +133,13 @@ impl<'a> Effects<'a> {
         }
         let from = (steps, first);
         let Some(distance_m) = self.settings.acceleration.intersect_from(self.views, ray, from, counters) else {
-            return match background_light(self.views, self.camera_weights, ray.direction) {
+            return match background(self.views, self.camera_weights, ray.direction) {
                 Outcome::Seen(light) => Some(share * light),
                 Outcome::Hole(_) => None,
             };
         };
         let point = ray.at(distance_m);
-        match surface_light(self.views, self.camera_weights, point, steps) {
+        match surface(self.views, self.camera_weights, point, steps.unsure()) {
             Outcome::Seen(light) => {
                 let met = Met { point, direction: ray.direction, light };
                 self.pending.push(Pending { met, share, bounces: bounces - 1 });

@@ -240,6 +240,22 @@ impl InverseDepth {
             DepthKind::Distance => inverse * face.stretch(column, row),
         }
     }
+
+    /// Writes texels that show `codes`, from a column of a row on, which they must fit into; answers the first and the last of
+    /// them that became different.
+    pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
+        let start = row as usize * face.size[0] as usize + column as usize;
+        let mut differ = None;
+        for (at, &code) in (0u32..).zip(codes) {
+            let inverse_depth = self.of(code, face, column + at, row);
+            let texel = &mut face.inverse_depth[start + at as usize];
+            if *texel != inverse_depth {
+                *texel = inverse_depth;
+                differ = Some([differ.map_or(at, |[first, _]: [u32; 2]| first), at]);
+            }
+        }
+        differ
+    }
 }
 
 /// The probes of a container, as far as they are known, in one frame.

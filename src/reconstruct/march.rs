@@ -55,6 +55,11 @@ impl Steps {
             _ => 0.0,
         }
     }
+
+    /// How far, in the logarithm of the distance, hits may lie behind the surface.
+    pub fn unsure(&self) -> f32 {
+        if self.refine == 0 { self.log_step() } else { 0.0 }
+    }
 }
 
 /// The distance in metres at which a ray meets a surface, if it does: every point is looked at.

@@ -116,9 +116,8 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// What views saw of a surface that was found with these steps: a hole where nothing fits.
-    pub(crate) fn of_surface(seen: Option<Seen>, steps: &Steps, light: impl Fn(&Seen) -> Vec3) -> Outcome {
-        let unsure = if steps.refine == 0 { steps.log_step() } else { 0.0 };
+    /// What views saw of a surface, which `unsure` of [`surface`] goes for: a hole where nothing fits.
+    pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
         match seen {
             Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
             seen => Outcome::Hole(seen.map(|seen| light(&seen))),
@@ -277,31 +276,37 @@ fn outcome(
 ) -> (Option<f32>, Outcome) {
     let met = settings.acceleration.intersect(views, ray, &settings.steps, counters);
     let outcome = match met {
-        Some(distance_m) => surface_light(views, weights, ray.at(distance_m), &settings.steps),
+        Some(distance_m) => surface(views, weights, ray.at(distance_m), settings.steps.unsure()),
         None => {
             counters.background_rays += 1;
-            background_light(views, weights, ray.direction)
+            background(views, weights, ray.direction)
         }
     };
     (met, outcome)
 }
 
-/// What views saw of a surface in a point, `point` in metres from the eye and found with these steps.
-pub(crate) fn surface_light(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, steps: &Steps) -> Outcome {
-    Outcome::of_surface(surface_color(views, weights, point), steps, |seen| light(views.coding, seen))
+/// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
+/// leave open where.
+pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
+    Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
 }
 
-/// What views saw of the background in a direction of length 1.
-pub(crate) fn background_light(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
+/// What a ray brings that meets no surface.
+pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
     background_color(views, weights, direction)
         .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
 }
 
 /// Linear light of what views saw.
 fn light(coding: ColorCoding, seen: &Seen) -> Vec3 {
+    light_of(coding, seen.color)
+}
+
+/// Linear light of a colour as it is coded.
+pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
     match coding {
-        ColorCoding::Light => seen.color,
-        ColorCoding::Codes(tone) => seen.color.to_array().map(|code| decode(tone, code)).into(),
+        ColorCoding::Light => color,
+        ColorCoding::Codes(tone) => color.to_array().map(|code| decode(tone, code)).into(),
     }
 }
 

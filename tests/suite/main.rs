@@ -30,6 +30,8 @@ mod place;
 mod properties;
 mod quadtree;
 mod quality;
+mod render;
+mod render_decode;
 mod resume;
 mod roundtrip;
 mod samples;
