@@ -226,7 +226,8 @@ fn rows_of_dispatch(gpu: &Gpu, views: &ActiveViews<'_>, settings: &RenderSetting
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
     // Rays that mirrors and glass send on are as long as others, and there may be four for each bounce.
-    let sent_on = if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
+    let sent_on =
+        if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
     let row = (rays * points).saturating_mul(views.views.len().max(1) as u64).saturating_mul(1 + sent_on);
     let groups = most / row.saturating_mul(TILE.into()).max(1);
     (groups.clamp(1, u64::from(u32::MAX / TILE)) as u32) * TILE

@@ -178,7 +178,12 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     let count = |length: usize| length as u32;
     out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
     out.extend([settings.steps.refine, (HOLE_DIFFERENCE + unsure).to_bits()]);
-    out.extend([u32::from(settings.holes == HoleFill::Nearest), coding, gain.to_bits(), settings.max_bounces.min(MAX_BOUNCES)]);
+    out.extend([
+        u32::from(settings.holes == HoleFill::Nearest),
+        coding,
+        gain.to_bits(),
+        settings.max_bounces.min(MAX_BOUNCES),
+    ]);
     out.extend([log_step.to_bits(), 0]);
     out
 }
@@ -244,8 +249,8 @@ mod tests {
                 }
             };
             assert_eq!(value("DEPTH_EPSILON") as f32, DEPTH_EPSILON);
-            assert_eq!(value("NO_FACE"), NO_FACE.into());
-            assert_eq!(value("UNKNOWN"), f32::INFINITY.to_bits().into());
+            assert_eq!(value("NO_FACE"), f64::from(NO_FACE));
+            assert_eq!(value("UNKNOWN"), f64::from(f32::INFINITY.to_bits()));
             assert_eq!(value("MIN_POSITIVE") as f32, f32::MIN_POSITIVE);
             seen += 1;
         }
