@@ -153,6 +153,21 @@ impl View {
         })
     }
 
+    /// Whether it has a stream of materials.
+    pub fn has_material(&self) -> bool {
+        self.faces.iter().flatten().any(|face| face.material.is_some())
+    }
+
+    /// Whether a weight of its materials is above 0. Looks at all its texels.
+    pub fn calls_for_effects(&self) -> bool {
+        let texels = |face: &FaceTexels| {
+            face.material
+                .as_ref()
+                .is_some_and(|texels| texels.iter().any(|&[reflect, refract, ..]| reflect | refract > 0))
+        };
+        self.faces.iter().flatten().any(texels)
+    }
+
     /// Scale and centre of an image of `size` texels ([`FaceTexels::scale`]).
     pub fn image_map(entry: &ProbeEntry, face: Face, size: [u32; 2]) -> [[f32; 2]; 2] {
         if face == Face::View {
@@ -256,7 +271,7 @@ pub struct LightField {
 impl LightField {
     /// Whether a view has a stream of materials: without one, no effect is called for.
     pub fn has_material(&self) -> bool {
-        self.views.iter().flat_map(|view| view.faces.iter().flatten()).any(|face| face.material.is_some())
+        self.views.iter().any(View::has_material)
     }
 }
 

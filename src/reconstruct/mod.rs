@@ -2,13 +2,15 @@
 //!
 //! Enters: an open container and cameras. Leaves: which tiles and cells the cameras see, so that only those are
 //! decoded; the texels of what is shown (`player`, `light_field`); pictures from any eye (`render`: `march` says where a ray
-//! ends, `interpolate` what colour is there).
+//! ends, `interpolate` what colour is there, `effects` what mirrors and glass show there, by `material`, `normal` and
+//! `solid`).
 
 pub mod active_views;
 #[cfg(test)]
 mod agreement;
 pub mod camera_file;
 pub mod counters;
+pub mod effects;
 pub mod face_image;
 pub mod interpolate;
 pub mod key_poses;
@@ -16,7 +18,9 @@ mod lanes;
 pub mod light_field;
 pub(crate) mod made;
 pub mod march;
+pub mod material;
 pub mod methods;
+pub mod normal;
 pub mod pacing;
 mod packet;
 mod packet_color;
@@ -36,6 +40,7 @@ pub mod seen_units;
 pub mod selection;
 pub mod shown_face;
 pub mod similarity;
+pub mod solid;
 pub mod splat;
 pub mod trace;
 pub mod visibility;

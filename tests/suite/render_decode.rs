@@ -40,6 +40,11 @@ fn shot(frame: u32, camera: Camera) -> Shot {
     Shot { frame, cameras: vec![camera] }
 }
 
+/// Renders pictures of few pixels, where pictures do not matter.
+fn little(effects: EffectMode) -> CpuRenderer {
+    CpuRenderer { options: PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() } }
+}
+
 /// Wants what a hash of stream, unit and frame says.
 struct Some4Of7;
 
@@ -195,8 +200,7 @@ fn what_did_not_change_is_not_done_again() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let mut renderer = little(EffectMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.0, -3.0], 100.0);
     let first = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(first.cells_decoded > 0 && first.texels_updated > 0 && first.bytes_read > 0);
@@ -230,8 +234,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     let looking = shot(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
     let unseen = |effects| {
         let mut playback = Playback::new(&decoder, PlaybackOptions { effects, ..PlaybackOptions::default() }).unwrap();
-        let mut renderer = CpuRenderer::default();
-        renderer.options = PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() };
+        let mut renderer = little(effects);
         playback.show(&looking, &mut renderer, &Silent).unwrap().counts.cells_unseen
     };
     assert_eq!(unseen(EffectMode::Auto), 0);
@@ -250,8 +253,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
     let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
     let mut playback = Playback::new(&decoder, options).unwrap();
     assert_eq!((playback.player().frames().first, playback.player().frames().last), (0, 5));
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let mut renderer = little(EffectMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
     for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
         let shown = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap();
@@ -349,8 +351,7 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     // A limit of views is kept, and told.
     let selection = SelectionSettings { most: Some(2), ..SelectionSettings::default() };
     let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let mut renderer = little(EffectMode::Auto);
     let shown =
         playback.show(&shot(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
     let (active, culled) = (&shown.trace.active, &shown.trace.culled);
