@@ -13,7 +13,7 @@ pub mod face_image;
 pub mod interpolate;
 mod lanes;
 pub mod light_field;
-pub(crate) mod made;
+pub mod made;
 pub mod march;
 mod packet;
 mod packet_color;
