@@ -17,7 +17,9 @@ use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
 use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Play, Scene};
 
-use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres, parse_size};
+use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres};
+
+pub use options::parse_size;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

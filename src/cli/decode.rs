@@ -40,6 +40,7 @@ const LOAD_ANY_BYTES: u64 = 64 << 20;
     lightfold decode film.lfold --device gpu --null\n  \
     lightfold decode film.lfold --verify\n  \
     lightfold decode damaged.lfold --keep-going -o rescued\n\n\
+    Where there are cameras, only the tiles and cells that they see are decoded.\n\
     CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
     A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]

@@ -20,6 +20,7 @@ pub mod pack;
 pub mod place;
 pub mod progress;
 pub mod quadtree;
+pub mod render;
 pub mod selftest;
 pub mod tradeoff;
 
@@ -88,6 +89,8 @@ pub enum Command {
     Inspect(inspect::Args),
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
+    /// Render pictures of a light field from anywhere, and compare them with the truth
+    Render(render::Args),
     /// Compare two of anything: containers, datasets, sequences
     Diff(diff::Args),
     /// Show what settings cost in bytes, time and quality on footage of your own
@@ -153,6 +156,7 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Pack(args) => pack::run(&args, global),
         Command::Inspect(args) => inspect::run(&args, global),
         Command::Decode(args) => decode::run(&args, global),
+        Command::Render(args) => render::run(&args, global),
         Command::Diff(args) => diff::run(&args, global),
         Command::Tradeoff(args) => tradeoff::run(&args, global),
         Command::Selftest(args) => selftest::run(&args, global),

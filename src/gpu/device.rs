@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::gpu::kernels::Kernel;
+use crate::gpu::kernels::{Binding, Kernel};
 
 /// Largest buffer that kernels are given, in bytes, whatever the device offers: offsets of bytes must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
@@ -95,6 +95,23 @@ impl DeviceInfo {
 fn binding_bytes(limits: &wgpu::Limits) -> u64 {
     let least = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     least.min(MAX_BUFFER_BYTES) / 16 * 16
+}
+
+fn binding_type(binding: Binding) -> wgpu::BindingType {
+    let texture = |sample_type| wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension: wgpu::TextureViewDimension::D2Array,
+        multisampled: false,
+    };
+    match binding {
+        Binding::Read(_) | Binding::Write(_) => wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: !binding.is_written() },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        },
+        Binding::WordTexels(_) => texture(wgpu::TextureSampleType::Uint),
+        Binding::FloatTexels(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
+    }
 }
 
 fn adapters() -> Vec<wgpu::Adapter> {
@@ -310,14 +327,10 @@ impl Gpu {
         let label = Some(kernel.name);
         let source = wgpu::ShaderSource::Wgsl(kernel.source().into());
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
-        let entry = |(at, binding): (usize, &crate::gpu::kernels::Binding)| wgpu::BindGroupLayoutEntry {
+        let entry = |(at, binding): (usize, &Binding)| wgpu::BindGroupLayoutEntry {
             binding: at as u32,
             visibility: wgpu::ShaderStages::COMPUTE,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Storage { read_only: !binding.is_written() },
-                has_dynamic_offset: false,
-                min_binding_size: None,
-            },
+            ty: binding_type(*binding),
             count: None,
         };
         let entries: Vec<_> = kernel.bindings.iter().enumerate().map(entry).collect();
@@ -339,10 +352,17 @@ impl Gpu {
 
     /// Buffers in the order of a kernel's bindings.
     pub fn bind(&self, pipeline: &Pipeline, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        let rows = buffers.iter().enumerate();
-        let entries: Vec<_> = rows
-            .map(|(at, buffer)| wgpu::BindGroupEntry { binding: at as u32, resource: buffer.as_entire_binding() })
-            .collect();
+        self.bind_resources(pipeline, buffers.iter().map(|buffer| buffer.as_entire_binding()))
+    }
+
+    /// Buffers and textures in the order of a kernel's bindings.
+    pub fn bind_resources<'r>(
+        &self,
+        pipeline: &Pipeline,
+        resources: impl IntoIterator<Item = wgpu::BindingResource<'r>>,
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> =
+            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
         self.device.create_bind_group(&descriptor)
     }

@@ -9,13 +9,17 @@ pub struct ShaderFile {
     pub text: &'static str,
 }
 
-/// A buffer that a kernel is given, at the place in group 0 that its place in the row says.
+/// A buffer or a texture that a kernel is given, at the place in group 0 that its place in the row says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Binding {
-    /// Only read; its name in WGSL.
+    /// A buffer that is only read; its name in WGSL.
     Read(&'static str),
-    /// Read and written; its name in WGSL.
+    /// A buffer that is read and written; its name in WGSL.
     Write(&'static str),
+    /// Layers of texels that are words; its name in WGSL.
+    WordTexels(&'static str),
+    /// Layers of texels that become floats and are never filtered; its name in WGSL.
+    FloatTexels(&'static str),
 }
 
 impl Binding {
@@ -23,7 +27,13 @@ impl Binding {
     pub fn name(self) -> &'static str {
         match self {
             Binding::Read(name) | Binding::Write(name) => name,
+            Binding::WordTexels(name) | Binding::FloatTexels(name) => name,
         }
+    }
+
+    /// Whether it is a texture.
+    pub fn is_texture(self) -> bool {
+        matches!(self, Binding::WordTexels(_) | Binding::FloatTexels(_))
     }
 
     /// Whether the kernel writes it.
@@ -60,7 +70,7 @@ macro_rules! file {
     };
 }
 
-use Binding::{Read, Write};
+use Binding::{FloatTexels, Read, WordTexels, Write};
 
 const LAYOUT: ShaderFile = file!("shared/layout.wgsl");
 const JOBS: ShaderFile = file!("shared/jobs.wgsl");
@@ -287,8 +297,101 @@ pub static BC7: Kernel = Kernel {
     workgroup: 64,
 };
 
+const VIEWS: ShaderFile = file!("reconstruct/layout.wgsl");
+const LIGHT_FIELD: ShaderFile = file!("reconstruct/light_field.wgsl");
+const ACTIVE_VIEWS: ShaderFile = file!("reconstruct/active_views.wgsl");
+const COUNTERS: ShaderFile = file!("reconstruct/counters.wgsl");
+const RAY: ShaderFile = file!("reconstruct/ray.wgsl");
+const PYRAMID: ShaderFile = file!("reconstruct/pyramid.wgsl");
+const INTERPOLATE: ShaderFile = file!("reconstruct/interpolate.wgsl");
+const LIGHT: ShaderFile = file!("reconstruct/light.wgsl");
+const DIFFUSE: ShaderFile = file!("reconstruct/diffuse.wgsl");
+const PICTURE: ShaderFile = file!("reconstruct/render.wgsl");
+
+/// Pictures from any eye: every point of a ray is looked at, and neither mirrors nor glass send rays on.
+pub static RENDER: Kernel = Kernel {
+    name: "render",
+    entry: "render",
+    files: &[
+        VIEWS,
+        LIGHT_FIELD,
+        ACTIVE_VIEWS,
+        COUNTERS,
+        RAY,
+        file!("reconstruct/march.wgsl"),
+        INTERPOLATE,
+        LIGHT,
+        DIFFUSE,
+        PICTURE,
+    ],
+    bindings: &[
+        Read("scene"),
+        Read("views"),
+        Read("faces"),
+        Read("distances_m"),
+        WordTexels("inverse_depths"),
+        FloatTexels("colors"),
+        Write("pixels"),
+        Write("counts"),
+    ],
+    workgroup: 64,
+};
+
+/// The same, where segments that a view proves to be empty are passed over.
+pub static RENDER_PYRAMID: Kernel = Kernel {
+    name: "render-pyramid",
+    entry: "render",
+    files: &[VIEWS, LIGHT_FIELD, ACTIVE_VIEWS, COUNTERS, RAY, PYRAMID, INTERPOLATE, LIGHT, DIFFUSE, PICTURE],
+    bindings: &[
+        Read("scene"),
+        Read("views"),
+        Read("faces"),
+        Read("distances_m"),
+        WordTexels("inverse_depths"),
+        FloatTexels("colors"),
+        Write("pixels"),
+        Write("counts"),
+        WordTexels("pyramids"),
+    ],
+    workgroup: 64,
+};
+
+/// The same, where mirrors and glass send rays on.
+pub static RENDER_EFFECTS: Kernel = Kernel {
+    name: "render-effects",
+    entry: "render",
+    files: &[
+        VIEWS,
+        LIGHT_FIELD,
+        ACTIVE_VIEWS,
+        COUNTERS,
+        RAY,
+        PYRAMID,
+        INTERPOLATE,
+        LIGHT,
+        file!("reconstruct/material.wgsl"),
+        file!("reconstruct/normal.wgsl"),
+        file!("reconstruct/solid.wgsl"),
+        file!("reconstruct/effects.wgsl"),
+        PICTURE,
+    ],
+    bindings: &[
+        Read("scene"),
+        Read("views"),
+        Read("faces"),
+        Read("distances_m"),
+        WordTexels("inverse_depths"),
+        FloatTexels("colors"),
+        Write("pixels"),
+        Write("counts"),
+        WordTexels("pyramids"),
+        FloatTexels("materials"),
+    ],
+    workgroup: 64,
+};
+
 /// All kernels.
-pub static KERNELS: [&Kernel; 17] = [
+pub static KERNELS: [&Kernel; 20] = [
     &NODES,
     &BOXES_CODES,
     &BOXES_MATERIAL,
@@ -306,4 +409,7 @@ pub static KERNELS: [&Kernel; 17] = [
     &BC5,
     &BC6H,
     &BC7,
+    &RENDER,
+    &RENDER_PYRAMID,
+    &RENDER_EFFECTS,
 ];

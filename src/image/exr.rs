@@ -354,6 +354,17 @@ pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
     write(path, plane.width(), plane.height(), vec![("R", component(0)), ("G", component(1)), ("B", component(2))])
 }
 
+/// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
+/// The bytes depend on the pixels alone.
+///
+/// # Errors
+/// As for [`write_color`].
+pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
+    let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(index, name)| (name, component(index)));
+    write(path, plane.width(), plane.height(), channels.collect())
+}
+
 /// Writes channel Z as 32-bit floats, ZIP compressed. The bytes depend on the pixels alone.
 ///
 /// # Errors

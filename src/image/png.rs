@@ -87,6 +87,30 @@ pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
+/// The bytes of such a file, into anything that takes bytes.
+///
+/// # Errors
+/// When they cannot be written or the plane has no pixels.
+pub fn encode_color8(writer: &mut dyn Write, plane: &Plane<[u8; 3]>) -> Result<()> {
+    encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgb8)
+}
+
+/// The bytes of a file of 8-bit R, G, B and alpha, into anything that takes bytes; colour is not multiplied by alpha.
+///
+/// # Errors
+/// As for [`encode_color8`].
+pub fn encode_rgba8(writer: &mut dyn Write, plane: &Plane<[u8; 4]>) -> Result<()> {
+    encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgba8)
+}
+
+/// Writes 8-bit R, G, B and alpha; colour is not multiplied by alpha. The bytes depend on the pixels alone.
+///
+/// # Errors
+/// As for [`write_color8`].
+pub fn write_rgba8(path: &Path, plane: &Plane<[u8; 4]>) -> Result<()> {
+    write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgba8)
+}
+
 /// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
 ///
 /// # Errors
@@ -98,15 +122,22 @@ pub fn write_depth16(path: &Path, plane: &Plane<u16>) -> Result<()> {
 }
 
 fn write<T>(path: &Path, plane: &Plane<T>, bytes: &[u8], color: ExtendedColorType) -> Result<()> {
-    if plane.width() == 0 || plane.height() == 0 {
-        return Err(Error::invalid("an image without pixels cannot be written").in_file(path));
-    }
+    let size = [plane.width(), plane.height()];
+    check_size(size).map_err(|error| error.in_file(path))?;
     let file = File::create(path).map_err(|error| Error::io(path, error))?;
-    let mut writer = BufWriter::new(file);
-    PngEncoder::new(&mut writer)
-        .write_image(bytes, plane.width(), plane.height(), color)
-        .map_err(|error| translate(error, path))?;
-    writer.flush().map_err(|error| Error::io(path, error))
+    encode(&mut BufWriter::new(file), size, bytes, color).map_err(|error| error.in_file(path))
+}
+
+fn check_size(size: [u32; 2]) -> Result<()> {
+    if size.contains(&0) { Err(Error::invalid("an image without pixels cannot be written")) } else { Ok(()) }
+}
+
+fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedColorType) -> Result<()> {
+    check_size(size)?;
+    PngEncoder::new(&mut *writer)
+        .write_image(bytes, size[0], size[1], color)
+        .map_err(|error| translate(error, Path::new("")))?;
+    writer.flush().map_err(|error| Error::io("", error))
 }
 
 fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {

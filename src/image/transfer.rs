@@ -47,6 +47,12 @@ pub struct ToneMap {
 }
 
 impl ToneMap {
+    /// The 8-bit code of light, clamped to 0..255; 0 for what is not a number.
+    pub fn code(self, light: f32) -> u8 {
+        // A float that is not a number becomes 0 in the cast.
+        (self.transfer.encode(f64::from(light) * self.gain()) * 255.0).round().clamp(0.0, 255.0) as u8
+    }
+
     fn gain(self) -> f64 {
         f64::from(self.exposure_ev).exp2()
     }
@@ -137,6 +143,7 @@ mod tests {
                 for code in 0..=255 {
                     let value = decode.value(code);
                     assert_eq!(encode.code(value), code, "{tone:?}");
+                    assert_eq!(tone.code(value.to_f32()), code, "{tone:?}");
                     assert!(!encode.is_clipped(value) && !encode.is_nan(value), "{tone:?} {code}");
                 }
             }
@@ -159,5 +166,7 @@ mod tests {
         assert_eq!(flags(0.0), (0, false, false));
         // Code 128 of the curve, from its published table.
         assert_eq!(flags(0.215_86), (128, false, false));
+        let codes = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.215_86].map(|v| ToneMap::default().code(v));
+        assert_eq!(codes, [0, 255, 0, 0, 128]);
     }
 }

@@ -80,6 +80,24 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
+    /// A camera at `eye` with these axes: forward, right and down of its picture, of length 1 and at right angles to each
+    /// other. They may be mirrored, as those of the faces of a cube map are ([`crate::image::cube::Face::axes`]); such a
+    /// camera has no [`Camera::orientation`].
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a number is not finite, the axes are not such axes, or the lens sees nothing.
+    pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
+        check_finite("eye", eye)?;
+        let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);
+        let slack = (turn * turn.transpose() - DMat3::IDENTITY).to_cols_array();
+        if !slack.iter().all(|part| part.abs() <= QUATERNION_SLACK) {
+            return Err(usage(format!(
+                "a camera's axes must have length 1 and be at right angles to each other, not {axes:?}"
+            )));
+        }
+        Self::new(eye, axes, lens)
+    }
+
     fn new(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         let Lens { fov_y_deg, aspect, near_m, far_m } = lens;
         if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
@@ -108,6 +126,11 @@ impl Camera {
         self.axes
     }
 
+    /// Half the width and half the height of the image at distance 1.
+    pub fn half(&self) -> [f64; 2] {
+        self.half
+    }
+
     /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
     /// looks so.
     pub fn orientation(&self) -> Option<[f64; 4]> {
@@ -128,6 +151,34 @@ impl Camera {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
         let at = [(right / deep, self.half[0]), (down / deep, self.half[1])].map(|(at, half)| 0.5 + 0.5 * at / half);
         (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
+    }
+
+    /// The same camera, moved by so many metres.
+    #[must_use]
+    pub fn moved(&self, by: DVec3) -> Camera {
+        Camera { eye: self.eye + by, ..*self }
+    }
+
+    /// All points on rays from its eye through its picture, also those nearer or farther than it sees.
+    pub fn sight_lines(&self) -> Frustum {
+        Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
+    }
+
+    /// Width of its picture over the height.
+    pub fn aspect(&self) -> f64 {
+        self.half[0] / self.half[1]
+    }
+
+    /// The same camera with a picture of another width: `aspect`, above 0, is the width over the height.
+    #[must_use]
+    pub fn with_aspect(self, aspect: f64) -> Camera {
+        Camera { half: [self.half[1] * aspect, self.half[1]], ..self }
+    }
+
+    /// The same camera, moved to its right by so many metres; to its left where they are below 0.
+    #[must_use]
+    pub fn moved_right(self, metres: f64) -> Camera {
+        Camera { eye: self.eye + self.axes[1] * metres, ..self }
     }
 
     /// All that it sees.
@@ -167,6 +218,19 @@ mod tests {
         let looking = Camera::look_at(DVec3::X, DVec3::new(-3.0, 0.0, 0.0), DVec3::Y, Lens::new(60.0)).unwrap();
         for (a, b) in turned.axes().into_iter().zip(looking.axes()) {
             assert!((a - b).length() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn axes_may_be_mirrored_but_not_skewed() {
+        let mirrored = [DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y];
+        let camera = Camera::with_axes(DVec3::Y, mirrored, Lens::new(90.0)).unwrap();
+        assert!((camera.direction([1.0, 0.5]) - DVec3::new(1.0, 0.0, -1.0).normalize()).length() < 1e-12);
+        assert!((camera.direction([0.5, 1.0]) - DVec3::new(1.0, -1.0, 0.0).normalize()).length() < 1e-12);
+        for axes in [[DVec3::X, DVec3::X, DVec3::Y], [DVec3::X * 2.0, DVec3::Y, DVec3::Z], [DVec3::NAN; 3]] {
+            assert!(
+                Camera::with_axes(DVec3::Y, axes, Lens::new(90.0)).unwrap_err().to_string().contains("right angles")
+            );
         }
     }
 

@@ -60,10 +60,11 @@ impl ActiveView<'_> {
             };
         };
         let surface = self.nearest_inverse_depth(&at);
-        if surface == UNKNOWN {
-            Evidence::Unknown
-        } else if near || surface < at.inverse_depth {
+        // Within near it is so even where no texel was decoded.
+        if near || surface < at.inverse_depth {
             Evidence::Open
+        } else if surface == UNKNOWN {
+            Evidence::Unknown
         } else {
             Evidence::Behind
         }

@@ -39,6 +39,8 @@ pub struct FaceImage {
     columns: [f64; 2],
     rows: [f64; 2],
     depth: DepthSpan,
+    /// Pixels by which every rectangle is larger on each side.
+    margin_pixels: f64,
 }
 
 impl FaceImage {
@@ -56,14 +58,28 @@ impl FaceImage {
         };
         let axes = face.axes().map(|axis| turn * axis);
         let usable = columns.iter().chain(&rows).all(|value| value.is_finite());
-        usable.then_some(FaceImage { centre: DVec3::from_array(probe.position), axes, columns, rows, depth })
+        usable.then_some(FaceImage {
+            centre: DVec3::from_array(probe.position),
+            axes,
+            columns,
+            rows,
+            depth,
+            margin_pixels: 0.0,
+        })
+    }
+
+    /// The same, with rectangles that are larger by so many pixels on each side.
+    #[must_use]
+    pub fn with_margin(self, margin_pixels: f64) -> FaceImage {
+        FaceImage { margin_pixels, ..self }
     }
 
     /// The frustum of pixels from `from` up to, but without, `to` (column, row).
     pub fn frustum(&self, from: [u32; 2], to: [u32; 2]) -> Frustum {
         let edges = |[first, step]: [f64; 2], from: u32, to: u32| {
-            let at = |pixel: u32| first + step * f64::from(pixel);
-            [at(from).min(at(to)), at(from).max(at(to))]
+            let at = |pixel: f64| first + step * pixel;
+            let ends = [at(f64::from(from) - self.margin_pixels), at(f64::from(to) + self.margin_pixels)];
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
         };
         let window = Window { u: edges(self.columns, from[0], to[0]), v: edges(self.rows, from[1], to[1]) };
         let DepthSpan { near_m, far_m, kind } = self.depth;

@@ -69,7 +69,7 @@ pub fn camera_weights(views: &ActiveViews<'_>) -> Vec<f32> {
 }
 
 /// The difference of the logarithms of two inverse depths; none where one of them is no surface.
-fn log_difference(texel: f32, point: f32) -> Option<f32> {
+pub(crate) fn log_difference(texel: f32, point: f32) -> Option<f32> {
     if texel == BACKGROUND || texel == UNKNOWN { None } else { Some((texel / point).ln().abs()) }
 }
 
@@ -96,7 +96,7 @@ impl Sum {
 }
 
 /// The face of an active view that a point is in, with the place there.
-fn image_of<'a>(view: &ActiveView<'a>, local: Vec3) -> Option<(&'a FaceTexels, Projected)> {
+pub(crate) fn image_of<'a>(view: &ActiveView<'a>, local: Vec3) -> Option<(&'a FaceTexels, Projected)> {
     let at = view.view.project(local)?;
     Some((view.view.faces[at.face].as_ref()?, at))
 }

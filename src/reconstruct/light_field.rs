@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
+use rayon::prelude::*;
 
 use crate::container::index::ProbeEntry;
 use crate::dataset::stream::DepthKind;
@@ -152,6 +153,21 @@ impl View {
         })
     }
 
+    /// Whether it has a stream of materials.
+    pub fn has_material(&self) -> bool {
+        self.faces.iter().flatten().any(|face| face.material.is_some())
+    }
+
+    /// Whether a weight of its materials is above 0. Looks at all its texels.
+    pub fn calls_for_effects(&self) -> bool {
+        let texels = |face: &FaceTexels| {
+            face.material
+                .as_ref()
+                .is_some_and(|texels| texels.iter().any(|&[reflect, refract, ..]| reflect | refract > 0))
+        };
+        self.faces.iter().flatten().any(texels)
+    }
+
     /// Scale and centre of an image of `size` texels ([`FaceTexels::scale`]).
     pub fn image_map(entry: &ProbeEntry, face: Face, size: [u32; 2]) -> [[f32; 2]; 2] {
         if face == Face::View {
@@ -214,7 +230,7 @@ pub struct InverseDepth {
 impl InverseDepth {
     /// The table of a stream's range.
     pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
-        InverseDepth { of_code: (0..=u16::MAX).map(|code| 1.0 / range.metres(code)).collect(), kind }
+        InverseDepth { of_code: (0..=u16::MAX).into_par_iter().map(|code| 1.0 / range.metres(code)).collect(), kind }
     }
 
     /// Inverse planar depth of a texel that shows `code`.
@@ -224,6 +240,22 @@ impl InverseDepth {
             DepthKind::Planar => inverse,
             DepthKind::Distance => inverse * face.stretch(column, row),
         }
+    }
+
+    /// Writes texels that show `codes`, from a column of a row on, which they must fit into; answers the first and the last of
+    /// them that became different.
+    pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
+        let start = row as usize * face.size[0] as usize + column as usize;
+        let mut differ = None;
+        for (at, &code) in (0u32..).zip(codes) {
+            let inverse_depth = self.of(code, face, column + at, row);
+            let texel = &mut face.inverse_depth[start + at as usize];
+            if *texel != inverse_depth {
+                *texel = inverse_depth;
+                differ = Some([differ.map_or(at, |[first, _]: [u32; 2]| first), at]);
+            }
+        }
+        differ
     }
 }
 
@@ -239,7 +271,7 @@ pub struct LightField {
 impl LightField {
     /// Whether a view has a stream of materials: without one, no effect is called for.
     pub fn has_material(&self) -> bool {
-        self.views.iter().flat_map(|view| view.faces.iter().flatten()).any(|face| face.material.is_some())
+        self.views.iter().any(View::has_material)
     }
 }
 

@@ -55,12 +55,29 @@ impl Steps {
             _ => 0.0,
         }
     }
+
+    /// How far, in the logarithm of the distance, hits may lie behind the surface.
+    pub fn unsure(&self) -> f32 {
+        if self.refine == 0 { self.log_step() } else { 0.0 }
+    }
 }
 
 /// The distance in metres at which a ray meets a surface, if it does: every point is looked at.
 pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
-    let mut before_m = 0.0;
-    for &distance_m in &steps.distances_m {
+    intersect_from(views, ray, steps, 0, counters)
+}
+
+/// The same from the `first` of the distances on: what is nearer is taken to be open.
+pub fn intersect_from(
+    views: &ActiveViews<'_>,
+    ray: &Ray,
+    steps: &Steps,
+    first: usize,
+    counters: &mut Counters,
+) -> Option<f32> {
+    let (nearer, distances_m) = steps.distances_m.split_at(first.min(steps.distances_m.len()));
+    let mut before_m = nearer.last().copied().unwrap_or(0.0);
+    for &distance_m in distances_m {
         counters.march_steps += 1;
         if views.is_surface(ray.at(distance_m)) {
             return Some(refine(views, ray, [before_m, distance_m], steps.refine, counters));

@@ -2,28 +2,49 @@
 //!
 //! Enters: an open container and cameras. Leaves: which tiles and cells the cameras see, so that only those are
 //! decoded; the texels of what is shown (`player`, `light_field`); pictures from any eye (`render`: `march` says where a ray
-//! ends, `interpolate` what colour is there).
+//! ends, `interpolate` what colour is there, `effects` what mirrors and glass show there, by `material`, `normal` and
+//! `solid`).
 
 pub mod active_views;
 #[cfg(test)]
 mod agreement;
 pub mod camera_file;
 pub mod counters;
+pub mod effects;
 pub mod face_image;
 pub mod interpolate;
+pub mod key_poses;
 mod lanes;
 pub mod light_field;
 pub mod made;
 pub mod march;
+pub mod material;
+pub mod methods;
+pub mod normal;
+pub mod pacing;
 mod packet;
 mod packet_color;
 mod packet_march;
 mod packet_render;
+pub mod path;
+pub mod performance;
+pub mod playback;
 pub mod player;
 pub mod pyramid;
+pub mod rects;
+pub mod reference;
 pub mod render;
+pub mod rendered_image;
+pub mod reproject;
 pub mod seen_units;
+pub mod selection;
+pub mod shown_face;
+pub mod similarity;
+pub mod solid;
+pub mod splat;
+pub mod trace;
 pub mod visibility;
+pub mod wanted;
 
 pub use camera_file::{CameraFile, TimedCamera};
 pub use face_image::{DepthSpan, FaceImage};

@@ -10,7 +10,7 @@ use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::packet::PacketViews;
 use crate::reconstruct::packet_color::{LightCurve, surface_colors};
 use crate::reconstruct::packet_march::{Packet, PacketMarch};
-use crate::reconstruct::render::{Outcome, RenderSettings, background_light};
+use crate::reconstruct::render::{Outcome, RenderSettings, background};
 
 /// What all packets of a picture share.
 #[derive(Debug)]
@@ -73,11 +73,11 @@ impl PacketRow<'_> {
         std::array::from_fn(|lane| {
             let outcome = match directions.get(lane) {
                 Some(_) if met[lane].is_some() => {
-                    Outcome::of_surface(seen[lane], &settings.steps, |seen| scene.light(seen))
+                    Outcome::of_surface(seen[lane], settings.steps.unsure(), |seen| scene.light(seen))
                 }
                 Some(&direction) => {
                     counters.background_rays += 1;
-                    background_light(scene.views, scene.camera_weights, direction)
+                    background(scene.views, scene.camera_weights, direction)
                 }
                 None => Outcome::Hole(None),
             };

@@ -12,6 +12,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
+use crate::reconstruct::effects::{Effects, Met};
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::march::{self, Ray, Steps};
@@ -40,7 +41,7 @@ pub enum EffectMode {
     Auto,
     /// Never: views are interpolated everywhere.
     None,
-    /// Also where no weight is above 0, for tests: the pictures are the same.
+    /// Also where no weight of the materials is above 0, for tests: the pictures are the same.
     Force,
 }
 
@@ -57,9 +58,20 @@ pub enum Acceleration {
 impl Acceleration {
     /// The distance in metres at which a ray meets a surface, if it does; the same either way.
     pub fn intersect(self, views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
+        self.intersect_from(views, ray, (steps, 0), counters)
+    }
+
+    /// The same from the `first` of the distances on: what is nearer is taken to be open.
+    pub fn intersect_from(
+        self,
+        views: &ActiveViews<'_>,
+        ray: &Ray,
+        (steps, first): (&Steps, usize),
+        counters: &mut Counters,
+    ) -> Option<f32> {
         match self {
-            Acceleration::None => march::intersect(views, ray, steps, counters),
-            Acceleration::Pyramid => pyramid::intersect(views, ray, steps, counters),
+            Acceleration::None => march::intersect_from(views, ray, steps, first, counters),
+            Acceleration::Pyramid => pyramid::intersect_from(views, ray, steps, first, counters),
         }
     }
 }
@@ -104,9 +116,8 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// What views saw of a surface that was found with these steps: a hole where nothing fits.
-    pub(crate) fn of_surface(seen: Option<Seen>, steps: &Steps, light: impl Fn(&Seen) -> Vec3) -> Outcome {
-        let unsure = if steps.refine == 0 { steps.log_step() } else { 0.0 };
+    /// What views saw of a surface: a hole where nothing fits; `unsure` is how far steps leave open where it is.
+    pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
         match seen {
             Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
             seen => Outcome::Hole(seen.map(|seen| light(&seen))),
@@ -129,11 +140,17 @@ pub fn render(
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
     let scene = PacketScene::new(views, &weights);
+    let sends_on = sends_on(views, settings.effects);
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut row = scene.row();
+        let mut effects = sends_on.then(|| Effects::new(views, &weights, settings));
         let of_four = |four: &[Vec3]| {
             let outcomes = row.outcomes(four, settings, counters);
-            outcomes.into_iter().take(four.len()).map(|(_, outcome)| outcome)
+            let outcome = |(&direction, (distance_m, outcome)): (&Vec3, (Option<f32>, Outcome))| {
+                let ray = Ray { origin: Vec3::ZERO, direction };
+                sent_on(&mut effects, &ray, distance_m, outcome, counters)
+            };
+            four.iter().zip(outcomes).map(outcome).collect::<Vec<_>>()
         };
         directions.chunks(4).flat_map(of_four).collect()
     })
@@ -150,10 +167,42 @@ pub fn render_plainly(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
+    let sends_on = sends_on(views, settings.effects);
     render_rows((camera, settings), monitor, |directions, counters| {
-        let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
-        directions.iter().map(|direction| outcome(views, &weights, &ray(direction), settings, counters)).collect()
+        let mut effects = sends_on.then(|| Effects::new(views, &weights, settings));
+        let of_one = |&direction: &Vec3| {
+            let ray = Ray { origin: Vec3::ZERO, direction };
+            let (distance_m, outcome) = outcome(views, &weights, &ray, settings, counters);
+            sent_on(&mut effects, &ray, distance_m, outcome, counters)
+        };
+        directions.iter().map(of_one).collect()
     })
+}
+
+/// Whether rays are sent on in a picture of these views.
+pub fn sends_on(views: &ActiveViews<'_>, effects: EffectMode) -> bool {
+    match effects {
+        EffectMode::None => false,
+        EffectMode::Force => views.views.iter().any(|view| view.view.has_material()),
+        EffectMode::Auto => views.views.iter().any(|view| view.view.calls_for_effects()),
+    }
+}
+
+/// What a ray from the eye brings when mirrors and glass have sent it on, where they do.
+fn sent_on(
+    effects: &mut Option<Effects<'_>>,
+    ray: &Ray,
+    distance_m: Option<f32>,
+    outcome: Outcome,
+    counters: &mut Counters,
+) -> Outcome {
+    match (effects, distance_m, outcome) {
+        (Some(effects), Some(distance_m), Outcome::Seen(light)) => {
+            let met = Met { point: ray.at(distance_m), direction: ray.direction, light };
+            Outcome::Seen(effects.light(&met, counters))
+        }
+        _ => outcome,
+    }
 }
 
 /// Renders with what brings the outcomes of the rays of a row, by their directions.
@@ -224,30 +273,40 @@ fn outcome(
     ray: &Ray,
     settings: &RenderSettings,
     counters: &mut Counters,
-) -> Outcome {
-    match settings.acceleration.intersect(views, ray, &settings.steps, counters) {
-        Some(distance_m) => {
-            let seen = surface_color(views, weights, ray.at(distance_m));
-            Outcome::of_surface(seen, &settings.steps, |seen| light(views.coding, seen))
-        }
+) -> (Option<f32>, Outcome) {
+    let met = settings.acceleration.intersect(views, ray, &settings.steps, counters);
+    let outcome = match met {
+        Some(distance_m) => surface(views, weights, ray.at(distance_m), settings.steps.unsure()),
         None => {
             counters.background_rays += 1;
-            background_light(views, weights, ray.direction)
+            background(views, weights, ray.direction)
         }
-    }
+    };
+    (met, outcome)
 }
 
-/// What views saw of the background in a direction of length 1.
-pub(crate) fn background_light(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
+/// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
+/// leave open where.
+pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
+    Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
+}
+
+/// What a ray brings that meets no surface and goes in this direction, of length 1.
+pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
     background_color(views, weights, direction)
         .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
 }
 
 /// Linear light of what views saw.
 fn light(coding: ColorCoding, seen: &Seen) -> Vec3 {
+    light_of(coding, seen.color)
+}
+
+/// Linear light of a colour as it is coded.
+pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
     match coding {
-        ColorCoding::Light => seen.color,
-        ColorCoding::Codes(tone) => seen.color.to_array().map(|code| decode(tone, code)).into(),
+        ColorCoding::Light => color,
+        ColorCoding::Codes(tone) => color.to_array().map(|code| decode(tone, code)).into(),
     }
 }
 

@@ -9,9 +9,9 @@
 mod errors;
 mod frames;
 mod keyframes;
-mod palette;
-mod raster;
-mod sheet;
+pub(super) mod palette;
+pub(super) mod raster;
+pub(super) mod sheet;
 
 use std::path::Path;
 

@@ -241,6 +241,50 @@ impl UnitDecoder<'_> {
     pub fn rect(&self) -> [u32; 4] {
         self.rect
     }
+
+    /// What it shows, row by row; nothing before the first frame was decoded.
+    pub fn shown(&self) -> UnitPixels<'_> {
+        match &self.state {
+            State::Depth(state) => UnitPixels::Depth(&state.picture),
+            State::Material(state) => UnitPixels::Material(&state.picture),
+            State::Color8(state) => UnitPixels::Color8(state.shown.as_chunks().0),
+            State::ColorHalf(state) => UnitPixels::ColorHalf(state.shown.as_chunks().0),
+        }
+    }
+
+    /// Whether what it shows is known to be right for a frame, without reading or writing anything.
+    pub fn shows(&self, frame: u32) -> bool {
+        let Ok((index, entry)) = self.source.find(frame) else { return false };
+        let target = frame - entry.key.first_frame;
+        match &self.state {
+            State::Depth(state) => state.shows(index, target),
+            State::Material(state) => state.shows(index, target),
+            State::Color8(state) => state.shows(index, target),
+            State::ColorHalf(state) => state.shows(index, target),
+        }
+    }
+
+    /// Index and stored bytes of the chunk that holds a frame. What lies between two keyframes of colour may need the next
+    /// chunk, too.
+    ///
+    /// # Errors
+    /// When no chunk holds it.
+    pub fn chunk_of(&self, frame: u32) -> Result<(usize, u32)> {
+        self.source.find(frame).map(|(index, chunk)| (index, chunk.stored_bytes))
+    }
+}
+
+/// The pixels of a unit, row by row.
+#[derive(Debug, Clone, Copy)]
+pub enum UnitPixels<'u> {
+    /// 16-bit log codes.
+    Depth(&'u [u16]),
+    /// 8-bit material.
+    Material(&'u [[u8; 3]]),
+    /// 8-bit colour.
+    Color8(&'u [[u8; 3]]),
+    /// Half-float colour, as keys.
+    ColorHalf(&'u [[HalfKey; 3]]),
 }
 
 /// A chunk whose frames are reached by changing a picture.
@@ -306,6 +350,10 @@ impl<C: PictureChunk> TemporalState<C> {
         TemporalState { size, window, header, picture: Vec::new(), chunk: None, at: None }
     }
 
+    fn shows(&self, chunk: usize, target: u32) -> bool {
+        self.at == Some(target) && self.chunk.as_ref().is_some_and(|(held, _)| *held == chunk)
+    }
+
     fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
         let (index, entry) = source.find(frame)?;
         if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
@@ -360,6 +408,13 @@ impl<S: Sample> CellState<S> {
             next_chunk: None,
             keyframes: Default::default(),
         }
+    }
+
+    fn shows(&self, index: usize, target: u32) -> bool {
+        self.chunk.as_ref().filter(|(held, _)| *held == index).is_some_and(|(_, chunk)| {
+            let made = chunk.blend(target);
+            self.recipe == Some((index, made.keyframe, made.weight))
+        })
     }
 
     fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
@@ -515,24 +570,24 @@ fn wanted<'d, 'a>(
 fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Picture {
     let size = [stream.entry.width, stream.entry.height];
     match stream.header {
-        CodecHeader::Depth(_) => Picture::Depth(assemble(size, BACKGROUND_CODE, units, |unit| match &unit.state {
-            State::Depth(state) => &state.picture,
+        CodecHeader::Depth(_) => Picture::Depth(assemble(size, BACKGROUND_CODE, units, |unit| match unit.shown() {
+            UnitPixels::Depth(codes) => codes,
             _ => &[],
         })),
-        CodecHeader::Material(_) => Picture::Material(assemble(size, [0; 3], units, |unit| match &unit.state {
-            State::Material(state) => &state.picture,
+        CodecHeader::Material(_) => Picture::Material(assemble(size, [0; 3], units, |unit| match unit.shown() {
+            UnitPixels::Material(codes) => codes,
             _ => &[],
         })),
         CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            Picture::Color8(assemble(size, [0; 3], units, |unit| match &unit.state {
-                State::Color8(state) => state.shown.as_chunks().0,
+            Picture::Color8(assemble(size, [0; 3], units, |unit| match unit.shown() {
+                UnitPixels::Color8(codes) => codes,
                 _ => &[],
             }))
         }
         CodecHeader::Color(_) => {
             let black = [HalfKey::from_bits(f16::ZERO.to_bits()); 3];
-            let keys = assemble(size, black, units, |unit| match &unit.state {
-                State::ColorHalf(state) => state.shown.as_chunks::<3>().0,
+            let keys = assemble(size, black, units, |unit| match unit.shown() {
+                UnitPixels::ColorHalf(keys) => keys,
                 _ => &[],
             });
             Picture::ColorHalf(keys.map(|pixel| pixel.map(HalfKey::to_half)))

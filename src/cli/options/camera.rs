@@ -40,10 +40,10 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// Decode what the cameras of this file see, - for standard input; may be given more than once
+    /// Cameras that look at the light field, from this file, - for standard input; may be given more than once
     #[arg(long, value_name = "CAM.json")]
     pub camera: Vec<PathBuf>,
-    /// Decode what a camera here sees, in metres
+    /// A camera that looks at it from here, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
         requires_all = ["look_at", "fov"])]
     pub eye: Option<DVec3>,

@@ -151,7 +151,7 @@ impl Panel {
 }
 
 /// Copies a plane into a larger one.
-fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
+pub fn paste(sheet: &mut Plane<Rgb>, plane: &Plane<Rgb>, [left, top]: [u32; 2]) {
     let columns = left as usize..(left + plane.width()) as usize;
     for y in 0..plane.height() {
         sheet.row_mut(top + y)[columns.clone()].copy_from_slice(plane.row(y));

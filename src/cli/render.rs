@@ -1,0 +1,354 @@
+//! `lightfold render IN`: pictures of a light field from anywhere, and how good they are.
+
+mod options;
+mod pictures;
+mod report;
+mod truth;
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use crate::cli::device::{self, DeviceArg, GpuArgs};
+use crate::cli::options::{CameraArgs, FrameArgs, parse_positive};
+use crate::cli::output::OutputFile;
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, Outcome};
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::render::RenderCost;
+use crate::gpu::render::playback::DeviceRenderer;
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
+use crate::reconstruct::path::{self, Shot};
+use crate::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
+use crate::reconstruct::player::ProbeChoice;
+use crate::reconstruct::selection::{SelectionSettings, ViewPriority};
+use crate::video::decode::Decoder;
+
+use options::{DecodeArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
+use pictures::{PictureName, Pictures};
+use truth::TruthArgs;
+
+/// Height of pictures where none is given.
+const DEFAULT_SIZE: u32 = 512;
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(
+    group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
+    after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 60 --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
+    lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
+    lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
+    lightfold render film.lfold --camera path.json --null --stats --json\n  \
+    lightfold render film.lfold --camera path.json --contact-sheet sheet.png --null\n  \
+    lightfold render film.lfold --exclude-probe 00 --reference data/lightfield.json --reference-probe 00 --null --stats\n  \
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display\n\n\
+    A path is a file of cameras as of decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": \
+    90}]}. Several cameras without \"frames\" are poses of one camera, one for each frame of --frames.\n\n\
+    Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \
+    probe saw what is there, and 1 elsewhere, background included."
+)]
+pub struct Args {
+    /// The container, - for standard input
+    #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
+    pub input: Option<PathBuf>,
+    /// A picture ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder, or - for
+    /// a PNG on standard output
+    #[arg(long, short, value_name = "OUT", required_unless_present_any = ["null", "list_devices"])]
+    pub output: Option<PathBuf>,
+    /// Render and write no picture
+    #[arg(long, conflicts_with = "output")]
+    pub null: bool,
+    /// Pixels: the height, or both sides [default: 512; that of the reference]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
+    pub size: Option<(u32, Option<u32>)>,
+    /// Frames; without them, the first, or those that the cameras of a path or the reference have.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Two pictures for each camera, from eyes so many metres apart; beside each other unless OUT has %V
+    #[arg(long, value_name = "M", value_parser = parse_positive, conflicts_with = "reference")]
+    pub stereo: Option<f64>,
+    /// Where to render [default: cpu]
+    #[arg(long, value_enum)]
+    pub device: Option<DeviceArg>,
+    /// Which graphics device.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+    /// All pictures, small, on one PNG
+    #[arg(long, value_name = "FILE.png")]
+    pub contact_sheet: Option<PathBuf>,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// How.
+    #[command(flatten)]
+    pub march: MarchArgs,
+    /// Which probes.
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// What pictures are compared with.
+    #[command(flatten)]
+    pub truth: TruthArgs,
+    /// Cameras.
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+}
+
+/// A shot, and what its pictures are called.
+pub struct Take {
+    /// Frame and cameras.
+    pub shot: Shot,
+    /// A name for each picture; with two eyes one for both.
+    pub names: Vec<PictureName>,
+    /// Width and height of each picture.
+    pub size: [u32; 2],
+    /// Numbers of images of the reference, in the order of the cameras.
+    pub references: Vec<usize>,
+}
+
+/// Renders.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+    if args.gpu.list_devices {
+        return device::list(args.json);
+    }
+    let Some(input) = &args.input else { return Err(Error::Usage("name a container to render".into())) };
+    args.check()?;
+    let decoder = Decoder::open(input)?;
+    let named = |error: Error| error.in_file(input);
+    let mut playback = Playback::new(&decoder, args.playback_options()).map_err(named)?;
+    let mut truth = args.truth.open(args.march.method)?;
+    let takes = match &truth {
+        Some(truth) => truth.takes(args.frames.frames, playback.player().frames())?,
+        None => args.takes(&playback)?,
+    };
+    let coding = playback.player().field().coding;
+    let mut pictures = Pictures::open(
+        &pictures::PictureOptions {
+            output: args.output.as_deref(),
+            contact_sheet: args.contact_sheet.as_deref(),
+            count: takes.iter().map(|take| take.names.len() as u64).sum(),
+            stereo: args.stereo.is_some(),
+            holes: args.march.holes.into(),
+        },
+        coding.tone(),
+    )?;
+    let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
+    let count = takes.iter().map(|take| take.shot.cameras.len() as u64).sum();
+    let progress = Progress::start(global, "rendering", count)?;
+    let gpu = args.open_device(global)?;
+    let start = Instant::now();
+    let mut method = args.method(gpu.as_ref());
+    for take in &takes {
+        let renderer = method.prepare(take, &mut truth)?;
+        let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
+        if let Some(truth) = &mut truth {
+            truth.compare(take, &shown.pictures, coding.tone())?;
+        }
+        let eyes = shown.pictures.len() / take.names.len().max(1);
+        for (name, pictures_of) in take.names.iter().zip(shown.pictures.chunks(eyes.max(1))) {
+            pictures.put(name, pictures_of)?;
+        }
+        if let Some(file) = &mut trace {
+            let line = serde_json::to_string(&shown.trace).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+            writeln!(file, "{line}").map_err(|error| Error::io(args.views.trace.as_deref().unwrap_or(input), error))?;
+        }
+        progress.advance(take.shot.cameras.len() as u64);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    drop(progress);
+    let bytes = pictures.bytes;
+    pictures.commit()?;
+    if let Some(truth) = &mut truth {
+        truth.commit()?;
+    }
+    if let Some(mut file) = trace {
+        file.commit()?;
+    }
+    let report = report::Report {
+        args,
+        summary: playback.summary(),
+        pixels: takes.iter().map(|take| take.shot.cameras.len() as u64 * pixels(take.size)).sum(),
+        pictures: count,
+        seconds,
+        bytes_out: bytes,
+        device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
+        gpu_cost: method.gpu_cost(),
+        truth: truth.as_ref(),
+    };
+    report.print(global)?;
+    Ok(Outcome::Fine)
+}
+
+fn pixels(size: [u32; 2]) -> u64 {
+    size.into_iter().map(u64::from).product()
+}
+
+/// What makes pictures.
+enum Method<'g> {
+    March(CpuRenderer),
+    Device(Box<DeviceRenderer<'g>>),
+    Splat(SplatRenderer),
+    Reproject(ReprojectRenderer),
+}
+
+impl Method<'_> {
+    /// The renderer of a take's pictures.
+    fn prepare(&mut self, take: &Take, truth: &mut Option<truth::TruthRun>) -> Result<&mut dyn Renderer> {
+        match self {
+            Method::March(renderer) => {
+                renderer.options.size = take.size;
+                Ok(renderer)
+            }
+            Method::Device(renderer) => {
+                renderer.options.size = take.size;
+                Ok(renderer.as_mut())
+            }
+            Method::Splat(renderer) => {
+                renderer.options.size = take.size;
+                Ok(renderer)
+            }
+            Method::Reproject(renderer) => {
+                renderer.options.size = take.size;
+                if let Some(truth) = truth {
+                    renderer.distances_m = truth.distances(take)?;
+                }
+                Ok(renderer)
+            }
+        }
+    }
+
+    /// What a graphics device has cost, where one renders.
+    fn gpu_cost(&self) -> Option<RenderCost> {
+        match self {
+            Method::Device(renderer) => Some(renderer.cost()),
+            _ => None,
+        }
+    }
+}
+
+impl Args {
+    fn check(&self) -> Result<()> {
+        if let (Some(near), Some(far)) = (self.march.near, self.march.far)
+            && near >= far
+        {
+            return Err(Error::Usage(format!("rays from {near} m to {far} m: --near below --far was expected")));
+        }
+        let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
+        if self.march.method != MethodArg::March && on_device {
+            return Err(Error::Usage(format!(
+                "--method {} is there to be compared with, and runs on the CPU: leave out --device",
+                self.march.method.name()
+            )));
+        }
+        let to_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(|path| path == std::path::Path::new("-"));
+        let taken = [&self.output, &self.contact_sheet, &self.views.trace].into_iter().filter(|path| to_stdout(path));
+        if taken.count() + usize::from(self.json) > 1 {
+            return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
+        }
+        Ok(())
+    }
+
+    fn playback_options(&self) -> PlaybackOptions {
+        let views = &self.views;
+        PlaybackOptions {
+            probes: ProbeChoice { only: views.probe.clone(), without: views.exclude_probe.clone() },
+            selection: SelectionSettings {
+                priority: match views.view_priority {
+                    PriorityArg::Distance => ViewPriority::Distance,
+                    PriorityArg::Angle => ViewPriority::Angle,
+                },
+                pivot: views.pivot,
+                cull_angle_deg: (views.cull_angle > 0.0).then_some(views.cull_angle),
+                most: views.views.map(|views| views as usize),
+                target_ms: views.target_ms,
+            },
+            decode: match views.decode {
+                DecodeArg::Seen => DecodeScope::Seen,
+                DecodeArg::All => DecodeScope::All,
+            },
+            effects: self.march.effects.into(),
+        }
+    }
+
+    /// The graphics device that renders, none where the CPU does.
+    fn open_device(&self, global: &GlobalArgs) -> Result<Option<Gpu>> {
+        // Who names a device wants it.
+        let choice = match (self.device, self.gpu.gpu_index) {
+            (None, Some(_)) => DeviceArg::Gpu,
+            (choice, _) => choice.unwrap_or(DeviceArg::Cpu),
+        };
+        self.gpu.open(choice, global)
+    }
+
+    /// How pictures are made; each take has a size of its own.
+    fn picture_options(&self) -> PictureOptions {
+        let march = &self.march;
+        PictureOptions {
+            size: [1, 1],
+            steps: march.steps,
+            refine: march.refine,
+            near_m: march.near.map(|metres| metres as f32),
+            far_m: march.far.map(|metres| metres as f32),
+            samples: march.samples,
+            holes: march.holes.into(),
+            effects: march.effects.into(),
+            max_bounces: march.max_bounces,
+            acceleration: march.acceleration.into(),
+        }
+    }
+
+    fn method<'g>(&self, gpu: Option<&'g Gpu>) -> Method<'g> {
+        let options = self.picture_options();
+        match self.march.method {
+            MethodArg::March => match gpu {
+                Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options))),
+                None => Method::March(CpuRenderer { options }),
+            },
+            MethodArg::Splat => Method::Splat(SplatRenderer { options }),
+            MethodArg::Reproject => Method::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() }),
+        }
+    }
+
+    /// The pictures that the cameras are to take.
+    fn takes(&self, playback: &Playback<'_>) -> Result<Vec<Take>> {
+        let cameras = self.cameras.cameras()?;
+        let shots = path::shots(&cameras, self.frames.frames, playback.player().frames())?;
+        let mut frames: Vec<u32> = shots.iter().map(|shot| shot.frame).collect();
+        frames.sort_unstable();
+        frames.dedup();
+        // Frames number the files, unless several cameras look in one.
+        let by_frame = frames.len() == shots.len();
+        let take = |(at, shot): (u32, Shot)| {
+            let camera = shot.cameras.first().copied();
+            let (size, camera) = sized(camera, self.size)?;
+            let cameras = match self.stereo {
+                None => vec![camera],
+                Some(apart) => [-0.5, 0.5].map(|side| camera.moved_right(side * apart)).to_vec(),
+            };
+            let number = if by_frame { shot.frame } else { at };
+            let names = vec![PictureName { number, subject: "view".to_owned() }];
+            Ok(Take { shot: Shot { cameras, ..shot }, names, size, references: Vec::new() })
+        };
+        (0..).zip(shots).map(take).collect()
+    }
+}
+
+/// Width and height of a camera's picture, and the camera for it.
+fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([u32; 2], Camera)> {
+    let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
+    match asked.unwrap_or((DEFAULT_SIZE, None)) {
+        (width, Some(height)) => Ok(([width, height], camera.with_aspect(f64::from(width) / f64::from(height)))),
+        (height, None) => {
+            let width = (f64::from(height) * camera.aspect()).round();
+            if !(1.0..=65_536.0).contains(&width) {
+                return Err(Error::Usage(format!(
+                    "a picture {height} pixels high and {width} wide: 1 to 65536 were expected; give --size WxH"
+                )));
+            }
+            Ok(([width as u32, height], camera))
+        }
+    }
+}

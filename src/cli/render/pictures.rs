@@ -1,0 +1,214 @@
+//! Where rendered pictures go: files of a pattern, a folder, standard output, nowhere; and a contact sheet.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::cli::output::{OutputFile, OutputFolder};
+use crate::error::{Error, Result};
+use crate::image::plane::Plane;
+use crate::image::sequence::Pattern;
+use crate::image::transfer::ToneMap;
+use crate::image::{exr, png};
+use crate::reconstruct::render::{HoleFill, Rendered};
+use crate::report::contact_sheet::ContactSheet;
+
+/// What stands for the eye in a pattern.
+pub const EYE_FIELD: &str = "%V";
+/// Their names, from left to right.
+pub const EYES: [&str; 2] = ["left", "right"];
+
+/// What a picture is called.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PictureName {
+    /// Its number in patterns: the frame, or the place of its camera where several look in one frame.
+    pub number: u32,
+    /// What it shows, for files in a folder and for the contact sheet: `view`, or probe and face of a reference.
+    pub subject: String,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Format {
+    Png,
+    Exr,
+}
+
+impl Format {
+    fn of(path: &Path) -> Option<Format> {
+        match path.extension()?.to_str()? {
+            "png" => Some(Format::Png),
+            "exr" => Some(Format::Exr),
+            _ => None,
+        }
+    }
+}
+
+enum Destination {
+    Nowhere,
+    StandardOutput,
+    Files { text: String, format: Format, folder: OutputFolder },
+    Folder(OutputFolder),
+}
+
+/// Takes pictures; nothing appears before [`Self::commit`].
+pub struct Pictures {
+    destination: Destination,
+    tone: ToneMap,
+    holes: HoleFill,
+    sheet: Option<(PathBuf, ContactSheet)>,
+    /// Bytes of files that were written.
+    pub bytes: u64,
+}
+
+/// What becomes of pictures.
+pub struct PictureOptions<'a> {
+    /// `-o`; none where nothing is written.
+    pub output: Option<&'a Path>,
+    /// `--contact-sheet`.
+    pub contact_sheet: Option<&'a Path>,
+    /// How many moments and cameras there are, each with one picture, or one for each eye.
+    pub count: u64,
+    /// Whether there are two eyes.
+    pub stereo: bool,
+    /// What is in holes.
+    pub holes: HoleFill,
+}
+
+impl Pictures {
+    /// Refuses what cannot be written before anything is rendered.
+    ///
+    /// # Errors
+    /// A name that is none of a PNG or EXR file, one file for several pictures, a folder that cannot be made.
+    pub fn open(options: &PictureOptions<'_>, tone: ToneMap) -> Result<Pictures> {
+        let destination = match options.output {
+            None => Destination::Nowhere,
+            Some(path) if path == Path::new("-") => match options.count {
+                1 => Destination::StandardOutput,
+                count => {
+                    return Err(Error::Usage(format!(
+                        "-o -: standard output takes one picture, and {count} are asked for; name a pattern such as \
+                         view.%04d.png"
+                    )));
+                }
+            },
+            Some(path) => Self::files(path, options)?,
+        };
+        if let Some(sheet) = options.contact_sheet
+            && sheet != Path::new("-")
+            && Format::of(sheet) != Some(Format::Png)
+        {
+            return Err(Error::Usage(format!("{}: a contact sheet is a file ending in .png", sheet.display())));
+        }
+        let sheet = options.contact_sheet.map(|path| (path.to_path_buf(), ContactSheet::default()));
+        Ok(Pictures { destination, tone, holes: options.holes, sheet, bytes: 0 })
+    }
+
+    fn files(path: &Path, options: &PictureOptions<'_>) -> Result<Destination> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let Some(format) = Format::of(path) else {
+            if name.contains('%') || path.extension().is_some_and(|extension| !extension.is_empty() && !path.is_dir()) {
+                return Err(Error::Usage(format!(
+                    "{}: file names ending in .png or .exr were expected, or a folder",
+                    path.display()
+                )));
+            }
+            return Ok(Destination::Folder(OutputFolder::create(path)?));
+        };
+        let pattern = Pattern::parse(&name.replace(EYE_FIELD, "")).map_err(|error| error.in_file(path))?;
+        if !pattern.has_field() && options.count != 1 {
+            return Err(Error::Usage(format!(
+                "{}: one file, and {} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
+                path.display(),
+                options.count
+            )));
+        }
+        if name.contains(EYE_FIELD) && !options.stereo {
+            return Err(Error::Usage(format!(
+                "{}: {EYE_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
+                path.display()
+            )));
+        }
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Ok(Destination::Files { text: name, format, folder: OutputFolder::create(parent)? })
+    }
+
+    /// Takes the pictures of a moment: one, or those of both eyes, which come to lie beside each other unless the
+    /// pattern has a field for the eye.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn put(&mut self, name: &PictureName, eyes: &[Rendered]) -> Result<()> {
+        let joined = beside(eyes)?;
+        if let Some((_, sheet)) = &mut self.sheet {
+            sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
+        }
+        let (work, format, files) = match &self.destination {
+            Destination::Nowhere => return Ok(()),
+            Destination::StandardOutput => return self.print(&joined),
+            Destination::Folder(folder) => {
+                let file = format!("{}.{:04}.png", name.subject, name.number);
+                (folder.work_path(), Format::Png, vec![(file, &joined)])
+            }
+            Destination::Files { text, format, folder } => {
+                let path = |text: &str| -> Result<String> {
+                    Ok(Pattern::parse(text)?.path(name.number).to_string_lossy().into_owned())
+                };
+                let files = match text.contains(EYE_FIELD) {
+                    false => vec![(path(text)?, &joined)],
+                    true => {
+                        let named = |(eye, picture)| Ok((path(&text.replace(EYE_FIELD, eye))?, picture));
+                        EYES.into_iter().zip(eyes).map(named).collect::<Result<_>>()?
+                    }
+                };
+                (folder.work_path(), *format, files)
+            }
+        };
+        for (file, picture) in files {
+            let path = work.join(file);
+            match format {
+                Format::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
+                Format::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
+            }
+            self.bytes += std::fs::metadata(&path).map_err(|error| Error::io(&path, error))?.len();
+        }
+        Ok(())
+    }
+
+    fn print(&mut self, picture: &Rendered) -> Result<()> {
+        let mut bytes = Vec::new();
+        png::encode_rgba8(&mut bytes, &picture.rgba_codes(self.tone))?;
+        self.bytes += bytes.len() as u64;
+        let mut out = std::io::stdout().lock();
+        out.write_all(&bytes).and_then(|()| out.flush()).map_err(|error| Error::io("-", error))
+    }
+
+    /// Lets all files appear under their names.
+    ///
+    /// # Errors
+    /// When they cannot.
+    pub fn commit(self) -> Result<()> {
+        match self.destination {
+            Destination::Nowhere | Destination::StandardOutput => {}
+            Destination::Files { folder, .. } | Destination::Folder(folder) => folder.commit()?,
+        }
+        let Some((path, sheet)) = self.sheet.filter(|(_, sheet)| !sheet.is_empty()) else { return Ok(()) };
+        let mut file = OutputFile::create(&path)?;
+        png::encode_color8(&mut file, &sheet.draw()?).map_err(|error| error.in_file(&path))?;
+        file.commit()
+    }
+}
+
+/// Pictures of one height, beside each other.
+fn beside(eyes: &[Rendered]) -> Result<Rendered> {
+    let [first, rest @ ..] = eyes else { return Err(Error::invalid("a picture of no eye")) };
+    if rest.is_empty() {
+        return Ok(first.clone());
+    }
+    let (width, height) = (first.color.width(), first.color.height());
+    let at = |x: u32| (&eyes[(x / width) as usize], x % width);
+    let all = width * eyes.len() as u32;
+    Ok(Rendered {
+        color: Plane::from_fn(all, height, |x, y| at(x).0.color.get(at(x).1, y)),
+        alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
+        counters: rest.iter().fold(first.counters, |sum, eye| sum.plus(eye.counters)),
+    })
+}

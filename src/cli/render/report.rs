@@ -1,0 +1,208 @@
+//! What `render` says in the end.
+
+use serde_json::{Value, json};
+
+use super::Args;
+use super::truth::TruthRun;
+use crate::cli::GlobalArgs;
+use crate::cli::output::{self, human_bytes};
+use crate::error::Result;
+use crate::gpu::render::RenderCost;
+use crate::reconstruct::playback::PlaybackSummary;
+
+/// All that there is to say.
+pub struct Report<'a> {
+    /// What was asked for.
+    pub args: &'a Args,
+    /// What it came to.
+    pub summary: PlaybackSummary,
+    /// Pixels of all pictures.
+    pub pixels: u64,
+    /// Pictures.
+    pub pictures: u64,
+    /// From the first frame to the last, writing included.
+    pub seconds: f64,
+    /// Bytes of pictures that were written.
+    pub bytes_out: u64,
+    /// What rendered.
+    pub device: String,
+    /// What a graphics device has cost, where one rendered.
+    pub gpu_cost: Option<RenderCost>,
+    /// The reference.
+    pub truth: Option<&'a TruthRun>,
+}
+
+impl Report<'_> {
+    /// Prints it: JSON on standard output, or words on standard error.
+    ///
+    /// # Errors
+    /// When standard output cannot be written.
+    pub fn print(&self, global: &GlobalArgs) -> Result<()> {
+        if self.args.json {
+            let mut report = self.json();
+            output::add_peak_memory(&mut report);
+            return output::print_json(&report);
+        }
+        if !global.quiet {
+            self.lines().iter().for_each(output::note);
+        }
+        Ok(())
+    }
+
+    fn megapixels_per_second(&self) -> f64 {
+        let render_s = self.summary.pacing.render.mean_ms * self.summary.shots as f64 / 1e3;
+        self.pixels as f64 / 1e6 / render_s.max(1e-9)
+    }
+
+    fn json(&self) -> Value {
+        let summary = &self.summary;
+        let pacing = &summary.pacing;
+        let mut report = json!({
+            "seconds": self.seconds,
+            "frames": summary.shots,
+            "pictures": self.pictures,
+            "pixels": self.pixels,
+            "bytes_out": self.bytes_out,
+            "device": self.device,
+            "views": summary.most_views,
+            "hole_rays": summary.counters.hole_rays,
+        });
+        if self.args.cameras.stats {
+            let (counters, counts) = (&summary.counters, &summary.counts);
+            let more = json!({
+                "primary_rays": counters.primary_rays,
+                "march_steps": counters.march_steps,
+                "refine_steps": counters.refine_steps,
+                "secondary_rays": counters.secondary_rays,
+                "normal_evals": counters.normal_evals,
+                "material_samples": counters.material_samples,
+                "background_rays": counters.background_rays,
+                "cells_decoded": counts.cells_decoded,
+                "cells_skipped": counts.cells_skipped(),
+                "cells_unchanged": counts.cells_unchanged,
+                "cells_unseen": counts.cells_unseen,
+                "texels_updated": counts.texels_updated,
+                "bytes_read": counts.bytes_read,
+                "bytes_all": summary.bytes_all,
+                "megapixels_per_second": self.megapixels_per_second(),
+                "pacing": {
+                    "mean_ms": pacing.frame.mean_ms,
+                    "p50_ms": pacing.frame.p50_ms,
+                    "p95_ms": pacing.frame.p95_ms,
+                    "max_ms": pacing.frame.max_ms,
+                    "update_ms": pacing.update,
+                    "render_ms": pacing.render,
+                },
+            });
+            if let (Value::Object(report), Value::Object(more)) = (&mut report, more) {
+                report.extend(more);
+            }
+        }
+        if let Some(cost) = self.gpu_cost.filter(|_| self.args.cameras.stats) {
+            let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / summary.shots.max(1) as f64;
+            report["gpu"] = json!({
+                "sending_ms": ms(cost.sending),
+                "marching_ms": ms(cost.marching),
+                "reading_ms": ms(cost.reading),
+                "bytes_sent": cost.bytes_sent,
+            });
+        }
+        if let Some(truth) = self.truth {
+            report["reference"] = truth.json();
+        }
+        report
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let summary = &self.summary;
+        let plural = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let place = match &self.args.output {
+            Some(path) => format!("{}: ", path.display()),
+            None => String::new(),
+        };
+        let written = if self.bytes_out > 0 { format!(", {}", human_bytes(self.bytes_out)) } else { String::new() };
+        let mut lines = vec![format!(
+            "{place}{}{written}, from {}, {:.2} s; a frame took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
+            plural(self.pictures, "picture"),
+            plural(summary.most_views as u64, "probe"),
+            self.seconds,
+            summary.pacing.frame.mean_ms,
+            summary.pacing.update.mean_ms,
+            summary.pacing.render.mean_ms,
+            self.megapixels_per_second(),
+            self.device,
+        )];
+        let counters = &summary.counters;
+        if counters.hole_rays > 0 {
+            let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
+            let filled = match self.args.march.holes {
+                super::options::HolesArg::Blank => "",
+                super::options::HolesArg::Nearest => ", filled with what comes nearest",
+            };
+            lines.push(format!(
+                "{} of {} rays ({percent:.2}%) end where no probe saw anything: alpha is 0 there{filled}",
+                counters.hole_rays, counters.primary_rays
+            ));
+        }
+        if self.args.cameras.stats {
+            lines.extend(self.statistics());
+        }
+        if let Some(truth) = self.truth {
+            lines.push(similarity(truth));
+        }
+        lines
+    }
+
+    fn statistics(&self) -> Vec<String> {
+        let summary = &self.summary;
+        let (counters, counts, pacing) = (&summary.counters, &summary.counts, &summary.pacing.frame);
+        let per_ray = |count: u64| count as f64 / (counters.primary_rays + counters.secondary_rays).max(1) as f64;
+        vec![
+            format!(
+                "{} rays from the eye, {:.1} steps and {:.1} refinements a ray; {} rays sent on, {} normals, {} materials, \
+                 {} rays into the background",
+                counters.primary_rays,
+                per_ray(counters.march_steps),
+                per_ray(counters.refine_steps),
+                counters.secondary_rays,
+                counters.normal_evals,
+                counters.material_samples,
+                counters.background_rays,
+            ),
+            format!(
+                "{} tiles and cells decoded, {} skipped ({} unchanged, {} out of sight); {} of {} read ({:.1}%)",
+                counts.cells_decoded,
+                counts.cells_skipped(),
+                counts.cells_unchanged,
+                counts.cells_unseen,
+                human_bytes(counts.bytes_read),
+                human_bytes(summary.bytes_all),
+                100.0 * counts.bytes_read as f64 / summary.bytes_all.max(1) as f64,
+            ),
+            format!(
+                "frames: {:.1} ms in the mean, half within {:.1}, 95% within {:.1}, the longest {:.1}",
+                pacing.mean_ms, pacing.p50_ms, pacing.p95_ms, pacing.max_ms
+            ),
+        ]
+    }
+}
+
+fn similarity(truth: &TruthRun) -> String {
+    let all = truth.all();
+    let ssim = all.ssim().map(|ssim| format!(", SSIM {ssim:.4}")).unwrap_or_default();
+    let mut parts = format!(
+        "{}: PSNR {:.2} dB over all pixels, {:.2} dB in the mean of {} pictures{ssim}; {:.2}% holes, {:.2} dB without them",
+        truth.path().display(),
+        all.all.psnr_db(),
+        all.mean_psnr_db(),
+        all.images,
+        all.hole_percent(),
+        all.seen.psnr_db(),
+    );
+    for (what, value) in [("mirrors", all.mirrors_psnr_db()), ("glass", all.glass_psnr_db())] {
+        if let Some(value) = value {
+            parts.push_str(&format!("; {what} {value:.2} dB"));
+        }
+    }
+    parts
+}

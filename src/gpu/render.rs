@@ -1,0 +1,248 @@
+//! Pictures of a light field on a graphics device: what `reconstruct::render` makes, by the same steps (CALF 6).
+//!
+//! Enters: active views with their texels, a camera, settings. Leaves: a picture in linear light with alpha, and what it
+//! came to. The device keeps the texels (`texels`); only those that have changed go there, with a few words for each
+//! picture (`scene`).
+//!
+//! Colours and hits are those of the CPU but for the rounding of single floats, in which devices differ: a ray that
+//! grazes a surface may pass it on one and not on the other.
+
+pub mod agreement;
+pub mod playback;
+pub mod scene;
+pub mod texels;
+
+use std::time::{Duration, Instant};
+
+use crate::dataset::stream::StreamKind;
+use crate::error::Result;
+use crate::gpu::device::Gpu;
+use crate::gpu::kernels::{self, Kernel};
+use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords};
+use crate::gpu::render::texels::DeviceTexels;
+use crate::image::plane::Plane;
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::counters::Counters;
+use crate::reconstruct::effects::MAX_BOUNCES;
+use crate::reconstruct::light_field::LightField;
+use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
+
+/// Rows and columns of pixels of a workgroup.
+const TILE: u32 = 8;
+/// Words that a workgroup counts in.
+const COUNTERS: usize = 8;
+/// Points that a dispatch may compare with views, at most, where it has more than one row of workgroups: operating
+/// systems take a device that works for seconds to be dead.
+const WORK_OF_DEVICE: u64 = 1 << 31;
+/// The same of a processor that plays a device, so that a request to stop is heard.
+const WORK_OF_SOFTWARE: u64 = 1 << 25;
+
+/// What rendering has cost so far.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RenderCost {
+    /// Time for bringing texels onto the device.
+    pub sending: Duration,
+    /// Bytes of these texels.
+    pub bytes_sent: u64,
+    /// Time in which the device marched, from the first dispatch to the end of the last.
+    pub marching: Duration,
+    /// Time for reading pictures back.
+    pub reading: Duration,
+}
+
+/// Renders on a device.
+#[derive(Debug)]
+pub struct GpuRenderer<'a> {
+    gpu: &'a Gpu,
+    texels: DeviceTexels,
+    cost: RenderCost,
+}
+
+/// Buffers of a picture.
+struct Target {
+    scene: wgpu::Buffer,
+    pixels: wgpu::Buffer,
+    counts: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl<'a> GpuRenderer<'a> {
+    /// A renderer of views of this light field. Nothing is sent until a picture needs it.
+    pub fn new(gpu: &'a Gpu, field: &LightField) -> GpuRenderer<'a> {
+        GpuRenderer { gpu, texels: DeviceTexels::new(field), cost: RenderCost::default() }
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &'a Gpu {
+        self.gpu
+    }
+
+    /// What it has cost so far.
+    pub fn cost(&self) -> RenderCost {
+        self.cost
+    }
+
+    /// Texels of a probe (its index in the container) and a face have changed since the last picture: `[left, top, width,
+    /// height]` of one kind.
+    pub fn change(&mut self, probe: usize, face: usize, kind: StreamKind, rectangle: [u32; 4]) {
+        self.texels.change((probe, face), kind, rectangle);
+    }
+
+    /// Any texels may have changed since the last picture.
+    pub fn change_all(&mut self) {
+        self.texels.change_all();
+    }
+
+    /// The kernel that renders with these settings.
+    pub fn kernel(views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
+        match settings.acceleration {
+            _ if sends_on(views, settings.effects) => &kernels::RENDER_EFFECTS,
+            Acceleration::None => &kernels::RENDER,
+            Acceleration::Pyramid => &kernels::RENDER_PYRAMID,
+        }
+    }
+
+    /// Brings the texels of these views onto the device, as [`GpuRenderer::render`] does if it was not done before.
+    ///
+    /// # Errors
+    /// They are too many or too large for the device.
+    pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
+        let start = Instant::now();
+        self.cost.bytes_sent += self.texels.bring(self.gpu, views)?;
+        self.cost.sending += start.elapsed();
+        Ok(())
+    }
+
+    /// Renders.
+    ///
+    /// # Errors
+    /// When the monitor says to stop, the device fails, or the picture or the light field is too large for it.
+    pub fn render(
+        &mut self,
+        views: &ActiveViews<'_>,
+        camera: &Camera,
+        settings: &RenderSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Rendered> {
+        monitor.check()?;
+        self.bring(views)?;
+        let place = |at: usize, face: usize| self.texels.origin((views.views[at].view.probe, face));
+        let words = scene::words(views, camera, settings, self.texels.pyramid_rows(), place);
+        let [width, height] = settings.size;
+        let kernel = Self::kernel(views, settings);
+        let mut start = Instant::now();
+        let target = self.target(kernel, &words, settings.size)?;
+        let rows = rows_of_dispatch(self.gpu, views, settings);
+        let mut first_row = 0;
+        while first_row < height && width > 0 {
+            monitor.check()?;
+            self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
+            first_row += rows;
+        }
+        self.cost.marching += start.elapsed();
+        start = Instant::now();
+        let pixels = self.gpu.read(&target.pixels, 4 * width as usize * height as usize)?;
+        let counts = self.gpu.read(&target.counts, count_words(settings.size))?;
+        let floats = |at: usize| f32::from_bits(pixels[at]);
+        let colors = (0..pixels.len() / 4).map(|at| [0, 1, 2].map(|channel| floats(4 * at + channel))).collect();
+        let alpha = (0..pixels.len() / 4).map(|at| floats(4 * at + 3)).collect();
+        let rendered = Rendered {
+            color: Plane::new(width, height, colors)?,
+            alpha: Plane::new(width, height, alpha)?,
+            counters: counters(&counts),
+        };
+        self.cost.reading += start.elapsed();
+        Ok(rendered)
+    }
+
+    fn target(&self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
+        let (gpu, none) = (self.gpu, wgpu::BufferUsages::empty());
+        let filled = |label: &'static str, words: &[u32], least: usize| {
+            let buffer = gpu.buffer(label, words.len().max(least), none)?;
+            gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
+            Ok::<_, crate::Error>(buffer)
+        };
+        let least = |of: usize| scene::STRUCTS[of].1.iter().map(|field| field.1).sum();
+        let scene = filled("scene", &words.scene, least(0))?;
+        let views = filled("views", &words.views, least(1))?;
+        let faces = filled("faces", &words.faces, least(2))?;
+        let distances_m = filled("distances_m", &words.distances_m, 1)?;
+        let pixels = gpu.buffer("pixels", 4 * width as usize * height as usize, none)?;
+        let counts = gpu.buffer("counts", count_words([width, height]), none)?;
+        let textures = self.texels.views();
+        let pipeline = gpu.pipeline(kernel)?;
+        let resources = kernel.bindings.iter().filter_map(|binding| match binding.name() {
+            "scene" => Some(scene.as_entire_binding()),
+            "views" => Some(views.as_entire_binding()),
+            "faces" => Some(faces.as_entire_binding()),
+            "distances_m" => Some(distances_m.as_entire_binding()),
+            "inverse_depths" => textures.first().map(wgpu::BindingResource::TextureView),
+            "colors" => textures.get(1).map(wgpu::BindingResource::TextureView),
+            "pyramids" => textures.get(2).map(wgpu::BindingResource::TextureView),
+            "materials" => textures.get(3).map(wgpu::BindingResource::TextureView),
+            "pixels" => Some(pixels.as_entire_binding()),
+            _ => Some(counts.as_entire_binding()),
+        });
+        let group = gpu.guard(kernel.name, || gpu.bind_resources(&pipeline, resources))?;
+        Ok(Target { scene, pixels, counts, group })
+    }
+
+    /// Renders some rows, and waits for them.
+    fn dispatch(
+        &self,
+        kernel: &'static Kernel,
+        target: &Target,
+        [width, height]: [u32; 2],
+        [first_row, rows]: [u32; 2],
+    ) -> Result<()> {
+        let (gpu, rows) = (self.gpu, rows.min(height - first_row));
+        let pipeline = gpu.pipeline(kernel)?;
+        gpu.guard(kernel.name, || {
+            for (word, value) in [(FIRST_ROW_WORD, first_row), (ROWS_WORD, rows)] {
+                gpu.queue.write_buffer(&target.scene, 4 * word as u64, &value.to_le_bytes());
+            }
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline.pipeline);
+            pass.set_bind_group(0, &target.group, &[]);
+            pass.dispatch_workgroups(width.div_ceil(TILE), rows.div_ceil(TILE), 1);
+            drop(pass);
+            gpu.queue.submit([encoder.finish()]);
+        })?;
+        gpu.wait()
+    }
+}
+
+/// Words of the counts of a picture: some for each workgroup.
+fn count_words([width, height]: [u32; 2]) -> usize {
+    width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize * COUNTERS
+}
+
+/// Rows of a dispatch, whole workgroups of them.
+fn rows_of_dispatch(gpu: &Gpu, views: &ActiveViews<'_>, settings: &RenderSettings) -> u32 {
+    let most = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
+    let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
+    let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
+    // Rays that mirrors and glass send on are as long as others, and there may be four for each bounce.
+    let sent_on =
+        if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
+    let row = (rays * points).saturating_mul(views.views.len().max(1) as u64).saturating_mul(1 + sent_on);
+    let groups = most / row.saturating_mul(TILE.into()).max(1);
+    (groups.clamp(1, u64::from(u32::MAX / TILE)) as u32) * TILE
+}
+
+fn counters(counts: &[u32]) -> Counters {
+    let sum = |at: usize| counts.iter().skip(at).step_by(COUNTERS).map(|&count| u64::from(count)).sum();
+    Counters {
+        primary_rays: sum(0),
+        march_steps: sum(1),
+        refine_steps: sum(2),
+        secondary_rays: sum(3),
+        normal_evals: sum(4),
+        material_samples: sum(5),
+        hole_rays: sum(6),
+        background_rays: sum(7),
+    }
+}

@@ -1,0 +1,315 @@
+//! Texels on a device: the images of those views that take part, in textures of layers, and which of their texels are
+//! no longer what the CPU has.
+//!
+//! All images have tiles of one size, so that any image fits into any tile. A tile is a whole layer as long as the
+//! layers that WebGPU grants suffice, else several share one.
+
+use std::collections::{HashMap, HashSet};
+
+use half::slice::HalfFloatSliceExt;
+
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::gpu::device::Gpu;
+use crate::gpu::render::scene::Origin;
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField};
+
+/// Rectangles of an image that are sent one by one; of more, the whole image is sent.
+const MOST_RECTANGLES: usize = 64;
+
+/// An image of a view: the probe's index in the container, and the number of the face.
+type Key = (usize, usize);
+/// Left, top, width and height in texels.
+type Rectangle = [u32; 4];
+
+/// Texels on a device.
+#[derive(Debug)]
+pub struct DeviceTexels {
+    /// Width and height of a tile.
+    tile: [u32; 2],
+    coding: ColorCoding,
+    has_material: bool,
+    textures: Option<Textures>,
+    held: HashMap<Key, Held>,
+}
+
+/// Textures of one shape, with a place for so many tiles.
+#[derive(Debug)]
+struct Textures {
+    tiles: usize,
+    /// Tiles in each row and column of a layer.
+    grid: [usize; 2],
+    inverse_depths: wgpu::Texture,
+    pyramids: wgpu::Texture,
+    colors: wgpu::Texture,
+    materials: wgpu::Texture,
+}
+
+/// An image that has a tile.
+#[derive(Debug)]
+struct Held {
+    tile: usize,
+    /// What the device does not have yet, of each kind.
+    stale: Vec<(StreamKind, Rectangle)>,
+}
+
+impl DeviceTexels {
+    /// Room for images of a light field; none is on the device yet.
+    pub fn new(field: &LightField) -> DeviceTexels {
+        let sizes = field.views.iter().flat_map(|view| view.faces.iter().flatten()).map(|face| face.size);
+        DeviceTexels {
+            tile: sizes.fold([1, 1], |a, b| [a[0].max(b[0]), a[1].max(b[1])]),
+            coding: field.coding,
+            has_material: field.has_material(),
+            textures: None,
+            held: HashMap::new(),
+        }
+    }
+
+    /// Texels of an image have changed on the CPU.
+    pub fn change(&mut self, key: Key, kind: StreamKind, rectangle: Rectangle) {
+        if let Some(held) = self.held.get_mut(&key) {
+            held.stale.push((kind, rectangle));
+        }
+    }
+
+    /// All texels have changed on the CPU.
+    pub fn change_all(&mut self) {
+        let whole = self.whole();
+        self.held.values_mut().for_each(|held| held.stale.clone_from(&whole));
+    }
+
+    /// A rectangle that holds any image, of each kind.
+    fn whole(&self) -> Vec<(StreamKind, Rectangle)> {
+        let [width, height] = self.tile;
+        let kinds = [StreamKind::Depth, StreamKind::Color, StreamKind::Material];
+        kinds.map(|kind| (kind, [0, 0, width, height])).to_vec()
+    }
+
+    /// Sees to it that all images of these views are on the device, as they are now; answers the bytes that were sent.
+    ///
+    /// # Errors
+    /// They are too many or too large for the device.
+    pub fn bring(&mut self, gpu: &Gpu, views: &ActiveViews<'_>) -> Result<u64> {
+        let images = || {
+            views.views.iter().flat_map(|active| {
+                let faces = active.view.faces.iter().enumerate();
+                faces.filter_map(|(face, texels)| Some(((active.view.probe, face), texels.as_ref()?)))
+            })
+        };
+        let needed: HashSet<Key> = images().map(|(key, _)| key).collect();
+        if self.textures.as_ref().is_none_or(|textures| textures.tiles < needed.len()) {
+            // The old ones go first: there may be no room for both.
+            self.textures = None;
+            self.held.clear();
+            self.textures = Some(self.make(gpu, needed.len().max(1))?);
+        }
+        self.place(images().map(|(key, _)| key), &needed);
+        let mut sent = 0;
+        for (key, texels) in images() {
+            sent += self.send(gpu, key, texels)?;
+        }
+        Ok(sent)
+    }
+
+    /// Gives tiles to images that have none; images that are not needed give theirs up.
+    fn place(&mut self, keys: impl Iterator<Item = Key>, needed: &HashSet<Key>) {
+        let missing: Vec<Key> = {
+            let mut known: HashSet<Key> = self.held.keys().copied().collect();
+            keys.filter(|key| known.insert(*key)).collect()
+        };
+        if missing.is_empty() {
+            return;
+        }
+        let tiles = self.textures.as_ref().map_or(0, |textures| textures.tiles);
+        let mut taken = vec![false; tiles];
+        self.held.values().for_each(|held| taken[held.tile] = true);
+        let mut free: Vec<usize> = (0..tiles).filter(|&tile| !taken[tile]).collect();
+        let mut spare: Vec<(usize, Key)> =
+            self.held.iter().filter(|(key, _)| !needed.contains(*key)).map(|(key, held)| (held.tile, *key)).collect();
+        spare.sort_unstable();
+        let stale = self.whole();
+        for key in missing {
+            let tile = free.pop().or_else(|| {
+                let (tile, given_up) = spare.pop()?;
+                self.held.remove(&given_up);
+                Some(tile)
+            });
+            if let Some(tile) = tile {
+                self.held.insert(key, Held { tile, stale: stale.clone() });
+            }
+        }
+    }
+
+    fn make(&self, gpu: &Gpu, tiles: usize) -> Result<Textures> {
+        let limits = gpu.device.limits();
+        let pyramid = [self.tile[0].div_ceil(2), self.pyramid_rows()];
+        let most = [0, 1].map(|axis| (limits.max_texture_dimension_2d / self.tile[axis].max(pyramid[axis])) as usize);
+        let most_layers = limits.max_texture_array_layers as usize;
+        let together = tiles.div_ceil(most_layers);
+        let columns = together.min(most[0]);
+        let grid = [columns, together.div_ceil(columns.max(1))];
+        if columns == 0 || grid[1] > most[1] {
+            let ([width, height], most) = (self.tile, most[0] * most[1] * most_layers);
+            return Err(Error::unsupported(format!(
+                "{}: {tiles} images of {width}x{height} texels are needed at once, and it holds {most} of this size: let \
+                fewer views take part, or use --device cpu",
+                gpu.info.name
+            )));
+        }
+        let layers = tiles.div_ceil(grid[0] * grid[1]) as u32;
+        let texture = |label: &'static str, tile: [u32; 2], format| {
+            let size = wgpu::Extent3d {
+                width: tile[0] * grid[0] as u32,
+                height: tile[1] * grid[1] as u32,
+                depth_or_array_layers: layers,
+            };
+            gpu.guard(label, || {
+                gpu.device.create_texture(&wgpu::TextureDescriptor {
+                    label: Some(label),
+                    size,
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                    view_formats: &[],
+                })
+            })
+        };
+        Ok(Textures {
+            tiles,
+            grid,
+            inverse_depths: texture("inverse_depths", self.tile, wgpu::TextureFormat::R32Uint)?,
+            pyramids: texture("pyramids", pyramid, wgpu::TextureFormat::R32Uint)?,
+            colors: match self.coding {
+                ColorCoding::Codes(_) => texture("colors", self.tile, wgpu::TextureFormat::Rgba8Unorm)?,
+                ColorCoding::Light => texture("colors", self.tile, wgpu::TextureFormat::Rgba16Float)?,
+            },
+            // Kernels that ask for materials are given a texture also where there are none.
+            materials: texture(
+                "materials",
+                if self.has_material { self.tile } else { [1, 1] },
+                wgpu::TextureFormat::Rgba8Unorm,
+            )?,
+        })
+    }
+
+    /// Rows of the pyramid of a tile: the power of two that its sides fit into. Level k, of 2ᵏ texels a square, begins
+    /// below the one before it, as many rows before the last as the power of two over 2ᵏ⁻¹.
+    pub fn pyramid_rows(&self) -> u32 {
+        self.tile[0].max(self.tile[1]).next_power_of_two()
+    }
+
+    /// Where an image lies.
+    pub fn origin(&self, key: Key) -> Origin {
+        let (Some(textures), Some(held)) = (&self.textures, self.held.get(&key)) else { return Origin::default() };
+        let [columns, rows] = textures.grid;
+        let (layer, within) = (held.tile / (columns * rows), held.tile % (columns * rows));
+        let [column, row] = [within % columns, within / columns].map(|at| at as u32);
+        Origin {
+            texels: [column * self.tile[0], row * self.tile[1]],
+            pyramid: [column * self.tile[0].div_ceil(2), row * self.pyramid_rows()],
+            layer: layer as u32,
+        }
+    }
+
+    fn send(&mut self, gpu: &Gpu, key: Key, texels: &FaceTexels) -> Result<u64> {
+        let origin = self.origin(key);
+        let (whole, rows) = (self.whole(), self.pyramid_rows());
+        let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return Ok(0) };
+        let mut stale = std::mem::take(&mut held.stale);
+        if stale.is_empty() {
+            return Ok(0);
+        }
+        if stale.len() > MOST_RECTANGLES {
+            stale = whole;
+        }
+        gpu.guard("texels", || {
+            let mut sent = 0;
+            for (kind, rectangle) in stale {
+                let (texture, bytes) = match kind {
+                    StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
+                    StreamKind::Color => (&textures.colors, color_bytes(&texels.color)),
+                    StreamKind::Material => {
+                        (&textures.materials, texels.material.as_deref().unwrap_or_default().as_flattened())
+                    }
+                };
+                if !bytes.is_empty() {
+                    sent += write(gpu, (texture, origin.texels, origin.layer), (bytes, texels.size), rectangle);
+                }
+                if kind == StreamKind::Depth {
+                    for level in 0..texels.pyramid.levels() {
+                        let Some((size, values)) = texels.pyramid.level(level) else { continue };
+                        let [column, row] = origin.pyramid;
+                        let place = [column, row + rows - (rows >> level)];
+                        let target = (&textures.pyramids, place, origin.layer);
+                        sent += write(gpu, target, (bytemuck::cast_slice(values), size), above(rectangle, level));
+                    }
+                }
+            }
+            sent
+        })
+    }
+
+    /// Views of the textures of inverse depths, colours, pyramids and materials.
+    pub fn views(&self) -> Vec<wgpu::TextureView> {
+        let view = |texture: &wgpu::Texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..wgpu::TextureViewDescriptor::default()
+            })
+        };
+        let Some(Textures { inverse_depths, pyramids, colors, materials, .. }) = &self.textures else {
+            return Vec::new();
+        };
+        [inverse_depths, colors, pyramids, materials].map(view).to_vec()
+    }
+}
+
+/// The squares of a level of a pyramid, counted from 0, that a rectangle of texels lies in.
+fn above([left, top, width, height]: Rectangle, level: usize) -> Rectangle {
+    let span = |begin: u32, length: u32| {
+        let first = begin >> (level + 1);
+        [first, ((begin + length - 1) >> (level + 1)) - first + 1]
+    };
+    let ([left, width], [top, height]) = (span(left, width.max(1)), span(top, height.max(1)));
+    [left, top, width, height]
+}
+
+fn color_bytes(texels: &ColorTexels) -> &[u8] {
+    match texels {
+        ColorTexels::Codes(codes) => codes.as_flattened(),
+        ColorTexels::Light(light) => bytemuck::cast_slice(light.as_flattened().reinterpret_cast()),
+    }
+}
+
+/// Sends a rectangle of an image of `size` texels, which lies in `bytes` row by row; answers how many bytes it has.
+fn write(
+    gpu: &Gpu,
+    (texture, [column, row], layer): (&wgpu::Texture, [u32; 2], u32),
+    (bytes, size): (&[u8], [u32; 2]),
+    [left, top, width, height]: Rectangle,
+) -> u64 {
+    // A rectangle may be that of a tile, and larger than the image.
+    let [width, height] = [(left, width, size[0]), (top, height, size[1])]
+        .map(|(from, length, size)| length.min(size.saturating_sub(from)));
+    if width == 0 || height == 0 {
+        return 0;
+    }
+    let texel = bytes.len() as u64 / (u64::from(size[0]) * u64::from(size[1]));
+    let target = wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: 0,
+        origin: wgpu::Origin3d { x: column + left, y: row + top, z: layer },
+        aspect: wgpu::TextureAspect::All,
+    };
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: (u64::from(top) * u64::from(size[0]) + u64::from(left)) * texel,
+        bytes_per_row: Some(size[0] * texel as u32),
+        rows_per_image: None,
+    };
+    gpu.queue.write_texture(target, bytes, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
+    u64::from(width) * u64::from(height) * texel
+}

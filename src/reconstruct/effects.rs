@@ -1,0 +1,151 @@
+//! What mirrors and glass show: CalculateColor_RR of algorithm 4 (CALF 6.1).
+//!
+//! Enters: a ray, the point of a surface that it met, and the colour that views saw there. Leaves: linear light.
+//!
+//! A ray's share of the light is 1 and is only ever divided: by the weights of the material that it meets, among
+//! the reflected ray, the refracted ray and the colour that views saw. What is sent on and finds nothing brings the
+//! colour of the point that sent it, as in the paper, where the weight of such a ray goes to the diffuse colour. So a
+//! picture is never brighter than the brightest colour that went into it.
+//!
+//! Of glass, the light that goes straight through is what views see least of: a ball shows what it hides. Where that is seen by
+//! no view, the colour of the ball stays in its place, and only what is reflected, outside and inside, is sent on.
+//!
+//! Rays may go anywhere: everything that active views have must be decoded where effects are in use.
+
+use glam::Vec3;
+
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::counters::Counters;
+use crate::reconstruct::march::Ray;
+use crate::reconstruct::material::surface_material;
+use crate::reconstruct::normal::patch;
+use crate::reconstruct::render::{Outcome, RenderSettings, background, surface};
+use crate::reconstruct::solid::{Inside, reflect};
+
+/// Rays of a smaller share are not sent: the colour that views saw takes their place.
+pub const LEAST_SHARE: f32 = 1.0 / 256.0;
+/// Light is sent on at most so often, whatever the settings say.
+pub const MAX_BOUNCES: u32 = 8;
+/// How far from a surface rays start, in texels of it.
+const LIFT_TEXELS: f32 = 1.0;
+
+/// A surface that a ray met.
+#[derive(Debug, Clone, Copy)]
+pub struct Met {
+    /// Where, in metres from the eye.
+    pub point: Vec3,
+    /// In which direction the ray went, of length 1.
+    pub direction: Vec3,
+    /// What views saw there, in linear light.
+    pub light: Vec3,
+}
+
+/// A surface whose share of the light is not divided yet.
+#[derive(Debug, Clone, Copy)]
+struct Pending {
+    met: Met,
+    share: f32,
+    /// How often its light may be sent on.
+    bounces: u32,
+}
+
+/// Follows the rays of a pixel.
+#[derive(Debug)]
+pub struct Effects<'a> {
+    views: &'a ActiveViews<'a>,
+    camera_weights: &'a [f32],
+    settings: &'a RenderSettings,
+    pending: Vec<Pending>,
+}
+
+impl<'a> Effects<'a> {
+    /// Nothing is followed yet.
+    pub fn new(views: &'a ActiveViews<'a>, camera_weights: &'a [f32], settings: &'a RenderSettings) -> Effects<'a> {
+        Effects { views, camera_weights, settings, pending: Vec::new() }
+    }
+
+    /// The light of a surface that a ray from the eye met.
+    pub fn light(&mut self, met: &Met, counters: &mut Counters) -> Vec3 {
+        let bounces = self.settings.max_bounces.min(MAX_BOUNCES);
+        let mut light = self.divide(&Pending { met: *met, share: 1.0, bounces }, counters);
+        while let Some(next) = self.pending.pop() {
+            light += self.divide(&next, counters);
+        }
+        light
+    }
+
+    /// Divides the share of a surface among the rays that it sends on, and answers the light of what is left and of
+    /// those that meet the background.
+    fn divide(&mut self, next: &Pending, counters: &mut Counters) -> Vec3 {
+        let Pending { met, share, bounces } = *next;
+        let whole = share * met.light;
+        if bounces == 0 {
+            return whole;
+        }
+        counters.material_samples += 1;
+        let Some(material) = surface_material(self.views, self.camera_weights, met.point) else { return whole };
+        counters.normal_evals += 1;
+        let Some(front) = patch(self.views, self.camera_weights, met.point) else { return whole };
+        let cosine = -met.direction.dot(front.normal);
+        if cosine <= 0.0 {
+            return whole;
+        }
+        let material = material.towards(cosine);
+        let (mut light, mut left) = (Vec3::ZERO, share);
+        if share * material.refract >= LEAST_SHARE {
+            let inside = Inside { views: self.views, camera_weights: self.camera_weights, steps: &self.settings.steps };
+            let ray = Ray { origin: met.point, direction: met.direction };
+            for (ray, part) in inside.pass(&ray, &front, material.ior, counters).into_iter().flatten() {
+                let part = share * material.refract * part;
+                if part < LEAST_SHARE {
+                    continue;
+                }
+                if let Some(now) = self.follow(&ray, (part, bounces), counters) {
+                    light += now;
+                    left -= part;
+                }
+            }
+        }
+        if share * material.reflect >= LEAST_SHARE {
+            let origin = met.point + LIFT_TEXELS * front.texel_m * front.normal;
+            let ray = Ray { origin, direction: reflect(met.direction, front.normal) };
+            if let Some(now) = self.follow(&ray, (share * material.reflect, bounces), counters) {
+                light += now;
+                left -= share * material.reflect;
+            }
+        }
+        light + left.max(0.0) * met.light
+    }
+
+    /// What a ray with a share brings: light of the background, or for now nothing, where it meets a surface. None where
+    /// no view saw anything.
+    fn follow(&mut self, ray: &Ray, (share, bounces): (f32, u32), counters: &mut Counters) -> Option<Vec3> {
+        counters.secondary_rays += 1;
+        let steps = &self.settings.steps;
+        // It starts in a surface, or behind one that hides it from all views, and comes into the open first.
+        let hidden = steps.distances_m.iter().take_while(|&&distance_m| {
+            counters.march_steps += 1;
+            self.views.is_surface(ray.at(distance_m))
+        });
+        let first = hidden.count();
+        if first == steps.distances_m.len() {
+            return None;
+        }
+        let from = (steps, first);
+        let Some(distance_m) = self.settings.acceleration.intersect_from(self.views, ray, from, counters) else {
+            return match background(self.views, self.camera_weights, ray.direction) {
+                Outcome::Seen(light) => Some(share * light),
+                Outcome::Hole(_) => None,
+            };
+        };
+        let point = ray.at(distance_m);
+        match surface(self.views, self.camera_weights, point, steps.unsure()) {
+            Outcome::Seen(light) => {
+                let met = Met { point, direction: ray.direction, light };
+                self.pending.push(Pending { met, share, bounces: bounces - 1 });
+                Some(Vec3::ZERO)
+            }
+            Outcome::Hole(_) => None,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! What pictures are measured against: the images of a dataset, seen by the cameras that took them (CALF 7.2).
+//!
+//! Enters: a dataset. Leaves: for each of its images a camera with the very axes of the image, and what that camera
+//! should see: colour, depth and material. `similarity` says how far a rendered picture is from it.
+
+use std::path::Path;
+
+use glam::DVec3;
+
+use crate::dataset::source::{ProbeInfo, Source, SourceGroup, SourceOptions};
+use crate::dataset::stream::{Projection, StreamKind};
+use crate::error::{Error, Result};
+use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
+use crate::image::{Face, FrameRange};
+use crate::math::camera::rotation;
+use crate::math::{Camera, Lens};
+
+/// How far, in pixels, the centre of a perspective image may be from its middle: cameras look through the middle.
+const CENTRE_SLACK: f64 = 0.01;
+
+/// An image of a dataset, as a camera sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferenceImage {
+    /// Name of its probe.
+    pub probe: String,
+    /// Its face.
+    pub face: Face,
+    /// What it was seen by; the axes of a cube face are mirrored, as its image is.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Frames that there are of it.
+    pub frames: FrameRange,
+    /// Group of files by kind of stream, and its place there.
+    groups: [Option<[usize; 2]>; 3],
+}
+
+/// What there is to see in one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    /// Linear light.
+    pub color: ColorPlane,
+    /// Distance from the camera in metres, `+inf` where there is nothing; none where the dataset has no depth.
+    pub distance_m: Option<DepthPlane>,
+    /// Weights of reflection and refraction and index of refraction; none where the dataset has no material.
+    pub material: Option<MaterialPlane>,
+}
+
+/// The faces of one group of files in one frame.
+type Cached<T> = Option<(usize, u32, Vec<T>)>;
+
+/// An open dataset.
+#[derive(Debug)]
+pub struct Reference {
+    source: Source,
+    images: Vec<ReferenceImage>,
+    /// What was read last: files that hold all faces are read once for all of them.
+    color: Cached<ColorPlane>,
+    depth: Cached<DepthPlane>,
+    material: Cached<MaterialPlane>,
+}
+
+impl Reference {
+    /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
+    ///
+    /// # Errors
+    /// As for [`Source::open`]; also when it has no colour, or no probe whose camera is known.
+    pub fn open(path: &Path) -> Result<Reference> {
+        Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
+    }
+
+    /// The images of a source.
+    ///
+    /// # Errors
+    /// When it has no colour, or a perspective probe has no intrinsics or does not look through the middle of its image.
+    pub fn new(source: Source) -> Result<Reference> {
+        let mut images = Vec::new();
+        for (at, group) in source.groups().iter().enumerate().filter(|(_, group)| group.kind == StreamKind::Color) {
+            let probe = &source.probes()[group.probe];
+            for (place, &face) in group.faces.iter().enumerate() {
+                let size = [group.width, group.height];
+                let of = |kind| group_of(&source, kind, group.probe, face, group.frames);
+                images.push(ReferenceImage {
+                    probe: probe.name.clone(),
+                    face,
+                    camera: camera(&source, probe, face, size)?,
+                    size,
+                    frames: group.frames,
+                    groups: [Some([at, place]), of(StreamKind::Depth), of(StreamKind::Material)],
+                });
+            }
+        }
+        if images.is_empty() {
+            return Err(Error::invalid("this dataset has no colour to compare pictures with"));
+        }
+        Ok(Reference { source, images, color: None, depth: None, material: None })
+    }
+
+    /// Its images, by probe and then by face.
+    pub fn images(&self) -> &[ReferenceImage] {
+        &self.images
+    }
+
+    /// What image number `image` shows in a frame.
+    ///
+    /// # Errors
+    /// When there is no such image or frame, or a file cannot be read.
+    pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
+        let Some(ReferenceImage { groups, .. }) = self.images.get(image) else {
+            return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
+        };
+        let (source, groups) = (&self.source, *groups);
+        let [color, depth, material] = groups;
+        let color = cached(source, &mut self.color, (color, frame), Source::read_color)?;
+        let color = color.ok_or_else(|| Error::Usage(format!("image {image} has no colour")))?;
+        Ok(Truth {
+            color,
+            distance_m: cached(source, &mut self.depth, (depth, frame), Source::read_depth)?,
+            material: cached(source, &mut self.material, (material, frame), Source::read_material)?,
+        })
+    }
+}
+
+/// The group of another kind that has the same image in the same frames, and the place of the image in it.
+fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames: FrameRange) -> Option<[usize; 2]> {
+    source.groups().iter().enumerate().find_map(|(at, group)| {
+        let same = group.kind == kind && group.probe == probe && group.frames == frames;
+        let place = group.faces.iter().position(|other| *other == face);
+        place.filter(|_| same).map(|place| [at, place])
+    })
+}
+
+/// The camera that saw an image.
+fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
+    let named = |error: Error| error.context(format!("probe {}", probe.name));
+    let turn = rotation(probe.orientation)
+        .ok_or_else(|| named(Error::invalid("its orientation is no quaternion of length 1")))?;
+    let (eye, axes) = (DVec3::from_array(probe.position), face.axes().map(|axis| turn * axis));
+    if face != Face::View || source.projection() == Projection::Cubemap {
+        return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);
+    }
+    let Some([fx, fy, cx, cy]) = probe.intrinsics else {
+        return Err(named(Error::invalid(
+            "it has neither \"fov_y_deg\" nor \"intrinsics\", so what its camera saw is not known",
+        )));
+    };
+    let (width, height) = (f64::from(width), f64::from(height));
+    if (cx - width / 2.0).abs() > CENTRE_SLACK || (cy - height / 2.0).abs() > CENTRE_SLACK {
+        return Err(named(Error::unsupported(format!(
+            "its camera looks through ({cx}, {cy}), and only cameras that look through the middle of their image, \
+             ({}, {}), can be rendered",
+            width / 2.0,
+            height / 2.0
+        ))));
+    }
+    let fov_y_deg = 2.0 * (height / 2.0 / fy).atan().to_degrees();
+    let lens = Lens { aspect: (width / fx) / (height / fy), ..Lens::new(fov_y_deg) };
+    Camera::with_axes(eye, axes, lens).map_err(named)
+}
+
+/// One face of a group in a frame, read only where it is not there yet.
+fn cached<T: Clone>(
+    source: &Source,
+    held: &mut Cached<T>,
+    (place, frame): (Option<[usize; 2]>, u32),
+    read: impl Fn(&Source, &SourceGroup, u32) -> Result<Vec<T>>,
+) -> Result<Option<T>> {
+    let Some([at, place]) = place else { return Ok(None) };
+    if !matches!(held, Some((group, of, _)) if (*group, *of) == (at, frame)) {
+        *held = Some((at, frame, read(source, &source.groups()[at], frame)?));
+    }
+    Ok(held.as_ref().and_then(|(_, _, faces)| faces.get(place).cloned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::cameras::PlacedCamera;
+    use crate::monitor::Silent;
+    use crate::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
+
+    const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
+
+    #[test]
+    fn images_are_seen_by_the_cameras_that_took_them() {
+        let folder = tempfile::tempdir().unwrap();
+        PLAN.write(folder.path(), &Silent).unwrap();
+        let mut reference = Reference::open(folder.path()).unwrap();
+        assert_eq!(reference.images().len(), 2 * 6);
+        let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+        for (at, image) in reference.images().to_vec().iter().enumerate() {
+            assert_eq!(image.camera.eye(), PLAN.positions()[at / 6]);
+            for (column, row) in [(0, 0), (7, 0), (3, 6)] {
+                let seen = image.camera.direction([column, row].map(|at| (f64::from(at) + 0.5) / 8.0));
+                let expected = image.face.direction(column, row, 8).normalize();
+                assert!((seen - expected).length() < 1e-12, "{seen} {expected}");
+            }
+            let truth = reference.truth(at, 1).unwrap();
+            for group in source.groups().iter().filter(|group| group.probe == at / 6 && group.faces == [image.face]) {
+                match group.kind {
+                    StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap(), [truth.color.clone()]),
+                    _ => assert_eq!(source.read_depth(group, 1).unwrap(), [truth.distance_m.clone().unwrap()]),
+                }
+            }
+            assert_eq!(truth.material, None);
+        }
+        assert!(reference.truth(12, 0).is_err() && reference.truth(0, 2).is_err());
+    }
+
+    /// A dataset of perspective images of one probe, which is turned.
+    fn perspective(folder: &Path) -> crate::dataset::Manifest {
+        let mut plan = PLAN.capture().unwrap();
+        let half = 0.5f64.sqrt();
+        let camera = PlacedCamera { orientation: Some([0.0, half, 0.0, half]), ..PlacedCamera::at([0.0, 1.5, 0.0]) };
+        plan.cameras.cameras = vec![PlacedCamera { fov_y_deg: Some(40.0), ..camera }];
+        (plan.projection, plan.size) = (Projection::Perspective, [12, 8]);
+        plan.passes = vec![Pass::Color];
+        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, Kept::None, &Silent).unwrap();
+        plan.manifest().unwrap()
+    }
+
+    #[test]
+    fn perspective_images_have_their_field_of_view() {
+        let folder = tempfile::tempdir().unwrap();
+        perspective(folder.path());
+        let mut reference = Reference::open(folder.path()).unwrap();
+        let [image] = reference.images() else { panic!("one image") };
+        // A quarter turn to the left about +Y looks along −X.
+        let tangent = 20f64.to_radians().tan();
+        let corner = DVec3::new(-1.0, -tangent, -1.5 * tangent).normalize();
+        assert!(
+            (image.camera.direction([1.0, 1.0]) - corner).length() < 1e-9,
+            "{}",
+            image.camera.direction([1.0, 1.0])
+        );
+        assert_eq!(reference.truth(0, 0).unwrap().distance_m, None);
+    }
+
+    #[test]
+    fn datasets_that_are_no_reference_are_refused_in_words() {
+        let folder = tempfile::tempdir().unwrap();
+        let manifest = perspective(folder.path());
+        let said = |text: String| {
+            std::fs::write(folder.path().join("lightfield.json"), text).unwrap();
+            Reference::open(folder.path()).unwrap_err().to_string()
+        };
+        let with = |change: &dyn Fn(&mut serde_json::Value)| {
+            let mut json: serde_json::Value = serde_json::from_str(&manifest.to_json().unwrap()).unwrap();
+            change(&mut json["probes"][0]);
+            json.to_string()
+        };
+        let off_centre = with(&|probe| {
+            probe["fov_y_deg"].take();
+            probe["intrinsics"] = serde_json::json!([11.0, 11.0, 5.0, 4.0]);
+        });
+        assert!(said(off_centre).contains("through (5, 4)"));
+        let unknown = with(&|probe| {
+            probe["fov_y_deg"].take();
+            probe["intrinsics"].take();
+        });
+        assert!(said(unknown).contains("fov_y_deg"));
+    }
+}

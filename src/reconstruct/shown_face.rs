@@ -1,0 +1,327 @@
+//! A face of a probe that is shown: its units as they are decoded, and its texels (CALF 6.2).
+//!
+//! Enters: which units are wanted in a frame. Leaves: texels, and the rectangles of them that changed.
+//!
+//! The rule is that a texel is either right for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a cell of colour
+//! that is not wanted makes the depths of its texels unknown too, unless it is known to show the frame all the same.
+
+use std::sync::Arc;
+
+use crate::color::HalfKey;
+use crate::container::StreamEntry;
+use crate::dataset::stream::StreamKind;
+use crate::error::Result;
+use crate::reconstruct::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN};
+use crate::reconstruct::rects::{Rect, bounds, joined, overlap};
+use crate::video::codec::DepthHeader;
+use crate::video::decode::{Decoder, StreamInfo, UnitDecoder, UnitPixels};
+use crate::video::unit_filter::UnitFilter;
+
+/// The streams of a face; all of its images have the same size.
+#[derive(Debug, Clone)]
+pub struct FaceStreams<'a> {
+    /// Depth.
+    pub depth: &'a StreamInfo,
+    /// How it is coded.
+    pub header: DepthHeader,
+    /// Colour.
+    pub color: &'a StreamInfo,
+    /// Material, where there is one.
+    pub material: Option<&'a StreamInfo>,
+}
+
+impl<'a> FaceStreams<'a> {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = &'a StreamInfo> {
+        [self.depth, self.color].into_iter().chain(self.material)
+    }
+
+    /// Whether all of them have a frame.
+    pub fn have(&self, frame: u32) -> bool {
+        self.all().all(|stream| stream.frames.contains(frame))
+    }
+}
+
+/// A unit, and whether what texels have of it is right.
+#[derive(Debug)]
+pub struct ShownUnit<'a> {
+    decoder: UnitDecoder<'a>,
+    right: bool,
+    was_right: bool,
+    /// Pixels that decoding the frame has written.
+    written: u64,
+    /// Chunk that was counted last as one that a whole frame takes.
+    counted: Option<usize>,
+}
+
+impl ShownUnit<'_> {
+    /// Decodes a frame.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn decode(&mut self, frame: u32) -> Result<()> {
+        self.written = self.decoder.decode(frame)?;
+        self.right = true;
+        Ok(())
+    }
+
+    fn is_new(&self) -> bool {
+        self.right && (self.written > 0 || !self.was_right)
+    }
+}
+
+/// The units of a stream.
+#[derive(Debug)]
+struct Units<'a> {
+    stream: &'a StreamInfo,
+    units: Vec<ShownUnit<'a>>,
+}
+
+impl<'a> Units<'a> {
+    fn new(decoder: &'a Decoder, stream: &'a StreamInfo) -> Units<'a> {
+        let unit = |unit| ShownUnit {
+            decoder: decoder.unit(stream, unit),
+            right: false,
+            was_right: false,
+            written: 0,
+            counted: None,
+        };
+        Units { stream, units: (0..stream.entry.unit_count()).map(unit).collect() }
+    }
+
+    fn rect(&self, unit: usize) -> Rect {
+        self.units[unit].decoder.rect()
+    }
+
+    /// Units that a rectangle is in, with what they have in common.
+    fn under(&self, rect: Rect) -> impl Iterator<Item = (usize, Rect)> {
+        units_under(&self.stream.entry, rect).filter_map(move |unit| Some((unit, overlap(self.rect(unit), rect)?)))
+    }
+}
+
+/// Numbers of the units that a rectangle of an image lies in.
+fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> impl Iterator<Item = usize> + use<> {
+    let columns = entry.width.div_ceil(entry.unit_width);
+    let span = |from: u32, length: u32, unit: u32| from / unit..(from + length).div_ceil(unit);
+    let across = span(left, width, entry.unit_width);
+    span(top, height, entry.unit_height)
+        .flat_map(move |row| across.clone().map(move |column| (row * columns + column) as usize))
+}
+
+/// What changed in a face.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FaceChanges {
+    /// Rectangles of its texels, none of them twice.
+    pub rects: Vec<(StreamKind, Rect)>,
+    /// Units that were decoded, and wrote something.
+    pub decoded: u64,
+    /// Units that were wanted and showed the frame already.
+    pub unchanged: u64,
+    /// Units that were not wanted.
+    pub unseen: u64,
+}
+
+/// A face that is shown.
+#[derive(Debug)]
+pub struct ShownFace<'a> {
+    inverse: Arc<InverseDepth>,
+    depth: Units<'a>,
+    color: Units<'a>,
+    material: Option<Units<'a>>,
+    /// Units that were wanted last.
+    wanted: u64,
+}
+
+impl<'a> ShownFace<'a> {
+    /// A face of which nothing was decoded yet.
+    pub fn new(decoder: &'a Decoder, streams: &FaceStreams<'a>, inverse: Arc<InverseDepth>) -> ShownFace<'a> {
+        ShownFace {
+            inverse,
+            depth: Units::new(decoder, streams.depth),
+            color: Units::new(decoder, streams.color),
+            material: streams.material.map(|stream| Units::new(decoder, stream)),
+            wanted: 0,
+        }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Units<'a>> {
+        [&self.depth, &self.color].into_iter().chain(&self.material)
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut Units<'a>> {
+        [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material)
+    }
+
+    /// The units that a frame wants, which are to be decoded; the others keep what is right for it. `None` wants none.
+    pub fn want(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
+        let mut wanted = Vec::new();
+        self.wanted = 0;
+        let count = &mut self.wanted;
+        for units in [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material) {
+            let stream = units.stream;
+            for (at, unit) in (0..).zip(&mut units.units) {
+                unit.written = 0;
+                unit.was_right = unit.right;
+                if filter.is_some_and(|filter| filter.wants(stream, at, frame)) {
+                    *count += 1;
+                    wanted.push(unit);
+                } else {
+                    unit.right = unit.right && unit.decoder.shows(frame);
+                }
+            }
+        }
+        wanted
+    }
+
+    /// Brings the texels to what the units show.
+    pub fn update(&mut self, texels: &mut FaceTexels) -> FaceChanges {
+        let mut changes = FaceChanges::default();
+        for unit in self.all().flat_map(|units| &units.units) {
+            changes.decoded += u64::from(unit.written > 0);
+        }
+        changes.unchanged = self.wanted - changes.decoded;
+        changes.unseen = self.all().map(|units| units.units.len() as u64).sum::<u64>() - self.wanted;
+        let mut push = |kind: StreamKind, rects: Vec<Rect>| {
+            changes.rects.extend(rects.into_iter().map(|rect| (kind, rect)));
+        };
+        let depth = joined(self.update_depth(texels));
+        for &[left, top, width, height] in &depth {
+            texels.depth_changed(left..left + width, top..top + height);
+        }
+        push(StreamKind::Depth, depth);
+        push(StreamKind::Color, joined(update_color(&self.color, texels)));
+        if let Some(material) = &self.material {
+            push(StreamKind::Material, joined(update_material(material, texels)));
+        }
+        changes
+    }
+
+    /// Forgets what is right; to be followed by a face of which nothing is known.
+    pub fn forget(&mut self) {
+        for unit in self.all_mut().flat_map(|units| &mut units.units) {
+            (unit.right, unit.was_right, unit.written) = (false, false, 0);
+        }
+    }
+
+    /// Stored bytes that were read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.all().flat_map(|units| &units.units).map(|unit| unit.decoder.cost().bytes_read).sum()
+    }
+
+    /// Stored bytes of the chunks that hold a frame, as far as they were not those of the frame before.
+    pub fn count_bytes(&mut self, frame: u32) -> u64 {
+        let mut bytes = 0;
+        for unit in self.all_mut().flat_map(|units| &mut units.units) {
+            if let Ok((chunk, stored)) = unit.decoder.chunk_of(frame)
+                && unit.counted.replace(chunk) != Some(chunk)
+            {
+                bytes += u64::from(stored);
+            }
+        }
+        bytes
+    }
+
+    /// Writes depths where a unit of any kind became right, ceased to be, or has other pixels.
+    fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
+        let turned = |unit: &ShownUnit<'_>| unit.right != unit.was_right;
+        let mut changed = Vec::new();
+        let mut whole = vec![false; self.depth.units.len()];
+        for (at, unit) in self.depth.units.iter().enumerate() {
+            if unit.is_new() || turned(unit) {
+                whole[at] = true;
+                changed.extend(self.write_depth(at, self.depth.rect(at), texels));
+            }
+        }
+        for units in [&self.color].into_iter().chain(&self.material) {
+            for (at, _) in units.units.iter().enumerate().filter(|(_, unit)| turned(unit)) {
+                for (tile, rect) in self.depth.under(units.rect(at)).filter(|(tile, _)| !whole[*tile]) {
+                    changed.extend(self.write_depth(tile, rect, texels));
+                }
+            }
+        }
+        changed
+    }
+
+    /// Writes depths of a tile in a rectangle of it; answers what became different.
+    fn write_depth(&self, tile: usize, rect: Rect, texels: &mut FaceTexels) -> Option<Rect> {
+        let tile = &self.depth.units[tile];
+        let UnitPixels::Depth(codes) = tile.decoder.shown() else { return None };
+        let mut changed = None;
+        for (cell, rect) in self.color.under(rect) {
+            let right = tile.right && self.color.units[cell].right;
+            let parts: Vec<(bool, Rect)> = match &self.material {
+                None => vec![(right, rect)],
+                Some(material) => {
+                    material.under(rect).map(|(at, rect)| (right && material.units[at].right, rect)).collect()
+                }
+            };
+            for (right, rect) in parts {
+                let [left, top, width, height] = rect;
+                let [tile_left, tile_top, tile_width, _] = tile.decoder.rect();
+                for row in top..top + height {
+                    let start = row as usize * texels.size[0] as usize + left as usize;
+                    let differ = if right {
+                        let from = (row - tile_top) as usize * tile_width as usize + (left - tile_left) as usize;
+                        let codes = &codes[from..from + width as usize];
+                        self.inverse.write_row(codes, texels, [left, row])
+                    } else {
+                        fill_unknown(&mut texels.inverse_depth[start..start + width as usize])
+                    };
+                    if let Some([first, last]) = differ {
+                        changed = Some(bounds(changed, [left + first, row, last - first + 1, 1]));
+                    }
+                }
+            }
+        }
+        changed
+    }
+}
+
+/// Makes texels unknown; answers the first and the last that were not.
+fn fill_unknown(texels: &mut [f32]) -> Option<[u32; 2]> {
+    let known = |texel: &f32| *texel != UNKNOWN;
+    let ends = [texels.iter().position(known)?, texels.iter().rposition(known)?];
+    texels.fill(UNKNOWN);
+    Some(ends.map(|end| end as u32))
+}
+
+/// Writes rows of a unit into an image of `width` pixels.
+fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, convert: impl Fn(T) -> U) {
+    let [left, top, unit_width, _] = rect;
+    for (row, pixels) in (top..).zip(pixels.chunks_exact(unit_width as usize)) {
+        let start = row as usize * width as usize + left as usize;
+        image[start..start + pixels.len()].iter_mut().zip(pixels).for_each(|(texel, &pixel)| *texel = convert(pixel));
+    }
+}
+
+fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
+    let width = texels.size[0];
+    let new = units.units.iter().filter(|unit| unit.is_new());
+    new.filter_map(|unit| {
+        let rect = unit.decoder.rect();
+        match (unit.decoder.shown(), &mut texels.color) {
+            (UnitPixels::Color8(pixels), ColorTexels::Codes(image)) => {
+                write(pixels, rect, image, width, |[r, g, b]| [r, g, b, 0]);
+            }
+            (UnitPixels::ColorHalf(pixels), ColorTexels::Light(image)) => {
+                let light = |[r, g, b]: [HalfKey; 3]| [r.to_half(), g.to_half(), b.to_half(), half::f16::ZERO];
+                write(pixels, rect, image, width, light);
+            }
+            _ => return None,
+        }
+        Some(rect)
+    })
+    .collect()
+}
+
+fn update_material(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
+    let width = texels.size[0];
+    let Some(image) = &mut texels.material else { return Vec::new() };
+    let new = units.units.iter().filter(|unit| unit.is_new());
+    new.filter_map(|unit| {
+        let UnitPixels::Material(pixels) = unit.decoder.shown() else { return None };
+        write(pixels, unit.decoder.rect(), image, width, |[a, b, c]| [a, b, c, 0]);
+        Some(unit.decoder.rect())
+    })
+    .collect()
+}

@@ -1,0 +1,45 @@
+//! A picture, what it should be, and where the two differ, side by side.
+
+use crate::error::Result;
+use crate::image::plane::Plane;
+use crate::report::anatomy::palette::{Rgb, heat};
+use crate::report::anatomy::raster::{self, HALF_ROOM, Scale};
+use crate::report::anatomy::sheet::{Bar, Panel, Sheet};
+
+/// The difference, in codes, from which on the colour is that of the end of the bar.
+const MOST_CODES: u8 = 64;
+
+/// Draws a picture and the truth in display codes, and the largest difference of each pixel.
+///
+/// # Errors
+/// When the font cannot be read.
+pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
+    let size = [shown.width(), shown.height()];
+    let scale = Scale::of(size, HALF_ROOM / 2);
+    let panel = |caption: &str, color: &dyn Fn(u32, u32) -> Rgb, bar: Option<Bar>| Panel {
+        caption: caption.to_owned(),
+        image: raster::render(size, scale, color),
+        key: Vec::new(),
+        bar,
+    };
+    let share = |code: u8| f64::from(code.min(MOST_CODES)) / f64::from(MOST_CODES);
+    let ticks = [0u8, 16, 32, 48, MOST_CODES]
+        .map(|code| (share(code), if code == MOST_CODES { format!("{code} or more") } else { code.to_string() }));
+    let bar =
+        Bar { color: heat, ticks: ticks.to_vec(), label: "largest difference in display codes".into(), mark: None };
+    let worst = difference.data().iter().copied().max().unwrap_or_default();
+    let far_off = difference.data().iter().filter(|code| **code >= 16).count();
+    let sheet = Sheet {
+        title: title.to_owned(),
+        facts: vec![format!(
+            "The largest difference is {worst} of 255; {:.1}% of the pixels differ by 16 or more.",
+            100.0 * far_off as f64 / difference.data().len().max(1) as f64
+        )],
+        panels: vec![
+            panel("rendered", &|x, y| shown.get(x, y), None),
+            panel("reference", &|x, y| wanted.get(x, y), None),
+            panel("difference", &|x, y| heat(share(difference.get(x, y))), Some(bar)),
+        ],
+    };
+    sheet.draw()
+}
