@@ -30,7 +30,9 @@ struct Scene {
     pyramid_rows: u32,
     // Points of a segment at most, a power of two; 1 where every point is looked at.
     longest_segment: u32,
-    spare: u32,
+    // Points of the first segment.
+    first_segment: u32,
+    spare: array<u32, 2>,
 }
 
 struct View {
@@ -61,7 +63,8 @@ struct Face {
     pyramid_column: u32,
     pyramid_row: u32,
     levels: u32,
-    spare: u32,
+    // Number of its face.
+    number: u32,
     scale: vec2<f32>,
     centre: vec2<f32>,
 }

@@ -1,5 +1,5 @@
 // Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors
-// src/reconstruct/pyramid.rs. Needs `is_surface` and `refine`.
+// src/reconstruct/pyramid.rs. Needs `evidence` and `refine`.
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
 
@@ -96,47 +96,71 @@ fn is_segment_open(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach_
     return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
 }
 
-// Whether a view proves that all points from one distance to another are open.
-fn is_open_between(ray: Ray, from_m: f32, to_m: f32) -> bool {
-    let reach_m = greatest_coordinate(ray.origin) + greatest_coordinate(ray.direction) * to_m;
-    for (var turn = 0u; turn < scene.view_count; turn++) {
-        let view = view_of_turn(turn);
-        if (is_segment_open(view, point_at(ray, from_m), point_at(ray, to_m), reach_m)) {
-            open_view = view;
-            return true;
-        }
-    }
-    return false;
-}
-
-fn intersect(ray: Ray) -> Hit {
+// From the `first` of the distances on: what is nearer is taken to be open. The walk of src/reconstruct/pyramid.rs.
+fn intersect_from(ray: Ray, first: u32) -> Hit {
     let count = scene.distance_count;
-    var at = 0u;
-    var length = scene.longest_segment;
+    let origin = greatest_coordinate(ray.origin);
+    let direction = greatest_coordinate(ray.direction);
+    var at = first;
+    // As long as one may be that begins here.
+    var length = select(min(first & (~first + 1u), scene.first_segment), scene.first_segment, first == 0u);
+    // The last point of which it is known that no view sees past it, and whether one sees a surface before it.
+    var blocked = count;
+    var is_surface_there = false;
     while (at < count) {
         let last = min(at + length, count) - 1u;
-        if (last == at) {
-            length = 1u;
-        }
-        counted[MARCH_STEPS]++;
-        let distance_m = distances_m[at];
-        var open = false;
-        if (length == 1u) {
-            open = !is_surface(point_at(ray, distance_m));
+        var passed = false;
+        if (blocked == last) {
+            // A segment that ends there cannot be open: it is halved unasked.
+            if (last == at && is_surface_there) {
+                let before_m = select(0.0, distances_m[max(at, 1u) - 1u], at > 0u);
+                return Hit(true, refine(ray, before_m, distances_m[at]));
+            }
+            if (last == at) {
+                length = 1u;
+                passed = true;
+            } else {
+                length /= 2u;
+            }
         } else {
-            open = is_open_between(ray, distance_m, distances_m[last]);
+            if (last == at) {
+                length = 1u;
+            }
+            counted[MARCH_STEPS]++;
+            let from_point = point_at(ray, distances_m[at]);
+            let to_point = point_at(ray, distances_m[last]);
+            let reach_m = origin + direction * distances_m[last];
+            var sees_past = false;
+            var behind = false;
+            for (var turn = 0u; turn < scene.view_count; turn++) {
+                let view = view_of_turn(turn);
+                let says = evidence(view, to_point);
+                sees_past |= says == OPEN;
+                behind |= says == BEHIND;
+                if (says == OPEN && (at == last || is_segment_open(view, from_point, to_point, reach_m))) {
+                    open_view = view;
+                    passed = true;
+                    break;
+                }
+            }
+            if (!passed && !sees_past) {
+                blocked = last;
+                is_surface_there = behind;
+            }
+            if (!passed && last > at) {
+                length /= 2u;
+            }
         }
-        if (open) {
+        if (passed) {
             at += length;
             if (at % (2u * length) == 0u && length < scene.longest_segment) {
                 length *= 2u;
             }
-        } else if (length > 1u) {
-            length /= 2u;
-        } else {
-            let before_m = select(0.0, distances_m[max(at, 1u) - 1u], at > 0u);
-            return Hit(true, refine(ray, before_m, distance_m));
         }
     }
     return Hit(false, 0.0);
+}
+
+fn intersect(ray: Ray) -> Hit {
+    return intersect_from(ray, 0u);
 }

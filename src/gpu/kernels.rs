@@ -356,8 +356,42 @@ pub static RENDER_PYRAMID: Kernel = Kernel {
     workgroup: 64,
 };
 
+/// The same, where mirrors and glass send rays on.
+pub static RENDER_EFFECTS: Kernel = Kernel {
+    name: "render-effects",
+    entry: "render",
+    files: &[
+        VIEWS,
+        LIGHT_FIELD,
+        ACTIVE_VIEWS,
+        COUNTERS,
+        RAY,
+        PYRAMID,
+        INTERPOLATE,
+        LIGHT,
+        file!("reconstruct/material.wgsl"),
+        file!("reconstruct/normal.wgsl"),
+        file!("reconstruct/solid.wgsl"),
+        file!("reconstruct/effects.wgsl"),
+        PICTURE,
+    ],
+    bindings: &[
+        Read("scene"),
+        Read("views"),
+        Read("faces"),
+        Read("distances_m"),
+        WordTexels("inverse_depths"),
+        FloatTexels("colors"),
+        Write("pixels"),
+        Write("counts"),
+        WordTexels("pyramids"),
+        FloatTexels("materials"),
+    ],
+    workgroup: 64,
+};
+
 /// All kernels.
-pub static KERNELS: [&Kernel; 19] = [
+pub static KERNELS: [&Kernel; 20] = [
     &NODES,
     &BOXES_CODES,
     &BOXES_MATERIAL,
@@ -377,4 +411,5 @@ pub static KERNELS: [&Kernel; 19] = [
     &BC7,
     &RENDER,
     &RENDER_PYRAMID,
+    &RENDER_EFFECTS,
 ];

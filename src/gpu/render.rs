@@ -25,8 +25,9 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
+use crate::reconstruct::effects::MAX_BOUNCES;
 use crate::reconstruct::light_field::LightField;
-use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered};
+use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
@@ -95,8 +96,9 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// The kernel that renders with these settings.
-    pub fn kernel(_views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
+    pub fn kernel(views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
         match settings.acceleration {
+            _ if sends_on(views, settings.effects) => &kernels::RENDER_EFFECTS,
             Acceleration::None => &kernels::RENDER,
             Acceleration::Pyramid => &kernels::RENDER_PYRAMID,
         }
@@ -223,7 +225,10 @@ fn rows_of_dispatch(gpu: &Gpu, views: &ActiveViews<'_>, settings: &RenderSetting
     let most = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
-    let row = (rays * points).saturating_mul(views.views.len().max(1) as u64);
+    // Rays that mirrors and glass send on are as long as others, and there may be four for each bounce.
+    let sent_on =
+        if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
+    let row = (rays * points).saturating_mul(views.views.len().max(1) as u64).saturating_mul(1 + sent_on);
     let groups = most / row.saturating_mul(TILE.into()).max(1);
     (groups.clamp(1, u64::from(u32::MAX / TILE)) as u32) * TILE
 }

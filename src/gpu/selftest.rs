@@ -61,6 +61,7 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::BC7, inputs: Words(blocks::bc7) },
     Row { kernel: &kernels::RENDER, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
+    Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
 ];
 
 /// What came of a kernel.

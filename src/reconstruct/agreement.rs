@@ -240,3 +240,33 @@ fn pyramids_follow_what_changes() {
         }
     }
 }
+
+/// A ray along a face, in the plane that its surface lies in: what a point says there is a matter of rounding.
+#[test]
+fn rounding_is_allowed_for() {
+    let mut random = Random(5);
+    let mut mixed = 0;
+    for _ in 0..400 {
+        let turn = DQuat::from_axis_angle(random.unit(), 6.0 * random.next());
+        let (forward, along) = (turn * DVec3::X, turn * DVec3::new(0.0, 0.6, 0.8));
+        let depth_m = 1.0 + random.next();
+        let made = Made { turn, ..Made::new(-depth_m * forward - 0.5 * along, 1 + random.below(4)) };
+        let mut light_field = field(vec![made.cube(CODES, &|_| Some((depth_m, [0; 3])))], CODES);
+        let steps = Steps::new(64, 0.01, 1.0, 0);
+        let ray = Ray { origin: Vec3::ZERO, direction: along.as_vec3() };
+        let view = ActiveViews::new(&light_field, &[0], DVec3::ZERO).views[0];
+        let local = view.local(ray.at(steps.distances_m[random.below(65) as usize]));
+        let surface = view.view.project(local).unwrap().inverse_depth;
+        for texels in light_field.views[0].faces.iter_mut().flatten() {
+            texels.inverse_depth.fill(surface);
+            texels.depth_changed(0..texels.size[0], 0..texels.size[1]);
+        }
+        let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
+        let mut counters = Counters::default();
+        let hit = march::intersect(&views, &ray, &steps, &mut counters);
+        assert_eq!(pyramid::intersect(&views, &ray, &steps, &mut counters), hit);
+        assert_eq!(of_packets(&views, &[ray.direction], &steps, Acceleration::Pyramid).0, [hit]);
+        mixed += u32::from(hit.is_some_and(|hit| hit > steps.distances_m[0]));
+    }
+    assert!(mixed > 40, "{mixed}");
+}

@@ -5,13 +5,23 @@
 //! from the list of units to the end of the device's work, medians over turns; the share of pixels that change stands
 //! beside them, without which a time means nothing. `copy` is a copy between two buffers of the device of as many bytes
 //! as the pictures have, counted as bytes written, as decoding is.
+//!
+//! `cargo bench --bench gpu -- --render CONTAINER.lfold… [--gpu INDEX|NAME]`: pictures of 90 degrees from the middle of the
+//! probes (CALF 6). `update` is decoding on the CPU and sending what changed, `march` the device's work, both medians over
+//! the frames but the first, which compiles the kernel.
 
 use std::time::Instant;
 
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::StreamKind;
+use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
+use lightfold::math::Camera;
+use lightfold::math::camera::Lens;
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::path::Shot;
+use lightfold::reconstruct::playback::{PictureOptions, Playback, PlaybackOptions};
 use lightfold::video::decode::{Decoder, StreamInfo};
 use lightfold::{Error, Result};
 
@@ -22,12 +32,21 @@ struct Args {
     containers: Vec<String>,
     streams: usize,
     pick: Pick,
+    render: bool,
 }
+
+/// Pixels along a side of pictures, each with a number of steps.
+const PICTURES: [(u32, u32); 4] = [(256, 64), (256, 256), (512, 256), (1024, 256)];
+/// Frames that are rendered.
+const FRAMES: usize = 6;
 
 fn main() {
     let outcome = arguments().and_then(|args| {
         let gpu = Gpu::open(&args.pick)?;
         println!("{} ({}, {})", gpu.info.name, gpu.info.driver, gpu.info.backend);
+        if args.render {
+            return args.containers.iter().try_for_each(|path| measure_pictures(&gpu, path));
+        }
         println!(
             "{:<24} {:>7} {:>9} {:>8} {:>9} {:>10} {:>12} {:>12} {:>9}",
             "container", "streams", "frames", "Mpixel", "changed", "ms", "decode MB/s", "copy MB/s", "of copy"
@@ -41,11 +60,12 @@ fn main() {
 }
 
 fn arguments() -> Result<Args> {
-    let mut args = Args { containers: Vec::new(), streams: 54, pick: Pick::Best };
+    let mut args = Args { containers: Vec::new(), streams: 54, pick: Pick::Best, render: false };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--bench" => {}
+            "--render" => args.render = true,
             "--streams" => {
                 let count = words.next().and_then(|count| count.parse().ok()).filter(|&count| count > 0);
                 args.streams = count.ok_or_else(|| Error::Usage("--streams takes a number of streams".into()))?;
@@ -161,4 +181,50 @@ fn copy_seconds(gpu: &Gpu, bytes: u64) -> Result<f64> {
         }
     }
     Ok(median(&mut times))
+}
+
+/// Pictures of some frames, in several sizes.
+fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
+    let decoder = Decoder::open(path)?;
+    println!(
+        "{:<24} {:>6} {:>6} {:>6} {:>11} {:>10} {:>9} {:>9} {:>12}",
+        "container", "views", "pixels", "steps", "steps/pixel", "update ms", "sent MB", "march ms", "Mpixel/s"
+    );
+    for (side, steps) in PICTURES {
+        let mut playback = Playback::new(&decoder, PlaybackOptions::default())?;
+        let views = &playback.player().field().views;
+        let eye = views.iter().map(|view| view.position).sum::<glam::DVec3>() / views.len() as f64;
+        let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;
+        let options = PictureOptions { size: [side, side], steps, ..PictureOptions::default() };
+        let mut renderer = DeviceRenderer::new(gpu, options);
+        let (mut update, mut sent, mut march, mut marched) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        let frames = playback.player().frames();
+        for (at, frame) in frames.iter().cycle().take(FRAMES).enumerate() {
+            let before = renderer.cost();
+            let shown = playback.show(&Shot { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;
+            let after = renderer.cost();
+            marched = shown.pictures.iter().map(|picture| picture.counters.march_steps).sum();
+            // The first picture compiles the kernel.
+            if at > 0 {
+                update.push(shown.trace.update_ms);
+                sent.push((after.bytes_sent - before.bytes_sent) as f64 / 1e6);
+                march.push(1e3 * (after.marching - before.marching).as_secs_f64());
+            }
+        }
+        let pixels = f64::from(side) * f64::from(side);
+        let march_ms = median(&mut march);
+        println!(
+            "{:<24} {:>6} {:>6} {:>6} {:>11.1} {:>10.2} {:>9.2} {:>9.2} {:>12.2}",
+            path.rsplit('/').next().unwrap_or(path),
+            playback.summary().most_views,
+            side,
+            steps,
+            marched as f64 / pixels,
+            median(&mut update),
+            median(&mut sent),
+            march_ms,
+            pixels / 1e3 / march_ms,
+        );
+    }
+    Ok(())
 }

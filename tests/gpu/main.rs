@@ -2,6 +2,8 @@
 //!
 //! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
 
+mod pictures;
+
 use std::path::Path;
 use std::process::Command;
 
@@ -332,9 +334,13 @@ fn main() {
         Trial::test("commands", commands),
         Trial::test("refusals", refusals),
         Trial::test("long_ways", long_ways),
+        Trial::test("pictures::playback", pictures::playback),
+        Trial::test("pictures::refusals", pictures::refusals),
+        Trial::test("pictures::no_effects", pictures::no_effects),
     ];
     // Ignored, and not passed, where LIGHTFOLD_DATA of CONTRIBUTING.md leads nowhere.
-    let footage = Trial::test("footage", footage).with_ignored_flag(none || cfg!(not(footage_at_hand)));
-    let trials = trials.chain(others).map(|trial| trial.with_ignored_flag(none)).chain([footage]).collect();
+    let footage = [Trial::test("footage", footage), Trial::test("pictures::footage", pictures::footage)]
+        .map(|trial| trial.with_ignored_flag(none || cfg!(not(footage_at_hand))));
+    let trials = trials.chain(others).map(|trial| trial.with_ignored_flag(none)).chain(footage).collect();
     libtest_mimic::run(&arguments, trials).exit();
 }

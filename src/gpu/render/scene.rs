@@ -5,6 +5,7 @@ use glam::Vec3;
 use crate::image::transfer::Transfer;
 use crate::math::Camera;
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::effects::MAX_BOUNCES;
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
@@ -56,7 +57,8 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("rows", 1),
             ("pyramid_rows", 1),
             ("longest_segment", 1),
-            ("spare", 1),
+            ("first_segment", 1),
+            ("spare", 2),
         ],
     ),
     (
@@ -85,7 +87,7 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("pyramid_column", 1),
             ("pyramid_row", 1),
             ("levels", 1),
-            ("spare", 1),
+            ("number", 1),
             ("scale", 2),
             ("centre", 2),
         ],
@@ -115,11 +117,12 @@ pub fn words(
     place: impl Fn(usize, usize) -> Origin,
 ) -> SceneWords {
     let mut scene = scene(views, camera, settings);
-    let longest = match settings.acceleration {
-        Acceleration::None => 1,
-        Acceleration::Pyramid => settings.steps.distances_m.len().next_power_of_two() as u32,
+    let points = settings.steps.distances_m.len().next_power_of_two() as u32;
+    let [longest, first] = match settings.acceleration {
+        Acceleration::None => [1, 1],
+        Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, 0]);
+    scene.extend([pyramid_rows, longest, first, 0, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
@@ -143,7 +146,7 @@ pub fn words(
             words.faces.extend([origin.layer, texels.material.is_some().into()]);
             words.faces.extend(texels.size);
             words.faces.extend(origin.pyramid);
-            words.faces.extend([texels.pyramid.levels() as u32, 0]);
+            words.faces.extend([texels.pyramid.levels() as u32, face as u32]);
             put(&mut words.faces, texels.scale.as_slice());
             put(&mut words.faces, texels.centre.as_slice());
         }
@@ -175,7 +178,12 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     let count = |length: usize| length as u32;
     out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
     out.extend([settings.steps.refine, (HOLE_DIFFERENCE + unsure).to_bits()]);
-    out.extend([u32::from(settings.holes == HoleFill::Nearest), coding, gain.to_bits(), settings.max_bounces]);
+    out.extend([
+        u32::from(settings.holes == HoleFill::Nearest),
+        coding,
+        gain.to_bits(),
+        settings.max_bounces.min(MAX_BOUNCES),
+    ]);
     out.extend([log_step.to_bits(), 0]);
     out
 }
@@ -241,8 +249,8 @@ mod tests {
                 }
             };
             assert_eq!(value("DEPTH_EPSILON") as f32, DEPTH_EPSILON);
-            assert_eq!(value("NO_FACE"), NO_FACE.into());
-            assert_eq!(value("UNKNOWN"), f32::INFINITY.to_bits().into());
+            assert_eq!(value("NO_FACE"), f64::from(NO_FACE));
+            assert_eq!(value("UNKNOWN"), f64::from(f32::INFINITY.to_bits()));
             assert_eq!(value("MIN_POSITIVE") as f32, f32::MIN_POSITIVE);
             seen += 1;
         }

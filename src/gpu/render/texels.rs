@@ -43,7 +43,7 @@ struct Textures {
     inverse_depths: wgpu::Texture,
     pyramids: wgpu::Texture,
     colors: wgpu::Texture,
-    materials: Option<wgpu::Texture>,
+    materials: wgpu::Texture,
 }
 
 /// An image that has a tile.
@@ -187,10 +187,12 @@ impl DeviceTexels {
                 ColorCoding::Codes(_) => texture("colors", self.tile, wgpu::TextureFormat::Rgba8Unorm)?,
                 ColorCoding::Light => texture("colors", self.tile, wgpu::TextureFormat::Rgba16Float)?,
             },
-            materials: match self.has_material {
-                true => Some(texture("materials", self.tile, wgpu::TextureFormat::Rgba8Unorm)?),
-                false => None,
-            },
+            // Kernels that ask for materials are given a texture also where there are none.
+            materials: texture(
+                "materials",
+                if self.has_material { self.tile } else { [1, 1] },
+                wgpu::TextureFormat::Rgba8Unorm,
+            )?,
         })
     }
 
@@ -228,13 +230,13 @@ impl DeviceTexels {
             let mut sent = 0;
             for (kind, rectangle) in stale {
                 let (texture, bytes) = match kind {
-                    StreamKind::Depth => (Some(&textures.inverse_depths), bytemuck::cast_slice(&texels.inverse_depth)),
-                    StreamKind::Color => (Some(&textures.colors), color_bytes(&texels.color)),
+                    StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
+                    StreamKind::Color => (&textures.colors, color_bytes(&texels.color)),
                     StreamKind::Material => {
-                        (textures.materials.as_ref(), texels.material.as_deref().unwrap_or_default().as_flattened())
+                        (&textures.materials, texels.material.as_deref().unwrap_or_default().as_flattened())
                     }
                 };
-                if let Some(texture) = texture.filter(|_| !bytes.is_empty()) {
+                if !bytes.is_empty() {
                     sent += write(gpu, (texture, origin.texels, origin.layer), (bytes, texels.size), rectangle);
                 }
                 if kind == StreamKind::Depth {
@@ -251,7 +253,7 @@ impl DeviceTexels {
         })
     }
 
-    /// Views of the textures of inverse depths, colours, pyramids and, where the light field has any, materials.
+    /// Views of the textures of inverse depths, colours, pyramids and materials.
     pub fn views(&self) -> Vec<wgpu::TextureView> {
         let view = |texture: &wgpu::Texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
@@ -262,7 +264,7 @@ impl DeviceTexels {
         let Some(Textures { inverse_depths, pyramids, colors, materials, .. }) = &self.textures else {
             return Vec::new();
         };
-        [inverse_depths, colors, pyramids].into_iter().chain(materials).map(view).collect()
+        [inverse_depths, colors, pyramids, materials].map(view).to_vec()
     }
 }
 

@@ -24,6 +24,7 @@ use crate::reconstruct::march::Steps;
 use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
 use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
 use crate::scene::{DemoKind, DemoScene, SceneAtTime};
+use crate::video::convert::material_codes;
 
 /// Pixels along a side of a captured image.
 const FACE: u32 = 48;
@@ -61,6 +62,8 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     let dark = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
     let courtyard = Captured::of(DemoKind::Courtyard);
     let interior = Captured::of(DemoKind::Interior);
+    let mirrors = Captured { has_material: true, ..Captured::of(DemoKind::Mirrors) };
+    let dull = Captured { has_material: true, ..Captured::of(DemoKind::Courtyard) };
     let (eye, reach) = (courtyard.middle + courtyard.reach * DVec3::new(0.3, -0.2, 0.4), courtyard.reach);
     let around = |at: DVec3| corners(at, reach * 0.7);
     let mut cases = vec![
@@ -79,12 +82,20 @@ pub fn cases() -> Result<Vec<PictureCase>> {
         })?,
         interior.pictures("turned perspective images", codes)?,
         courtyard.case("more images than layers", &crowd(courtyard.middle, reach), codes, eye)?,
+        dull.case("materials that send nothing on", &around(courtyard.middle), codes, eye)?,
+        mirrors.case("mirrors and glass", &corners(mirrors.middle, mirrors.reach * 0.4), codes, mirrors.middle)?,
         courtyard.case("courtyard, twice as wide", &around(courtyard.middle), codes, eye)?,
     ];
     cases[1].settings.samples = 2;
     let away = DVec3::new(1e6, -2e5, 3e6);
     cases[5].field.views.iter_mut().for_each(|view| view.position += away);
     cases[5].camera = looking(eye + away)?;
+    for (case, effects) in [(11, EffectMode::Force), (12, EffectMode::Auto)] {
+        cases[case].settings.effects = effects;
+    }
+    // Towards both balls.
+    let eye = cases[12].camera.eye();
+    cases[12].camera = Camera::look_at(eye, eye + DVec3::new(0.0, -0.8, -1.6), DVec3::Y, Lens::new(85.0))?;
     hide(&mut cases[6].field);
     cases[6].settings.holes = HoleFill::Nearest;
     cases[6].settings.steps.refine = 0;
@@ -122,8 +133,13 @@ pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
     let mut report =
         KernelReport { name: kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
     let mut cases = cases()?;
-    if kernel.name == kernels::RENDER_PYRAMID.name {
-        cases.iter_mut().for_each(|case| case.settings.acceleration = Acceleration::Pyramid);
+    if kernel.name == kernels::RENDER_EFFECTS.name {
+        cases.retain(|case| case.settings.effects != EffectMode::None);
+    } else {
+        cases.iter_mut().for_each(|case| case.settings.effects = EffectMode::None);
+    }
+    if kernel.name == kernels::RENDER.name {
+        cases.iter_mut().for_each(|case| case.settings.acceleration = Acceleration::None);
     }
     for case in &cases {
         let agreement = run(gpu, case)?.agreement;
@@ -149,13 +165,14 @@ struct Captured {
     scene: SceneAtTime,
     middle: DVec3,
     reach: DVec3,
+    has_material: bool,
 }
 
 impl Captured {
     fn of(kind: DemoKind) -> Captured {
         let scene = DemoScene::new(kind);
         let (middle, reach) = scene.probe_region();
-        Captured { scene: scene.at(0.4), middle, reach }
+        Captured { scene: scene.at(0.4), middle, reach, has_material: false }
     }
 
     fn case_at_middle(&self, label: &'static str, coding: ColorCoding) -> Result<PictureCase> {
@@ -192,7 +209,7 @@ impl Captured {
             holes: HoleFill::Blank,
             effects: EffectMode::None,
             max_bounces: 4,
-            acceleration: Acceleration::None,
+            acceleration: Acceleration::Pyramid,
         };
         Ok(PictureCase { label, views, camera: looking(eye)?, settings, field })
     }
@@ -204,7 +221,7 @@ impl Captured {
         coding: ColorCoding,
     ) -> Result<View> {
         let samples = SamplePattern::new(1)?;
-        let passes = [Pass::Color, Pass::Depth];
+        let passes = [Pass::Color, Pass::Depth, Pass::Material];
         let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Planar, far_m: f64::INFINITY };
         let (mut near, mut far) = (f32::INFINITY, 0f32);
         let mut entry = ProbeEntry {
@@ -226,13 +243,14 @@ impl Captured {
             }
             let finite = depth.data().iter().filter(|metres| metres.is_finite());
             (near, far) = finite.fold((near, far), |(near, far), &metres| (near.min(metres), far.max(metres)));
-            images.push((face, color, depth));
+            let material = image.material.filter(|_| self.has_material);
+            images.push((face, color, depth, material));
         }
         let range = if near < far { DepthRange::new(near, far)? } else { DepthRange::empty() };
         let mut view = View::new(at, &entry, range)?;
-        for (face, color, depth) in images {
+        for (face, color, depth, material) in images {
             let size = [color.width(), color.height()];
-            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding, false);
+            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding, self.has_material);
             // The inverse of what is infinitely far is that of a background.
             texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
             texels.depth_changed(0..size[0], 0..size[1]);
@@ -245,6 +263,10 @@ impl Captured {
                     ColorTexels::Light(color.data().iter().map(|&[r, g, b]| [r, g, b, half::f16::ZERO]).collect())
                 }
             };
+            if let Some(material) = material {
+                let codes = material_codes(&material)?;
+                texels.material = Some(codes.data().iter().map(|&[a, b, c]| [a, b, c, 0]).collect());
+            }
             view.faces[face as usize] = Some(texels);
         }
         Ok(view)

@@ -1,0 +1,129 @@
+// What mirrors and glass show: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/reconstruct/effects.rs.
+//
+// In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
+// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `background_color` and `light_of`.
+
+const LEAST_SHARE = 1.0 / 256.0;
+const LIFT_TEXELS = 1.0;
+// Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
+const MOST_PENDING = 32u;
+
+// A surface that a ray met, in linear light, and whose share of a pixel is not divided yet.
+struct Pending {
+    point: vec3<f32>,
+    direction: vec3<f32>,
+    light: vec3<f32>,
+    share: f32,
+    bounces: u32,
+}
+
+const FOUND_NOTHING = 0u;
+const FOUND_BACKGROUND = 1u;
+const FOUND_SURFACE = 2u;
+
+struct Found {
+    kind: u32,
+    point: vec3<f32>,
+    light: vec3<f32>,
+}
+
+var<private> pending: array<Pending, MOST_PENDING>;
+var<private> pending_count: u32;
+
+fn follow(ray: Ray) -> Found {
+    let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
+    counted[SECONDARY_RAYS]++;
+    // It starts in a surface, or behind one that hides it from all views, and comes into the open first.
+    var first = 0u;
+    for (; first < scene.distance_count; first++) {
+        counted[MARCH_STEPS]++;
+        if (!is_surface(point_at(ray, distances_m[first]))) {
+            break;
+        }
+    }
+    if (first == scene.distance_count) {
+        return nothing;
+    }
+    let hit = intersect_from(ray, first);
+    if (!hit.found) {
+        let seen = background_color(ray.direction);
+        if (seen.found) {
+            return Found(FOUND_BACKGROUND, vec3(0.0), light_of(seen.color));
+        }
+        return nothing;
+    }
+    let point = point_at(ray, hit.distance_m);
+    let seen = surface_color(point);
+    if (seen.found && seen.difference <= scene.hole_difference) {
+        return Found(FOUND_SURFACE, point, light_of(seen.color));
+    }
+    return nothing;
+}
+
+// The light of what a ray found, which of a surface comes later.
+fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
+    if (found.kind == FOUND_SURFACE && pending_count < MOST_PENDING) {
+        pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
+        pending_count++;
+        return vec3(0.0);
+    }
+    return share * found.light;
+}
+
+// Divides the share of a surface among the rays that it sends on.
+fn divide(next: Pending) -> vec3<f32> {
+    let whole = next.share * next.light;
+    if (next.bounces == 0u) {
+        return whole;
+    }
+    counted[MATERIAL_SAMPLES]++;
+    let seen = surface_material(next.point);
+    if (!seen.found) {
+        return whole;
+    }
+    counted[NORMAL_EVALS]++;
+    let front = patch_at(next.point);
+    let cosine = -dot(next.direction, front.normal);
+    if (!front.found || cosine <= 0.0) {
+        return whole;
+    }
+    let material = towards(seen, cosine);
+    var light = vec3(0.0);
+    var left = next.share;
+    if (next.share * material.refract >= LEAST_SHARE) {
+        var exits = pass_through(Ray(next.point, next.direction), front, material.ior);
+        for (var at = 0u; at < MAX_INSIDE; at++) {
+            let part = next.share * material.refract * exits[at].part;
+            if (part < LEAST_SHARE) {
+                continue;
+            }
+            let found = follow(exits[at].ray);
+            if (found.kind != FOUND_NOTHING) {
+                light += take(found, exits[at].ray.direction, part, next.bounces);
+                left -= part;
+            }
+        }
+    }
+    let part = next.share * material.reflect;
+    if (part >= LEAST_SHARE) {
+        let origin = next.point + LIFT_TEXELS * front.texel_m * front.normal;
+        let direction = reflect(next.direction, front.normal);
+        let found = follow(Ray(origin, direction));
+        if (found.kind != FOUND_NOTHING) {
+            light += take(found, direction, part, next.bounces);
+            left -= part;
+        }
+    }
+    return light + max(left, 0.0) * next.light;
+}
+
+fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
+    pending[0] = Pending(point_at(ray, distance_m), ray.direction, light_of(seen.color), 1.0, scene.max_bounces);
+    pending_count = 1u;
+    var light = vec3(0.0);
+    while (pending_count > 0u) {
+        pending_count--;
+        light += divide(pending[pending_count]);
+    }
+    return light;
+}

@@ -1,0 +1,135 @@
+// The way of a ray through glass (CALF 6.1). Mirrors src/reconstruct/solid.rs. Needs `patch_at`, `surface_material`,
+// `fresnel`, `is_surface` and `refine`.
+
+const FLAT = 2e-3;
+const BEHIND_TEXELS = 3.0;
+const MAX_INSIDE = 3u;
+const NO_LIMIT_M = 1e30;
+
+// A ray that leaves a solid, and its part of the light that entered; 0: it stays inside.
+struct Exit {
+    ray: Ray,
+    part: f32,
+}
+
+// A direction, if any.
+struct Bent {
+    found: bool,
+    direction: vec3<f32>,
+}
+
+// Where a ray inside of a solid meets its back, and the normal there, which points out of the solid.
+struct Back {
+    found: bool,
+    point: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+// A ball that touches the front and is bent as it is.
+struct Ball {
+    found: bool,
+    centre: vec3<f32>,
+}
+
+// The distance from which on a view sees past a ray.
+struct FirstOpen {
+    found: bool,
+    distance_m: f32,
+}
+
+fn refracted(direction: vec3<f32>, normal: vec3<f32>, ratio: f32) -> Bent {
+    let cosine = clamp(-dot(direction, normal), 0.0, 1.0);
+    let behind_squared = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    if (behind_squared <= 0.0) {
+        return Bent(false, vec3(0.0));
+    }
+    let bent = ratio * direction + (ratio * cosine - sqrt(behind_squared)) * normal;
+    let size = length(bent);
+    return Bent(size > LEAST_LENGTH, bent / max(size, LEAST_LENGTH));
+}
+
+fn first_open(ray: Ray, limit_m: f32) -> FirstOpen {
+    var before_m = 0.0;
+    for (var at = 0u; at < scene.distance_count; at++) {
+        let distance_m = distances_m[at];
+        if (distance_m > limit_m) {
+            break;
+        }
+        counted[MARCH_STEPS]++;
+        if (!is_surface(point_at(ray, distance_m))) {
+            // From behind, what is open comes last.
+            return FirstOpen(true, refine(ray, distance_m, before_m));
+        }
+        before_m = distance_m;
+    }
+    return FirstOpen(false, 0.0);
+}
+
+fn back_of(inside: Ray, ball: Ball) -> Back {
+    let chord_m = 2.0 * dot(inside.direction, ball.centre - inside.origin);
+    let open = first_open(inside, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
+    if (open.found) {
+        let end = point_at(inside, open.distance_m);
+        counted[NORMAL_EVALS]++;
+        let material = surface_material(end);
+        if (material.found && material.refract > 0.0) {
+            let seen = patch_at(end);
+            if (seen.found && dot(seen.normal, inside.direction) > 0.0) {
+                return Back(true, end, seen.normal);
+            }
+        }
+    }
+    if (!ball.found) {
+        return Back(false, vec3(0.0), vec3(0.0));
+    }
+    let end = point_at(inside, select(chord_m, min(chord_m, open.distance_m), open.found));
+    let outwards = end - ball.centre;
+    let size = length(outwards);
+    return Back(size > LEAST_LENGTH, end, outwards / max(size, LEAST_LENGTH));
+}
+
+fn pass_through(ray: Ray, front: Patch, ior: f32) -> array<Exit, MAX_INSIDE> {
+    var exits: array<Exit, MAX_INSIDE>;
+    if (!front.bends) {
+        return exits;
+    }
+    let bend = front.curvature;
+    let open_behind = !is_surface(ray.origin + ray.direction * (BEHIND_TEXELS * front.texel_m));
+    if (open_behind && bend * front.texel_m < -FLAT) {
+        // A hollow with open space behind it: the ray was inside, and leaves.
+        let leaving = refracted(ray.direction, front.normal, ior);
+        if (leaving.found) {
+            exits[0] = Exit(Ray(ray.origin, leaving.direction), 1.0);
+        }
+        return exits;
+    }
+    let entering = refracted(ray.direction, front.normal, 1.0 / ior);
+    if (!entering.found) {
+        return exits;
+    }
+    var inside = Ray(ray.origin, entering.direction);
+    var ball = Ball(false, vec3(0.0));
+    if (bend * front.texel_m > FLAT) {
+        ball = Ball(true, ray.origin - front.normal / bend);
+    }
+    var share = 1.0;
+    for (var turn = 0u; turn < MAX_INSIDE; turn++) {
+        let back = back_of(inside, ball);
+        if (!back.found) {
+            // A pane.
+            if (!ball.found && share == 1.0) {
+                exits[turn] = Exit(ray, share);
+            }
+            break;
+        }
+        var kept = 1.0;
+        let leaving = refracted(inside.direction, -back.normal, ior);
+        if (leaving.found) {
+            kept = fresnel(dot(leaving.direction, back.normal), ior);
+            exits[turn] = Exit(Ray(back.point, leaving.direction), share * (1.0 - kept));
+        }
+        share *= kept;
+        inside = Ray(back.point, reflect(inside.direction, -back.normal));
+    }
+    return exits;
+}

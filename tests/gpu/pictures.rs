@@ -1,0 +1,172 @@
+//! Pictures of a device against those of the CPU: a playback in which views come and go, footage, and refusals.
+
+use std::path::Path;
+
+use glam::DVec3;
+use libtest_mimic::Failed;
+use lightfold::gpu::kernels::KERNELS;
+use lightfold::gpu::render::agreement::Agreement;
+use lightfold::gpu::selftest::pictures;
+use lightfold::gpu::{DeviceRenderer, Gpu, GpuRenderer};
+use lightfold::math::Camera;
+use lightfold::math::camera::Lens;
+use lightfold::monitor::{Monitor, Silent};
+use lightfold::reconstruct::path::Shot;
+use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
+use lightfold::reconstruct::player::Change;
+use lightfold::reconstruct::render::{Acceleration, EffectMode, Rendered};
+use lightfold::reconstruct::selection::SelectionSettings;
+use lightfold::video::decode::Decoder;
+use lightfold::{Error, Result};
+
+use crate::{lightfold, with_gpu};
+
+/// Makes each picture on both, and notes how far they are from each other.
+struct Both<'a> {
+    on_device: DeviceRenderer<'a>,
+    on_cpu: CpuRenderer,
+    found: Vec<Agreement>,
+}
+
+impl Renderer for Both<'_> {
+    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
+        self.on_device.update(stage, changes)
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let on_cpu = self.on_cpu.render(stage, camera, monitor)?;
+        let on_device = self.on_device.render(stage, camera, monitor)?;
+        self.found.push(Agreement::of(&on_device, &on_cpu)?);
+        Ok(on_cpu)
+    }
+}
+
+/// A walk from the middle of the probes along a diagonal while the camera turns, one frame after the other.
+fn walk(playback: &Playback<'_>, shots: u32, stride_m: f64) -> Result<Vec<Shot>> {
+    let views = &playback.player().field().views;
+    let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
+    let frames = playback.player().frames();
+    let shot = |at: u32| {
+        let (turn, part) = (0.9 * f64::from(at), f64::from(at) / f64::from(shots) - 0.5);
+        let eye = middle + part * stride_m * DVec3::new(1.0, 0.3, 0.7);
+        let target = eye + DVec3::new(turn.cos(), -0.1, turn.sin());
+        let camera = Camera::look_at(eye, target, DVec3::Y, Lens::new(75.0))?;
+        Ok(Shot { frame: frames.first + at % frames.count() as u32, cameras: vec![camera] })
+    };
+    (0..shots).map(shot).collect()
+}
+
+/// Renders a walk through a container on both; answers the bytes that went to the device for each shot.
+fn compare(gpu: &Gpu, container: &str, shots: u32, most: Option<usize>) -> Result<Vec<u64>, Failed> {
+    let said = |error: Error| error.to_string();
+    let decoder = Decoder::open(container).map_err(said)?;
+    let mut sent = Vec::new();
+    for (acceleration, effects) in [(Acceleration::Pyramid, EffectMode::Auto), (Acceleration::None, EffectMode::None)] {
+        let selection = SelectionSettings { most, ..SelectionSettings::default() };
+        let settings = PlaybackOptions { selection, effects, ..PlaybackOptions::default() };
+        let mut playback = Playback::new(&decoder, settings).map_err(said)?;
+        let options =
+            PictureOptions { size: [160, 120], steps: 128, acceleration, effects, ..PictureOptions::default() };
+        let on_cpu = CpuRenderer { options: options.clone() };
+        let mut both = Both { on_device: DeviceRenderer::new(gpu, options), on_cpu, found: Vec::new() };
+        let mut before = 0;
+        for shot in walk(&playback, shots, 0.5).map_err(said)? {
+            playback.show(&shot, &mut both, &Silent).map_err(said)?;
+            let all = both.on_device.cost().bytes_sent;
+            sent.push(all - before);
+            before = all;
+        }
+        for (at, agreement) in both.found.iter().enumerate() {
+            println!("{container}, {acceleration:?}, shot {at} on {}: {agreement:?}", gpu.info.name);
+            if agreement.mismatches() > 0 {
+                return Err(format!("{container}, {acceleration:?}, shot {at}: {agreement:?}").into());
+            }
+        }
+        if both.found.len() != shots as usize {
+            return Err(format!("{} pictures", both.found.len()).into());
+        }
+    }
+    Ok(sent)
+}
+
+/// Frames and views change; only texels that did go to the device.
+pub fn playback() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("demo").display().to_string();
+        lightfold(&["demo", "--frame-count", "4", "--size", "64", "--probes", "4", "--quiet", "-o", &path])?;
+        let container = folder.path().join("demo/demo.lfold").display().to_string();
+        let sent = compare(gpu, &container, 8, None)?;
+        // The frames after the fourth are the first four again.
+        if sent[0] == 0 || sent[1..8].iter().any(|&bytes| bytes >= sent[0]) {
+            return Err(format!("bytes of texels that went to {}: {sent:?}", gpu.info.name).into());
+        }
+        compare(gpu, &container, 8, Some(2)).map(|_| ())
+    })
+}
+
+/// Real footage through the default codecs.
+pub fn footage() -> Result<(), Failed> {
+    let Some(data) = option_env!("LIGHTFOLD_DATA") else { return Err("no footage at hand".into()) };
+    with_gpu(|gpu| {
+        let folder = tempfile::tempdir()?;
+        let container = folder.path().join("film.lfold").display().to_string();
+        for set in ["sponza9", "glass"] {
+            let manifest = Path::new(data).join(set).join("lightfield.json").display().to_string();
+            lightfold(&["encode", &manifest, "--effort", "fast", "--frames", "0-1", "--quiet", "-o", &container])?;
+            compare(gpu, &container, 2, None)?;
+        }
+        Ok(())
+    })
+}
+
+/// What does not fit is refused in words, and a request to stop is heard.
+pub fn refusals() -> Result<(), Failed> {
+    /// Asks to stop at once.
+    struct Stopped;
+    impl Monitor for Stopped {
+        fn advance(&self, _steps: u64) {}
+        fn interrupted(&self) -> bool {
+            true
+        }
+    }
+    with_gpu(|gpu| {
+        let said = |error: Error| error.to_string();
+        let mut case = pictures::cases().map_err(said)?.swap_remove(0);
+        let mut renderer = GpuRenderer::new(gpu, &case.field);
+        match renderer.render(&case.active(), &case.camera, &case.settings, &Stopped) {
+            Err(Error::Interrupted) => {}
+            other => return Err(format!("{:?}", other.map(|picture| picture.counters)).into()),
+        }
+        let face = case.field.views[0].faces.iter_mut().flatten().next().ok_or("no image")?;
+        face.size = [gpu.device.limits().max_texture_dimension_2d + 1, 1];
+        let refused = GpuRenderer::new(gpu, &case.field).bring(&case.active()).map_err(said).err().unwrap_or_default();
+        match refused.contains(&gpu.info.name) && refused.contains("--device cpu") {
+            true => Ok(()),
+            false => Err(format!("it said '{refused}'").into()),
+        }
+    })
+}
+
+/// Light fields without materials are rendered without a line of code for mirrors and glass, and nothing is counted for them.
+pub fn no_effects() -> Result<(), Failed> {
+    let plain = KERNELS.iter().filter(|kernel| kernel.entry == "render" && !kernel.name.contains("effects"));
+    for kernel in plain {
+        let source = kernel.source();
+        if ["reflect", "refract", "materials"].iter().any(|word| source.contains(word)) {
+            return Err(format!("{} has code for effects", kernel.name).into());
+        }
+    }
+    with_gpu(|gpu| {
+        let mut case = pictures::cases().map_err(|error| error.to_string())?.swap_remove(0);
+        case.settings.effects = EffectMode::Auto;
+        let found = pictures::run(gpu, &case).map_err(|error| error.to_string())?;
+        let counters = found.on_device.counters;
+        let effects = [counters.secondary_rays, counters.normal_evals, counters.material_samples];
+        let kernel = GpuRenderer::kernel(&case.active(), &case.settings);
+        match effects == [0; 3] && !kernel.name.contains("effects") && counters.primary_rays > 0 {
+            true => Ok(()),
+            false => Err(format!("{}: {counters:?}", kernel.name).into()),
+        }
+    })
+}
