@@ -142,8 +142,8 @@ fn mirrors_show_what_stands_around_them() {
     let glass = gain(|[_, refract, _]| refract > 0.0);
     let both = gain(|[reflect, refract, _]| reflect + refract > 0.0);
     let neither = gain(|[reflect, refract, _]| reflect + refract == 0.0);
-    assert!(mirror >= 6.0 && both >= 5.0, "mirror {mirror} dB, both {both} dB");
-    assert!(glass >= -0.3, "glass {glass} dB");
+    assert!(mirror >= 8.0 && both >= 6.0, "mirror {mirror} dB, both {both} dB");
+    assert!(glass >= -0.1, "glass {glass} dB");
     assert!(neither >= -0.1, "elsewhere {neither} dB");
 }
 
@@ -218,22 +218,22 @@ fn normals_are_those_of_the_ball() {
     let views = ActiveViews::new(&field, &indices, MIDDLE);
     let weights = camera_weights(&views);
     let to_eye = (MIDDLE - GLASS.0).normalize();
-    let mut seen = 0;
+    let (mut angles, mut errors) = (Vec::new(), Vec::new());
     for at in 0..64 {
         let [x, y] = [at % 8, at / 8].map(|at| (f64::from(at) - 3.5) / 7.0);
         let normal = (to_eye + DVec3::new(x, y, 0.0)).normalize();
         let point = (GLASS.0 + GLASS.1 * normal - MIDDLE).as_vec3();
         let Some(found) = patch(&views, &weights, point) else { continue };
-        let angle = found.normal.angle_between(normal.as_vec3()).to_degrees();
-        assert!(angle < 1.0, "{angle} degrees at {x}, {y}");
         assert!((found.normal.length() - 1.0).abs() < 1e-5);
-        if let Some(curvature) = found.curvature {
-            let radius = 1.0 / f64::from(curvature);
-            assert!((radius / GLASS.1 - 1.0).abs() < 0.1, "a radius of {radius} m at {x}, {y}");
-            seen += 1;
-        }
+        angles.push(found.normal.angle_between(normal.as_vec3()).to_degrees());
+        errors.extend(found.curvature.map(|curvature| (f64::from(curvature) * GLASS.1 - 1.0).abs()));
     }
-    assert!(seen > 40, "{seen}");
+    angles.sort_by(f32::total_cmp);
+    errors.sort_by(f64::total_cmp);
+    assert!(angles.len() > 40 && errors.len() > 40, "{} normals, {} of them bent", angles.len(), errors.len());
+    let middle = (angles[angles.len() / 2], errors[errors.len() / 2]);
+    assert!(middle.0 < 0.8 && angles[angles.len() - 1] < 3.0, "degrees: {angles:?}");
+    assert!(middle.1 < 0.05, "parts of the curvature: {errors:?}");
 }
 
 #[test]
