@@ -4,6 +4,7 @@ mod child;
 mod folder;
 mod input;
 mod placement;
+mod rendering;
 mod text;
 mod tiles;
 
@@ -44,6 +45,7 @@ use input::Footage;
     lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
     lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
+    lightfold tradeoff scene --sweep views=2,4,8 --sweep steps -o out -- --reference-probe 00 --frames 0\n  \
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
     lightfold tradeoff --list-knobs\n\n\
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \
@@ -56,13 +58,16 @@ use input::Footage;
     points on surfaces for all. All knobs make one grid. placement.csv is written after each point, and keeps what was \
     measured where a sweep is stopped; the same command does not go on from there, but starts over with --overwrite. \
     --preset, --recommend, --budget-seconds, --weights and --stream are for footage alone.\n\n\
+    Where options of render are swept, one probe of the dataset is left out (--reference-probe after --, else the most \
+    central one) and rendered from the others: DIR has rendering.csv, rendering.json and pictures of PSNR against time. Options \
+    after -- are those of render then. What is said of a scene holds for such a sweep, too.\n\n\
     Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
     /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
     /// needed where --recommend is to look at what DIR holds
     #[arg(value_name = "MANIFEST|SEQ|SCENE", required_unless_present_any = ["recommend", "list_knobs"])]
     pub input: Option<String>,
-    /// Options of encode (of place for a scene) that all points have, such as --hdr or --frames 0-9
+    /// Options of encode (of place for a scene, of render where its options are swept) that all points have, such as --hdr or --frames 0-9
     #[arg(last = true, value_name = "OPTIONS")]
     pub fixed: Vec<String>,
     /// A knob and the values that it is to have, such as psnr=30,40,50; without values those of --list-knobs. Knobs of one
@@ -210,6 +215,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
         (Some(scene), _) if placement::is_scene(scene) => placement::measure(args, scene, global),
+        (Some(dataset), _) if rendering::is_asked(args) => rendering::measure(args, dataset, global),
         (Some(input), demands) => measure(args, input, demands, global),
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
+use rayon::prelude::*;
 
 use crate::container::index::ProbeEntry;
 use crate::dataset::stream::DepthKind;
@@ -229,7 +230,7 @@ pub struct InverseDepth {
 impl InverseDepth {
     /// The table of a stream's range.
     pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
-        InverseDepth { of_code: (0..=u16::MAX).map(|code| 1.0 / range.metres(code)).collect(), kind }
+        InverseDepth { of_code: (0..=u16::MAX).into_par_iter().map(|code| 1.0 / range.metres(code)).collect(), kind }
     }
 
     /// Inverse planar depth of a texel that shows `code`.

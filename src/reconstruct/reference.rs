@@ -171,3 +171,93 @@ fn cached<T: Clone>(
     }
     Ok(held.as_ref().and_then(|(_, _, faces)| faces.get(place).cloned()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::cameras::PlacedCamera;
+    use crate::monitor::Silent;
+    use crate::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
+
+    const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
+
+    #[test]
+    fn images_are_seen_by_the_cameras_that_took_them() {
+        let folder = tempfile::tempdir().unwrap();
+        PLAN.write(folder.path(), &Silent).unwrap();
+        let mut reference = Reference::open(folder.path()).unwrap();
+        assert_eq!(reference.images().len(), 2 * 6);
+        let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+        for (at, image) in reference.images().to_vec().iter().enumerate() {
+            assert_eq!(image.camera.eye(), PLAN.positions()[at / 6]);
+            for (column, row) in [(0, 0), (7, 0), (3, 6)] {
+                let seen = image.camera.direction([column, row].map(|at| (f64::from(at) + 0.5) / 8.0));
+                let expected = image.face.direction(column, row, 8).normalize();
+                assert!((seen - expected).length() < 1e-12, "{seen} {expected}");
+            }
+            let truth = reference.truth(at, 1).unwrap();
+            for group in source.groups().iter().filter(|group| group.probe == at / 6 && group.faces == [image.face]) {
+                match group.kind {
+                    StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap(), [truth.color.clone()]),
+                    _ => assert_eq!(source.read_depth(group, 1).unwrap(), [truth.distance_m.clone().unwrap()]),
+                }
+            }
+            assert_eq!(truth.material, None);
+        }
+        assert!(reference.truth(12, 0).is_err() && reference.truth(0, 2).is_err());
+    }
+
+    /// A dataset of perspective images of one probe, which is turned.
+    fn perspective(folder: &Path) -> crate::dataset::Manifest {
+        let mut plan = PLAN.capture().unwrap();
+        let half = 0.5f64.sqrt();
+        let camera = PlacedCamera { orientation: Some([0.0, half, 0.0, half]), ..PlacedCamera::at([0.0, 1.5, 0.0]) };
+        plan.cameras.cameras = vec![PlacedCamera { fov_y_deg: Some(40.0), ..camera }];
+        (plan.projection, plan.size) = (Projection::Perspective, [12, 8]);
+        plan.passes = vec![Pass::Color];
+        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, Kept::None, &Silent).unwrap();
+        plan.manifest().unwrap()
+    }
+
+    #[test]
+    fn perspective_images_have_their_field_of_view() {
+        let folder = tempfile::tempdir().unwrap();
+        perspective(folder.path());
+        let mut reference = Reference::open(folder.path()).unwrap();
+        let [image] = reference.images() else { panic!("one image") };
+        // A quarter turn to the left about +Y looks along −X.
+        let tangent = 20f64.to_radians().tan();
+        let corner = DVec3::new(-1.0, -tangent, -1.5 * tangent).normalize();
+        assert!(
+            (image.camera.direction([1.0, 1.0]) - corner).length() < 1e-9,
+            "{}",
+            image.camera.direction([1.0, 1.0])
+        );
+        assert_eq!(reference.truth(0, 0).unwrap().distance_m, None);
+    }
+
+    #[test]
+    fn datasets_that_are_no_reference_are_refused_in_words() {
+        let folder = tempfile::tempdir().unwrap();
+        let manifest = perspective(folder.path());
+        let said = |text: String| {
+            std::fs::write(folder.path().join("lightfield.json"), text).unwrap();
+            Reference::open(folder.path()).unwrap_err().to_string()
+        };
+        let with = |change: &dyn Fn(&mut serde_json::Value)| {
+            let mut json: serde_json::Value = serde_json::from_str(&manifest.to_json().unwrap()).unwrap();
+            change(&mut json["probes"][0]);
+            json.to_string()
+        };
+        let off_centre = with(&|probe| {
+            probe["fov_y_deg"].take();
+            probe["intrinsics"] = serde_json::json!([11.0, 11.0, 5.0, 4.0]);
+        });
+        assert!(said(off_centre).contains("through (5, 4)"));
+        let unknown = with(&|probe| {
+            probe["fov_y_deg"].take();
+            probe["intrinsics"].take();
+        });
+        assert!(said(unknown).contains("fov_y_deg"));
+    }
+}

@@ -116,7 +116,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// What views saw of a surface, which `unsure` of [`surface`] goes for: a hole where nothing fits.
+    /// What views saw of a surface: a hole where nothing fits; `unsure` is how far steps leave open where it is.
     pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
         match seen {
             Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
@@ -291,7 +291,7 @@ pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f3
     Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
 }
 
-/// What a ray brings that meets no surface.
+/// What a ray brings that meets no surface and goes in this direction, of length 1.
 pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
     background_color(views, weights, direction)
         .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))

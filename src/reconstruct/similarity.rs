@@ -176,3 +176,69 @@ pub fn difference(shown: &Plane<[u8; 3]>, wanted: &Plane<[u8; 3]>) -> Result<Pla
     }
     Plane::new(shown.width(), shown.height(), shown.data().iter().zip(wanted.data()).map(largest).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use half::f16;
+
+    use super::*;
+    use crate::image::transfer::Transfer;
+    use crate::reconstruct::counters::Counters;
+
+    const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
+
+    /// A picture of 12x12 codes of gray, of which the first `holes` are holes, with what should be there, and its material.
+    fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (Rendered, Truth) {
+        let plane = |code: u8| Plane::filled(12, 12, [f32::from(code) / 255.0; 3]);
+        let mut alpha = Plane::filled(12, 12, 1.0);
+        alpha.data_mut()[..holes].fill(0.0);
+        let mut weights = Plane::filled(12, 12, [0.0, 0.0, 1.0]);
+        weights.data_mut()[..material.len()].copy_from_slice(material);
+        let truth = Truth {
+            color: plane(wanted).map(|light| light.map(f16::from_f32)),
+            distance_m: None,
+            material: (!material.is_empty()).then_some(weights),
+        };
+        (Rendered { color: plane(shown), alpha, counters: Counters::default() }, truth)
+    }
+
+    #[test]
+    fn figures_are_those_of_a_hand() {
+        let (mut rendered, truth) = pair(10, 12, 3, &[[1.0, 0.0, 1.0], [0.2, 0.8, 1.5], [0.0, 0.5, 1.5]]);
+        // One hole is farther off, and one pixel of glass is exact.
+        rendered.color.data_mut()[0] = [22.0 / 255.0; 3];
+        rendered.color.data_mut()[2] = [12.0 / 255.0; 3];
+        let one = Similarity::of(&rendered, &truth, LINEAR).unwrap();
+        assert_eq!((one.all.sum, one.all.samples), (3 * (100 + 142 * 4), 3 * 144));
+        assert_eq!((one.seen.sum, one.seen.samples), (3 * 141 * 4, 3 * 141));
+        assert_eq!((one.mirrors.sum, one.mirrors.samples), (300, 3));
+        assert_eq!((one.glass.sum, one.glass.samples), (12, 6));
+        assert_eq!((one.effects.sum, one.effects.samples), (312, 9));
+        assert!((one.hole_percent() - 300.0 / 144.0).abs() < 1e-12);
+        assert!(one.ssim().is_some_and(|ssim| ssim < 1.0));
+        let (exact, same) = pair(12, 12, 0, &[]);
+        let other = Similarity::of(&exact, &same, LINEAR).unwrap();
+        assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
+        assert_eq!((other.effects_psnr_db(), other.has_material), (None, false));
+        let mut both = one;
+        both.merge(&other).unwrap();
+        assert_eq!((both.images, both.all.samples, both.has_material), (2, 6 * 144, true));
+        assert_eq!(both.all.sum, one.all.sum);
+        assert_eq!(both.mean_psnr_db(), f64::INFINITY);
+        both = one;
+        both.merge(&one).unwrap();
+        assert_eq!((both.mean_psnr_db(), both.ssim()), (one.all.psnr_db(), one.ssim()));
+    }
+
+    #[test]
+    fn sizes_must_agree_and_nan_is_black() {
+        let (mut rendered, truth) = pair(0, 0, 0, &[]);
+        rendered.color.data_mut()[5] = [f32::NAN; 3];
+        assert_eq!(Similarity::of(&rendered, &truth, LINEAR).unwrap().all.sum, 0);
+        rendered.color = Plane::filled(11, 12, [0.0; 3]);
+        assert!(Similarity::of(&rendered, &truth, LINEAR).unwrap_err().to_string().contains("(11, 12)"));
+        assert!(difference(&Plane::filled(1, 2, [0; 3]), &Plane::filled(2, 1, [0; 3])).is_err());
+        let largest = difference(&Plane::filled(1, 1, [9, 200, 3]), &Plane::filled(1, 1, [10, 190, 7])).unwrap();
+        assert_eq!(largest.data(), [10]);
+    }
+}

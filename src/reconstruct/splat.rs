@@ -137,3 +137,82 @@ fn fill(shown: &mut [Option<Point>], [width, height]: [u32; 2]) {
         border = next;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::*;
+    use crate::image::transfer::{ToneMap, Transfer};
+    use crate::math::Lens;
+    use crate::monitor::Silent;
+    use crate::reconstruct::light_field::{ColorCoding, ColorTexels, LightField, View};
+    use crate::reconstruct::march::Steps;
+    use crate::reconstruct::render::{Acceleration, EffectMode};
+
+    const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
+
+    /// A perspective view of three texels that looks along −Z with 90 degrees from left to right.
+    fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
+        let map = [[1.5, 1.5], [1.5, 0.5]];
+        let mut face = FaceTexels::unknown([3, 1], map, CODING, false);
+        face.inverse_depth = inverse_depth.to_vec();
+        face.color = ColorTexels::Codes(gray.map(|code| [code, code, code, 0]).to_vec());
+        let faces = [None, None, None, None, None, None, Some(face)];
+        let (near_m, far_m) = (0.1, 100.0);
+        View { name: "a".into(), probe: 0, position, probe_from_world: DMat3::IDENTITY, near_m, far_m, faces }
+    }
+
+    /// Codes and alpha of a picture from the origin with the same field of view.
+    fn shown(views: Vec<View>, holes: HoleFill) -> (Vec<u8>, Vec<f32>) {
+        let field = LightField { views, coding: CODING };
+        let all: Vec<usize> = (0..field.views.len()).collect();
+        let active = ActiveViews::new(&field, &all, DVec3::ZERO);
+        let lens = Lens { aspect: 3.0, ..Lens::new(2.0 * (1f64 / 3.0).atan().to_degrees()) };
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, lens).unwrap();
+        let settings = RenderSettings {
+            size: [3, 1],
+            steps: Steps::new(4, 0.5, 50.0, 0),
+            samples: 1,
+            holes,
+            effects: EffectMode::None,
+            max_bounces: 0,
+            acceleration: Acceleration::None,
+        };
+        let rendered = splat(&active, &camera, &settings, &Silent).unwrap();
+        let codes = rendered.color.data().iter().map(|[light, ..]| (light * 255.0).round() as u8).collect();
+        let holes = rendered.alpha.data().iter().filter(|alpha| **alpha == 0.0).count() as u64;
+        assert_eq!((rendered.counters.hole_rays, rendered.counters.primary_rays), (holes, 3));
+        (codes, rendered.alpha.data().to_vec())
+    }
+
+    #[test]
+    fn the_nearest_point_wins_whatever_the_order() {
+        let [near, far] = [view(DVec3::ZERO, [0.5; 3], [10, 20, 30]), view(DVec3::ZERO, [0.25; 3], [40, 50, 60])];
+        for views in [vec![near.clone(), far.clone()], vec![far.clone(), near]] {
+            assert_eq!(shown(views, HoleFill::Blank), (vec![10, 20, 30], vec![1.0; 3]));
+        }
+        // Equal distances: the first.
+        let views = vec![far.clone(), view(DVec3::ZERO, [0.25; 3], [1, 2, 3])];
+        assert_eq!(shown(views, HoleFill::Blank).0, [40, 50, 60]);
+        // A background is behind everything, also of the view that comes first.
+        let views =
+            vec![view(DVec3::ZERO, [BACKGROUND; 3], [7, 8, 9]), view(DVec3::ZERO, [0.25, UNKNOWN, 0.25], [40, 50, 60])];
+        assert_eq!(shown(views, HoleFill::Blank).0, [40, 8, 60]);
+    }
+
+    #[test]
+    fn points_move_by_their_depth_and_leave_holes() {
+        // A step of 2/3 to the right is a pixel at depth 1, and a quarter of one at depth 4.
+        let moved = |inverse: f32| vec![view(DVec3::new(2.0 / 3.0, 0.0, 0.0), [inverse; 3], [10, 20, 30])];
+        assert_eq!(shown(moved(1.0), HoleFill::Blank), (vec![0, 10, 20], vec![0.0, 1.0, 1.0]));
+        assert_eq!(shown(moved(1.0), HoleFill::Nearest), (vec![10, 10, 20], vec![0.0, 1.0, 1.0]));
+        assert_eq!(shown(moved(0.25), HoleFill::Blank).0, [10, 20, 30]);
+        // Nearer than rays begin, farther than they end, and behind the eye.
+        let near = vec![view(DVec3::ZERO, [4.0; 3], [10, 20, 30])];
+        assert_eq!(shown(near, HoleFill::Nearest), (vec![0; 3], vec![0.0; 3]));
+        assert_eq!(shown(moved(0.01), HoleFill::Blank).1, [0.0; 3]);
+        let behind = vec![view(DVec3::new(0.0, 0.0, 5.0), [0.5; 3], [10, 20, 30])];
+        assert_eq!(shown(behind, HoleFill::Blank).1, [0.0; 3]);
+    }
+}

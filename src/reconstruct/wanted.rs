@@ -19,6 +19,8 @@ use crate::video::unit_filter::UnitFilter;
 
 /// Pixels around a unit that count as its own: half a pixel for colours between pixels, the rest for rounding.
 const MARGIN_PIXELS: f64 = 1.0;
+/// Part of near at which units begin, as rays compute distances in single precision.
+const NEAR_PART: f64 = 0.99;
 
 /// Units in the sight of cameras.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -75,7 +77,7 @@ impl<'a> SightLines<'a> {
         let entry = &stream.entry;
         let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
         // As a distance, whatever the stream has: a point whose planar depth is less than near may be farther off.
-        let span = DepthSpan { near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
+        let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
         let size = [entry.width, entry.height];
         match FaceImage::new(self.decoder.probe(stream), stream.face, size, span) {
             None => vec![true; entry.unit_count() as usize],

@@ -33,6 +33,7 @@ mod quadtree;
 mod quality;
 mod render;
 mod render_decode;
+mod render_quality;
 mod resume;
 mod roundtrip;
 mod samples;

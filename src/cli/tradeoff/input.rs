@@ -278,6 +278,7 @@ mod tests {
             let commands: &[&str] = match (knob.stage, knob.is_general(), knob.kinds[0]) {
                 (Stage::Decode, ..) => &["decode"],
                 (Stage::Place, ..) => &["place"],
+                (Stage::Render, ..) => &["render"],
                 (Stage::Both, ..) => &["encode", "encode-depth", "encode-color", "decode"],
                 (Stage::Encode, true, _) => &["encode", "encode-depth", "encode-color"],
                 (Stage::Encode, false, StreamKind::Color) => &["encode", "encode-color"],

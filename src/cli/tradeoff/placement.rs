@@ -36,7 +36,7 @@ pub fn is_scene(text: &str) -> bool {
 /// Measures what placing cameras costs.
 pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome> {
     let start = Instant::now();
-    refuse_others(args)?;
+    refuse_others(args, "placing cameras in a scene")?;
     let axes = axes(args)?;
     let (mut fixed, mut ruler) = options_of_all(scene, &args.fixed, &axes)?;
     for (name, value) in implied(&axes, &fixed) {
@@ -94,8 +94,8 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
     Ok(Outcome::Fine)
 }
 
-/// What is for footage alone.
-fn refuse_others(args: &Args) -> Result<()> {
+/// What is for coding alone.
+pub fn refuse_others(args: &Args, what: &str) -> Result<()> {
     let given = [
         ("--preset", args.preset.is_some()),
         ("--recommend", args.recommend.recommend),
@@ -104,7 +104,7 @@ fn refuse_others(args: &Args) -> Result<()> {
         ("--stream", !args.stream.is_empty()),
     ];
     match given.into_iter().find(|(_, given)| *given) {
-        Some((name, _)) => Err(Error::Usage(format!("{name} is for footage, and not for placing cameras in a scene"))),
+        Some((name, _)) => Err(Error::Usage(format!("{name} is for coding footage, and not for {what}"))),
         None => Ok(()),
     }
 }
@@ -184,7 +184,8 @@ fn options_of_all(scene: &str, words: &[String], axes: &[Axis]) -> Result<(Vec<S
     Ok((fixed, ruler))
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
+/// Writes a file in one go.
+pub fn write(path: &Path, text: &str) -> Result<()> {
     let mut file = OutputFile::create(path)?;
     std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
     file.commit()

@@ -11,9 +11,9 @@ use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::report::tradeoff::findings::{self, Verdict};
 use crate::report::tradeoff::knob::{KNOBS, Stage};
-use crate::report::tradeoff::placement;
 use crate::report::tradeoff::recommend::Aim;
 use crate::report::tradeoff::{Measured, Results};
+use crate::report::tradeoff::{placement, rendering};
 use crate::report::{Column, Table};
 
 /// A column of figures: heading, and a cell of a point.
@@ -155,7 +155,9 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         Stage::Decode => "decode",
         Stage::Both => "both",
         Stage::Place => "place",
+        Stage::Render => "render",
     };
+    let all = KNOBS.iter().chain(placement::KNOBS).chain(rendering::KNOBS);
     if as_json {
         let row = |knob: &crate::report::tradeoff::Knob| {
             json!({
@@ -167,9 +169,7 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
                 "usual": knob.usual,
             })
         };
-        return output::print_json(
-            &json!({ "knobs": KNOBS.iter().chain(placement::KNOBS).map(row).collect::<Vec<_>>() }),
-        );
+        return output::print_json(&json!({ "knobs": all.map(row).collect::<Vec<_>>() }));
     }
     let mut table = Table::new(&[
         Column::Left("Knob"),
@@ -179,9 +179,10 @@ pub fn list_knobs(as_json: bool) -> Result<()> {
         Column::Left("Default"),
         Column::Left("Swept where no values are given"),
     ]);
-    for knob in KNOBS.iter().chain(placement::KNOBS) {
+    for knob in all {
         let of = match knob.stage {
             Stage::Place => "cameras".to_owned(),
+            Stage::Render => "pictures".to_owned(),
             _ if knob.is_general() => "all".to_owned(),
             _ => kinds(knob.kinds).join(", "),
         };

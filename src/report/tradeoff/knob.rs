@@ -13,6 +13,8 @@ pub enum Stage {
     Both,
     /// Placing cameras in a scene ([`super::placement`]).
     Place,
+    /// Rendering what a left-out probe shows ([`super::rendering`]).
+    Render,
 }
 
 /// An option that trades accuracy, bytes or time.

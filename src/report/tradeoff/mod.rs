@@ -16,6 +16,7 @@ pub mod placement;
 pub mod plan;
 pub mod point;
 pub mod recommend;
+pub mod rendering;
 pub mod runs;
 #[cfg(test)]
 pub(crate) mod sample;

@@ -3,8 +3,8 @@
 //! Knobs that are swept together make one study for each kind of stream: the grid of all their values.
 
 use super::knob::{self, KNOBS, Knob, Stage};
-use super::placement;
 use super::study::{Axis, Study};
+use super::{placement, rendering};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 
@@ -24,10 +24,14 @@ impl Sweep {
     pub fn parse(text: &str) -> Result<Sweep, String> {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
-        let knob = knob::find(name).or_else(|| placement::find(name)).ok_or_else(|| {
+        let knob = knob::find(name).or_else(|| placement::find(name)).or_else(|| rendering::find(name));
+        let knob = knob.ok_or_else(|| {
             let names = |knobs: &[Knob]| knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ");
-            let (coding, placing) = (names(KNOBS), names(placement::KNOBS));
-            format!("'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}")
+            let [coding, placing, rendering] = [KNOBS, placement::KNOBS, rendering::KNOBS].map(names);
+            format!(
+                "'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}, nor of those of \
+                 rendering: {rendering}"
+            )
         })?;
         let given = values.is_some();
         let values: Vec<String> = match values {

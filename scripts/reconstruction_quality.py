@@ -1,0 +1,199 @@
+"""What scripts/reconstruction-quality measures: pictures rendered where the truth is known, by several methods."""
+
+import dataclasses
+import itertools
+import json
+import math
+import pathlib
+
+import lightfold_runs as lf
+
+METHODS = [("splat", "points"), ("reproject", "ceiling"), ("march", "ours")]
+# Where probes of scenes that come with the program, or with the data, stand: the middle, and how far from it, in metres.
+REGIONS = {
+    "courtyard": ((0.0, 1.5, 0.0), (0.3, 0.2, 0.3)),
+    "interior": ((0.0, 1.5, 0.3), (0.3, 0.2, 0.3)),
+    "mirrors": ((0.0, 1.6, 1.1), (0.3, 0.15, 0.2)),
+    "cornell": ((0.0, 1.3, 0.75), (0.3, 0.15, 0.15)),
+    "object": ((0.0, 0.2, 1.4), (0.5, 0.3, 0.2)),
+    "sponza.glb": ((-0.6, 1.7, -0.4), (0.5, 0.5, 0.5)),
+}
+
+
+class Refused(SystemExit):
+    """Input that cannot be measured."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A container, and the images of one probe that pictures are compared with."""
+
+    container: pathlib.Path
+    reference: pathlib.Path
+    probe: str
+    # Probes of the container that do not take part.
+    without: tuple = ()
+    frames: str = "0"
+
+
+@dataclasses.dataclass
+class Row:
+    """Figures of one method in one place of one table."""
+
+    table: str
+    place: object
+    method: str
+    psnr_db: float
+    ssim: object
+    hole_percent: float
+    psnr_db_mirrors: object = None
+    psnr_db_glass: object = None
+    render_ms: object = None
+
+
+def number(value):
+    """A number of a report; JSON has no word for infinity."""
+    return None if value is None else float(value)
+
+
+def mean(values):
+    values = [value for value in values if value is not None]
+    return sum(values) / len(values) if values else None
+
+
+def row_of(table, place, method, report):
+    """The figures of a report of `render`: PSNR is the mean over images, as the papers have it."""
+    reference = report["reference"]
+    images = reference["images"]
+    return Row(
+        table, place, method,
+        mean(number(image["psnr_db"]) for image in images),
+        mean(number(image["ssim"]) for image in images),
+        mean(number(image["hole_percent"]) for image in images),
+        number(reference.get("psnr_db_mirrors")),
+        number(reference.get("psnr_db_glass")),
+        number(report.get("pacing", {}).get("render_ms", {}).get("mean_ms")),
+    )
+
+
+class Renderer:
+    """Runs `lightfold render` on cases; `options` are given to all of them."""
+
+    def __init__(self, binary, options):
+        self.binary, self.options = binary, options
+
+    def command(self, case, method, *more):
+        words = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
+        if case.without:
+            words += ["--exclude-probe", ",".join(case.without)]
+        return words + ["--frames", case.frames, "--method", method, "--null", "--stats", "--json", *self.options, *more]
+
+    def rows(self, table, place, case, *more, maps=None):
+        """A row for each method."""
+        found = []
+        for method, label in METHODS:
+            errors = ["--error-map", maps / f"{case.probe}_{label}"] if maps else []
+            report = lf.run_json(*self.command(case, method, *more, *errors))
+            found.append(row_of(table, place, label, report))
+        return found
+
+
+def counts_of_views(probes):
+    """How many active views are tried: all of few, and fewer and fewer of many."""
+    steps = itertools.chain(range(1, 9), (12, 16, 24, 32, 48, 64))
+    return [count for count in steps if count < probes] + [probes]
+
+
+def probes_of(manifest):
+    """(name, position) of the probes of a dataset."""
+    manifest = pathlib.Path(manifest)
+    path = manifest / "lightfield.json" if manifest.is_dir() else manifest
+    try:
+        probes = json.loads(path.read_text())["probes"]
+        return [(probe["name"], tuple(probe["position"])) for probe in probes]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise Refused(f"{path}: this is no lightfield.json: {error}") from error
+
+
+def held_out(probes, wanted):
+    """Names of the probes that are left out in turn: those that are wanted, all of up to four, else the most central."""
+    names = [name for name, _ in probes]
+    for name in wanted:
+        if name not in names:
+            raise Refused(f"there is no probe {name}; there are {', '.join(names)}")
+    if wanted or len(names) <= 4:
+        return wanted or names
+    middle = [mean(position[axis] for _, position in probes) for axis in range(3)]
+    return [min(probes, key=lambda probe: math.dist(probe[1], middle))[0]]
+
+
+def corners(region):
+    """Eight positions around the middle of a region."""
+    middle, reach = region
+    signs = itertools.product((-1, 1), repeat=3)
+    return [tuple(at + sign * far for at, sign, far in zip(middle, corner, reach)) for corner in signs]
+
+
+def line(start, end, poses):
+    """(part of the way, position) of poses from one point to another, both included."""
+    parts = [at / (poses - 1) for at in range(poses)]
+    return [(part, tuple(a + part * (b - a) for a, b in zip(start, end))) for part in parts]
+
+
+def write_cameras(path, named):
+    """A file of cameras of (name, position)."""
+    cameras = [{"name": name, "position": list(position)} for name, position in named]
+    path.write_text(json.dumps({"lightfold_cameras": 1, "cameras": cameras}))
+
+
+def measure_dataset(binary, renderer, manifest, work, wanted, frames):
+    """Leaves one probe out at a time; answers rows."""
+    probes = probes_of(manifest)
+    if len(probes) < 2:
+        raise Refused(f"{manifest}: it has one probe; one to leave out and one to render from were expected")
+    left_out = held_out(probes, wanted)
+    container = work / "field.lfold"
+    lf.run_json(binary, "encode", manifest, "--frames", frames, "-o", container, "--json")
+    rows = []
+    for probe in left_out:
+        case = Case(container, pathlib.Path(manifest), probe, (probe,), frames)
+        rows += renderer.rows("left out", probe, case, maps=work / "errors")
+        rows += with_and_without_effects(renderer, probe, case, rows)
+    central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
+    rows += by_views(renderer, central, len(probes) - 1)
+    return rows
+
+
+def measure_scene(binary, renderer, scene, work, settings):
+    """Captures a scene from eight corners and from poses on the way between two of them; answers rows."""
+    around = corners(settings.region)
+    poses = line(around[0], around[-1], settings.poses)
+    named = {f"pose_{at:02}": part for at, (part, _) in enumerate(poses)}
+    write_cameras(work / "probes.json", [(f"{at:02}", position) for at, position in enumerate(around)])
+    write_cameras(work / "poses.json", zip(named, (position for _, position in poses)))
+    options = ["--frames", "0", "--size", settings.size, "--samples", settings.samples, "--aov", "depth,material"]
+    for name in ("probes", "poses"):
+        lf.run_json(binary, "capture", scene, "--cameras", work / f"{name}.json", *options, "-o", work / name, "--json")
+    container = work / "field.lfold"
+    lf.run_json(binary, "encode", work / "probes", "-o", container, "--json")
+    rows = []
+    for name, part in named.items():
+        rows += renderer.rows("by pose", part, Case(container, work / "poses", name))
+    middle = Case(container, work / "poses", list(named)[settings.poses // 2])
+    both = renderer.rows("midway", "all", middle, maps=work / "errors")
+    rows += both + with_and_without_effects(renderer, "midway", middle, both)
+    return rows + by_views(renderer, middle, len(around))
+
+
+def by_views(renderer, case, probes):
+    """Rows by the number of active views, the nearest first (CALF figure 9)."""
+    return [row for count in counts_of_views(probes) for row in renderer.rows("by views", count, case, "--views", count)]
+
+
+def with_and_without_effects(renderer, place, case, known):
+    """Rows with mirrors and glass, and with views blended there (CALF figure 12); none where there are neither."""
+    if all(row.psnr_db_mirrors is None and row.psnr_db_glass is None for row in known):
+        return []
+    blended = lf.run_json(*renderer.command(case, "march", "--effects", "none"))
+    rows = renderer.rows("effects", place, case)
+    return rows + [row_of("effects", place, "ours, without effects", blended)]

@@ -1,0 +1,136 @@
+"""How scripts/reconstruction-quality shows what it measured: Markdown, CSV, and charts as SVG."""
+
+import csv
+import dataclasses
+import io
+import math
+import xml.sax.saxutils
+
+import lightfold_runs as lf
+
+TITLES = {
+    "left out": "A probe that is left out, rendered from the others",
+    "midway": "Midway between probes",
+    "by pose": "By pose on the way from one probe to another (0 and 1 are probes; CALF figure 11)",
+    "by views": "By the number of active views (CALF figure 9)",
+    "effects": "With and without effects, inside mirrors and glass (CALF figure 12)",
+}
+PLACES = {"left out": "probe", "midway": "probes", "by pose": "way", "by views": "views", "effects": "place"}
+COLORS = {"points": "#b25d00", "ceiling": "#767676", "ours": "#0067b1", "ours, without effects": "#8a4fae"}
+DASHES = {"points": "2 3", "ceiling": "8 4", "ours": "", "ours, without effects": "10 3 2 3"}
+
+
+def decibels(value):
+    return "" if value is None else "exact" if math.isinf(value) else f"{value:.2f}"
+
+
+def place_in_words(place):
+    return f"{place:.3f}" if isinstance(place, float) else str(place)
+
+
+def tables(rows):
+    """(title, Markdown) of each table that has rows."""
+    found = []
+    for name, title in TITLES.items():
+        of_table = [row for row in rows if row.table == name]
+        if not of_table:
+            continue
+        methods = list(dict.fromkeys(row.method for row in of_table))
+        places = list(dict.fromkeys(row.place for row in of_table))
+        cell = {(row.place, row.method): row for row in of_table}
+        if name == "effects":
+            head = ["place", "method", "all dB", "mirrors dB", "glass dB"]
+            lines = [[row.place, row.method, decibels(row.psnr_db), decibels(row.psnr_db_mirrors),
+                      decibels(row.psnr_db_glass)] for row in of_table]
+        else:
+            head = [PLACES[name], *(f"{method} dB" for method in methods), *(f"{method} SSIM" for method in methods),
+                    *(f"{method} holes %" for method in methods)]
+            ssim = lambda row: "" if row.ssim is None else f"{row.ssim:.4f}"
+            lines = [
+                [place_in_words(place), *(decibels(cell[place, method].psnr_db) for method in methods),
+                 *(ssim(cell[place, method]) for method in methods),
+                 *(f"{cell[place, method].hole_percent:.2f}" for method in methods)]
+                for place in places
+            ]
+        found.append((title, lf.table(head, lines)))
+    return found
+
+
+def to_csv(rows):
+    """All figures, a line for each row."""
+    text = io.StringIO()
+    names = list(dataclasses.asdict(rows[0])) if rows else []
+    writer = csv.DictWriter(text, names, lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: "" if value is None else value for name, value in dataclasses.asdict(row).items()})
+    return text.getvalue()
+
+
+def ticks(least, most, about=6):
+    """Round numbers between two, both of which lie within."""
+    step = 10 ** math.floor(math.log10(max(most - least, 1e-9) / about))
+    step *= next(factor for factor in (1, 2, 5, 10) if (most - least) / (step * factor) <= about)
+    first, last = math.floor(least / step), math.ceil(most / step)
+    return [at * step for at in range(first, max(last, first + 1) + 1)]
+
+
+def chart(title, label, rows):
+    """PSNR of each method by place, as the text of an SVG file; none where there are fewer than two places."""
+    rows = [row for row in rows if row.psnr_db is not None and math.isfinite(row.psnr_db)]
+    places = sorted({row.place for row in rows})
+    if len(places) < 2:
+        return None
+    wide, high, left, right, top, bottom = 760, 460, 64, 150, 40, 52
+    across = ticks(places[0], places[-1])
+    across = [at for at in across if places[0] <= at <= places[-1]] or places
+    up = ticks(min(row.psnr_db for row in rows), max(row.psnr_db for row in rows))
+    x = lambda at: left + (wide - left - right) * (at - places[0]) / (places[-1] - places[0])
+    y = lambda at: high - bottom - (high - top - bottom) * (at - up[0]) / (up[-1] - up[0])
+    escape = xml.sax.saxutils.escape
+    text = lambda at_x, at_y, words, more="": f'<text x="{at_x:.1f}" y="{at_y:.1f}"{more}>{escape(words)}</text>'
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{wide}" height="{high}" viewBox="0 0 {wide} {high}" '
+        'font-family="DejaVu Sans, sans-serif" font-size="12">',
+        f'<rect width="{wide}" height="{high}" fill="white"/>',
+        text(left, 24, title, ' font-size="14"'),
+    ]
+    for at in up:
+        parts.append(f'<line x1="{left}" x2="{wide - right}" y1="{y(at):.1f}" y2="{y(at):.1f}" stroke="#d9d9d9"/>')
+        parts.append(text(left - 8, y(at) + 4, f"{at:g}", ' text-anchor="end"'))
+    for at in across:
+        parts.append(text(x(at), high - bottom + 18, f"{at:g}", ' text-anchor="middle"'))
+    parts.append(text((left + wide - right) / 2, high - 12, label, ' text-anchor="middle"'))
+    parts.append(text(14, (top + high - bottom) / 2, "PSNR (dB)",
+                      f' text-anchor="middle" transform="rotate(-90 14 {(top + high - bottom) / 2:.1f})"'))
+    for at, method in enumerate(dict.fromkeys(row.method for row in rows)):
+        points = sorted((row.place, row.psnr_db) for row in rows if row.method == method)
+        color, dash = COLORS.get(method, "black"), DASHES.get(method, "")
+        way = " ".join(f"{x(place):.1f},{y(value):.1f}" for place, value in points)
+        parts.append(f'<polyline points="{way}" fill="none" stroke="{color}" stroke-width="2" stroke-dasharray="{dash}"/>')
+        parts += [f'<circle cx="{x(place):.1f}" cy="{y(value):.1f}" r="3" fill="{color}"/>' for place, value in points]
+        beside = top + 18 * at + 8
+        parts.append(f'<line x1="{wide - right + 12}" x2="{wide - right + 42}" y1="{beside}" y2="{beside}" '
+                     f'stroke="{color}" stroke-width="2" stroke-dasharray="{dash}"/>')
+        parts.append(text(wide - right + 48, beside + 4, method))
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def write(folder, name, rows, command):
+    """report.md, figures.csv and charts; answers the report."""
+    charts = []
+    for table, file, label in (("by views", "by_views.svg", "active views"), ("by pose", "by_pose.svg", "way between two probes")):
+        of_table = [row for row in rows if row.table == table]
+        drawn = chart(f"{name}: PSNR by {label}", label, of_table)
+        if drawn:
+            (folder / file).write_text(drawn)
+            charts.append(file)
+    (folder / "figures.csv").write_text(to_csv(rows))
+    sections = [f"## {title}\n\n{table}\n" for title, table in tables(rows)]
+    shown = "".join(f"![]({file})\n" for file in charts)
+    about = ("PSNR is the mean over images, of 8-bit codes; holes count as black. Points: every texel drawn as a point of one "
+             "pixel. Ceiling: true distances instead of marching, the same interpolation. Pictures of where errors lie are "
+             "in errors/.\n")
+    report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])
+    (folder / "report.md").write_text(report)
+    return report

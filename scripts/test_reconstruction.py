@@ -1,0 +1,197 @@
+"""Tests of scripts/reconstruction-quality: python3 -m unittest discover -s scripts"""
+
+import contextlib
+import csv
+import importlib.machinery
+import importlib.util
+import io
+import json
+import math
+import pathlib
+import stat
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import xml.etree.ElementTree
+
+import reconstruction_quality as rq
+import reconstruction_report as rr
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+# Answers as lightfold would, and notes what it was called with.
+STUB = """#!{python}
+import json, sys
+words = sys.argv[1:]
+open({log!r}, "a").write(json.dumps(words) + "\\n")
+value = lambda name: words[words.index(name) + 1] if name in words else None
+if words[0] == "render":
+    db = {{"splat": 20.0, "reproject": 30.0, "march": 28.0}}[value("--method")]
+    db += float(value("--views") or 0) / 10 - (3 if value("--effects") == "none" else 0)
+    image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5}}
+    exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5}}
+    images = [image, exact] if value("--reference-probe") == "exact" else [image, image]
+    reference = {{"images": images, "method": value("--method")}}
+    if {material}:
+        reference.update(psnr_db_mirrors=db - 5, psnr_db_glass=db - 8)
+    print(json.dumps({{"reference": reference, "pacing": {{"render_ms": {{"mean_ms": 2.0}}}}}}))
+else:
+    print(json.dumps({{"bytes": 1}}))
+"""
+
+
+def script():
+    """The script itself, as a module."""
+    loader = importlib.machinery.SourceFileLoader("reconstruction", str(HERE / "reconstruction-quality"))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("reconstruction", loader))
+    with unittest.mock.patch.object(sys, "dont_write_bytecode", True):
+        loader.exec_module(module)
+    return module
+
+
+class Stubbed(unittest.TestCase):
+    """A folder with a program that stands for lightfold."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.work = pathlib.Path(folder.name)
+        self.program = self.work / "lightfold"
+
+    def stub(self, material):
+        self.log = self.work / "log"
+        self.program.write_text(STUB.format(python=sys.executable, log=str(self.log), material=material))
+        self.program.chmod(self.program.stat().st_mode | stat.S_IXUSR)
+        return str(self.program)
+
+    def commands(self):
+        return [json.loads(line) for line in self.log.read_text().splitlines()]
+
+    def dataset(self, names):
+        probes = [{"name": name, "position": [at, 0, 0]} for at, name in enumerate(names)]
+        (self.work / "lightfield.json").write_text(json.dumps({"probes": probes}))
+        return self.work / "lightfield.json"
+
+
+class DatasetTest(Stubbed):
+    def test_each_of_few_probes_is_left_out_in_turn(self):
+        binary = self.stub(material=False)
+        manifest = self.dataset(["a", "b", "exact"])
+        renderer = rq.Renderer(binary, ["--steps", "64"])
+        rows = rq.measure_dataset(binary, renderer, manifest, self.work, [], "0")
+        out = [(row.place, row.method, row.psnr_db) for row in rows if row.table == "left out"]
+        self.assertEqual(out[:3], [("a", "points", 20.0), ("a", "ceiling", 30.0), ("a", "ours", 28.0)])
+        self.assertEqual(out[6:], [("exact", "points", math.inf), ("exact", "ceiling", math.inf), ("exact", "ours", math.inf)])
+        self.assertEqual([row.place for row in rows if row.table == "by views" and row.method == "ours"], [1, 2])
+        self.assertFalse([row for row in rows if row.table == "effects"])
+        encode, *renders = self.commands()
+        self.assertEqual(encode[:2], ["encode", str(manifest)])
+        for words in renders:
+            left_out = words[words.index("--reference-probe") + 1]
+            self.assertEqual(words[words.index("--exclude-probe") + 1], left_out)
+            self.assertEqual(words[words.index("--steps") + 1], "64")
+
+    def test_mirrors_and_glass_are_rendered_with_effects_and_without(self):
+        binary = self.stub(material=True)
+        rows = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "b"]), self.work, ["b"], "0")
+        effects = {row.method: (row.psnr_db_mirrors, row.psnr_db_glass) for row in rows if row.table == "effects"}
+        self.assertEqual(effects["ours"], (23.0, 20.0))
+        self.assertEqual(effects["ours, without effects"], (20.0, 17.0))
+
+    def test_many_probes_leave_out_the_most_central_one(self):
+        probes = [(str(at), (at, 0, 0)) for at in range(9)]
+        self.assertEqual(rq.held_out(probes, []), ["4"])
+        self.assertEqual(rq.held_out(probes, ["7", "1"]), ["7", "1"])
+        self.assertEqual(rq.held_out(probes[:4], []), ["0", "1", "2", "3"])
+        with self.assertRaisesRegex(rq.Refused, "no probe z"):
+            rq.held_out(probes, ["z"])
+
+    def test_what_is_no_dataset_is_refused(self):
+        binary = self.stub(material=False)
+        (self.work / "lightfield.json").write_text("[]")
+        with self.assertRaisesRegex(rq.Refused, "no lightfield.json"):
+            rq.measure_dataset(binary, rq.Renderer(binary, []), self.work, self.work, [], "0")
+        self.dataset(["only"])
+        with self.assertRaisesRegex(rq.Refused, "one probe"):
+            rq.measure_dataset(binary, rq.Renderer(binary, []), self.work, self.work, [], "0")
+
+    def test_a_command_that_fails_ends_it_with_its_words(self):
+        program = self.work / "lightfold"
+        program.write_text("#!/bin/sh\necho it is broken >&2\nexit 2\n")
+        program.chmod(0o755)
+        renderer = rq.Renderer(str(program), [])
+        with self.assertRaisesRegex(SystemExit, "it is broken"):
+            renderer.rows("left out", "a", rq.Case(self.work, self.work, "a"))
+
+
+class SceneTest(Stubbed):
+    def test_a_scene_is_captured_from_corners_and_on_the_way_between_two(self):
+        binary = self.stub(material=True)
+        module = script()
+        output = self.work / "out"
+        with unittest.mock.patch.object(module.lf, "build", lambda: binary), contextlib.redirect_stdout(io.StringIO()) as told, \
+                contextlib.redirect_stderr(io.StringIO()):
+            module.main(["mirrors", "--size", "32", "--poses", "5", "-o", str(output), "--", "--refine", "4"])
+        commands = self.commands()
+        self.assertEqual([words[0] for words in commands[:3]], ["capture", "capture", "encode"])
+        cameras = json.loads((output / "mirrors" / "probes.json").read_text())["cameras"]
+        self.assertEqual(len(cameras), 8)
+        poses = json.loads((output / "mirrors" / "poses.json").read_text())["cameras"]
+        self.assertEqual((poses[0]["position"], poses[-1]["position"]), (cameras[0]["position"], cameras[-1]["position"]))
+        for found, wanted in zip(poses[2]["position"], rq.REGIONS["mirrors"][0]):
+            self.assertAlmostEqual(found, wanted)
+        self.assertTrue(all(words[-2:] == ["--refine", "4"] or "--refine" in words for words in commands[3:]))
+        report = told.getvalue()
+        for title in ("Midway", "By pose", "By the number", "With and without effects"):
+            self.assertIn(title, report)
+        rows = list(csv.DictReader(io.StringIO((output / "mirrors" / "figures.csv").read_text())))
+        self.assertEqual({row["table"] for row in rows}, {"midway", "by pose", "by views", "effects"})
+        for name in ("by_views.svg", "by_pose.svg"):
+            xml.etree.ElementTree.parse(output / "mirrors" / name)
+
+    def test_a_scene_of_ones_own_needs_a_place_for_its_probes(self):
+        module = script()
+        with self.assertRaisesRegex(rq.Refused, "--centre"):
+            module.main(["room.glb"])
+        options = module.arguments(["a/room.glb", "--centre", "1,2,3"])
+        self.assertEqual(module.settings_of("a/room.glb", options).region, ((1, 2, 3), (0.3, 0.3, 0.3)))
+        self.assertEqual(module.settings_of("x/sponza.glb", module.arguments(["a"])).region, rq.REGIONS["sponza.glb"])
+        with contextlib.redirect_stderr(io.StringIO()), self.assertRaises(SystemExit):
+            module.arguments(["a", "--poses", "4"])
+
+
+class ReportTest(unittest.TestCase):
+    def rows(self, places):
+        return [rq.Row("by views", place, method, 20.0 + place, None, 1.0) for place in places for method in ("points", "ours")]
+
+    def test_views_are_tried_one_by_one_and_then_fewer(self):
+        self.assertEqual(rq.counts_of_views(1), [1])
+        self.assertEqual(rq.counts_of_views(8), list(range(1, 9)))
+        self.assertEqual(rq.counts_of_views(20), [*range(1, 9), 12, 16, 20])
+
+    def test_ticks_are_round_and_enclose_what_is_shown(self):
+        for least, most in ((0, 1), (20.03, 20.9), (1, 8), (-3, 250), (5, 5)):
+            found = rr.ticks(least, most)
+            self.assertTrue(found[0] <= least and found[-1] >= most and 2 <= len(found) <= 9, found)
+
+    def test_charts_are_well_formed_and_hold_every_point(self):
+        drawn = rr.chart("PSNR <by> views & more", "views", self.rows([1, 2, 4]))
+        root = xml.etree.ElementTree.fromstring(drawn)
+        circles = [(float(e.get("cx")), float(e.get("cy"))) for e in root.iter() if e.tag.endswith("circle")]
+        self.assertEqual(len(circles), 6)
+        self.assertTrue(all(0 < x < 760 and 0 < y < 460 for x, y in circles))
+        self.assertIsNone(rr.chart("one place", "views", self.rows([1])))
+        exact = [rq.Row("by pose", 0.0, "ours", math.inf, None, 0.0), rq.Row("by pose", 1.0, "ours", 30.0, None, 0.0)]
+        self.assertIsNone(rr.chart("an exact picture has no place", "way", exact))
+
+    def test_tables_have_all_methods_side_by_side(self):
+        [(title, table)] = rr.tables(self.rows([1, 2]))
+        self.assertIn("figure 9", title)
+        self.assertEqual(table.splitlines()[0], "| views | points dB | ours dB | points SSIM | ours SSIM | points holes % | ours holes % |")
+        self.assertEqual(table.splitlines()[2], "| 1 | 21.00 | 21.00 |  |  | 1.00 | 1.00 |")
+        self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,")
+
+
+if __name__ == "__main__":
+    unittest.main()

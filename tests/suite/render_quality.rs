@@ -1,0 +1,241 @@
+//! Quality of rendered pictures that may not get worse: tests/baselines/render.csv, one row for each set and method.
+//!
+//! A probe of each set is left out and rendered from the others. `cargo test --test suite render_quality::write_baselines --
+//! --ignored` writes the file anew, for a change that means to.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use lightfold::container::Reader;
+use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
+use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::image::plane::DepthPlane;
+use lightfold::image::{Face, FrameRange};
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels};
+use lightfold::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
+use lightfold::reconstruct::path::Shot;
+use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
+use lightfold::reconstruct::player::ProbeChoice;
+use lightfold::reconstruct::reference::{Reference, ReferenceImage};
+use lightfold::reconstruct::render::Rendered;
+use lightfold::reconstruct::similarity::Similarity;
+use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
+use lightfold::video::decode::Decoder;
+use lightfold::video::encode::{EncodeSettings, encode};
+
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/render.csv");
+const HEAD: &str = "set,probe,method,psnr_db,ssim,hole_percent";
+/// Logarithms of other processors may turn a ray or two; in dB, and in parts of a hundred of holes.
+const SLACK: f64 = 0.02;
+
+/// Ways to a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Method {
+    March,
+    Splat,
+    Reproject,
+}
+
+const METHODS: [(&str, Method); 3] =
+    [("march", Method::March), ("splat", Method::Splat), ("reproject", Method::Reproject)];
+
+/// What makes pictures by a method; reprojection takes a true distance for each pixel.
+fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> Box<dyn Renderer> {
+    let options = PictureOptions { size, ..PictureOptions::default() };
+    match method {
+        Method::March => Box::new(CpuRenderer { options }),
+        Method::Splat => Box::new(SplatRenderer { options }),
+        Method::Reproject => Box::new(ReprojectRenderer { options, distances_m: distance_m.into_iter().collect() }),
+    }
+}
+
+/// How far the pictures of a method are from the images of one probe in frame 0.
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    set: String,
+    probe: String,
+    method: &'static str,
+    psnr_db: f64,
+    ssim: f64,
+    hole_percent: f64,
+}
+
+impl Row {
+    fn line(&self) -> String {
+        let Row { set, probe, method, psnr_db, ssim, hole_percent } = self;
+        format!("{set},{probe},{method},{psnr_db:.3},{ssim:.4},{hole_percent:.3}")
+    }
+}
+
+/// A container of frame 0 with usual settings.
+fn encoded(folder: &Path) -> Decoder {
+    let options = SourceOptions { frames: Some(FrameRange { first: 0, last: 0 }), ..SourceOptions::default() };
+    let source = Source::open(folder, &options).unwrap();
+    let (bytes, _) = encode(&source, &EncodeSettings::default(), Vec::new(), &Silent).unwrap();
+    Decoder::new(Reader::from_memory(bytes).unwrap()).unwrap()
+}
+
+fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut dyn Renderer) -> Rendered {
+    let shot = Shot { frame: 0, cameras: vec![image.camera] };
+    playback.show(&shot, renderer, &Silent).unwrap().pictures.remove(0)
+}
+
+fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
+    let decoder = encoded(folder);
+    let mut reference = Reference::open(folder).unwrap();
+    let images = reference.images().to_vec();
+    let mut rows = Vec::new();
+    for (name, method) in METHODS {
+        let probes = ProbeChoice { without: vec![probe.into()], ..ProbeChoice::default() };
+        let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
+        let tone = playback.player().field().coding.tone();
+        let mut sum = Similarity::empty();
+        for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
+            let truth = reference.truth(at, 0).unwrap();
+            let mut by = renderer(method, image.size, truth.distance_m.clone());
+            let rendered = picture(&mut playback, image, by.as_mut());
+            sum.merge(&Similarity::of(&rendered, &truth, tone).unwrap()).unwrap();
+        }
+        assert_eq!(sum.images, 6);
+        rows.push(Row {
+            set: set.into(),
+            probe: probe.into(),
+            method: name,
+            psnr_db: sum.mean_psnr_db(),
+            ssim: sum.ssim().unwrap(),
+            hole_percent: sum.hole_percent(),
+        });
+    }
+    rows
+}
+
+/// A probe in the middle of what a scene keeps free, and eight in its corners.
+fn capture(kind: DemoKind, face_size: u32, folder: &Path) {
+    let mut plan = FootagePlan { kind, frames: 1, face_size, probes: 1 }.capture().unwrap();
+    let (middle, reach) = DemoScene::new(kind).probe_region();
+    let offsets = (0..8u32).map(|corner| [0, 1, 2].map(|axis| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }));
+    let at = |offset: [f64; 3]| PlacedCamera::at((middle + glam::DVec3::from_array(offset) * reach).to_array());
+    plan.cameras = CameraSet::new(std::iter::once([0.0; 3]).chain(offsets).map(at).collect());
+    if kind == DemoKind::Mirrors {
+        plan.passes.push(Pass::Material);
+    }
+    plan.write(&Scene::Procedural(DemoScene::new(kind)), folder, Kept::None, &Silent).unwrap();
+}
+
+fn of_scene(kind: DemoKind) -> Vec<Row> {
+    let folder = tempfile::tempdir().unwrap();
+    capture(kind, 64, folder.path());
+    measure(kind.name(), folder.path(), "00")
+}
+
+fn scenes() -> Vec<Row> {
+    [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Mirrors].into_iter().flat_map(of_scene).collect()
+}
+
+#[cfg(footage_at_hand)]
+fn shared() -> Vec<Row> {
+    let data = PathBuf::from(env!("LIGHTFOLD_DATA"));
+    [("sponza9", "00"), ("glass", "00")]
+        .into_iter()
+        .flat_map(|(set, probe)| measure(set, &data.join(set), probe))
+        .collect()
+}
+
+#[cfg(not(footage_at_hand))]
+fn shared() -> Vec<Row> {
+    let _: Option<PathBuf> = None;
+    Vec::new()
+}
+
+fn check(rows: &[Row]) {
+    let text = std::fs::read_to_string(FILE).unwrap();
+    assert_eq!(text.lines().next(), Some(HEAD));
+    for row in rows {
+        println!("{}", row.line());
+        let key = format!("{},{},{},", row.set, row.probe, row.method);
+        let line = text.lines().find(|line| line.starts_with(&key)).unwrap_or_else(|| panic!("{key} has no baseline"));
+        let numbers: Vec<f64> = line[key.len()..].split(',').map(|number| number.parse().unwrap()).collect();
+        assert!(row.psnr_db >= numbers[0] - SLACK, "{key} {} dB are less than {}", row.psnr_db, numbers[0]);
+        assert!(row.ssim >= numbers[1] - 0.001, "{key} an SSIM of {} is less than {}", row.ssim, numbers[1]);
+        assert!(
+            row.hole_percent <= numbers[2] + SLACK,
+            "{key} {}% holes are more than {}",
+            row.hole_percent,
+            numbers[2]
+        );
+    }
+}
+
+/// PSNR of a method in a set.
+fn psnr(rows: &[Row], set: &str, method: &str) -> f64 {
+    rows.iter().find(|row| row.set == set && row.method == method).unwrap().psnr_db
+}
+
+#[test]
+fn pictures_of_scenes_are_no_worse_and_better_than_points() {
+    let rows = scenes();
+    check(&rows);
+    for kind in [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Mirrors] {
+        let [march, splat, best] = ["march", "splat", "reproject"].map(|method| psnr(&rows, kind.name(), method));
+        assert!(march >= splat + 2.0, "{}: {march} dB by marching, {splat} dB by points", kind.name());
+        // What a mirror shows is not where its surface is.
+        assert!(march <= best + 0.5 || kind == DemoKind::Mirrors, "{}: {march} dB, {best} dB at best", kind.name());
+    }
+}
+
+#[test]
+#[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+fn pictures_of_real_footage_are_no_worse_and_good_enough() {
+    let rows = shared();
+    assert_eq!(rows.len(), 6);
+    check(&rows);
+    let [march, splat] = ["march", "splat"].map(|method| psnr(&rows, "sponza9", method));
+    assert!(march >= 30.0 && march >= splat + 2.0, "{march} dB by marching, {splat} dB by points");
+}
+
+#[test]
+fn a_probe_that_takes_part_comes_back_code_by_code() {
+    let folder = tempfile::tempdir().unwrap();
+    capture(DemoKind::Courtyard, 24, folder.path());
+    let decoder = encoded(folder.path());
+    let mut reference = Reference::open(folder.path()).unwrap();
+    let images = reference.images().to_vec();
+    let probes = ProbeChoice { only: vec!["03".into()], ..ProbeChoice::default() };
+    let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
+    for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "03") {
+        for (name, method) in METHODS {
+            let distance_m = reference.truth(at, 0).unwrap().distance_m;
+            let rendered = picture(&mut playback, image, renderer(method, image.size, distance_m).as_mut());
+            let field = playback.player().field();
+            let ColorCoding::Codes(tone) = field.coding else { panic!("8-bit colour was asked for") };
+            let Some(ColorTexels::Codes(texels)) = field.views[0].faces[image.face as usize].as_ref().map(|f| &f.color)
+            else {
+                panic!("8-bit colour was asked for")
+            };
+            let codes: Vec<[u8; 4]> = rendered
+                .color
+                .data()
+                .iter()
+                .map(|light| {
+                    let [r, g, b] = light.map(|light| tone.code(light));
+                    [r, g, b, 0]
+                })
+                .collect();
+            assert!(rendered.alpha.data().iter().all(|alpha| *alpha == 1.0), "{name} {}", image.face.name());
+            let wrong = codes.iter().zip(texels).filter(|(a, b)| a != b).count();
+            assert_eq!(wrong, 0, "{name} {}", image.face.name());
+            assert!(image.face != Face::View);
+        }
+    }
+}
+
+#[test]
+#[ignore = "writes tests/baselines"]
+fn write_baselines() {
+    let mut text = format!("{HEAD}\n");
+    for row in scenes().iter().chain(&shared()) {
+        writeln!(text, "{}", row.line()).unwrap();
+    }
+    std::fs::write(FILE, text).unwrap();
+}
