@@ -92,30 +92,27 @@ fn divide(next: Pending) -> vec3<f32> {
         return whole;
     }
     let material = towards(seen, cosine);
-    let hidden_m = HIDDEN_TEXELS * front.texel_m;
+    var exits: array<Exit, MAX_INSIDE>;
+    if (next.share * material.refract >= LEAST_SHARE) {
+        exits = pass_through(Ray(next.point, next.direction), front, material.ior);
+    }
+    // What is refracted, and last what is reflected. In one loop, as drivers write functions out wherever they are called.
     var light = vec3(0.0);
     var left = next.share;
-    if (next.share * material.refract >= LEAST_SHARE) {
-        var exits = pass_through(Ray(next.point, next.direction), front, material.ior);
-        for (var at = 0u; at < MAX_INSIDE; at++) {
-            let part = next.share * material.refract * exits[at].part;
-            if (part < LEAST_SHARE) {
-                continue;
-            }
-            let found = follow(exits[at].ray, hidden_m);
-            if (found.kind != FOUND_NOTHING) {
-                light += take(found, exits[at].ray.direction, part, next.bounces);
-                left -= part;
-            }
-        }
-    }
-    let part = next.share * material.reflect;
-    if (part >= LEAST_SHARE) {
+    for (var at = 0u; at <= MAX_INSIDE; at++) {
         let origin = next.point + LIFT_TEXELS * front.texel_m * front.normal;
-        let direction = reflect(next.direction, front.normal);
-        let found = follow(Ray(origin, direction), hidden_m);
+        var ray = Ray(origin, reflect(next.direction, front.normal));
+        var part = next.share * material.reflect;
+        if (at < MAX_INSIDE) {
+            ray = exits[at].ray;
+            part = next.share * material.refract * exits[at].part;
+        }
+        if (part < LEAST_SHARE) {
+            continue;
+        }
+        let found = follow(ray, HIDDEN_TEXELS * front.texel_m);
         if (found.kind != FOUND_NOTHING) {
-            light += take(found, direction, part, next.bounces);
+            light += take(found, ray.direction, part, next.bounces);
             left -= part;
         }
     }
