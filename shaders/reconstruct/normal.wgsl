@@ -193,13 +193,11 @@ fn fit_around(face: u32, texel: vec2<u32>) -> Fit {
     if (texel_around(around, 0, 0) < 0.0) {
         return NO_FIT;
     }
-    let wide = bent(around, 2);
-    if (wide.found) {
-        return wide;
-    }
-    let narrow = bent(around, 1);
-    if (narrow.found) {
-        return narrow;
+    for (var reach = 2; reach >= 1; reach--) {
+        let fit = bent(around, reach);
+        if (fit.found) {
+            return fit;
+        }
     }
     return flat_fit(around);
 }

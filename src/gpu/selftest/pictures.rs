@@ -193,7 +193,7 @@ impl Captured {
         let views = places.iter().enumerate().map(|(at, &place)| {
             let turn = DQuat::from_rotation_y(0.1 * at as f64 - 0.35) * DQuat::from_rotation_z(0.05 * at as f64);
             let size = [FACE + 3 * at as u32, FACE - at as u32];
-            let window = Window::Picture(size, [20.0, 21.0, size[0] as f64 * 0.45, size[1] as f64 * 0.55]);
+            let window = Window::Picture(size, [20.0, 21.0, f64::from(size[0]) * 0.45, f64::from(size[1]) * 0.55]);
             self.view((at, place, Some(turn)), &[(Face::View, window)], coding)
         });
         self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, self.middle)
@@ -301,7 +301,7 @@ fn hide(field: &mut LightField) {
             let Some(texels) = texels else { continue };
             let width = texels.size[0] as usize;
             for (texel, depth) in texels.inverse_depth.iter_mut().enumerate() {
-                if (texel % width / 16 + texel / width / 16 + at + face) % 3 == 0 {
+                if (texel % width / 16 + texel / width / 16 + at + face).is_multiple_of(3) {
                     *depth = UNKNOWN;
                 }
             }
