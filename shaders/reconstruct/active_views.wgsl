@@ -32,18 +32,26 @@ fn evidence(view: u32, point: vec3<f32>) -> u32 {
         // The centre itself has no direction.
         return select(NOT_KNOWN, OPEN, near && squared <= MIN_POSITIVE);
     }
+    // Within near it is so even where no texel was decoded.
+    if (near) {
+        return OPEN;
+    }
     let surface = nearest_inverse_depth(at);
     if (surface == UNKNOWN) {
         return NOT_KNOWN;
     }
-    return select(BEHIND, OPEN, near || bitcast<f32>(surface) < at.inverse_depth);
+    return select(BEHIND, OPEN, bitcast<f32>(surface) < at.inverse_depth);
+}
+
+// The view that is asked in this turn: that of `open_view` has changed places with the first.
+fn view_of_turn(turn: u32) -> u32 {
+    return select(select(turn, 0u, turn == open_view), open_view, turn == 0u);
 }
 
 fn is_surface(point: vec3<f32>) -> bool {
     var behind = false;
     for (var turn = 0u; turn < scene.view_count; turn++) {
-        // The view of `open_view` changes places with the first.
-        let view = select(select(turn, 0u, turn == open_view), open_view, turn == 0u);
+        let view = view_of_turn(turn);
         let says = evidence(view, point);
         if (says == OPEN) {
             open_view = view;

@@ -26,6 +26,10 @@ struct Scene {
     log_step: f32,
     // Rows of this dispatch.
     rows: u32,
+    // Rows of texels of the pyramid of an image: the power of two that its rows fit into.
+    pyramid_rows: u32,
+    // Points of a segment at most, a power of two; 1 where every point is looked at.
+    longest_segment: u32,
     spare: u32,
 }
 
@@ -37,9 +41,10 @@ struct View {
     turn_x: vec3<f32>,
     camera_weight: f32,
     turn_y: vec3<f32>,
-    spare: u32,
+    // Of all texels, or more than that.
+    greatest_inverse_depth: f32,
     turn_z: vec3<f32>,
-    more: u32,
+    spare: u32,
     // Rows of `faces`, or NO_FACE.
     faces: array<u32, 8>,
 }
@@ -52,6 +57,11 @@ struct Face {
     has_material: u32,
     width: u32,
     height: u32,
+    // Where its pyramid begins, in the same layer of other textures, and how many levels it has; 0: it proves nothing.
+    pyramid_column: u32,
+    pyramid_row: u32,
+    levels: u32,
+    spare: u32,
     scale: vec2<f32>,
     centre: vec2<f32>,
 }

@@ -15,6 +15,9 @@ use crate::cli::output::OutputFile;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::gpu::render::RenderCost;
+use crate::gpu::render::playback::DeviceRenderer;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
@@ -135,8 +138,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = takes.iter().map(|take| take.shot.cameras.len() as u64).sum();
     let progress = Progress::start(global, "rendering", count)?;
+    let gpu = args.open_device(global)?;
     let start = Instant::now();
-    let mut method = args.method(takes.first().map_or([1, 1], |take| take.size));
+    let mut method = args.method(gpu.as_ref());
     for take in &takes {
         let renderer = method.prepare(take, &mut truth)?;
         let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
@@ -170,7 +174,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         pictures: count,
         seconds,
         bytes_out: bytes,
-        device: "cpu".to_owned(),
+        device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
+        gpu_cost: method.gpu_cost(),
         truth: truth.as_ref(),
     };
     report.print(global)?;
@@ -182,19 +187,24 @@ fn pixels(size: [u32; 2]) -> u64 {
 }
 
 /// What makes pictures.
-enum Method {
+enum Method<'g> {
     March(CpuRenderer),
+    Device(Box<DeviceRenderer<'g>>),
     Splat(SplatRenderer),
     Reproject(ReprojectRenderer),
 }
 
-impl Method {
+impl Method<'_> {
     /// The renderer of a take's pictures.
     fn prepare(&mut self, take: &Take, truth: &mut Option<truth::TruthRun>) -> Result<&mut dyn Renderer> {
         match self {
             Method::March(renderer) => {
                 renderer.options.size = take.size;
                 Ok(renderer)
+            }
+            Method::Device(renderer) => {
+                renderer.options.size = take.size;
+                Ok(renderer.as_mut())
             }
             Method::Splat(renderer) => {
                 renderer.options.size = take.size;
@@ -209,6 +219,14 @@ impl Method {
             }
         }
     }
+
+    /// What a graphics device has cost, where one renders.
+    fn gpu_cost(&self) -> Option<RenderCost> {
+        match self {
+            Method::Device(renderer) => Some(renderer.cost()),
+            _ => None,
+        }
+    }
 }
 
 impl Args {
@@ -218,7 +236,8 @@ impl Args {
         {
             return Err(Error::Usage(format!("rays from {near} m to {far} m: --near below --far was expected")));
         }
-        if self.march.method != MethodArg::March && self.device.is_some_and(|device| device != DeviceArg::Cpu) {
+        let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
+        if self.march.method != MethodArg::March && on_device {
             return Err(Error::Usage(format!(
                 "--method {} is there to be compared with, and runs on the CPU: leave out --device",
                 self.march.method.name()
@@ -254,10 +273,21 @@ impl Args {
         }
     }
 
-    fn picture_options(&self, size: [u32; 2]) -> PictureOptions {
+    /// The graphics device that renders, none where the CPU does.
+    fn open_device(&self, global: &GlobalArgs) -> Result<Option<Gpu>> {
+        // Who names a device wants it.
+        let choice = match (self.device, self.gpu.gpu_index) {
+            (None, Some(_)) => DeviceArg::Gpu,
+            (choice, _) => choice.unwrap_or(DeviceArg::Cpu),
+        };
+        self.gpu.open(choice, global)
+    }
+
+    /// How pictures are made; each take has a size of its own.
+    fn picture_options(&self) -> PictureOptions {
         let march = &self.march;
         PictureOptions {
-            size,
+            size: [1, 1],
             steps: march.steps,
             refine: march.refine,
             near_m: march.near.map(|metres| metres as f32),
@@ -270,10 +300,13 @@ impl Args {
         }
     }
 
-    fn method(&self, size: [u32; 2]) -> Method {
-        let options = self.picture_options(size);
+    fn method<'g>(&self, gpu: Option<&'g Gpu>) -> Method<'g> {
+        let options = self.picture_options();
         match self.march.method {
-            MethodArg::March => Method::March(CpuRenderer { options }),
+            MethodArg::March => match gpu {
+                Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options))),
+                None => Method::March(CpuRenderer { options }),
+            },
             MethodArg::Splat => Method::Splat(SplatRenderer { options }),
             MethodArg::Reproject => Method::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() }),
         }

@@ -297,21 +297,32 @@ pub static BC7: Kernel = Kernel {
     workgroup: 64,
 };
 
+const VIEWS: ShaderFile = file!("reconstruct/layout.wgsl");
+const LIGHT_FIELD: ShaderFile = file!("reconstruct/light_field.wgsl");
+const ACTIVE_VIEWS: ShaderFile = file!("reconstruct/active_views.wgsl");
+const COUNTERS: ShaderFile = file!("reconstruct/counters.wgsl");
+const RAY: ShaderFile = file!("reconstruct/ray.wgsl");
+const PYRAMID: ShaderFile = file!("reconstruct/pyramid.wgsl");
+const INTERPOLATE: ShaderFile = file!("reconstruct/interpolate.wgsl");
+const LIGHT: ShaderFile = file!("reconstruct/light.wgsl");
+const DIFFUSE: ShaderFile = file!("reconstruct/diffuse.wgsl");
+const PICTURE: ShaderFile = file!("reconstruct/render.wgsl");
+
 /// Pictures from any eye: every point of a ray is looked at, and neither mirrors nor glass send rays on.
 pub static RENDER: Kernel = Kernel {
     name: "render",
     entry: "render",
     files: &[
-        file!("reconstruct/layout.wgsl"),
-        file!("reconstruct/light_field.wgsl"),
-        file!("reconstruct/active_views.wgsl"),
-        file!("reconstruct/counters.wgsl"),
-        file!("reconstruct/ray.wgsl"),
+        VIEWS,
+        LIGHT_FIELD,
+        ACTIVE_VIEWS,
+        COUNTERS,
+        RAY,
         file!("reconstruct/march.wgsl"),
-        file!("reconstruct/interpolate.wgsl"),
-        file!("reconstruct/light.wgsl"),
-        file!("reconstruct/diffuse.wgsl"),
-        file!("reconstruct/render.wgsl"),
+        INTERPOLATE,
+        LIGHT,
+        DIFFUSE,
+        PICTURE,
     ],
     bindings: &[
         Read("scene"),
@@ -326,8 +337,27 @@ pub static RENDER: Kernel = Kernel {
     workgroup: 64,
 };
 
+/// The same, where segments that a view proves to be empty are passed over.
+pub static RENDER_PYRAMID: Kernel = Kernel {
+    name: "render-pyramid",
+    entry: "render",
+    files: &[VIEWS, LIGHT_FIELD, ACTIVE_VIEWS, COUNTERS, RAY, PYRAMID, INTERPOLATE, LIGHT, DIFFUSE, PICTURE],
+    bindings: &[
+        Read("scene"),
+        Read("views"),
+        Read("faces"),
+        Read("distances_m"),
+        WordTexels("inverse_depths"),
+        FloatTexels("colors"),
+        Write("pixels"),
+        Write("counts"),
+        WordTexels("pyramids"),
+    ],
+    workgroup: 64,
+};
+
 /// All kernels.
-pub static KERNELS: [&Kernel; 18] = [
+pub static KERNELS: [&Kernel; 19] = [
     &NODES,
     &BOXES_CODES,
     &BOXES_MATERIAL,
@@ -346,4 +376,5 @@ pub static KERNELS: [&Kernel; 18] = [
     &BC6H,
     &BC7,
     &RENDER,
+    &RENDER_PYRAMID,
 ];

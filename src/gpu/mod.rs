@@ -21,3 +21,4 @@ pub mod verify;
 pub use decode::GpuDecoder;
 pub use device::{DeviceChoice, DeviceInfo, Gpu, Pick};
 pub use render::GpuRenderer;
+pub use render::playback::DeviceRenderer;

@@ -7,6 +7,8 @@
 //! Colours and hits are those of the CPU but for the rounding of single floats, in which devices differ: a ray that
 //! grazes a surface may pass it on one and not on the other.
 
+pub mod agreement;
+pub mod playback;
 pub mod scene;
 pub mod texels;
 
@@ -24,7 +26,7 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::light_field::LightField;
-use crate::reconstruct::render::{RenderSettings, Rendered};
+use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
@@ -93,8 +95,11 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// The kernel that renders with these settings.
-    pub fn kernel(_views: &ActiveViews<'_>, _settings: &RenderSettings) -> &'static Kernel {
-        &kernels::RENDER
+    pub fn kernel(_views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
+        match settings.acceleration {
+            Acceleration::None => &kernels::RENDER,
+            Acceleration::Pyramid => &kernels::RENDER_PYRAMID,
+        }
     }
 
     /// Brings the texels of these views onto the device, as [`GpuRenderer::render`] does if it was not done before.
@@ -122,7 +127,7 @@ impl<'a> GpuRenderer<'a> {
         monitor.check()?;
         self.bring(views)?;
         let place = |at: usize, face: usize| self.texels.origin((views.views[at].view.probe, face));
-        let words = scene::words(views, camera, settings, place);
+        let words = scene::words(views, camera, settings, self.texels.pyramid_rows(), place);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
         let mut start = Instant::now();
@@ -164,21 +169,19 @@ impl<'a> GpuRenderer<'a> {
         let distances_m = filled("distances_m", &words.distances_m, 1)?;
         let pixels = gpu.buffer("pixels", 4 * width as usize * height as usize, none)?;
         let counts = gpu.buffer("counts", count_words([width, height]), none)?;
-        let textures = self.texels.views().unwrap_or_default();
+        let textures = self.texels.views();
         let pipeline = gpu.pipeline(kernel)?;
-        let resources = kernel.bindings.iter().filter_map(|binding| {
-            let texture = |at: usize| textures[at].as_ref().map(wgpu::BindingResource::TextureView);
-            match binding.name() {
-                "scene" => Some(scene.as_entire_binding()),
-                "views" => Some(views.as_entire_binding()),
-                "faces" => Some(faces.as_entire_binding()),
-                "distances_m" => Some(distances_m.as_entire_binding()),
-                "inverse_depths" => texture(0),
-                "colors" => texture(1),
-                "materials" => texture(2),
-                "pixels" => Some(pixels.as_entire_binding()),
-                _ => Some(counts.as_entire_binding()),
-            }
+        let resources = kernel.bindings.iter().filter_map(|binding| match binding.name() {
+            "scene" => Some(scene.as_entire_binding()),
+            "views" => Some(views.as_entire_binding()),
+            "faces" => Some(faces.as_entire_binding()),
+            "distances_m" => Some(distances_m.as_entire_binding()),
+            "inverse_depths" => textures.first().map(wgpu::BindingResource::TextureView),
+            "colors" => textures.get(1).map(wgpu::BindingResource::TextureView),
+            "pyramids" => textures.get(2).map(wgpu::BindingResource::TextureView),
+            "materials" => textures.get(3).map(wgpu::BindingResource::TextureView),
+            "pixels" => Some(pixels.as_entire_binding()),
+            _ => Some(counts.as_entire_binding()),
         });
         let group = gpu.guard(kernel.name, || gpu.bind_resources(&pipeline, resources))?;
         Ok(Target { scene, pixels, counts, group })

@@ -4,6 +4,7 @@ mod blocks;
 mod boxes;
 mod cells;
 mod nodes;
+pub mod pictures;
 mod plans;
 pub mod streams;
 
@@ -13,6 +14,8 @@ use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::{self, Case, Clock};
 use crate::gpu::kernels::{self, Kernel};
+
+use Inputs::Words;
 
 /// The seed of the inputs where none is given.
 pub const SEED: u64 = 1;
@@ -24,29 +27,40 @@ const CLOCK: Clock = Clock::Milliseconds(200);
 pub struct Row {
     /// The kernel.
     pub kernel: &'static Kernel,
-    /// Makes its cases from a seed; the last one is what is timed.
-    pub cases: fn(u64) -> Vec<Case>,
+    /// What it is given.
+    pub inputs: Inputs,
+}
+
+/// What a kernel is given.
+#[derive(Debug)]
+pub enum Inputs {
+    /// Words, with those that must come of them; made from a seed. The last case is what is timed.
+    Words(fn(u64) -> Vec<Case>),
+    /// Light fields and cameras, whose pictures must be nearly those of the CPU.
+    Pictures,
 }
 
 /// Inputs of all kernels.
 pub static ROWS: &[Row] = &[
-    Row { kernel: &kernels::NODES, cases: nodes::cases },
-    Row { kernel: &kernels::BOXES_CODES, cases: boxes::cases::<u16, Values> },
-    Row { kernel: &kernels::BOXES_MATERIAL, cases: boxes::cases::<[u8; 3], Values> },
-    Row { kernel: &kernels::CELLS_8, cases: cells::bytes },
-    Row { kernel: &kernels::CELLS_HALF, cases: cells::halves },
-    Row { kernel: &kernels::BOXES_BC5, cases: boxes::cases::<u16, Pieces> },
-    Row { kernel: &kernels::BOXES_BC1, cases: boxes::cases::<[u8; 3], Pieces> },
-    Row { kernel: &kernels::CELLS_BC1, cases: cells::bc1 },
-    Row { kernel: &kernels::CELLS_BC7, cases: cells::bc7 },
-    Row { kernel: &kernels::CELLS_BC6H, cases: cells::bc6h },
-    Row { kernel: &kernels::PLAN_RECORDS, cases: plans::records },
-    Row { kernel: &kernels::PLAN_CELLS, cases: plans::cells },
-    Row { kernel: &kernels::BC1, cases: blocks::bc1 },
-    Row { kernel: &kernels::BC4, cases: blocks::bc4 },
-    Row { kernel: &kernels::BC5, cases: blocks::bc5 },
-    Row { kernel: &kernels::BC6H, cases: blocks::bc6h },
-    Row { kernel: &kernels::BC7, cases: blocks::bc7 },
+    Row { kernel: &kernels::NODES, inputs: Words(nodes::cases) },
+    Row { kernel: &kernels::BOXES_CODES, inputs: Words(boxes::cases::<u16, Values>) },
+    Row { kernel: &kernels::BOXES_MATERIAL, inputs: Words(boxes::cases::<[u8; 3], Values>) },
+    Row { kernel: &kernels::CELLS_8, inputs: Words(cells::bytes) },
+    Row { kernel: &kernels::CELLS_HALF, inputs: Words(cells::halves) },
+    Row { kernel: &kernels::BOXES_BC5, inputs: Words(boxes::cases::<u16, Pieces>) },
+    Row { kernel: &kernels::BOXES_BC1, inputs: Words(boxes::cases::<[u8; 3], Pieces>) },
+    Row { kernel: &kernels::CELLS_BC1, inputs: Words(cells::bc1) },
+    Row { kernel: &kernels::CELLS_BC7, inputs: Words(cells::bc7) },
+    Row { kernel: &kernels::CELLS_BC6H, inputs: Words(cells::bc6h) },
+    Row { kernel: &kernels::PLAN_RECORDS, inputs: Words(plans::records) },
+    Row { kernel: &kernels::PLAN_CELLS, inputs: Words(plans::cells) },
+    Row { kernel: &kernels::BC1, inputs: Words(blocks::bc1) },
+    Row { kernel: &kernels::BC4, inputs: Words(blocks::bc4) },
+    Row { kernel: &kernels::BC5, inputs: Words(blocks::bc5) },
+    Row { kernel: &kernels::BC6H, inputs: Words(blocks::bc6h) },
+    Row { kernel: &kernels::BC7, inputs: Words(blocks::bc7) },
+    Row { kernel: &kernels::RENDER, inputs: Inputs::Pictures },
+    Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
 ];
 
 /// What came of a kernel.
@@ -54,9 +68,9 @@ pub static ROWS: &[Row] = &[
 pub struct KernelReport {
     /// Name of the kernel.
     pub name: &'static str,
-    /// Nodes, boxes, cells or blocks that it decoded.
+    /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
     pub inputs: u64,
-    /// Words that differ from the CPU's.
+    /// Words that differ from the CPU's; of pictures, pixels that do so by more than is allowed.
     pub mismatches: u64,
     /// The first of them, in words.
     pub first: Option<String>,
@@ -69,7 +83,10 @@ pub struct KernelReport {
 /// # Errors
 /// The device refuses the work or is lost.
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
-    let cases = (row.cases)(seed);
+    let cases = match row.inputs {
+        Words(cases) => cases(seed),
+        Inputs::Pictures => return pictures::test(gpu, row.kernel),
+    };
     let mut report =
         KernelReport { name: row.kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
     for (at, case) in cases.iter().enumerate() {
@@ -95,7 +112,8 @@ mod tests {
         for kernel in KERNELS {
             let row = ROWS.iter().find(|row| row.kernel.name == kernel.name);
             let row = row.unwrap_or_else(|| panic!("{} has no inputs in selftest", kernel.name));
-            let cases = (row.cases)(SEED);
+            let Words(cases) = row.inputs else { continue };
+            let cases = cases(SEED);
             assert!(cases.len() > 1, "{}", kernel.name);
             for case in cases {
                 assert_eq!(case.buffers.len(), kernel.bindings.len(), "{}: {}", kernel.name, case.label);

@@ -11,6 +11,7 @@ use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
+use crate::reconstruct::key_poses::{self, KeyPose};
 
 /// Larger files are refused before they are parsed.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
@@ -52,6 +53,10 @@ pub struct CameraEntry {
     /// First and last frame in which it looks; all when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
+    /// The frame in which a camera that moves has come here, instead of `frames`: all entries have one, each a greater one
+    /// than the entry before. In between the camera goes straight and turns evenly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
 }
 
 /// A camera, and the frames in which it looks.
@@ -91,6 +96,9 @@ impl CameraFile {
         let cameras = Self::parse(text)?;
         let file: CameraFile =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+        if file.cameras.iter().any(|entry| entry.frame.is_some()) {
+            return Err(Error::invalid("poses with a \"frame\" are of a camera that moves, and a probe stands still"));
+        }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
             orientation: timed.camera.orientation(),
             fov_y_deg: Some(entry.fov_y_deg),
@@ -121,18 +129,33 @@ impl CameraFile {
         let named = |(at, entry): (usize, &CameraEntry)| {
             entry.camera().map_err(|error| Error::invalid(format!("camera {at}: {error}")))
         };
-        file.cameras.iter().enumerate().map(named).collect()
+        let cameras: Vec<TimedCamera> = file.cameras.iter().enumerate().map(named).collect::<Result<_>>()?;
+        if file.cameras.iter().all(|entry| entry.frame.is_none()) {
+            return Ok(cameras);
+        }
+        let pose = |(entry, timed): (&CameraEntry, &TimedCamera)| {
+            let frame = entry.frame.filter(|_| entry.frames.is_none()).ok_or_else(|| {
+                Error::invalid("some cameras have a \"frame\", so all must have one, and none may have \"frames\"")
+            })?;
+            Ok(KeyPose { frame, camera: timed.camera, lens: entry.lens() })
+        };
+        let poses = file.cameras.iter().zip(&cameras).map(pose).collect::<Result<Vec<_>>>()?;
+        key_poses::path(&poses)
     }
 }
 
 impl CameraEntry {
-    fn camera(&self) -> Result<TimedCamera> {
-        let lens = Lens {
+    fn lens(&self) -> Lens {
+        Lens {
             fov_y_deg: self.fov_y_deg,
             aspect: self.aspect.unwrap_or(1.0),
             near_m: self.near_m.unwrap_or(0.0),
             far_m: self.far_m.unwrap_or(f64::INFINITY),
-        };
+        }
+    }
+
+    fn camera(&self) -> Result<TimedCamera> {
+        let lens = self.lens();
         let eye = DVec3::from_array(self.eye);
         let camera = match (self.look_at, self.orientation, self.up) {
             (Some(target), None, up) => {
@@ -171,6 +194,25 @@ mod tests {
         assert_eq!(cameras[0].frames, Some(FrameRange { first: 2, last: 4 }));
         assert_eq!(cameras[1].frames, None);
         assert_ne!(cameras[2].camera, cameras[0].camera);
+    }
+
+    #[test]
+    fn poses_of_a_camera_that_moves_are_a_camera_for_each_frame() {
+        let pose =
+            |x: f64, keys: &str| format!(r#"{{ "eye": [{x}, 0, 0], "look_at": [{x}, 0, -1], "fov_y_deg": 60{keys} }}"#);
+        let file = |poses: &[String]| format!(r#"{{ "cameras": [{}] }}"#, poses.join(", "));
+        let text = file(&[pose(0.0, r#", "frame": 3"#), pose(4.0, r#", "frame": 5"#)]);
+        let cameras = CameraFile::parse(text.as_bytes()).unwrap();
+        let seen = cameras.iter().map(|timed| (timed.frames.unwrap().first, timed.camera.eye().x));
+        assert_eq!(seen.collect::<Vec<_>>(), [(3, 0.0), (4, 2.0), (5, 4.0)]);
+        assert!(CameraFile::as_probes(text.as_bytes()).unwrap_err().to_string().contains("stands still"));
+        for (second, words) in
+            [("", "all must have"), (r#", "frame": 3"#, "greater"), (r#", "frame": 5, "frames": [5, 5]"#, "none may")]
+        {
+            let text = file(&[pose(0.0, r#", "frame": 3"#), pose(4.0, second)]);
+            let said = CameraFile::parse(text.as_bytes()).unwrap_err().to_string();
+            assert!(said.contains(words), "{second}: {said}");
+        }
     }
 
     #[test]

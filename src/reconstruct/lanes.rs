@@ -10,6 +10,8 @@ pub(crate) const ALL: u32 = 0b1111;
 
 /// Single precision has whole numbers only from here on.
 const WHOLE: f32 = 8_388_608.0;
+/// The bits of a number from there on that are its lower part.
+const BITS: u32 = 0x7f_ffff;
 
 /// Points of four rays.
 #[derive(Debug, Clone, Copy)]
@@ -29,22 +31,27 @@ pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
 }
 
 /// The whole numbers of lanes that are whole, at least 0 and below 2²³.
+#[inline(always)]
 pub(crate) fn to_whole(lanes: Lanes) -> [u32; 4] {
-    (lanes + WHOLE).to_array().map(|lane| lane.to_bits() & 0x7f_ffff)
+    let [a, b, c, d] = (lanes + WHOLE).to_array();
+    [a.to_bits() & BITS, b.to_bits() & BITS, c.to_bits() & BITS, d.to_bits() & BITS]
 }
 
 /// Lanes of at least 0 and below 2²² without what follows the point.
+#[inline(always)]
 pub(crate) fn cut(lanes: Lanes) -> Lanes {
     let nearest = (lanes + WHOLE) - WHOLE;
     nearest - Lanes::select(nearest.cmpgt(lanes), Lanes::ONE, Lanes::ZERO)
 }
 
 /// Either of two by a mask.
+#[inline(always)]
 pub(crate) fn either(mask: BVec4A, yes: Lanes, no: Lanes) -> Lanes {
     Lanes::select(mask, yes, no)
 }
 
 /// The natural logarithm of normal numbers above 0, to a millionth.
+#[inline(always)]
 pub(crate) fn ln(lanes: Lanes) -> Lanes {
     // Each is 2^exponent · part, with a part from √½ to √2.
     const ROOT_OF_HALF: u32 = 0x3f35_04f3;

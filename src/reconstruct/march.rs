@@ -57,6 +57,13 @@ impl Steps {
     }
 }
 
+impl Steps {
+    /// How far, in the logarithm of the distance, a hit may be from its surface: a step where hits are not refined.
+    pub fn unsure(&self) -> f32 {
+        if self.refine == 0 { self.log_step() } else { 0.0 }
+    }
+}
+
 /// The distance in metres at which a ray meets a surface, if it does: every point is looked at.
 pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
     let mut before_m = 0.0;

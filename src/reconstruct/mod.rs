@@ -5,17 +5,23 @@
 //! ends, `interpolate` what colour is there).
 
 pub mod active_views;
+#[cfg(test)]
+mod agreement;
 pub mod camera_file;
 pub mod counters;
 pub mod face_image;
 pub mod interpolate;
+pub mod key_poses;
 mod lanes;
 pub mod light_field;
+pub(crate) mod made;
 pub mod march;
 pub mod methods;
 pub mod pacing;
 mod packet;
+mod packet_color;
 mod packet_march;
+mod packet_render;
 pub mod path;
 pub mod performance;
 pub mod playback;

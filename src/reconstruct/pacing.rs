@@ -41,3 +41,20 @@ pub struct FramePacing {
     /// The pictures.
     pub render: Pacing,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_are_times_of_frames() {
+        assert_eq!(Pacing::of(&[]), Pacing::default());
+        let one = Pacing::of(&[3.0]);
+        assert_eq!([one.mean_ms, one.p50_ms, one.p95_ms, one.max_ms], [3.0; 4]);
+        let times: Vec<f64> = (0..100).map(|at| f64::from(at * 37 % 100 + 1)).collect();
+        let pacing = Pacing::of(&times);
+        assert_eq!([pacing.mean_ms, pacing.p50_ms, pacing.p95_ms, pacing.max_ms], [50.5, 50.0, 95.0, 100.0]);
+        let few = Pacing::of(&[4.0, 1.0, 2.0]);
+        assert_eq!([few.p50_ms, few.p95_ms], [2.0, 4.0]);
+    }
+}

@@ -6,7 +6,7 @@ use glam::Vec4;
 use crate::image::cube::Face;
 use crate::reconstruct::active_views::{ActiveView, ActiveViews};
 use crate::reconstruct::lanes::{ALL, Lanes, Points, cut, either, lanes_of, to_whole};
-use crate::reconstruct::light_field::{FaceTexels, UNKNOWN};
+use crate::reconstruct::light_field::{ColorCoding, FaceTexels, UNKNOWN};
 use crate::reconstruct::pyramid::{LEAST_M, ROUNDING, SURELY_BELOW_ONE};
 
 /// The numbers that map a plane at depth 1 to an image.
@@ -20,19 +20,61 @@ struct Map {
 /// An active view, laid out flat.
 #[derive(Debug)]
 pub(crate) struct PacketView<'a> {
-    /// Columns of the turn into its axes.
-    turn: [[f32; 3]; 3],
-    from_eye: [f32; 3],
+    /// Columns of the turn into its axes, each number in all lanes.
+    turn: [[Lanes; 3]; 3],
+    from_eye: [Lanes; 3],
     reach_m: f32,
+    near_m: Lanes,
     near_squared: f32,
     greatest_inverse_depth: f32,
     is_view: bool,
+    /// Whether the number of every texel in its image is below 2²³.
+    are_small: bool,
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
-    depth: [&'a [f32]; 7],
-    width: [u32; 7],
+    /// Eight, so that any three bits are the number of one.
+    pub(crate) depth: [&'a [f32]; 8],
+    pub(crate) width: [u32; 8],
     maps: [Map; 7],
     /// Where all its images are mapped alike.
     alike: Option<Map>,
+}
+
+/// Numbers of faces, a byte for each lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Faces(u32);
+
+impl Faces {
+    /// A byte of 1 for every bit.
+    const SPREAD: [u32; 16] = {
+        let mut spread = [0; 16];
+        let mut bits = 0;
+        while bits < 16 {
+            spread[bits] = (bits & 1 | (bits & 2) << 7 | (bits & 4) << 14 | (bits & 8) << 21) as u32;
+            bits += 1;
+        }
+        spread
+    };
+
+    const VIEW: Faces = Faces(0x0606_0606);
+
+    /// Of cubes: lanes whose way leads mainly along x, or y, and those where it leads to the negative side.
+    #[inline(always)]
+    fn of_cube(is_x: u32, is_y: u32, negative: u32) -> Faces {
+        let spread = |bits: u32| Faces::SPREAD[(bits & ALL) as usize];
+        Faces(0x0404_0404 - 4 * spread(is_x) - 2 * spread(is_y) + spread(negative))
+    }
+
+    /// The number of the face of all lanes, where it is one.
+    #[inline(always)]
+    fn only(self) -> Option<usize> {
+        (self.0 == (self.0 & 7) * 0x0101_0101).then_some((self.0 & 7) as usize)
+    }
+
+    /// The number of a lane's face.
+    #[inline(always)]
+    pub(crate) fn of(self, lane: usize) -> usize {
+        (self.0 >> (8 * lane) & 7) as usize
+    }
 }
 
 /// Where four points lie in the images of a view.
@@ -40,10 +82,10 @@ pub(crate) struct PacketView<'a> {
 pub(crate) struct Places {
     /// Lanes that lie in an image, as bits. Of others, nothing else is known.
     pub(crate) exist: u32,
-    pub(crate) face: [usize; 4],
+    pub(crate) face: Faces,
     plane: [Lanes; 2],
-    planar_m: Lanes,
-    pub(crate) inverse_depth: Lanes,
+    pub(crate) planar_m: Lanes,
+    inverse_depth: Lanes,
     /// Column and row, in texels.
     pub(crate) at: [Lanes; 2],
     /// Columns and rows of the images.
@@ -66,24 +108,28 @@ impl<'a> PacketView<'a> {
             None => Map { size: [1.0; 2], scale: [0.0; 2], centre: [0.0; 2] },
         };
         let mut all = faces.iter().flatten().map(|&face| map(Some(face)));
+        let of = |at: usize| faces.get(at).copied().flatten();
         let first = all.next();
         let alike = first.filter(|first| all.all(|map| map == *first));
         PacketView {
-            turn: active.probe_from_world.to_cols_array_2d(),
-            from_eye: active.from_eye.to_array(),
+            turn: active.probe_from_world.to_cols_array_2d().map(|column| column.map(Lanes::splat)),
+            from_eye: active.from_eye.to_array().map(Lanes::splat),
             reach_m: active.from_eye.abs().max_element(),
+            near_m: Lanes::splat(active.view.near_m),
             near_squared: active.view.near_m * active.view.near_m,
             greatest_inverse_depth: active.greatest_inverse_depth,
+            are_small: faces.iter().flatten().all(|face| face.inverse_depth.len() <= 1 << 23),
             is_view: faces[Face::View as usize].is_some(),
             faces,
-            depth: faces.map(|face| face.map_or(&[][..], |face| &face.inverse_depth)),
-            width: faces.map(|face| face.map_or(1, |face| face.size[0])),
+            depth: std::array::from_fn(|at| of(at).map_or(&[][..], |face| &face.inverse_depth)),
+            width: std::array::from_fn(|at| of(at).map_or(1, |face| face.size[0])),
             maps: faces.map(map),
             alike,
         }
     }
 
     /// The ways from the viewpoint to points.
+    #[inline(always)]
     pub(crate) fn local(&self, points: &Points) -> Points {
         let x = points.x - self.from_eye[0];
         let y = points.y - self.from_eye[1];
@@ -97,25 +143,28 @@ impl<'a> PacketView<'a> {
     }
 
     /// Where ways from the viewpoint lead to.
+    #[inline(always)]
     pub(crate) fn places(&self, local: &Points) -> Places {
         if self.is_view { self.places_in_view(local) } else { self.places_in_cube(local) }
     }
 
+    #[inline(always)]
     fn places_in_view(&self, local: &Points) -> Places {
-        let face = Face::View as usize;
+        let face = Faces::VIEW;
         let planar_m = -local.z;
         let inverse_depth = planar_m.recip();
         let plane = [local.x * inverse_depth, -local.y * inverse_depth];
-        let [size, scale, centre] = self.mapping(&[face; 4]);
+        let [size, scale, centre] = self.mapping(Faces::VIEW);
         let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
         let mut exist = inverse_depth.cmpgt(Lanes::ZERO) & inverse_depth.cmplt(Lanes::INFINITY);
         for axis in 0..2 {
             exist &= at[axis].cmpge(Lanes::ZERO) & at[axis].cmplt(size[axis]);
         }
         let exist = exist.bitmask();
-        Places { exist, face: [face; 4], plane, planar_m, inverse_depth, at, size, scale }
+        Places { exist, face, plane, planar_m, inverse_depth, at, size, scale }
     }
 
+    #[inline(always)]
     fn places_in_cube(&self, local: &Points) -> Places {
         let Points { x, y, z } = *local;
         let (wide, high, deep) = (x.abs(), y.abs(), z.abs());
@@ -130,53 +179,66 @@ impl<'a> PacketView<'a> {
             either(is_x, -(z * sign), either(is_y, x, x * sign)) * inverse_depth,
             either(is_y, z * sign, -y) * inverse_depth,
         ];
-        let (x_bits, y_bits, behind_bits) = (is_x.bitmask(), is_y.bitmask(), behind.bitmask());
-        let face = [0, 1, 2, 3].map(|lane| {
-            let bit = |bits: u32| (bits >> lane & 1) as usize;
-            4 - 4 * bit(x_bits) - 2 * bit(y_bits) + bit(behind_bits)
-        });
-        let [size, scale, centre] = self.mapping(&face);
+        let face = Faces::of_cube(is_x.bitmask(), is_y.bitmask(), behind.bitmask());
+        let [size, scale, centre] = self.mapping(face);
         let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
         let exist = inverse_depth.cmplt(Lanes::INFINITY).bitmask();
         Places { exist, face, plane, planar_m, inverse_depth, at, size, scale }
     }
 
-    fn mapping(&self, face: &[usize; 4]) -> [[Lanes; 2]; 3] {
-        if let Some(map) = self.alike {
-            return [map.size, map.scale, map.centre].map(|two| two.map(Lanes::splat));
+    #[inline(always)]
+    fn mapping(&self, face: Faces) -> [[Lanes; 2]; 3] {
+        if let Some(Map { size, scale, centre }) = self.alike {
+            let splat = |two: [f32; 2]| [Lanes::splat(two[0]), Lanes::splat(two[1])];
+            return [splat(size), splat(scale), splat(centre)];
         }
+        self.mapping_of_each(face)
+    }
+
+    #[cold]
+    fn mapping_of_each(&self, face: Faces) -> [[Lanes; 2]; 3] {
         let each = |part: fn(&Map) -> [f32; 2]| {
-            [0, 1].map(|axis| Lanes::from_array(face.map(|face| part(&self.maps[face])[axis])))
+            [0, 1].map(|axis| Lanes::from_array(std::array::from_fn(|lane| part(&self.maps[face.of(lane)])[axis])))
         };
         [each(|map| map.size), each(|map| map.scale), each(|map| map.centre)]
     }
 
     /// Inverse depths of the texels that points fall into.
+    #[inline(always)]
     fn nearest(&self, places: &Places) -> Lanes {
-        let [column, row] = [0, 1].map(|axis| {
-            let within = places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0);
-            to_whole(cut(within))
-        });
-        Lanes::from_array(std::array::from_fn(|lane| {
-            let face = places.face[lane];
-            let at = row[lane] as usize * self.width[face] as usize + column[lane] as usize;
-            self.depth[face].get(at).copied().unwrap_or(UNKNOWN)
-        }))
+        let within = |axis: usize| cut(places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0));
+        let (column, row) = (within(0), within(1));
+        let at = if self.are_small {
+            to_whole(row * places.size[0] + column).map(|at| at as usize)
+        } else {
+            let (column, row) = (to_whole(column), to_whole(row));
+            std::array::from_fn(|lane| {
+                row[lane] as usize * self.width[places.face.of(lane)] as usize + column[lane] as usize
+            })
+        };
+        let texel = |depth: &[f32], lane: usize| depth.get(at[lane]).copied().unwrap_or(UNKNOWN);
+        if let Some(face) = places.face.only() {
+            let depth = self.depth[face];
+            return Lanes::new(texel(depth, 0), texel(depth, 1), texel(depth, 2), texel(depth, 3));
+        }
+        let each = |lane| texel(self.depth[places.face.of(lane)], lane);
+        Lanes::new(each(0), each(1), each(2), each(3))
     }
 
     /// What it says of points, of which it has the ways to them and their places.
+    #[inline(always)]
     pub(crate) fn answers(&self, local: &Points, places: &Places) -> Answers {
         let surface = self.nearest(places);
-        let square = local.x * local.x + local.y * local.y + local.z * local.z;
-        let near = square.cmplt(Vec4::splat(self.near_squared));
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
-        let before = (near | surface.cmplt(places.inverse_depth)).bitmask();
-        let mut open = known & before;
-        if places.exist != ALL {
-            let centre = (near & square.cmple(Vec4::splat(f32::MIN_POSITIVE))).bitmask();
-            open |= centre & !places.exist;
+        let before = surface.cmplt(places.inverse_depth).bitmask();
+        // No distance is less than the planar depth.
+        if places.planar_m.cmpge(self.near_m).bitmask() == ALL {
+            return Answers { open: known & before, behind: known & !before };
         }
-        Answers { open, behind: known & !before }
+        let square = local.x * local.x + local.y * local.y + local.z * local.z;
+        let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
+        let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
+        Answers { open: known & (near | before) | centre, behind: known & !(near | before) }
     }
 
     /// Lanes, of those asked, of which it proves that all points from one end to the other are open.
@@ -216,9 +278,9 @@ impl<'a> PacketView<'a> {
         let farthest_m = farthest_m.to_array();
         let mut proved = whole;
         for lane in lanes_of(may) {
-            let Some(texels) = self.faces[last.face[lane]] else { continue };
+            let Some(texels) = self.faces[last.face.of(lane)] else { continue };
             let [from, to] = boxes.map(|corner| corner.map(|lanes| lanes[lane]));
-            if first.face[lane] == last.face[lane]
+            if first.face.of(lane) == last.face.of(lane)
                 && texels.greatest_between(from, to) * farthest_m[lane] < SURELY_BELOW_ONE
             {
                 proved |= 1 << lane;
@@ -232,10 +294,15 @@ impl<'a> PacketView<'a> {
 #[derive(Debug)]
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
+    /// Whether colours are codes of 8 bits, and not light.
+    pub(crate) are_codes: bool,
 }
 
 impl<'a> PacketViews<'a> {
     pub(crate) fn new(views: &ActiveViews<'a>) -> PacketViews<'a> {
-        PacketViews { views: views.views.iter().map(PacketView::new).collect() }
+        PacketViews {
+            views: views.views.iter().map(PacketView::new).collect(),
+            are_codes: matches!(views.coding, ColorCoding::Codes(_)),
+        }
     }
 }

@@ -9,6 +9,7 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::reconstruct::march::Steps;
 use crate::reconstruct::packet::PacketViews;
+use crate::reconstruct::pyramid::{Next, Walk};
 use crate::reconstruct::render::Acceleration;
 
 /// Rays from the eye that are marched side by side.
@@ -109,29 +110,36 @@ impl<'a> PacketMarch<'a> {
     }
 
     fn segments(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
-        let count = distances_m.len();
-        let (mut at, mut length, mut hits) = ([0; 4], [count.next_power_of_two(); 4], [None; 4]);
+        let (mut walks, mut hits) = ([Walk::new(0, distances_m.len()); 4], [None; 4]);
         let mut live = packet.rays;
-        while live != 0 {
-            counters.march_steps += u64::from(live.count_ones());
-            let (mut from_m, mut to_m, mut single) = ([0.0; 4], [0.0; 4], 0);
+        loop {
+            let (mut from_m, mut to_m, mut single, mut last) = ([0.0; 4], [0.0; 4], 0, [0; 4]);
             for lane in lanes_of(live) {
-                let last = (at[lane] + length[lane]).min(count) - 1;
-                if last == at[lane] {
-                    length[lane] = 1;
-                    single |= 1 << lane;
+                match walks[lane].next(distances_m.len()) {
+                    Next::Ask(from, to) => {
+                        single |= u32::from(from == to) << lane;
+                        (from_m[lane], to_m[lane], last[lane]) = (distances_m[from], distances_m[to], to);
+                        continue;
+                    }
+                    Next::Hit(at) => hits[lane] = Some(at),
+                    Next::End => {}
                 }
-                (from_m[lane], to_m[lane]) = (distances_m[at[lane]], distances_m[last]);
+                live &= !(1 << lane);
             }
+            if live == 0 {
+                return hits;
+            }
+            counters.march_steps += u64::from(live.count_ones());
             let to_m = Lanes::from_array(to_m);
             let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
-            let (mut left, mut behind) = (live, 0);
+            let (mut left, mut behind, mut past) = (live, 0, 0);
             for rank in 0..self.order.len() {
                 let view = &self.views.views[self.order[rank]];
                 let local = view.local(&to);
                 let places = view.places(&local);
                 let answers = view.answers(&local, &places);
                 behind |= answers.behind;
+                past |= answers.open;
                 // A view that does not see past the last point cannot prove the segment.
                 let mut open = left & single & answers.open;
                 let asked = left & !single & answers.open;
@@ -145,24 +153,14 @@ impl<'a> PacketMarch<'a> {
                 }
             }
             for lane in lanes_of(live) {
-                let bit = 1 << lane;
-                if left & bit == 0 || single & !behind & bit != 0 {
-                    at[lane] += length[lane];
-                    if at[lane] % (2 * length[lane]) == 0 {
-                        length[lane] *= 2;
-                    }
-                    if at[lane] >= count {
-                        live &= !bit;
-                    }
-                } else if single & bit == 0 {
-                    length[lane] /= 2;
+                let bit = |bits: u32| bits >> lane & 1 != 0;
+                if bit(left) {
+                    walks[lane].failed(last[lane], (!bit(past)).then_some(bit(behind)));
                 } else {
-                    hits[lane] = Some(at[lane]);
-                    live &= !bit;
+                    walks[lane].passed();
                 }
             }
         }
-        hits
     }
 
     fn refine(

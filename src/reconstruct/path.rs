@@ -64,3 +64,55 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
     }
     Ok(shots)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::math::Lens;
+
+    fn range(first: u32, last: u32) -> FrameRange {
+        FrameRange { first, last }
+    }
+
+    /// Cameras that stand at x = 0, 1, 2, ….
+    fn cameras(frames: &[Option<FrameRange>]) -> Vec<TimedCamera> {
+        let camera = |(at, &frames): (usize, &Option<FrameRange>)| {
+            let eye = DVec3::X * at as f64;
+            TimedCamera { camera: Camera::look_at(eye, eye + DVec3::Z, DVec3::Y, Lens::new(60.0)).unwrap(), frames }
+        };
+        frames.iter().enumerate().map(camera).collect()
+    }
+
+    /// Frame and camera of each shot.
+    fn of(frames: &[Option<FrameRange>], asked: Option<FrameRange>) -> Vec<(u32, u32)> {
+        let shots = shots(&cameras(frames), asked, range(3, 9)).unwrap();
+        shots.iter().map(|shot| (shot.frame, shot.cameras[0].eye().x as u32)).collect()
+    }
+
+    #[test]
+    fn shots_follow_the_cameras() {
+        let none = None;
+        assert_eq!(of(&[none], None), [(3, 0)]);
+        assert_eq!(of(&[none], Some(range(4, 6))), [(4, 0), (5, 0), (6, 0)]);
+        // Poses: frozen in time, or one a frame.
+        assert_eq!(of(&[none, none], None), [(3, 0), (3, 1)]);
+        assert_eq!(of(&[none, none], Some(range(7, 7))), [(7, 0), (7, 1)]);
+        assert_eq!(of(&[none, none, none], Some(range(4, 6))), [(4, 0), (5, 1), (6, 2)]);
+        // Cameras with frames of their own.
+        let own = [Some(range(5, 6)), Some(range(6, 6)), Some(range(0, 4))];
+        assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
+        assert_eq!(of(&own, Some(range(6, 20))), [(6, 0), (6, 1)]);
+    }
+
+    #[test]
+    fn paths_that_are_not_clear_are_refused() {
+        let said =
+            |frames: &[Option<FrameRange>], asked| shots(&cameras(frames), asked, range(3, 9)).unwrap_err().to_string();
+        assert!(said(&[], None).contains("at least one"));
+        assert!(said(&[None, None], Some(range(3, 5))).contains("2 cameras and 3 frames"));
+        assert!(said(&[None, Some(range(3, 3))], None).contains("none"));
+        assert!(said(&[Some(range(3, 3))], Some(range(4, 5))).contains("4-5"));
+    }
+}

@@ -15,7 +15,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::image::cube::Face;
-use crate::reconstruct::active_views::{ActiveView, ActiveViews};
+use crate::reconstruct::active_views::{ActiveView, ActiveViews, Evidence};
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::light_field::{FaceTexels, UNKNOWN, View, cube_face};
 use crate::reconstruct::march::{self, Ray, Steps};
@@ -190,47 +190,139 @@ pub fn is_segment_open(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> 
     texels.greatest_between(from, to) * farthest_m < SURELY_BELOW_ONE
 }
 
+/// Which points of a ray come next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Walk {
+    /// Number of the first point that is not passed over yet.
+    at: usize,
+    /// How many points are asked about at once.
+    length: usize,
+    /// The last point of which it is known that no view sees past it, and whether one sees a surface before it.
+    blocked: Option<(usize, bool)>,
+}
+
+/// What is known of the points that come next, or what is to be asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// The first point, which is in a surface.
+    Hit(usize),
+    /// From the first to the last point, both included; they may be one.
+    Ask(usize, usize),
+    /// There are no more.
+    End,
+}
+
+impl Walk {
+    /// The walk over `count` points from number `first` on.
+    ///
+    /// It begins with about a quarter of all: the last quarter is rarely reached, and half of all rarely passed at once.
+    pub(crate) fn new(first: usize, count: usize) -> Walk {
+        let length = (count.next_power_of_two() / 4).max(1);
+        let aligned = if first == 0 { length } else { 1 << first.trailing_zeros() };
+        Walk { at: first, length: length.min(aligned), blocked: None }
+    }
+
+    /// What comes next. A segment that ends at a point that no view sees past cannot be open: it is halved unasked.
+    pub(crate) fn next(&mut self, count: usize) -> Next {
+        while self.at < count {
+            let last = (self.at + self.length).min(count) - 1;
+            match self.blocked {
+                Some((blocked, behind)) if blocked == last => {
+                    if last > self.at {
+                        self.length /= 2;
+                    } else if behind {
+                        return Next::Hit(self.at);
+                    } else {
+                        self.length = 1;
+                        self.passed();
+                    }
+                }
+                _ => {
+                    if last == self.at {
+                        self.length = 1;
+                    }
+                    return Next::Ask(self.at, last);
+                }
+            }
+        }
+        Next::End
+    }
+
+    /// The points that were asked about are open.
+    pub(crate) fn passed(&mut self) {
+        self.at += self.length;
+        if self.at.is_multiple_of(2 * self.length) {
+            self.length *= 2;
+        }
+    }
+
+    /// No view proves that the points up to the last are open; where none even sees past the last, `blocked` says
+    /// whether one sees a surface before it.
+    pub(crate) fn failed(&mut self, last: usize, blocked: Option<bool>) {
+        if let Some(behind) = blocked {
+            self.blocked = Some((last, behind));
+        }
+        if last > self.at {
+            self.length /= 2;
+        }
+    }
+}
+
 /// The distance in metres at which a ray meets a surface, if it does: that of [`march::intersect`].
 ///
 /// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves to be open is halved; where
-/// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first.
+/// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first, and only
+/// views that see past the last point of a segment are asked for more.
 pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
+    intersect_from(views, ray, steps, 0, counters)
+}
+
+/// The same from the `first` of the distances on: what is nearer is taken to be open.
+pub fn intersect_from(
+    views: &ActiveViews<'_>,
+    ray: &Ray,
+    steps: &Steps,
+    first: usize,
+    counters: &mut Counters,
+) -> Option<f32> {
     let distances_m = &steps.distances_m[..];
-    let origin = ray.origin.abs().max_element();
-    let direction = ray.direction.abs().max_element();
-    let (mut at, mut length, mut first) = (0, distances_m.len().next_power_of_two(), 0);
-    while at < distances_m.len() {
-        let last = (at + length).min(distances_m.len()) - 1;
-        if last == at {
-            length = 1;
-        }
+    let (origin, direction) = (ray.origin.abs().max_element(), ray.direction.abs().max_element());
+    let (mut walk, mut favourite) = (Walk::new(first, distances_m.len()), 0);
+    loop {
+        let (from, to) = match walk.next(distances_m.len()) {
+            Next::Ask(from, to) => (from, to),
+            Next::Hit(at) => {
+                let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
+                return Some(march::refine(views, ray, [before_m, distances_m[at]], steps.refine, counters));
+            }
+            Next::End => return None,
+        };
         counters.march_steps += 1;
-        let open = if length == 1 {
-            !views.is_surface(ray.at(distances_m[at]))
-        } else {
-            let ends = [ray.at(distances_m[at]), ray.at(distances_m[last])];
-            let reach_m = origin + direction * distances_m[last];
-            let proves = |&view: &usize| is_segment_open(&views.views[view], ends, reach_m);
-            let all = 0..views.views.len();
-            match all.clone().filter(|&view| view == first).chain(all.filter(|&view| view != first)).find(proves) {
-                Some(view) => {
-                    first = view;
-                    true
+        let ends = [from, to].map(|at| ray.at(distances_m[at]));
+        let reach_m = origin + direction * distances_m[to];
+        let (mut sees_past, mut behind) = (false, false);
+        let all = 0..views.views.len();
+        let order = all.clone().filter(|&view| view == favourite).chain(all.filter(|&view| view != favourite));
+        let proves = |&at: &usize| {
+            let view = &views.views[at];
+            match view.evidence(ends[1]) {
+                Evidence::Open => {
+                    sees_past = true;
+                    from == to || is_segment_open(view, ends, reach_m)
                 }
-                None => false,
+                Evidence::Behind => {
+                    behind = true;
+                    false
+                }
+                Evidence::Unknown => false,
             }
         };
-        if open {
-            at += length;
-            if at % (2 * length) == 0 {
-                length *= 2;
+        match { order }.find(proves) {
+            Some(view) => {
+                favourite = view;
+                walk.passed();
             }
-        } else if length > 1 {
-            length /= 2;
-        } else {
-            let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
-            return Some(march::refine(views, ray, [before_m, distances_m[at]], steps.refine, counters));
+            None => walk.failed(to, (!sees_past).then_some(behind)),
         }
     }
-    None
 }

@@ -15,6 +15,7 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::march::{self, Ray, Steps};
+use crate::reconstruct::packet_render::PacketScene;
 use crate::reconstruct::pyramid;
 
 /// A hit is a hole where every texel differs from it by more than this in the logarithm of the distance, beyond what the
@@ -102,6 +103,16 @@ pub enum Outcome {
     Hole(Option<Vec3>),
 }
 
+impl Outcome {
+    /// What views saw of a surface: a hole where nothing fits; `unsure` is how far steps leave open where it is.
+    pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
+        match seen {
+            Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
+            seen => Outcome::Hole(seen.map(|seen| light(&seen))),
+        }
+    }
+}
+
 /// Colour and alpha.
 type Pixel = ([f32; 3], f32);
 
@@ -115,13 +126,51 @@ pub fn render(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let [width, height] = settings.size;
     let weights = camera_weights(views);
+    let scene = PacketScene::new(views, &weights);
+    render_rows((camera, settings), monitor, |directions, counters| {
+        let mut row = scene.row();
+        let of_four = |four: &[Vec3]| {
+            let outcomes = row.outcomes(four, settings, counters);
+            outcomes.into_iter().take(four.len()).map(|(_, outcome)| outcome)
+        };
+        directions.chunks(4).flat_map(of_four).collect()
+    })
+}
+
+/// Renders with every ray by itself, in the plainest form: what [`render`] is measured against.
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn render_plainly(
+    views: &ActiveViews<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    monitor: &dyn Monitor,
+) -> Result<Rendered> {
+    let weights = camera_weights(views);
+    render_rows((camera, settings), monitor, |directions, counters| {
+        let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
+        directions.iter().map(|direction| outcome(views, &weights, &ray(direction), settings, counters)).collect()
+    })
+}
+
+/// Renders with what brings the outcomes of the rays of a row, by their directions.
+fn render_rows(
+    (camera, settings): (&Camera, &RenderSettings),
+    monitor: &dyn Monitor,
+    outcomes: impl Fn(&[Vec3], &mut Counters) -> Vec<Outcome> + Sync,
+) -> Result<Rendered> {
+    let [width, height] = settings.size;
+    let samples = settings.samples.max(1) as usize;
     let row = |y: u32| -> Result<(Vec<Pixel>, Counters)> {
         monitor.check()?;
         let mut counters = Counters::default();
-        let pixels = (0..width).map(|x| pixel(views, &weights, (camera, settings), [x, y], &mut counters)).collect();
-        Ok((pixels, counters))
+        let directions = directions(camera, settings, y);
+        counters.primary_rays += directions.len() as u64;
+        let outcomes = outcomes(&directions, &mut counters);
+        let pixels = outcomes.chunks(samples * samples).map(|of_pixel| pixel(of_pixel, settings.holes, &mut counters));
+        Ok((pixels.collect(), counters))
     };
     let rows: Vec<_> = (0..height).into_par_iter().map(row).collect::<Result<_>>()?;
     let counters = rows.iter().fold(Counters::default(), |sum, (_, counters)| sum.plus(*counters));
@@ -133,30 +182,31 @@ pub fn render(
     })
 }
 
-fn pixel(
-    views: &ActiveViews<'_>,
-    weights: &[f32],
-    (camera, settings): (&Camera, &RenderSettings),
-    [x, y]: [u32; 2],
-    counters: &mut Counters,
-) -> Pixel {
+/// Directions of the rays of a row, pixel by pixel, and in a pixel row by row.
+fn directions(camera: &Camera, settings: &RenderSettings, y: u32) -> Vec<Vec3> {
     let samples = settings.samples.max(1);
-    let (mut color, mut colored, mut seen) = (Vec3::ZERO, 0u32, 0u32);
-    for at in 0..samples * samples {
-        let place = |pixel: u32, sample: u32, size: u32| {
-            (f64::from(pixel) + (f64::from(sample) + 0.5) / f64::from(samples)) / f64::from(size)
-        };
+    let place = |pixel: u32, sample: u32, size: u32| {
+        (f64::from(pixel) + (f64::from(sample) + 0.5) / f64::from(samples)) / f64::from(size)
+    };
+    let direction = |x: u32, at: u32| {
         let window = [place(x, at % samples, settings.size[0]), place(y, at / samples, settings.size[1])];
-        let ray = Ray { origin: Vec3::ZERO, direction: camera.direction(window).as_vec3() };
-        counters.primary_rays += 1;
-        let light = match outcome(views, weights, &ray, settings, counters) {
+        camera.direction(window).as_vec3()
+    };
+    (0..settings.size[0]).flat_map(|x| (0..samples * samples).map(move |at| direction(x, at))).collect()
+}
+
+/// A pixel of what its rays brought.
+fn pixel(outcomes: &[Outcome], holes: HoleFill, counters: &mut Counters) -> Pixel {
+    let (mut color, mut colored, mut seen) = (Vec3::ZERO, 0u32, 0u32);
+    for outcome in outcomes {
+        let light = match *outcome {
             Outcome::Seen(light) => {
                 seen += 1;
                 Some(light)
             }
             Outcome::Hole(nearest) => {
                 counters.hole_rays += 1;
-                nearest.filter(|_| settings.holes == HoleFill::Nearest)
+                nearest.filter(|_| holes == HoleFill::Nearest)
             }
         };
         if let Some(light) = light {
@@ -164,7 +214,7 @@ fn pixel(
             colored += 1;
         }
     }
-    ((color / colored.max(1) as f32).to_array(), seen as f32 / (samples * samples) as f32)
+    ((color / colored.max(1) as f32).to_array(), seen as f32 / outcomes.len() as f32)
 }
 
 fn outcome(
@@ -175,10 +225,7 @@ fn outcome(
     counters: &mut Counters,
 ) -> Outcome {
     match settings.acceleration.intersect(views, ray, &settings.steps, counters) {
-        Some(distance_m) => {
-            let unsure = if settings.steps.refine == 0 { settings.steps.log_step() } else { 0.0 };
-            surface(views, weights, ray.at(distance_m), unsure)
-        }
+        Some(distance_m) => surface(views, weights, ray.at(distance_m), settings.steps.unsure()),
         None => {
             counters.background_rays += 1;
             background(views, weights, ray.direction)
@@ -189,18 +236,13 @@ fn outcome(
 /// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
 /// leave open where.
 pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
-    match surface_color(views, weights, point) {
-        Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(views.coding, &seen)),
-        seen => Outcome::Hole(seen.map(|seen| light(views.coding, &seen))),
-    }
+    Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
 }
 
-/// What a ray brings that meets no surface.
+/// What a ray brings that meets no surface and goes in this direction, of length 1.
 pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
-    match background_color(views, weights, direction) {
-        Some(seen) => Outcome::Seen(light(views.coding, &seen)),
-        None => Outcome::Hole(None),
-    }
+    background_color(views, weights, direction)
+        .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
 }
 
 /// Linear light of what views saw.

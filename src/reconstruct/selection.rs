@@ -201,3 +201,6 @@ fn apart_deg(a: DVec3, b: DVec3) -> f64 {
 fn angle_deg(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b)).to_degrees()
 }
+
+#[cfg(test)]
+mod tests;

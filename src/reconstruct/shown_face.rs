@@ -182,16 +182,16 @@ impl<'a> ShownFace<'a> {
         changes.unchanged = self.wanted - changes.decoded;
         changes.unseen = self.all().map(|units| units.units.len() as u64).sum::<u64>() - self.wanted;
         let mut push = |kind: StreamKind, rects: Vec<Rect>| {
-            changes.rects.extend(joined(rects).into_iter().map(|rect| (kind, rect)));
+            changes.rects.extend(rects.into_iter().map(|rect| (kind, rect)));
         };
-        let depth = self.update_depth(texels);
+        let depth = joined(self.update_depth(texels));
         for &[left, top, width, height] in &depth {
             texels.depth_changed(left..left + width, top..top + height);
         }
         push(StreamKind::Depth, depth);
-        push(StreamKind::Color, update_color(&self.color, texels));
+        push(StreamKind::Color, joined(update_color(&self.color, texels)));
         if let Some(material) = &self.material {
-            push(StreamKind::Material, update_material(material, texels));
+            push(StreamKind::Material, joined(update_material(material, texels)));
         }
         changes
     }

@@ -30,6 +30,8 @@ mod place;
 mod properties;
 mod quadtree;
 mod quality;
+mod render;
+mod render_decode;
 mod render_quality;
 mod resume;
 mod roundtrip;

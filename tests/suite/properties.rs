@@ -316,6 +316,7 @@ proptest! {
             near_m: Some(0.1),
             far_m: None,
             frames: Some([first, first + 3]),
+            frame: None,
         };
         let file = CameraFile { cameras: vec![entry] };
         let text = serde_json::to_string(&file).unwrap();

@@ -7,6 +7,7 @@ use super::truth::TruthRun;
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
+use crate::gpu::render::RenderCost;
 use crate::reconstruct::playback::PlaybackSummary;
 
 /// All that there is to say.
@@ -25,6 +26,8 @@ pub struct Report<'a> {
     pub bytes_out: u64,
     /// What rendered.
     pub device: String,
+    /// What a graphics device has cost, where one rendered.
+    pub gpu_cost: Option<RenderCost>,
     /// The reference.
     pub truth: Option<&'a TruthRun>,
 }
@@ -94,6 +97,15 @@ impl Report<'_> {
             if let (Value::Object(report), Value::Object(more)) = (&mut report, more) {
                 report.extend(more);
             }
+        }
+        if let Some(cost) = self.gpu_cost.filter(|_| self.args.cameras.stats) {
+            let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / summary.shots.max(1) as f64;
+            report["gpu"] = json!({
+                "sending_ms": ms(cost.sending),
+                "marching_ms": ms(cost.marching),
+                "reading_ms": ms(cost.reading),
+                "bytes_sent": cost.bytes_sent,
+            });
         }
         if let Some(truth) = self.truth {
             report["reference"] = truth.json();

@@ -7,10 +7,21 @@ use crate::math::Camera;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::ColorCoding;
-use crate::reconstruct::render::{HOLE_DIFFERENCE, HoleFill, RenderSettings};
+use crate::reconstruct::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
 
-/// Where the texels of an image lie on the device: column and row of the first of them, and the layer.
-pub type Origin = [u32; 3];
+/// Where an image lies on the device.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Origin {
+    /// Column and row of its first texel.
+    pub texels: [u32; 2],
+    /// Column and row at which its pyramid begins, in textures of their own.
+    pub pyramid: [u32; 2],
+    /// The layer of both.
+    pub layer: u32,
+}
+
+/// What stands for the inverse of no distance at all: shaders have no infinity.
+const NO_BOUND: f32 = 1e30;
 
 /// The word of a view that has no image of a face.
 const NO_FACE: u32 = u32::MAX;
@@ -43,6 +54,8 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("max_bounces", 1),
             ("log_step", 1),
             ("rows", 1),
+            ("pyramid_rows", 1),
+            ("longest_segment", 1),
             ("spare", 1),
         ],
     ),
@@ -54,9 +67,9 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("turn_x", 3),
             ("camera_weight", 1),
             ("turn_y", 3),
-            ("spare", 1),
+            ("greatest_inverse_depth", 1),
             ("turn_z", 3),
-            ("more", 1),
+            ("spare", 1),
             ("faces", FACE_WORDS),
         ],
     ),
@@ -69,6 +82,10 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("has_material", 1),
             ("width", 1),
             ("height", 1),
+            ("pyramid_column", 1),
+            ("pyramid_row", 1),
+            ("levels", 1),
+            ("spare", 1),
             ("scale", 2),
             ("centre", 2),
         ],
@@ -88,19 +105,22 @@ pub struct SceneWords {
     pub distances_m: Vec<u32>,
 }
 
-/// The words of a picture; `place` says where the texels of a face of an active view lie.
+/// The words of a picture; `place` says where the image of a face of an active view lies, and `pyramid_rows` is
+/// [`super::texels::DeviceTexels::pyramid_rows`].
 pub fn words(
     views: &ActiveViews<'_>,
     camera: &Camera,
     settings: &RenderSettings,
+    pyramid_rows: u32,
     place: impl Fn(usize, usize) -> Origin,
 ) -> SceneWords {
-    let mut words = SceneWords {
-        scene: scene(views, camera, settings),
-        views: Vec::new(),
-        faces: Vec::new(),
-        distances_m: Vec::new(),
+    let mut scene = scene(views, camera, settings);
+    let longest = match settings.acceleration {
+        Acceleration::None => 1,
+        Acceleration::Pyramid => settings.steps.distances_m.len().next_power_of_two() as u32,
     };
+    scene.extend([pyramid_rows, longest, 0]);
+    let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
     for (at, (active, camera_weight)) in views.views.iter().zip(camera_weights(views)).enumerate() {
@@ -108,7 +128,7 @@ pub fn words(
         for (axis, last) in [
             (active.from_eye, active.view.near_m),
             (turn.x_axis, camera_weight),
-            (turn.y_axis, 0.0),
+            (turn.y_axis, active.greatest_inverse_depth.min(NO_BOUND)),
             (turn.z_axis, 0.0),
         ] {
             put_axis(&mut words.views, axis, last.to_bits());
@@ -118,9 +138,12 @@ pub fn words(
             let Some(texels) = texels else { continue };
             numbers[face] = count;
             count += 1;
-            words.faces.extend(place(at, face));
-            words.faces.push(texels.material.is_some().into());
+            let origin = place(at, face);
+            words.faces.extend(origin.texels);
+            words.faces.extend([origin.layer, texels.material.is_some().into()]);
             words.faces.extend(texels.size);
+            words.faces.extend(origin.pyramid);
+            words.faces.extend([texels.pyramid.levels() as u32, 0]);
             put(&mut words.faces, texels.scale.as_slice());
             put(&mut words.faces, texels.centre.as_slice());
         }
@@ -153,7 +176,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
     out.extend([settings.steps.refine, (HOLE_DIFFERENCE + unsure).to_bits()]);
     out.extend([u32::from(settings.holes == HoleFill::Nearest), coding, gain.to_bits(), settings.max_bounces]);
-    out.extend([log_step.to_bits(), 0, 0]);
+    out.extend([log_step.to_bits(), 0]);
     out
 }
 

@@ -41,6 +41,7 @@ struct Textures {
     /// Tiles in each row and column of a layer.
     grid: [usize; 2],
     inverse_depths: wgpu::Texture,
+    pyramids: wgpu::Texture,
     colors: wgpu::Texture,
     materials: Option<wgpu::Texture>,
 }
@@ -143,7 +144,8 @@ impl DeviceTexels {
 
     fn make(&self, gpu: &Gpu, tiles: usize) -> Result<Textures> {
         let limits = gpu.device.limits();
-        let most = self.tile.map(|side| (limits.max_texture_dimension_2d / side) as usize);
+        let pyramid = [self.tile[0].div_ceil(2), self.pyramid_rows()];
+        let most = [0, 1].map(|axis| (limits.max_texture_dimension_2d / self.tile[axis].max(pyramid[axis])) as usize);
         let most_layers = limits.max_texture_array_layers as usize;
         let together = tiles.div_ceil(most_layers);
         let columns = together.min(most[0]);
@@ -157,12 +159,12 @@ impl DeviceTexels {
             )));
         }
         let layers = tiles.div_ceil(grid[0] * grid[1]) as u32;
-        let size = wgpu::Extent3d {
-            width: self.tile[0] * grid[0] as u32,
-            height: self.tile[1] * grid[1] as u32,
-            depth_or_array_layers: layers,
-        };
-        let texture = |label: &'static str, format| {
+        let texture = |label: &'static str, tile: [u32; 2], format| {
+            let size = wgpu::Extent3d {
+                width: tile[0] * grid[0] as u32,
+                height: tile[1] * grid[1] as u32,
+                depth_or_array_layers: layers,
+            };
             gpu.guard(label, || {
                 gpu.device.create_texture(&wgpu::TextureDescriptor {
                     label: Some(label),
@@ -179,30 +181,41 @@ impl DeviceTexels {
         Ok(Textures {
             tiles,
             grid,
-            inverse_depths: texture("inverse_depths", wgpu::TextureFormat::R32Uint)?,
+            inverse_depths: texture("inverse_depths", self.tile, wgpu::TextureFormat::R32Uint)?,
+            pyramids: texture("pyramids", pyramid, wgpu::TextureFormat::R32Uint)?,
             colors: match self.coding {
-                ColorCoding::Codes(_) => texture("colors", wgpu::TextureFormat::Rgba8Unorm)?,
-                ColorCoding::Light => texture("colors", wgpu::TextureFormat::Rgba16Float)?,
+                ColorCoding::Codes(_) => texture("colors", self.tile, wgpu::TextureFormat::Rgba8Unorm)?,
+                ColorCoding::Light => texture("colors", self.tile, wgpu::TextureFormat::Rgba16Float)?,
             },
             materials: match self.has_material {
-                true => Some(texture("materials", wgpu::TextureFormat::Rgba8Unorm)?),
+                true => Some(texture("materials", self.tile, wgpu::TextureFormat::Rgba8Unorm)?),
                 false => None,
             },
         })
     }
 
-    /// Where the texels of an image begin.
+    /// Rows of the pyramid of a tile: the power of two that its sides fit into. Level k, of 2ᵏ texels a square, begins
+    /// below the one before it, as many rows before the last as the power of two over 2ᵏ⁻¹.
+    pub fn pyramid_rows(&self) -> u32 {
+        self.tile[0].max(self.tile[1]).next_power_of_two()
+    }
+
+    /// Where an image lies.
     pub fn origin(&self, key: Key) -> Origin {
-        let (Some(textures), Some(held)) = (&self.textures, self.held.get(&key)) else { return [0; 3] };
+        let (Some(textures), Some(held)) = (&self.textures, self.held.get(&key)) else { return Origin::default() };
         let [columns, rows] = textures.grid;
         let (layer, within) = (held.tile / (columns * rows), held.tile % (columns * rows));
-        let place = [within % columns, within / columns];
-        [place[0] as u32 * self.tile[0], place[1] as u32 * self.tile[1], layer as u32]
+        let [column, row] = [within % columns, within / columns].map(|at| at as u32);
+        Origin {
+            texels: [column * self.tile[0], row * self.tile[1]],
+            pyramid: [column * self.tile[0].div_ceil(2), row * self.pyramid_rows()],
+            layer: layer as u32,
+        }
     }
 
     fn send(&mut self, gpu: &Gpu, key: Key, texels: &FaceTexels) -> Result<u64> {
         let origin = self.origin(key);
-        let whole = self.whole();
+        let (whole, rows) = (self.whole(), self.pyramid_rows());
         let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return Ok(0) };
         let mut stale = std::mem::take(&mut held.stale);
         if stale.is_empty() {
@@ -222,25 +235,45 @@ impl DeviceTexels {
                     }
                 };
                 if let Some(texture) = texture.filter(|_| !bytes.is_empty()) {
-                    sent += write(gpu, (texture, origin), (bytes, texels.size), rectangle);
+                    sent += write(gpu, (texture, origin.texels, origin.layer), (bytes, texels.size), rectangle);
+                }
+                if kind == StreamKind::Depth {
+                    for level in 0..texels.pyramid.levels() {
+                        let Some((size, values)) = texels.pyramid.level(level) else { continue };
+                        let [column, row] = origin.pyramid;
+                        let place = [column, row + rows - (rows >> level)];
+                        let target = (&textures.pyramids, place, origin.layer);
+                        sent += write(gpu, target, (bytemuck::cast_slice(values), size), above(rectangle, level));
+                    }
                 }
             }
             sent
         })
     }
 
-    /// Views of the textures of inverse depths, colours and, where the light field has any, materials.
-    pub fn views(&self) -> Option<[Option<wgpu::TextureView>; 3]> {
+    /// Views of the textures of inverse depths, colours, pyramids and, where the light field has any, materials.
+    pub fn views(&self) -> Vec<wgpu::TextureView> {
         let view = |texture: &wgpu::Texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..wgpu::TextureViewDescriptor::default()
             })
         };
-        let textures = self.textures.as_ref()?;
-        let materials = textures.materials.as_ref().map(view);
-        Some([Some(view(&textures.inverse_depths)), Some(view(&textures.colors)), materials])
+        let Some(Textures { inverse_depths, pyramids, colors, materials, .. }) = &self.textures else {
+            return Vec::new();
+        };
+        [inverse_depths, colors, pyramids].into_iter().chain(materials).map(view).collect()
     }
+}
+
+/// The squares of a level of a pyramid, counted from 0, that a rectangle of texels lies in.
+fn above([left, top, width, height]: Rectangle, level: usize) -> Rectangle {
+    let span = |begin: u32, length: u32| {
+        let first = begin >> (level + 1);
+        [first, ((begin + length - 1) >> (level + 1)) - first + 1]
+    };
+    let ([left, width], [top, height]) = (span(left, width.max(1)), span(top, height.max(1)));
+    [left, top, width, height]
 }
 
 fn color_bytes(texels: &ColorTexels) -> &[u8] {
@@ -253,7 +286,7 @@ fn color_bytes(texels: &ColorTexels) -> &[u8] {
 /// Sends a rectangle of an image of `size` texels, which lies in `bytes` row by row; answers how many bytes it has.
 fn write(
     gpu: &Gpu,
-    (texture, [column, row, layer]): (&wgpu::Texture, Origin),
+    (texture, [column, row], layer): (&wgpu::Texture, [u32; 2], u32),
     (bytes, size): (&[u8], [u32; 2]),
     [left, top, width, height]: Rectangle,
 ) -> u64 {

@@ -1,0 +1,111 @@
+//! How far a picture of a device is from the CPU's, and how far it may be.
+
+use crate::error::Result;
+use crate::image::transfer::ToneMap;
+use crate::metrics::psnr::CodeError;
+use crate::metrics::ssim_rgb8;
+use crate::reconstruct::render::Rendered;
+use crate::reconstruct::similarity::difference;
+
+/// Codes by which the channels of a pixel may differ.
+pub const CODES: u8 = 2;
+/// The part of the pixels that may differ by more, or be a hole in one of the pictures alone. Where a ray grazes a surface,
+/// it takes the last bit of a float to pass it or not.
+pub const PIXELS: f64 = 1e-3;
+/// The least PSNR in dB, of 8-bit sRGB codes.
+pub const PSNR_DB: f64 = 50.0;
+/// The least SSIM.
+pub const SSIM: f64 = 0.999;
+/// The part of the steps by which marching may differ.
+pub const STEPS: f64 = 0.01;
+
+/// What differs between two pictures of one camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Agreement {
+    /// Pixels.
+    pub pixels: u64,
+    /// Pixels whose codes differ by more than [`CODES`].
+    pub differing: u64,
+    /// Pixels that are holes to another part.
+    pub holes_differing: u64,
+    /// Pixels of which a channel is no finite number, in the device's picture.
+    pub not_finite: u64,
+    /// PSNR in dB; infinite where all codes are equal.
+    pub psnr_db: f64,
+    /// SSIM; 1 where pictures are too small to have one.
+    pub ssim: f64,
+    /// Steps of marching: the device's over the CPU's; 1 where neither has any.
+    pub steps_ratio: f64,
+}
+
+impl Agreement {
+    /// Compares.
+    ///
+    /// # Errors
+    /// When the pictures differ in size.
+    pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
+        let [found, expected] = [on_device, on_cpu].map(|picture| picture.codes(ToneMap::default()));
+        let error = CodeError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
+        let differences = difference(&found, &expected)?;
+        let alphas = on_device.alpha.data().iter().zip(on_cpu.alpha.data());
+        let steps = [on_device, on_cpu].map(|picture| picture.counters.march_steps as f64);
+        Ok(Agreement {
+            pixels: found.data().len() as u64,
+            differing: differences.data().iter().filter(|codes| **codes > CODES).count() as u64,
+            holes_differing: alphas.filter(|(a, b)| a != b).count() as u64,
+            not_finite: on_device.color.data().iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count()
+                as u64,
+            psnr_db: error.psnr_db(),
+            ssim: ssim_rgb8(&found, &expected)?.unwrap_or(1.0),
+            steps_ratio: if steps == [0.0; 2] { 1.0 } else { steps[0] / steps[1] },
+        })
+    }
+
+    /// Pixels beyond what is allowed: 0 where the pictures agree.
+    pub fn mismatches(&self) -> u64 {
+        let allowed = (PIXELS * self.pixels as f64).ceil() as u64;
+        let beyond = |count: u64| if count > allowed { count } else { 0 };
+        let alike = self.psnr_db >= PSNR_DB && self.ssim >= SSIM && (self.steps_ratio - 1.0).abs() <= STEPS;
+        let count = beyond(self.differing).max(beyond(self.holes_differing)).max(self.not_finite);
+        if alike { count } else { count.max(self.differing).max(1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::plane::Plane;
+    use crate::reconstruct::counters::Counters;
+
+    fn picture() -> Rendered {
+        Rendered {
+            color: Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]),
+            alpha: Plane::filled(64, 64, 1.0),
+            counters: Counters { march_steps: 1000, ..Counters::default() },
+        }
+    }
+
+    #[test]
+    fn what_differs_is_counted() {
+        let same = Agreement::of(&picture(), &picture()).unwrap();
+        assert_eq!((same.mismatches(), same.psnr_db), (0, f64::INFINITY));
+        let mut other = picture();
+        other.color.data_mut()[7] = [f32::NAN; 3];
+        assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 1);
+        let mut other = picture();
+        // Five pixels of 4096 may be off by a little, six may not.
+        for count in 1..=6 {
+            other.color.data_mut()[80 * count][2] = 0.53;
+            assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), if count <= 5 { 0 } else { 6 });
+        }
+        let mut other = picture();
+        other.alpha.data_mut()[..6].fill(0.0);
+        assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 6);
+        let mut other = picture();
+        other.counters.march_steps = 1011;
+        assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 1);
+        let mut other = picture();
+        other.color.data_mut()[99] = [1.0; 3];
+        assert!(Agreement::of(&other, &picture()).unwrap().mismatches() > 0);
+    }
+}

@@ -1,0 +1,57 @@
+//! Playback on a graphics device: what changed goes there once for each shot, and all its cameras see it.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::gpu::device::Gpu;
+use crate::gpu::render::{GpuRenderer, RenderCost};
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
+use crate::reconstruct::player::Change;
+use crate::reconstruct::render::Rendered;
+
+/// Makes the pictures of a playback on a device.
+#[derive(Debug)]
+pub struct DeviceRenderer<'a> {
+    /// How pictures are made.
+    pub options: PictureOptions,
+    gpu: &'a Gpu,
+    /// Made for the first shot, when it is known what there is.
+    renderer: Option<GpuRenderer<'a>>,
+}
+
+impl<'a> DeviceRenderer<'a> {
+    /// A renderer to which no shot was shown yet.
+    pub fn new(gpu: &'a Gpu, options: PictureOptions) -> DeviceRenderer<'a> {
+        DeviceRenderer { options, gpu, renderer: None }
+    }
+
+    /// What it has cost so far.
+    pub fn cost(&self) -> RenderCost {
+        self.renderer.as_ref().map(GpuRenderer::cost).unwrap_or_default()
+    }
+
+    fn renderer(&mut self, stage: &Stage<'_>) -> &mut GpuRenderer<'a> {
+        self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field))
+    }
+}
+
+impl Renderer for DeviceRenderer<'_> {
+    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
+        let renderer = self.renderer(stage);
+        for change in changes {
+            let probe = stage.field.views[change.view].probe;
+            renderer.change(probe, change.face, change.kind, change.rect);
+        }
+        // Which texels lie on the device does not depend on the eye.
+        renderer.bring(&ActiveViews::new(stage.field, stage.views, DVec3::ZERO))
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let settings = self.options.settings(&views);
+        self.renderer(stage).render(&views, camera, &settings, monitor)
+    }
+}

@@ -1,0 +1,290 @@
+//! Light fields and cameras for the kernels that render: built-in scenes, and what is hard about views.
+
+use std::time::Instant;
+
+use glam::{DQuat, DVec3};
+
+use crate::container::ProbeEntry;
+use crate::dataset::stream::DepthKind;
+use crate::depth::DepthRange;
+use crate::error::{Error, Result};
+use crate::gpu::device::Gpu;
+use crate::gpu::kernels::{self, Kernel};
+use crate::gpu::render::GpuRenderer;
+use crate::gpu::render::agreement::Agreement;
+use crate::gpu::selftest::KernelReport;
+use crate::image::cube::Face;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::math::Camera;
+use crate::math::camera::Lens;
+use crate::monitor::Silent;
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, UNKNOWN, View};
+use crate::reconstruct::march::Steps;
+use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
+use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
+use crate::scene::{DemoKind, DemoScene, SceneAtTime};
+
+/// Pixels along a side of a captured image.
+const FACE: u32 = 48;
+/// Pixels along a side of a picture.
+const SIZE: u32 = 96;
+
+/// A picture that both make.
+#[derive(Debug, Clone)]
+pub struct PictureCase {
+    /// What is special about it.
+    pub label: &'static str,
+    /// What is seen.
+    pub field: LightField,
+    /// Views that take part.
+    pub views: Vec<usize>,
+    /// From where.
+    pub camera: Camera,
+    /// How.
+    pub settings: RenderSettings,
+}
+
+impl PictureCase {
+    /// The views as the camera has them.
+    pub fn active(&self) -> ActiveViews<'_> {
+        ActiveViews::new(&self.field, &self.views, self.camera.eye())
+    }
+}
+
+/// All cases; the last one is what is timed.
+///
+/// # Errors
+/// When a scene cannot be captured.
+pub fn cases() -> Result<Vec<PictureCase>> {
+    let codes = ColorCoding::Codes(ToneMap::default());
+    let dark = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
+    let courtyard = Captured::of(DemoKind::Courtyard);
+    let interior = Captured::of(DemoKind::Interior);
+    let (eye, reach) = (courtyard.middle + courtyard.reach * DVec3::new(0.3, -0.2, 0.4), courtyard.reach);
+    let around = |at: DVec3| corners(at, reach * 0.7);
+    let mut cases = vec![
+        courtyard.case("courtyard", &around(courtyard.middle), codes, eye)?,
+        interior.case("light, four rays a pixel", &corners(interior.middle, interior.reach), ColorCoding::Light, {
+            interior.middle + interior.reach * 0.2
+        })?,
+        Captured::of(DemoKind::Cornell).case_at_middle("exposure and no curve", dark)?,
+        Captured::of(DemoKind::Object).case_at_middle("background", codes)?,
+        courtyard.case("eye at a probe, which is there twice", &[eye, eye, courtyard.middle], codes, eye)?,
+        courtyard.case("far from the origin", &around(courtyard.middle), codes, eye)?,
+        courtyard.case("images missing, texels not known", &around(courtyard.middle), codes, eye)?,
+        courtyard.case("no views", &[], codes, eye)?,
+        interior.case("inside a surface", &corners(interior.middle, interior.reach * 0.5), codes, {
+            interior.middle + 3.0 * interior.reach
+        })?,
+        interior.pictures("turned perspective images", codes)?,
+        courtyard.case("more images than layers", &crowd(courtyard.middle, reach), codes, eye)?,
+        courtyard.case("courtyard, twice as wide", &around(courtyard.middle), codes, eye)?,
+    ];
+    cases[1].settings.samples = 2;
+    let away = DVec3::new(1e6, -2e5, 3e6);
+    cases[5].field.views.iter_mut().for_each(|view| view.position += away);
+    cases[5].camera = looking(eye + away)?;
+    hide(&mut cases[6].field);
+    cases[6].settings.holes = HoleFill::Nearest;
+    cases[6].settings.steps.refine = 0;
+    if let Some(last) = cases.last_mut() {
+        last.settings.size = [2 * SIZE, 2 * SIZE];
+    }
+    Ok(cases)
+}
+
+/// What came of a case.
+#[derive(Debug, Clone)]
+pub struct PictureResult {
+    /// How far the pictures are from each other.
+    pub agreement: Agreement,
+    /// The device's.
+    pub on_device: Rendered,
+    /// The CPU's.
+    pub on_cpu: Rendered,
+}
+
+/// Renders a case on a device and on the CPU.
+///
+/// # Errors
+/// When the device fails.
+pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
+    let views = case.active();
+    let mut renderer = GpuRenderer::new(gpu, &case.field);
+    let on_device = renderer.render(&views, &case.camera, &case.settings, &Silent)?;
+    let on_cpu = render(&views, &case.camera, &case.settings, &Silent)?;
+    Ok(PictureResult { agreement: Agreement::of(&on_device, &on_cpu)?, on_device, on_cpu })
+}
+
+/// Runs those cases that a kernel renders.
+pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
+    let mut report =
+        KernelReport { name: kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
+    let mut cases = cases()?;
+    if kernel.name == kernels::RENDER_PYRAMID.name {
+        cases.iter_mut().for_each(|case| case.settings.acceleration = Acceleration::Pyramid);
+    }
+    for case in &cases {
+        let agreement = run(gpu, case)?.agreement;
+        report.inputs += 1;
+        report.mismatches += agreement.mismatches();
+        if agreement.mismatches() > 0 && report.first.is_none() {
+            report.first = Some(format!("{}: {agreement:?}", case.label));
+        }
+    }
+    if let Some(case) = cases.last() {
+        let (views, mut renderer) = (case.active(), GpuRenderer::new(gpu, &case.field));
+        renderer.bring(&views)?;
+        let start = Instant::now();
+        renderer.render(&views, &case.camera, &case.settings, &Silent)?;
+        let pixels = f64::from(case.settings.size[0]) * f64::from(case.settings.size[1]);
+        report.megapixels_per_second = pixels / 1e6 / start.elapsed().as_secs_f64().max(1e-9);
+    }
+    Ok(report)
+}
+
+/// A scene that is captured.
+struct Captured {
+    scene: SceneAtTime,
+    middle: DVec3,
+    reach: DVec3,
+}
+
+impl Captured {
+    fn of(kind: DemoKind) -> Captured {
+        let scene = DemoScene::new(kind);
+        let (middle, reach) = scene.probe_region();
+        Captured { scene: scene.at(0.4), middle, reach }
+    }
+
+    fn case_at_middle(&self, label: &'static str, coding: ColorCoding) -> Result<PictureCase> {
+        self.case(label, &corners(self.middle, self.reach), coding, self.middle)
+    }
+
+    /// A picture from `eye` of cube maps captured at these places.
+    fn case(&self, label: &'static str, places: &[DVec3], coding: ColorCoding, eye: DVec3) -> Result<PictureCase> {
+        let side = if places.len() > 12 { 8 } else { FACE };
+        let windows = Face::CUBE.map(|face| (face, Window::Face(face, side)));
+        let views = places.iter().enumerate().map(|(at, &place)| self.view((at, place, None), &windows, coding));
+        self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, eye)
+    }
+
+    /// A picture of perspective images of different sizes, each turned.
+    fn pictures(&self, label: &'static str, coding: ColorCoding) -> Result<PictureCase> {
+        let places = corners(self.middle, self.reach * 0.3);
+        let views = places.iter().enumerate().map(|(at, &place)| {
+            let turn = DQuat::from_rotation_y(0.1 * at as f64 - 0.35) * DQuat::from_rotation_z(0.05 * at as f64);
+            let size = [FACE + 3 * at as u32, FACE - at as u32];
+            let window = Window::Picture(size, [20.0, 21.0, size[0] as f64 * 0.45, size[1] as f64 * 0.55]);
+            self.view((at, place, Some(turn)), &[(Face::View, window)], coding)
+        });
+        self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, self.middle)
+    }
+
+    fn seen_by(&self, label: &'static str, field: LightField, eye: DVec3) -> Result<PictureCase> {
+        let views: Vec<usize> = (0..field.views.len()).collect();
+        let active = ActiveViews::new(&field, &views, eye);
+        let settings = RenderSettings {
+            size: [SIZE, SIZE - 11],
+            steps: Steps::new(96, active.near_m() / 10.0, active.far_m().max(1.0), 8),
+            samples: 1,
+            holes: HoleFill::Blank,
+            effects: EffectMode::None,
+            max_bounces: 4,
+            acceleration: Acceleration::None,
+        };
+        Ok(PictureCase { label, views, camera: looking(eye)?, settings, field })
+    }
+
+    fn view(
+        &self,
+        (at, position, turn): (usize, DVec3, Option<DQuat>),
+        windows: &[(Face, Window)],
+        coding: ColorCoding,
+    ) -> Result<View> {
+        let samples = SamplePattern::new(1)?;
+        let passes = [Pass::Color, Pass::Depth];
+        let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Planar, far_m: f64::INFINITY };
+        let (mut near, mut far) = (f32::INFINITY, 0f32);
+        let mut entry = ProbeEntry {
+            name: format!("{at}"),
+            position: position.to_array(),
+            orientation: turn.unwrap_or(DQuat::IDENTITY).to_array(),
+            frames: [0, 0],
+            intrinsics: [0.0; 4],
+        };
+        let mut images = Vec::new();
+        for &(face, window) in windows {
+            let from = Viewpoint { position, orientation: turn, window };
+            let image = capture_view(&self.scene, &from, &shot, &Silent)?;
+            let (Some(color), Some(depth)) = (image.color, image.depth) else {
+                return Err(Error::invalid("a capture without colour and depth"));
+            };
+            if let Window::Picture(_, intrinsics) = window {
+                entry.intrinsics = intrinsics;
+            }
+            let finite = depth.data().iter().filter(|metres| metres.is_finite());
+            (near, far) = finite.fold((near, far), |(near, far), &metres| (near.min(metres), far.max(metres)));
+            images.push((face, color, depth));
+        }
+        let range = if near < far { DepthRange::new(near, far)? } else { DepthRange::empty() };
+        let mut view = View::new(at, &entry, range)?;
+        for (face, color, depth) in images {
+            let size = [color.width(), color.height()];
+            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding, false);
+            // The inverse of what is infinitely far is that of a background.
+            texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
+            texels.depth_changed(0..size[0], 0..size[1]);
+            texels.color = match coding {
+                ColorCoding::Codes(tone) => {
+                    let code = |value: half::f16| tone.code(value.to_f32());
+                    ColorTexels::Codes(color.data().iter().map(|&[r, g, b]| [code(r), code(g), code(b), 0]).collect())
+                }
+                ColorCoding::Light => {
+                    ColorTexels::Light(color.data().iter().map(|&[r, g, b]| [r, g, b, half::f16::ZERO]).collect())
+                }
+            };
+            view.faces[face as usize] = Some(texels);
+        }
+        Ok(view)
+    }
+}
+
+/// The corners of a box, and its middle.
+fn corners(middle: DVec3, half: DVec3) -> Vec<DVec3> {
+    let sign = |at: u32, bit: u32| if at >> bit & 1 == 0 { -1.0 } else { 1.0 };
+    let mut places: Vec<DVec3> =
+        (0..8).map(|at| middle + half * DVec3::new(sign(at, 0), sign(at, 1), sign(at, 2))).collect();
+    places.push(middle + half * 0.05);
+    places
+}
+
+/// More places than cube maps have layers on a device.
+fn crowd(middle: DVec3, half: DVec3) -> Vec<DVec3> {
+    let part = |at: usize, prime: usize| (at * prime % 47) as f64 / 23.0 - 1.0;
+    (0..44).map(|at| middle + half * DVec3::new(part(at, 5), part(at, 11), part(at, 17))).collect()
+}
+
+/// Looks along a diagonal, so that no ray is parallel to a face of a cube map.
+fn looking(eye: DVec3) -> Result<Camera> {
+    Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, Lens { aspect: 1.13, ..Lens::new(80.0) })
+}
+
+/// Takes images away, and forgets texels of others.
+fn hide(field: &mut LightField) {
+    for (at, view) in field.views.iter_mut().enumerate() {
+        view.faces[at % 6] = None;
+        for (face, texels) in view.faces.iter_mut().enumerate() {
+            let Some(texels) = texels else { continue };
+            let width = texels.size[0] as usize;
+            for (texel, depth) in texels.inverse_depth.iter_mut().enumerate() {
+                if (texel % width / 16 + texel / width / 16 + at + face) % 3 == 0 {
+                    *depth = UNKNOWN;
+                }
+            }
+            let [columns, rows] = texels.size;
+            texels.depth_changed(0..columns, 0..rows);
+        }
+    }
+}

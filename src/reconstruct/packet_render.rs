@@ -1,0 +1,87 @@
+//! What four rays from the eye bring: the fast form of [`super::render::outcome`].
+
+use glam::Vec3;
+
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::counters::Counters;
+use crate::reconstruct::interpolate::Seen;
+use crate::reconstruct::lanes::Lanes;
+use crate::reconstruct::light_field::ColorCoding;
+use crate::reconstruct::packet::PacketViews;
+use crate::reconstruct::packet_color::{LightCurve, surface_colors};
+use crate::reconstruct::packet_march::{Packet, PacketMarch};
+use crate::reconstruct::render::{Outcome, RenderSettings, background};
+
+/// What all packets of a picture share.
+#[derive(Debug)]
+pub(crate) struct PacketScene<'a> {
+    views: &'a ActiveViews<'a>,
+    flat: PacketViews<'a>,
+    camera_weights: &'a [f32],
+    /// Of colours that are codes.
+    curve: Option<LightCurve>,
+}
+
+impl<'a> PacketScene<'a> {
+    pub(crate) fn new(views: &'a ActiveViews<'a>, camera_weights: &'a [f32]) -> PacketScene<'a> {
+        let curve = match views.coding {
+            ColorCoding::Codes(tone) => Some(LightCurve::new(tone)),
+            ColorCoding::Light => None,
+        };
+        PacketScene { views, flat: PacketViews::new(views), camera_weights, curve }
+    }
+
+    /// Makes packets of a row.
+    pub(crate) fn row(&'a self) -> PacketRow<'a> {
+        PacketRow { scene: self, march: PacketMarch::new(&self.flat) }
+    }
+
+    fn light(&self, seen: &Seen) -> Vec3 {
+        match &self.curve {
+            Some(curve) => seen.color.to_array().map(|code| curve.light(code)).into(),
+            None => seen.color,
+        }
+    }
+}
+
+/// Rays that lie beside each other.
+#[derive(Debug)]
+pub(crate) struct PacketRow<'a> {
+    scene: &'a PacketScene<'a>,
+    march: PacketMarch<'a>,
+}
+
+impl PacketRow<'_> {
+    /// What up to four rays from the eye bring, by their directions of length 1, and the distances in metres at which
+    /// those that meet a surface do.
+    pub(crate) fn outcomes(
+        &mut self,
+        directions: &[Vec3],
+        settings: &RenderSettings,
+        counters: &mut Counters,
+    ) -> [(Option<f32>, Outcome); 4] {
+        let scene = self.scene;
+        let packet = Packet::new(directions);
+        let met = self.march.intersect(&packet, &settings.steps, settings.acceleration, counters);
+        let hits = (0..4).filter(|&lane| met[lane].is_some()).fold(0u32, |bits, lane| bits | 1 << lane);
+        let seen = if hits == 0 {
+            [None; 4]
+        } else {
+            let points = packet.at(Lanes::from_array(met.map(|distance_m| distance_m.unwrap_or(1.0))));
+            surface_colors(&scene.flat, scene.camera_weights, hits, &points)
+        };
+        std::array::from_fn(|lane| {
+            let outcome = match directions.get(lane) {
+                Some(_) if met[lane].is_some() => {
+                    Outcome::of_surface(seen[lane], settings.steps.unsure(), |seen| scene.light(seen))
+                }
+                Some(&direction) => {
+                    counters.background_rays += 1;
+                    background(scene.views, scene.camera_weights, direction)
+                }
+                None => Outcome::Hole(None),
+            };
+            (met[lane], outcome)
+        })
+    }
+}

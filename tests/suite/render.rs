@@ -1,0 +1,171 @@
+//! `render` as a shell script calls it: pictures, names of files, figures, refusals.
+
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::commands::{fine, refused};
+
+/// Four probes in the built-in courtyard and one between them, three frames.
+const PROBES: &str =
+    "--position=-0.3,1.5,0 --position=0.3,1.5,0 --position=0,1.8,0.2 --position=0,1.3,-0.2 --position=0,1.5,0";
+const EYE: &str = "--eye 0.05,1.52,0 --look-at 2,1.5,0.5 --fov 80 --size 40";
+
+/// A container of a built-in scene, `a.lfold`, beside the dataset that it was made of, `captured`.
+fn encoded(scene: &str, folder: &Path) {
+    let passes = if scene == "mirrors" { "depth,material" } else { "depth" };
+    fine(&format!("capture {scene} {PROBES} --frames 0-2 --size 32 --samples 4 --aov {passes} -o captured"), folder);
+    fine("encode captured -o a.lfold", folder);
+}
+
+fn report(line: &str, folder: &Path) -> Value {
+    serde_json::from_slice(&fine(line, folder).stdout).unwrap()
+}
+
+fn number(report: &Value, key: &str) -> f64 {
+    report.pointer(key).and_then(Value::as_f64).unwrap_or_else(|| panic!("{key} in {report:#}"))
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn pictures_do_not_depend_on_threads_acceleration_or_what_is_out_of_sight() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    fine(&format!("render a.lfold {EYE} --frames 0-2 -o one/%04d.png --threads 1"), at);
+    let names = ["0000.png", "0001.png", "0002.png"];
+    assert_eq!(files(&at.join("one")), names);
+    for (other, options) in [
+        ("threads", "--threads 3"),
+        ("steps", "--acceleration none"),
+        ("all", "--decode all"),
+        ("force", "--effects force"),
+    ] {
+        fine(&format!("render a.lfold {EYE} --frames 0-2 -o {other}/%04d.png {options}"), at);
+        for name in names {
+            let read = |folder: &str| std::fs::read(at.join(folder).join(name)).unwrap();
+            assert!(read("one") == read(other), "{other}/{name}");
+        }
+    }
+    let read = |name: &str| std::fs::read(at.join("one").join(name)).unwrap();
+    assert!(read("0000.png") != read("0002.png"), "what moves is shown");
+}
+
+#[test]
+fn figures_are_told() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let line = format!("render a.lfold {EYE} --frames 0-2 --null --stats --json");
+    let told = report(&line, at);
+    assert_eq!(number(&told, "/primary_rays"), 3.0 * 1600.0);
+    assert_eq!((number(&told, "/frames"), number(&told, "/views")), (3.0, 5.0));
+    for nothing in ["/secondary_rays", "/normal_evals", "/material_samples"] {
+        assert_eq!(number(&told, nothing), 0.0, "{nothing}: the scene calls for no effects");
+    }
+    assert!(number(&told, "/cells_decoded") > 0.0 && number(&told, "/cells_skipped") > 0.0);
+    assert!(number(&told, "/pacing/max_ms") >= number(&told, "/pacing/p50_ms"));
+    let all = report(&format!("{line} --decode all"), at);
+    assert!(number(&told, "/bytes_read") < number(&all, "/bytes_read"));
+    let dense = report(&format!("{line} --acceleration none"), at);
+    assert!(number(&dense, "/march_steps") > 2.0 * number(&told, "/march_steps"));
+    assert_eq!(number(&report(&format!("{line} --views 2"), at), "/views"), 2.0);
+}
+
+#[test]
+fn a_probe_that_is_left_out_is_rendered_from_the_others() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let line =
+        "render a.lfold --exclude-probe 04 --reference captured --reference-probe 04 --null --json --holes nearest";
+    let psnr = |options: &str| number(&report(&format!("{line} {options}"), at), "/reference/psnr_db");
+    let (ours, splat, ceiling) = (psnr("--method march"), psnr("--method splat"), psnr("--method reproject"));
+    assert!(ours > splat && ceiling > splat && ours > 20.0, "ours {ours}, splat {splat}, ceiling {ceiling}");
+    let with_itself = report("render a.lfold --reference captured --reference-probe 04 --null --json", at);
+    assert!(number(&with_itself, "/reference/psnr_db") > 35.0, "{with_itself:#}");
+    assert_eq!(with_itself["reference"]["images"].as_array().unwrap().len(), 3 * 6);
+    fine("render a.lfold --reference captured --reference-probe 04 --frames 1 -o shown --error-map maps", at);
+    assert_eq!(files(&at.join("shown")).len(), 6);
+    assert_eq!(files(&at.join("maps"))[0], "04_nx.0001.png");
+}
+
+#[test]
+fn two_eyes_lie_beside_each_other_or_in_files_of_their_own() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    fine(&format!("render a.lfold {EYE} --stereo 0.1 -o both.png"), at);
+    fine(&format!("render a.lfold {EYE} --stereo 0.1 -o view.%V.png --contact-sheet sheet.png"), at);
+    let open = |name: &str| image::open(at.join(name)).unwrap().to_rgba8();
+    let (both, left, right) = (open("both.png"), open("view.left.png"), open("view.right.png"));
+    assert_eq!((both.dimensions(), left.dimensions()), ((80, 40), (40, 40)));
+    assert!(left != right);
+    assert!((0..40).all(|y| (0..80).all(|x| {
+        let eye = if x < 40 { &left } else { &right };
+        both.get_pixel(x, y) == eye.get_pixel(x % 40, y)
+    })));
+    assert!(open("sheet.png").width() > 80);
+}
+
+#[test]
+fn standard_output_takes_one_picture() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    fine(&format!("render a.lfold {EYE} -o a.png"), at);
+    let printed = fine(&format!("render a.lfold {EYE} -o -"), at).stdout;
+    assert!(printed == std::fs::read(at.join("a.png")).unwrap());
+    fine(&format!("render a.lfold {EYE} -o a.exr"), at);
+    assert!(refused(&format!("render a.lfold {EYE} --frames 0-2 -o -"), at).contains("one picture, and 3"));
+    assert!(refused(&format!("render a.lfold {EYE} -o - --json"), at).contains("one thing"));
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused_in_a_sentence() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    for (options, words) in [
+        ("--frames 0-2 -o a.png", "3 pictures are asked for"),
+        ("--frames 7 -o a.png", "0-2"),
+        ("-o a.jpg", ".png or .exr"),
+        ("-o a.%V.png", "--stereo"),
+        ("--near 2 --far 1 --null", "--near below --far"),
+        ("--method reproject --null", "--reference"),
+        ("--probe nobody --null", "nobody"),
+        ("--exclude-probe 00,01,02,03,04 --null", "probe"),
+    ] {
+        let said = refused(&format!("render a.lfold {EYE} {options}"), at);
+        assert!(said.contains(words), "{options}: {said}");
+        assert_eq!(files(at), ["a.lfold", "captured"], "{options}");
+    }
+    fine("encode-depth captured/probe_00/face_px/depth.%04d.exr -o depth.lfold", at);
+    let said = refused(&format!("render depth.lfold {EYE} --null"), at);
+    assert!(said.contains("both colour and depth"), "{said}");
+}
+
+/// The trace names the probes of each frame, each in a slot of its own.
+#[test]
+fn a_trace_tells_who_took_part() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    fine(&format!("render a.lfold {EYE} --frames 0-2 --views 2 --null --trace views.jsonl"), at);
+    let text = std::fs::read_to_string(at.join("views.jsonl")).unwrap();
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(lines.len(), 3);
+    for (frame, line) in lines.iter().enumerate() {
+        assert_eq!(line["frame"], frame);
+        assert_eq!(line["active"].as_array().unwrap().len(), 2);
+        assert_eq!(line["culled"].as_array().unwrap().len(), 3);
+        assert_eq!(line["active"][0]["probe"], "04", "the nearest: {line:#}");
+    }
+}

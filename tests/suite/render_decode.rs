@@ -1,0 +1,347 @@
+//! What is decoded of a light field that is rendered: never less than pictures need, and little more (CALF 6.2).
+
+use std::fs;
+use std::path::Path;
+
+use glam::DVec3;
+use lightfold::dataset::stream::StreamKind;
+use lightfold::math::{Camera, Lens};
+use lightfold::memory::Budget;
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField, UNKNOWN};
+use lightfold::reconstruct::path::Shot;
+use lightfold::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
+use lightfold::reconstruct::player::{Change, Player, ProbeChoice};
+use lightfold::reconstruct::render::EffectMode;
+use lightfold::reconstruct::selection::SelectionSettings;
+use lightfold::reconstruct::wanted::SightLines;
+use lightfold::video::decode::{Decoder, StreamInfo};
+use lightfold::video::{AllUnits, UnitFilter};
+use tempfile::TempDir;
+
+use crate::commands::fine;
+
+/// Three probes of the courtyard, in which things move.
+fn courtyard(folder: &Path, options: &str) -> Decoder {
+    let cameras = r#"{ "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
+        { "position": [-0.3, 1.7, -0.5], "orientation": [0, 0.2588190451025207, 0, 0.9659258262890683] } ] }"#;
+    fs::write(folder.join("cameras.json"), cameras).unwrap();
+    fine("capture courtyard --cameras cameras.json --frames 0-5 --size 32 --samples 1 -q -o cap", folder);
+    fine(format!("encode cap --cell 8 --tile 16 -o a.lfold {options}").trim_end(), folder);
+    Decoder::open(folder.join("a.lfold")).unwrap()
+}
+
+fn camera(eye: [f64; 3], look_at: [f64; 3], fov_y_deg: f64) -> Camera {
+    Camera::look_at(eye.into(), look_at.into(), DVec3::Y, Lens::new(fov_y_deg)).unwrap()
+}
+
+fn shot(frame: u32, camera: Camera) -> Shot {
+    Shot { frame, cameras: vec![camera] }
+}
+
+/// Wants what a hash of stream, unit and frame says.
+struct Some4Of7;
+
+impl UnitFilter for Some4Of7 {
+    fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool {
+        let hash = (stream.index * 31 + unit * 17 + frame * 5 + 1).wrapping_mul(2_654_435_761);
+        (hash >> 16) % 7 < 4
+    }
+}
+
+fn faces(field: &LightField) -> impl Iterator<Item = &FaceTexels> {
+    field.views.iter().flat_map(|view| view.faces.iter().flatten())
+}
+
+/// Compares texels that are known with those of everything; answers how many are known, and how many there are.
+fn compare(field: &LightField, all: &LightField) -> [usize; 2] {
+    let mut known = [0, 0];
+    for (some, all) in faces(field).zip(faces(all)) {
+        for at in 0..all.inverse_depth.len() {
+            known[1] += 1;
+            if some.inverse_depth[at] != UNKNOWN {
+                known[0] += 1;
+                assert_eq!(some.inverse_depth[at], all.inverse_depth[at]);
+                assert_eq!(some.color.get(at), all.color.get(at));
+                assert_eq!(some.material.as_ref().map(|m| m[at]), all.material.as_ref().map(|m| m[at]));
+            }
+        }
+    }
+    assert_eq!(faces(field).count(), faces(all).count());
+    known
+}
+
+/// Copies what changed, as a device would.
+fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
+    for change in changes {
+        let source = from.views[change.view].faces[change.face].as_ref().unwrap();
+        let target = to.views[change.view].faces[change.face].get_or_insert_with(|| {
+            FaceTexels::unknown(source.size, [source.scale, source.centre], from.coding, source.material.is_some())
+        });
+        let [left, top, width, height] = change.rect;
+        for at in (top..top + height).flat_map(|y| (left..left + width).map(move |x| (y * source.size[0] + x) as usize))
+        {
+            match change.kind {
+                StreamKind::Depth => target.inverse_depth[at] = source.inverse_depth[at],
+                StreamKind::Color => match (&mut target.color, &source.color) {
+                    (ColorTexels::Codes(target), ColorTexels::Codes(source)) => target[at] = source[at],
+                    (ColorTexels::Light(target), ColorTexels::Light(source)) => target[at] = source[at],
+                    _ => panic!("colours are coded alike"),
+                },
+                StreamKind::Material => {
+                    target.material.as_mut().unwrap()[at] = source.material.as_ref().unwrap()[at];
+                }
+            }
+        }
+        if change.kind == StreamKind::Depth {
+            target.depth_changed(left..left + width, top..top + height);
+        }
+    }
+}
+
+#[test]
+fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all() {
+    for options in ["--keyframe-interval 3", "--hdr --error 0", "--depth-codec aabb --keyframe-interval 4"] {
+        let folder = TempDir::new().unwrap();
+        let decoder = courtyard(folder.path(), options);
+        let views = [0, 1, 2];
+        let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+        let mut mirror = player.field().clone();
+        let (mut sight_lines, mut ever_known) = (SightLines::new(&decoder), 0);
+        let looks = [[2.0, 1.5, 0.0], [2.0, 1.0, 1.0], [-3.0, 1.5, 1.0]];
+        for (at, frame) in [0, 1, 1, 2, 4, 5, 5, 3, 0, 1, 2].into_iter().enumerate() {
+            let counts = if at % 3 == 1 {
+                player.show(frame, &views, &Some4Of7).unwrap()
+            } else {
+                let camera = camera([0.1, 1.5, 0.1], looks[at % 3], 60.0);
+                let streams = player.streams_of(frame, &views);
+                player.show(frame, &views, sight_lines.seen(&streams, &[camera])).unwrap()
+            };
+            let changes = player.take_changes();
+            copy(&changes, player.field(), &mut mirror);
+            assert_eq!(&mirror, player.field(), "frame {frame}");
+            let mut whole = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+            let all = whole.show(frame, &views, &AllUnits).unwrap();
+            let known = compare(player.field(), whole.field());
+            assert_eq!(compare(whole.field(), whole.field()), [known[1]; 2]);
+            assert!(known[0] < known[1] && known[0] > 0, "{known:?}");
+            ever_known += known[0];
+            assert_eq!((all.cells_unchanged, all.cells_unseen), (0, 0));
+            let cells = counts.cells_decoded + counts.cells_skipped();
+            assert_eq!(cells, all.cells_decoded);
+            assert!(counts.cells_unseen > 0);
+        }
+        assert!(ever_known > 100_000, "{ever_known}");
+    }
+}
+
+/// Pictures of some places with all units and with those in sight; bytes that they took.
+fn both(decoder: &Decoder, shots: &[Shot], effects: EffectMode) -> [u64; 2] {
+    let options = PictureOptions { size: [21, 16], steps: 48, refine: 4, effects, ..PictureOptions::default() };
+    let show = |decode| -> (Vec<Shown>, u64) {
+        let mut playback =
+            Playback::new(decoder, PlaybackOptions { decode, effects, ..PlaybackOptions::default() }).unwrap();
+        let mut renderer = CpuRenderer { options: options.clone(), ..CpuRenderer::default() };
+        let shown = shots.iter().map(|shot| playback.show(shot, &mut renderer, &Silent).unwrap()).collect();
+        (shown, playback.summary().counts.bytes_read)
+    };
+    let ((seen, seen_bytes), (all, all_bytes)) = (show(DecodeScope::Seen), show(DecodeScope::All));
+    for ((seen, all), shot) in seen.iter().zip(&all).zip(shots) {
+        assert_eq!(seen.pictures, all.pictures, "{shot:?}");
+        assert!(all.pictures.iter().any(|picture| picture.alpha.data().iter().any(|alpha| *alpha > 0.0)));
+    }
+    [seen_bytes, all_bytes]
+}
+
+#[test]
+fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
+    let folder = TempDir::new().unwrap();
+    let decoder = courtyard(folder.path(), "");
+    let mut shots = Vec::new();
+    // Between the probes, at one, in the ground, outside, far off; narrow and wide; along axes of the faces and not.
+    let eyes = [[0.1, 1.5, 0.1], [0.0, 1.5, 0.0], [0.3, -0.5, 0.3], [4.0, 2.0, -3.0], [-30.0, 9.0, 40.0]];
+    let ways = [[1.0, 0.0, 0.0], [0.7, -0.7, 0.1], [-0.3, 0.1, -1.0], [0.01, -1.0, 0.0]];
+    for (at, eye) in eyes.into_iter().enumerate() {
+        for (turn, way) in ways.into_iter().enumerate() {
+            let fov_y_deg = [20.0, 90.0, 140.0][(at + turn) % 3];
+            let camera = camera(eye, (DVec3::from(eye) + DVec3::from(way)).to_array(), fov_y_deg);
+            shots.push(shot(((at + turn) % 3) as u32, camera));
+        }
+    }
+    both(&decoder, &shots, EffectMode::Auto);
+    // A narrow look takes few bytes.
+    let narrow = shot(0, camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 30.0));
+    let [seen, all] = both(&decoder, &[narrow], EffectMode::Auto);
+    assert!(2 * seen < all, "{seen} of {all} bytes");
+    // Two eyes.
+    let eyes = [-0.03, 0.03].map(|x| camera([x, 1.5, 0.1], [x + 0.5, 1.5, 2.0], 50.0)).to_vec();
+    both(&decoder, &[Shot { frame: 0, cameras: eyes }], EffectMode::Auto);
+}
+
+#[test]
+fn what_did_not_change_is_not_done_again() {
+    let folder = TempDir::new().unwrap();
+    let decoder = courtyard(folder.path(), "");
+    let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
+    let mut renderer = CpuRenderer::default();
+    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
+    let first = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
+    assert!(first.cells_decoded > 0 && first.texels_updated > 0 && first.bytes_read > 0);
+    assert!(first.cells_unseen > first.cells_decoded && first.cells_unchanged == 0);
+    assert!(first.bytes_all > first.bytes_read, "{first:?}");
+    let again = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
+    assert_eq!((again.cells_decoded, again.texels_updated, again.bytes_read, again.bytes_all), (0, 0, 0, 0));
+    assert_eq!((again.cells_unchanged, again.cells_unseen), (first.cells_decoded, first.cells_unseen));
+    // In the next frame little moves.
+    let next = playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap().counts;
+    assert!(next.cells_decoded > 0 && next.cells_unchanged > next.cells_decoded, "{next:?}");
+    assert_eq!(next.cells_decoded + next.cells_unchanged, first.cells_decoded);
+    // Looking elsewhere in the same frame keeps what is behind.
+    let behind = camera([0.1, 1.5, 0.1], [-2.0, 1.5, 0.3], 60.0);
+    playback.show(&shot(1, behind), &mut renderer, &Silent).unwrap();
+    let back = playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap().counts;
+    assert_eq!((back.cells_decoded, back.texels_updated, back.bytes_read), (0, 0, 0), "{back:?}");
+    let sum = playback.summary();
+    assert_eq!(sum.shots, 5);
+    assert!(sum.counts.cells_decoded > first.cells_decoded + next.cells_decoded);
+    assert!(sum.bytes_all >= sum.counts.bytes_read && sum.pacing.frame.max_ms >= sum.pacing.frame.mean_ms);
+}
+
+#[test]
+fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
+    let folder = TempDir::new().unwrap();
+    let capture = "capture mirrors --position 0,1.5,0 --frames 0 --size 16 --samples 1 --aov depth,material -q -o cap";
+    fine(capture, folder.path());
+    fine("encode cap --cell 8 -o a.lfold", folder.path());
+    let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
+    let looking = shot(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
+    let unseen = |effects| {
+        let mut playback = Playback::new(&decoder, PlaybackOptions { effects, ..PlaybackOptions::default() }).unwrap();
+        let mut renderer = CpuRenderer::default();
+        renderer.options = PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() };
+        playback.show(&looking, &mut renderer, &Silent).unwrap().counts.cells_unseen
+    };
+    assert_eq!(unseen(EffectMode::Auto), 0);
+    assert!(unseen(EffectMode::None) > 0);
+}
+
+#[test]
+fn probes_take_part_in_the_frames_that_they_have() {
+    let folder = TempDir::new().unwrap();
+    let cameras = r#"{ "cameras": [ { "name": "a", "position": [0, 1.5, 0], "frames": [0, 1] },
+        { "name": "b", "position": [0.4, 1.4, 0.2], "frames": [1, 2] }, { "name": "c", "position": [0, 1.4, 0.2], "frames": [5, 5] } ] }"#;
+    fs::write(folder.path().join("cameras.json"), cameras).unwrap();
+    fine("capture courtyard --cameras cameras.json --frames 0-5 --size 8 --samples 1 -q -o cap", folder.path());
+    fine("encode cap --cell 8 -o a.lfold", folder.path());
+    let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
+    let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
+    let mut playback = Playback::new(&decoder, options).unwrap();
+    assert_eq!((playback.player().frames().first, playback.player().frames().last), (0, 5));
+    let mut renderer = CpuRenderer::default();
+    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
+    for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
+        let shown = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap();
+        let mut active: Vec<&str> = shown.trace.active.iter().map(|active| active.probe.as_str()).collect();
+        active.sort_unstable();
+        assert_eq!(active.concat(), probes, "frame {frame}");
+        for view in &playback.player().field().views {
+            let texels = || view.faces.iter().flatten().flat_map(|face| &face.inverse_depth);
+            let known = texels().filter(|texel| **texel != UNKNOWN).count();
+            assert_eq!(known, if probes.contains(&view.name) { 384 } else { 0 }, "frame {frame}, probe {}", view.name);
+        }
+    }
+    for frame in [3, 9] {
+        let said = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap_err().to_string();
+        assert!(said.contains(&format!("frame {frame}")) && said.contains("0-5"), "{said}");
+    }
+}
+
+#[test]
+fn a_damaged_chunk_is_an_error_and_leaves_nothing_that_could_be_taken_for_the_frame() {
+    let folder = TempDir::new().unwrap();
+    let whole = courtyard(folder.path(), "--keyframe-interval 2");
+    let index = whole.reader().index();
+    // The last chunk of a cell of colour in sight, and one of every other kind, too.
+    let stream = whole.streams().iter().find(|stream| stream.kind == StreamKind::Color).unwrap();
+    let chunk = *index.unit_chunks(stream.index, 5).last().unwrap();
+    let mut bytes = fs::read(folder.path().join("a.lfold")).unwrap();
+    bytes[chunk.offset as usize + chunk.stored_bytes as usize / 2] ^= 0x55;
+    fs::write(folder.path().join("b.lfold"), bytes).unwrap();
+    let damaged = Decoder::open(folder.path().join("b.lfold")).unwrap();
+    let mut player = Player::new(&damaged, &ProbeChoice::default()).unwrap();
+    let (good, bad) = (0, chunk.key.first_frame);
+    assert!(bad > good);
+    player.show(good, &[0, 1, 2], &AllUnits).unwrap();
+    player.take_changes();
+    let said = player.show(bad, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
+    assert!(said.contains("b.lfold"), "{said}");
+    assert!(faces(player.field()).all(|face| face.inverse_depth.iter().all(|texel| *texel == UNKNOWN)));
+    assert_eq!(player.take_changes().len(), 18);
+    player.show(good, &[0, 1, 2], &AllUnits).unwrap();
+    let mut fresh = Player::new(&whole, &ProbeChoice::default()).unwrap();
+    fresh.show(good, &[0, 1, 2], &AllUnits).unwrap();
+    assert_eq!(player.field(), fresh.field());
+}
+
+#[test]
+fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
+    let folder = TempDir::new().unwrap();
+    let decoder = courtyard(folder.path(), "");
+    let one = {
+        let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+        player.show(0, &[1], &AllUnits).unwrap();
+        player.bytes()
+    };
+    assert!(one > 6 * 32 * 32 * 8);
+    let limited = |bytes| Player::new(&decoder, &ProbeChoice::default()).unwrap().with_memory(Budget::of(bytes));
+    let mut player = limited(one * 5 / 2);
+    let shown = |player: &Player<'_>| -> Vec<bool> {
+        player.field().views.iter().map(|view| view.faces.iter().any(Option::is_some)).collect()
+    };
+    player.show(0, &[0], &AllUnits).unwrap();
+    player.show(0, &[1], &AllUnits).unwrap();
+    assert_eq!(shown(&player), [true, true, false]);
+    let counts = player.show(0, &[2], &AllUnits).unwrap();
+    assert!(counts.bytes_read > 0);
+    // The one that was used least lately has gone.
+    assert_eq!(shown(&player), [false, true, true]);
+    assert_eq!(player.show(0, &[1], &AllUnits).unwrap().bytes_read, 0);
+    let again = player.show(0, &[0], &AllUnits).unwrap();
+    assert!(again.bytes_read > 0);
+    assert!(player.take_changes().iter().any(|change| change.view == 0));
+    let said = player.show(0, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
+    assert!(said.contains("--memory") && said.contains("--views"), "{said}");
+    assert!(limited(one / 2).show(0, &[0], &AllUnits).is_err());
+}
+
+#[test]
+fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let decoder = courtyard(folder.path(), "");
+    let choice = |only: &[&str], without: &[&str]| {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        ProbeChoice { only: names(only), without: names(without) }
+    };
+    let names = |choice: &ProbeChoice| -> Vec<String> {
+        let player = Player::new(&decoder, choice).unwrap();
+        player.field().views.iter().map(|view| view.name.clone()).collect()
+    };
+    assert_eq!(names(&choice(&[], &[])), ["00", "01", "02"]);
+    assert_eq!(names(&choice(&["02", "00"], &[])), ["00", "02"]);
+    assert_eq!(names(&choice(&[], &["01"])), ["00", "02"]);
+    assert!(Player::new(&decoder, &choice(&["00"], &["00"])).is_err());
+    let said = Player::new(&decoder, &choice(&[], &["7"])).unwrap_err().to_string();
+    assert!(said.contains("'7'") && said.contains("00, 01, 02"), "{said}");
+    // A limit of views is kept, and told.
+    let selection = SelectionSettings { most: Some(2), ..SelectionSettings::default() };
+    let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
+    let mut renderer = CpuRenderer::default();
+    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let shown =
+        playback.show(&shot(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
+    let trace = serde_json::to_value(&shown.trace).unwrap();
+    assert_eq!((trace["active"][0]["probe"].as_str(), trace["active"][0]["slot"].as_u64()), (Some("01"), Some(0)));
+    assert_eq!((trace["culled"][0]["probe"].as_str(), trace["culled"][0]["why"].as_str()), (Some("02"), Some("limit")));
+}
