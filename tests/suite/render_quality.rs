@@ -178,7 +178,7 @@ fn pictures_of_scenes_are_no_worse_and_better_than_points() {
     check(&rows);
     for kind in [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Mirrors] {
         let [march, splat, best] = ["march", "splat", "reproject"].map(|method| psnr(&rows, kind.name(), method));
-        // Bars of the interior's lattice are a pixel wide here: rays that pass between them and meet nothing known are black.
+        // Bars of the interior's lattice are about a pixel wide here, and points keep more of them.
         assert!(
             march > splat || kind == DemoKind::Interior,
             "{}: {march} dB by marching, {splat} dB by points",
