@@ -61,13 +61,18 @@ def mean(values):
     return sum(values) / len(values) if values else None
 
 
+def mean_psnr(values):
+    """Mean over images, as papers have it, without those that are exact; infinite where all are."""
+    return mean(value for value in values if math.isfinite(value)) or math.inf
+
+
 def row_of(table, place, method, report):
-    """The figures of a report of `render`: PSNR is the mean over images, as the papers have it."""
+    """The figures of a report of `render`."""
     reference = report["reference"]
     images = reference["images"]
     return Row(
         table, place, method,
-        mean(number(image["psnr_db"]) for image in images),
+        mean_psnr([number(image["psnr_db"]) for image in images]),
         mean(number(image["ssim"]) for image in images),
         mean(number(image["hole_percent"]) for image in images),
         number(reference.get("psnr_db_mirrors")),

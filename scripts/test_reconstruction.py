@@ -31,7 +31,7 @@ if words[0] == "render":
     db += float(value("--views") or 0) / 10 - (3 if value("--effects") == "none" else 0)
     image = {{"psnr_db": db, "ssim": None, "hole_percent": 1.5}}
     exact = {{"psnr_db": "inf", "ssim": 0.5, "hole_percent": 0.5}}
-    images = [image, exact] if value("--reference-probe") == "exact" else [image, image]
+    images = {{"exact": [exact, exact], "half": [image, exact]}}.get(value("--reference-probe"), [image, image])
     reference = {{"images": images, "method": value("--method")}}
     if {material}:
         reference.update(psnr_db_mirrors=db - 5, psnr_db_glass=db - 8)
@@ -77,11 +77,12 @@ class Stubbed(unittest.TestCase):
 class DatasetTest(Stubbed):
     def test_each_of_few_probes_is_left_out_in_turn(self):
         binary = self.stub(material=False)
-        manifest = self.dataset(["a", "b", "exact"])
+        manifest = self.dataset(["a", "half", "exact"])
         renderer = rq.Renderer(binary, ["--steps", "64"])
         rows = rq.measure_dataset(binary, renderer, manifest, self.work, [], "0")
         out = [(row.place, row.method, row.psnr_db) for row in rows if row.table == "left out"]
         self.assertEqual(out[:3], [("a", "points", 20.0), ("a", "ceiling", 30.0), ("a", "ours", 28.0)])
+        self.assertEqual(out[3:6], [("half", "points", 20.0), ("half", "ceiling", 30.0), ("half", "ours", 28.0)])
         self.assertEqual(out[6:], [("exact", "points", math.inf), ("exact", "ceiling", math.inf), ("exact", "ours", math.inf)])
         self.assertEqual([row.place for row in rows if row.table == "by views" and row.method == "ours"], [1, 2])
         self.assertFalse([row for row in rows if row.table == "effects"])

@@ -81,7 +81,7 @@ impl Camera {
     }
 
     /// A camera at `eye` with these axes: forward, right and down of its picture, of length 1 and at right angles to each
-    /// other. They may be mirrored, as those of the faces of a cube map are ([`crate::image::cube::Face::axes`]); such a
+    /// other. They may be mirrored, as those of the faces of a cube map are; such a
     /// camera has no [`Camera::orientation`].
     ///
     /// # Errors

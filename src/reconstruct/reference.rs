@@ -198,8 +198,8 @@ mod tests {
             let truth = reference.truth(at, 1).unwrap();
             for group in source.groups().iter().filter(|group| group.probe == at / 6 && group.faces == [image.face]) {
                 match group.kind {
-                    StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap(), [truth.color.clone()]),
-                    _ => assert_eq!(source.read_depth(group, 1).unwrap(), [truth.distance_m.clone().unwrap()]),
+                    StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap()[0], truth.color),
+                    _ => assert_eq!(Some(&source.read_depth(group, 1).unwrap()[0]), truth.distance_m.as_ref()),
                 }
             }
             assert_eq!(truth.material, None);

@@ -32,8 +32,10 @@ pub struct Similarity {
     pub ssim_images: u64,
     /// Sum of their SSIM.
     pub ssim_sum: f64,
-    /// Sum of the PSNR of each picture in dB; infinite where one of them is exact.
+    /// Sum of the PSNR in dB of each picture that is not exact.
     pub psnr_db_sum: f64,
+    /// Pictures that are not exact.
+    pub inexact_images: u64,
     /// Pictures.
     pub images: u64,
 }
@@ -53,6 +55,7 @@ impl Similarity {
             ssim_images: 0,
             ssim_sum: 0.0,
             psnr_db_sum: 0.0,
+            inexact_images: 0,
             images: 0,
         }
     }
@@ -78,7 +81,8 @@ impl Similarity {
             hole_pixels: rendered.alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
             ssim_images: u64::from(ssim.is_some()),
             ssim_sum: ssim.unwrap_or(0.0),
-            psnr_db_sum: all.psnr_db(),
+            psnr_db_sum: if all.sum > 0 { all.psnr_db() } else { 0.0 },
+            inexact_images: u64::from(all.sum > 0),
             images: 1,
             ..Similarity::empty()
         };
@@ -121,13 +125,15 @@ impl Similarity {
         self.ssim_images += other.ssim_images;
         self.ssim_sum += other.ssim_sum;
         self.psnr_db_sum += other.psnr_db_sum;
+        self.inexact_images += other.inexact_images;
         self.images += other.images;
         Ok(())
     }
 
-    /// Mean over pictures of their PSNR in dB; `+inf` where one of them is exact, and of none.
+    /// Mean over pictures of their PSNR in dB, without those that are exact, such as a face that sees nothing; `+inf` where
+    /// all of them are.
     pub fn mean_psnr_db(&self) -> f64 {
-        if self.images == 0 { f64::INFINITY } else { self.psnr_db_sum / self.images as f64 }
+        if self.inexact_images == 0 { f64::INFINITY } else { self.psnr_db_sum / self.inexact_images as f64 }
     }
 
     /// Mean over pictures of their SSIM; none where all of them are too small.
@@ -224,7 +230,7 @@ mod tests {
         both.merge(&other).unwrap();
         assert_eq!((both.images, both.all.samples, both.has_material), (2, 6 * 144, true));
         assert_eq!(both.all.sum, one.all.sum);
-        assert_eq!(both.mean_psnr_db(), f64::INFINITY);
+        assert_eq!((both.mean_psnr_db(), other.mean_psnr_db()), (one.all.psnr_db(), f64::INFINITY));
         both = one;
         both.merge(&one).unwrap();
         assert_eq!((both.mean_psnr_db(), both.ssim()), (one.all.psnr_db(), one.ssim()));
