@@ -365,6 +365,13 @@ class RecordTest(unittest.TestCase):
         self.assertEqual(bench.rays_of(text), [["landscape", "250632", "0.17", "4.10", "4.63", "5.14", "1.94", "1.52",
                                                 "1.56", "1.86"]])
 
+    def test_rows_of_pictures_are_found_in_what_the_bench_prints(self):
+        text = ("/tmp/x/sponza9.lfold: 9 views\n"
+                "                                               Mpixel/s  steps a ray  refine a ray\n"
+                "256²; 64 steps + 8; 9 views; pyramid              1.020         7.53          7.98\n\n")
+        self.assertEqual(script("bench").pixels_of(text),
+                         [["sponza9", "256²; 64 steps + 8; 9 views; pyramid", "1.020", "7.53", "7.98"]])
+
     def test_figures_are_found_in_what_the_bench_prints(self):
         figures = script("bench").figures_of(RATIOS)
         self.assertEqual(len(figures), 9)

@@ -5,6 +5,7 @@
 
 const LEAST_SHARE = 1.0 / 256.0;
 const LIFT_TEXELS = 1.0;
+const HIDDEN_TEXELS = 12.0;
 // Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 
@@ -30,13 +31,16 @@ struct Found {
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> pending_count: u32;
 
-fn follow(ray: Ray) -> Found {
+fn follow(ray: Ray, hidden_m: f32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
-    // It starts in a surface, or behind one that hides it from all views, and comes into the open first.
+    // It starts in a surface, or shortly behind one, and comes into the open first.
     var first = 0u;
     for (; first < scene.distance_count; first++) {
         counted[MARCH_STEPS]++;
+        if (distances_m[first] > hidden_m) {
+            return nothing;
+        }
         if (!is_surface(point_at(ray, distances_m[first]))) {
             break;
         }
@@ -106,7 +110,7 @@ fn divide(next: Pending) -> vec3<f32> {
         if (part < LEAST_SHARE) {
             continue;
         }
-        let found = follow(ray);
+        let found = follow(ray, HIDDEN_TEXELS * front.texel_m);
         if (found.kind != FOUND_NOTHING) {
             light += take(found, ray.direction, part, next.bounces);
             left -= part;

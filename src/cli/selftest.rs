@@ -17,7 +17,7 @@ use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
 
 /// Words for families of hard cases.
-const FAMILIES: [&str; 7] = Family::NAMES;
+const FAMILIES: [&str; 8] = Family::NAMES;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

@@ -13,6 +13,7 @@ mod fits;
 mod geometry;
 mod pictures;
 mod quantisation;
+mod render;
 mod report;
 mod scene;
 mod sight;
@@ -46,11 +47,13 @@ pub enum Family {
     Geometry,
     /// Rays, triangles and what lies between points.
     Scene,
+    /// Pictures from any eye.
+    Render,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Family; 7] = [
+    pub const ALL: [Family; 8] = [
         Family::Quantisation,
         Family::Temporal,
         Family::Fits,
@@ -58,10 +61,12 @@ impl Family {
         Family::Color,
         Family::Geometry,
         Family::Scene,
+        Family::Render,
     ];
 
     /// The words for them, in the same order.
-    pub const NAMES: [&str; 7] = ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene"];
+    pub const NAMES: [&str; 8] =
+        ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render"];
 
     /// The word for it.
     pub fn name(self) -> &'static str {
@@ -244,8 +249,16 @@ impl Shelf {
 
 /// All cases, family by family.
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 7] =
-        [quantisation::cases, temporal::cases, fits::cases, blocks::cases, color::cases, geometry::cases, scene::cases];
+    let families: [fn() -> Vec<HardCase>; 8] = [
+        quantisation::cases,
+        temporal::cases,
+        fits::cases,
+        blocks::cases,
+        color::cases,
+        geometry::cases,
+        scene::cases,
+        render::cases,
+    ];
     families.into_iter().flat_map(|cases| cases()).collect()
 }
 

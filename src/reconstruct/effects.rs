@@ -28,6 +28,9 @@ pub const LEAST_SHARE: f32 = 1.0 / 256.0;
 pub const MAX_BOUNCES: u32 = 8;
 /// How far from a surface rays start, in texels of it.
 const LIFT_TEXELS: f32 = 1.0;
+/// What is hidden from all views for longer than this, in texels of the surface that a ray leaves, is not passed through:
+/// surfaces that nobody sees are in it.
+const HIDDEN_TEXELS: f32 = 12.0;
 
 /// A surface that a ray met.
 #[derive(Debug, Clone, Copy)]
@@ -91,6 +94,7 @@ impl<'a> Effects<'a> {
             return whole;
         }
         let material = material.towards(cosine);
+        let hidden_m = HIDDEN_TEXELS * front.texel_m;
         let (mut light, mut left) = (Vec3::ZERO, share);
         if share * material.refract >= LEAST_SHARE {
             let inside = Inside { views: self.views, camera_weights: self.camera_weights, steps: &self.settings.steps };
@@ -100,7 +104,7 @@ impl<'a> Effects<'a> {
                 if part < LEAST_SHARE {
                     continue;
                 }
-                if let Some(now) = self.follow(&ray, (part, bounces), counters) {
+                if let Some(now) = self.follow(&ray, hidden_m, (part, bounces), counters) {
                     light += now;
                     left -= part;
                 }
@@ -109,7 +113,7 @@ impl<'a> Effects<'a> {
         if share * material.reflect >= LEAST_SHARE {
             let origin = met.point + LIFT_TEXELS * front.texel_m * front.normal;
             let ray = Ray { origin, direction: reflect(met.direction, front.normal) };
-            if let Some(now) = self.follow(&ray, (share * material.reflect, bounces), counters) {
+            if let Some(now) = self.follow(&ray, hidden_m, (share * material.reflect, bounces), counters) {
                 light += now;
                 left -= share * material.reflect;
             }
@@ -119,16 +123,22 @@ impl<'a> Effects<'a> {
 
     /// What a ray with a share brings: light of the background, or for now nothing, where it meets a surface. None where
     /// no view saw anything.
-    fn follow(&mut self, ray: &Ray, (share, bounces): (f32, u32), counters: &mut Counters) -> Option<Vec3> {
+    fn follow(
+        &mut self,
+        ray: &Ray,
+        hidden_m: f32,
+        (share, bounces): (f32, u32),
+        counters: &mut Counters,
+    ) -> Option<Vec3> {
         counters.secondary_rays += 1;
         let steps = &self.settings.steps;
-        // It starts in a surface, or behind one that hides it from all views, and comes into the open first.
-        let hidden = steps.distances_m.iter().take_while(|&&distance_m| {
+        // It starts in a surface, or shortly behind one, and comes into the open first.
+        let open = |&distance_m: &f32| {
             counters.march_steps += 1;
-            self.views.is_surface(ray.at(distance_m))
-        });
-        let first = hidden.count();
-        if first == steps.distances_m.len() {
+            distance_m > hidden_m || !self.views.is_surface(ray.at(distance_m))
+        };
+        let first = steps.distances_m.iter().position(open)?;
+        if steps.distances_m[first] > hidden_m {
             return None;
         }
         let from = (steps, first);

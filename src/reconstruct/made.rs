@@ -7,29 +7,29 @@ use crate::image::cube::Face;
 use crate::reconstruct::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
 /// What a probe sees in a direction of the world of length 1: the distance in metres and a colour. None is background.
-pub(crate) type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
+pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
 /// A probe to be made.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Made {
+pub struct Made {
     /// Where it stands, in metres.
-    pub(crate) position: DVec3,
+    pub position: DVec3,
     /// Turns directions of the probe into those of the world.
-    pub(crate) turn: DQuat,
+    pub turn: DQuat,
     /// Its faces' width and height in pixels, at least 1.
-    pub(crate) size: [u32; 2],
+    pub size: [u32; 2],
     /// Nearest and farthest distance, in metres.
-    pub(crate) range_m: [f32; 2],
+    pub range_m: [f32; 2],
 }
 
 impl Made {
     /// A cube map with square faces that is not turned.
-    pub(crate) fn new(position: DVec3, side: u32) -> Made {
+    pub fn new(position: DVec3, side: u32) -> Made {
         Made { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
     }
 
     /// Its cube map.
-    pub(crate) fn cube(&self, coding: ColorCoding, sight: Sight<'_>) -> View {
+    pub fn cube(&self, coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
         let half = self.size.map(|pixels| pixels as f32 / 2.0);
         for face in Face::CUBE {
@@ -39,7 +39,7 @@ impl Made {
     }
 
     /// A perspective image whose plane is mapped by focal lengths and centre, in pixels.
-    pub(crate) fn perspective(&self, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> View {
+    pub fn perspective(&self, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
         view.faces[Face::View as usize] = Some(self.face(Face::View, map, coding, sight));
         view
@@ -82,13 +82,13 @@ impl Made {
 }
 
 /// A light field of views.
-pub(crate) fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
+pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
     LightField { views, coding }
 }
 
 /// What is seen from `eye` of the inside of a box with half these sides around the origin, and of the outside of a
 /// smaller one in it that is `pillar` as wide; colours are those of places.
-pub(crate) fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {
+pub fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {
     let crossings = |half: DVec3| {
         let [low, high] = [-half, half].map(|wall| (wall - eye) / direction);
         (low.min(high).max_element(), low.max(high).min_element())

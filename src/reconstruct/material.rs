@@ -44,7 +44,7 @@ pub fn surface_material(views: &ActiveViews<'_>, camera_weights: &[f32], point: 
             }
         }
     }
-    if !(reflect + refract > LEAST_WEIGHT * weights) {
+    if reflect + refract <= LEAST_WEIGHT * weights {
         return None;
     }
     // Indices of what does not refract mean nothing.

@@ -16,7 +16,7 @@ pub mod interpolate;
 pub mod key_poses;
 mod lanes;
 pub mod light_field;
-pub(crate) mod made;
+pub mod made;
 pub mod march;
 pub mod material;
 pub mod methods;

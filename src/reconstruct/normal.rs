@@ -74,8 +74,8 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     let offset = [0, 1].map(|axis| at.at[axis] - (texel[axis] as f32 + 0.5));
     let fit = fit(face, texel)?;
     let difference = (fit.value(offset) / at.inverse_depth).ln().abs();
-    // Written so that what is no number is no surface either.
-    if !(difference <= SAME_SURFACE) {
+    // What is no number is no surface either.
+    if difference.is_nan() || difference > SAME_SURFACE {
         return None;
     }
     let axes = Face::from_index(at.face as u8)?.axes().map(|axis| axis.as_vec3());
@@ -208,7 +208,7 @@ fn bent(around: &Around<'_>, reach: i32) -> Option<Fit> {
     let far = FIT[usize::from(reach == 2)] * c[0];
     for y in -reach..=reach {
         for x in -reach..=reach {
-            if !((around.get(x, y)? - fit.value([x as f32, y as f32])).abs() <= far) {
+            if (around.get(x, y)? - fit.value([x as f32, y as f32])).abs() > far {
                 return None;
             }
         }

@@ -238,7 +238,9 @@ impl<'a> PacketView<'a> {
         let square = local.x * local.x + local.y * local.y + local.z * local.z;
         let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
         let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
-        Answers { open: known & (near | before) | centre, behind: known & !(near | before) }
+        // Within near it is so even where no texel was decoded.
+        let near = near & places.exist;
+        Answers { open: known & before | near | centre, behind: known & !(near | before) }
     }
 
     /// Lanes, of those asked, of which it proves that all points from one end to the other are open.
@@ -262,24 +264,21 @@ impl<'a> PacketView<'a> {
         if !self.is_view {
             may &= (widest + slack).cmple(Lanes::ONE);
         }
-        let mut boxes = [[[0; 4]; 2]; 2];
-        for axis in 0..2 {
+        let corners = [0, 1].map(|axis| {
             let (one, two) = (first.at[axis], last.at[axis]);
             let margin = slack * last.scale[axis].abs() + last.size[axis] * ROUNDING;
             let (low, high) = (one.min(two) - margin, one.max(two) + margin);
             if self.is_view {
                 may &= low.cmpge(Lanes::ZERO) & high.cmplt(last.size[axis]);
             }
-            let within = |at: Lanes| to_whole(cut(at.max(Lanes::ZERO).min(last.size[axis] - 1.0)));
-            boxes[0][axis] = within(low);
-            boxes[1][axis] = within(high);
-        }
+            [low, high].map(|at| to_whole(cut(at.max(Lanes::ZERO).min(last.size[axis] - 1.0))))
+        });
         let may = may.bitmask() & asked & !whole;
         let farthest_m = farthest_m.to_array();
         let mut proved = whole;
         for lane in lanes_of(may) {
             let Some(texels) = self.faces[last.face.of(lane)] else { continue };
-            let [from, to] = boxes.map(|corner| corner.map(|lanes| lanes[lane]));
+            let [from, to] = [0, 1].map(|end| corners.map(|axis| axis[end][lane]));
             if first.face.of(lane) == last.face.of(lane)
                 && texels.greatest_between(from, to) * farthest_m[lane] < SURELY_BELOW_ONE
             {

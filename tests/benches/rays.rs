@@ -5,10 +5,13 @@
 //! middle of the scene, face by face, at three sizes: rays per second should not depend on the size. Shadow rays leave
 //! where those of the camera end. Medians of the turns are printed, in millions of rays a second.
 
+mod clock;
+
 use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use clock::Clock;
 use glam::{DVec3, Vec3};
 use lightfold::scene::mesh::{Mesh, MeshMaterial};
 use lightfold::scene::{Light, MeshBvh, Ray, Scene, SceneAtTime};
@@ -135,25 +138,4 @@ fn median<T>(mut turn: impl FnMut() -> T) -> f64 {
         .collect();
     seconds.sort_by(f64::total_cmp);
     seconds[TURNS / 2]
-}
-
-/// Seconds that this thread had a core for, where Linux tells them, so that other work matters less; else of the wall.
-struct Clock {
-    wall: Instant,
-    on_core_ns: Option<u64>,
-}
-
-impl Clock {
-    fn start() -> Clock {
-        Clock { wall: Instant::now(), on_core_ns: Self::on_core_ns() }
-    }
-
-    fn on_core_ns() -> Option<u64> {
-        std::fs::read_to_string("/proc/thread-self/schedstat").ok()?.split(' ').next()?.parse().ok()
-    }
-
-    fn seconds(&self) -> f64 {
-        let on_core = self.on_core_ns.zip(Self::on_core_ns()).map(|(start, end)| (end - start) as f64 / 1e9);
-        on_core.filter(|&seconds| seconds > 0.0).unwrap_or_else(|| self.wall.elapsed().as_secs_f64())
-    }
 }

@@ -1,0 +1,331 @@
+//! Pictures from any eye where they are hard: eyes in bad places, edges and corners of cubes, fences, steps of the whole
+//! range of depth, coincident probes, one distance, no surfaces, all sizes.
+//!
+//! All of it is on the CPU. Light fields are made from formulas, so that what must come out is known.
+
+use glam::{DVec3, Vec3};
+
+use crate::error::Result;
+use crate::gpu::random::Random;
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::image::cube::direction_to_face;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::math::{Camera, Lens};
+use crate::monitor::Silent;
+use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::counters::Counters;
+use crate::reconstruct::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
+use crate::reconstruct::made::{Made, room};
+use crate::reconstruct::march::{self, Ray, Steps};
+use crate::reconstruct::pyramid;
+use crate::reconstruct::render::{
+    Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly,
+};
+
+/// Width and height of faces in texels, unless a case says otherwise.
+const SIDE: u32 = 32;
+/// Half the sides of the room, in metres.
+const ROOM: DVec3 = DVec3::new(4.0, 1.5, 3.0);
+/// Rays of a case.
+const RAYS: usize = 2000;
+/// Steps, and refinements of them.
+const STEPS: u32 = 96;
+const REFINE: u32 = 12;
+const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
+
+/// A light field, and an eye in it.
+struct Setup {
+    field: LightField,
+    eye: DVec3,
+    /// Nearest and farthest step, in metres.
+    range_m: [f32; 2],
+}
+
+/// What makes a setup.
+type Make = fn() -> Setup;
+
+const SETUPS: [(&str, Make); 10] = [
+    ("a room", || furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5))),
+    ("along edges and corners of a cube", || furnished(&POSITIONS[..1], POSITIONS[0])),
+    ("the eye in a wall", || furnished(&POSITIONS, DVec3::new(4.0, 0.0, 0.0))),
+    ("the eye outside of all walls", || furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0))),
+    ("coincident probes", || furnished(&[POSITIONS[0]; 3], DVec3::new(0.5, 0.25, -0.5))),
+    ("a fence one texel wide", || {
+        made(|direction| {
+            let (_, u, _) = direction_to_face(direction);
+            let column = ((u + 1.0) * f64::from(SIDE) / 2.0) as u32;
+            if column.is_multiple_of(2) { Some((1.0, [255; 3])) } else { room(DVec3::ZERO, direction, ROOM, 0.0) }
+        })
+    }),
+    ("neighbours as far apart as near and far", || {
+        made(|direction| {
+            let (_, u, v) = direction_to_face(direction);
+            let odd = [u, v].map(|at| ((at + 1.0) * f64::from(SIDE) / 2.0) as u32).iter().sum::<u32>() % 2;
+            Some(([0.1, 100.0][odd as usize], [255 * odd as u8; 3]))
+        })
+    }),
+    ("nothing but background", || made(|_| None)),
+    ("every other texel unknown", || {
+        let mut setup = furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5));
+        for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+            texels.inverse_depth.iter_mut().skip(1).step_by(2).for_each(|texel| *texel = UNKNOWN);
+            texels.depth_changed(0..SIDE, 0..SIDE);
+        }
+        setup
+    }),
+    ("near = far", || Setup { range_m: [1.0, 1.0], ..furnished(&POSITIONS, DVec3::new(3.5, 0.25, -0.5)) }),
+];
+
+/// Where probes stand; multiples of 1/8 m, so that they are exact far from the origin, too.
+const POSITIONS: [DVec3; 4] = [
+    DVec3::new(1.0, 0.0, -1.0),
+    DVec3::new(-1.0, 0.5, -1.0),
+    DVec3::new(1.0, -0.5, 1.0),
+    DVec3::new(-1.125, 0.0, 1.25),
+];
+
+/// All cases.
+pub(super) fn cases() -> Vec<HardCase> {
+    let none = Bound::AtMost(0.0);
+    let shelf = |pipeline: &str, unit| Shelf::new(Family::Render, pipeline, unit);
+    let mut cases = Vec::new();
+    let segments = shelf("segments of rays against all their points", "hits that differ");
+    let packets = shelf("four rays at once against one by one", "wrong pixels");
+    for (name, make) in SETUPS {
+        cases.push(segments.case(name, none, move || Ok(by_segments(&make()))));
+        cases.push(packets.case(name, none, move || by_packets(&make())));
+    }
+    let own = shelf("the eye in a probe", "codes that differ");
+    // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
+    // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
+    for side in [1, 2, 33, 64] {
+        cases.push(own.case(format!("{side}x{side}"), none, move || own_codes(side)));
+    }
+    let scaled = shelf("hits at another size or place", "hits that differ");
+    // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
+    for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
+    {
+        cases.push(scaled.case(name, none, move || Ok(elsewhere(size, away))));
+    }
+    let bad = shelf("rays that can bring nothing", "rays that bring something");
+    cases.push(bad.case("the eye outside of all walls", none, outside));
+    let background = shelf("rays that meet nothing", "rays that meet something");
+    cases.push(background.case("nothing but background", none, empty));
+    let last = shelf("a surface at the last step", "missed");
+    cases.push(last.case("walls just before far", none, || Ok(at_the_last_step())));
+    let near = shelf("points within the near planes of all views", "taken for surfaces");
+    cases.push(near.case("walls nearer than near", none, || Ok(within_near())));
+    let copies = shelf("coincident probes against one", "codes");
+    // Three times the terms of a sum of 4 weights, each rounded; colours of up to 255 codes.
+    let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
+    cases.push(copies.case("three", Bound::AtMost(most), coincident));
+    cases
+}
+
+fn furnished(positions: &[DVec3], eye: DVec3) -> Setup {
+    at_size(positions, eye, 1.0, DVec3::ZERO)
+}
+
+/// The room times a size, and somewhere else.
+fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
+    let view = |&position: &DVec3| {
+        let sight =
+            |direction| room(position, direction, ROOM, 0.1).map(|(distance_m, color)| (distance_m * size, color));
+        let range_m = [0.125, 16.0].map(|metres| metres * size as f32);
+        Made { range_m, ..Made::new(position * size + away, SIDE) }.cube(CODES, &sight)
+    };
+    let field = LightField { views: positions.iter().map(view).collect(), coding: CODES };
+    Setup { field, eye: eye * size + away, range_m: [0.0625, 16.0].map(|metres| metres * size as f32) }
+}
+
+/// One probe in the origin, and an eye beside it.
+fn made(sight: fn(DVec3) -> Option<(f64, [u8; 3])>) -> Setup {
+    let view = Made::new(DVec3::ZERO, SIDE).cube(CODES, &sight);
+    let field = LightField { views: vec![view], coding: CODES };
+    Setup { field, eye: DVec3::new(0.25, 0.125, -0.5), range_m: [0.01, 200.0] }
+}
+
+impl Setup {
+    fn views(&self) -> ActiveViews<'_> {
+        let all: Vec<usize> = (0..self.field.views.len()).collect();
+        ActiveViews::new(&self.field, &all, self.eye)
+    }
+
+    fn steps(&self) -> Steps {
+        Steps::new(STEPS, self.range_m[0], self.range_m[1], REFINE)
+    }
+
+    fn hit(&self, views: &ActiveViews<'_>, direction: Vec3) -> Option<f32> {
+        march::intersect(views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
+    }
+
+    fn settings(&self, side: u32) -> RenderSettings {
+        RenderSettings {
+            size: [side; 2],
+            steps: self.steps(),
+            samples: 1,
+            holes: HoleFill::Blank,
+            effects: EffectMode::None,
+            max_bounces: 0,
+            acceleration: Acceleration::Pyramid,
+        }
+    }
+
+    fn picture(&self, side: u32) -> Result<Rendered> {
+        render(&self.views(), &camera(self.eye, DVec3::X)?, &self.settings(side), &Silent)
+    }
+}
+
+fn camera(eye: DVec3, forward: DVec3) -> Result<Camera> {
+    let up = if forward.y == 0.0 { DVec3::Y } else { DVec3::X };
+    Camera::oriented(eye, turn_to(forward, up), Lens::new(90.0))
+}
+
+/// The quaternion of a camera that looks along one axis with another up.
+fn turn_to(forward: DVec3, up: DVec3) -> [f64; 4] {
+    let axes = glam::DMat3::from_cols(forward.cross(up), up, -forward);
+    glam::DQuat::from_mat3(&axes).normalize().to_array()
+}
+
+/// Directions everywhere, every tenth along an axis, an edge or a corner of a cube.
+fn directions() -> Vec<Vec3> {
+    let mut random = Random::new(8);
+    let mut any = |values: [f64; 3]| values[random.below(3) as usize];
+    let special: Vec<DVec3> =
+        (0..RAYS / 10).map(|_| DVec3::from_array([(); 3].map(|()| any([-1.0, 0.0, 1.0])))).collect();
+    let mut random = Random::new(9);
+    let mut part = || f64::from(random.word()) / f64::from(u32::MAX) * 2.0 - 1.0;
+    let anywhere = (special.len()..RAYS).map(|_| DVec3::new(part(), part(), part()));
+    special.iter().copied().chain(anywhere).filter_map(DVec3::try_normalize).map(|at| at.as_vec3()).collect()
+}
+
+fn by_segments(setup: &Setup) -> Measured {
+    let (views, steps) = (setup.views(), setup.steps());
+    let (mut dense, mut few) = (Counters::default(), Counters::default());
+    let (mut wrong, mut first) = (0, None);
+    for direction in directions() {
+        let ray = Ray { origin: Vec3::ZERO, direction };
+        let all = march::intersect(&views, &ray, &steps, &mut dense);
+        let some = pyramid::intersect(&views, &ray, &steps, &mut few);
+        if some != all {
+            wrong += 1;
+            first.get_or_insert_with(|| format!("towards {direction}: {some:?} instead of {all:?}"));
+        }
+    }
+    let note = format!("{} questions instead of {}", few.march_steps, dense.march_steps);
+    Measured::count(wrong, first).with_note(note)
+}
+
+/// Pixels of other coverage, of colours more than half a code off, or not finite; and counts that differ.
+fn by_packets(setup: &Setup) -> Result<Measured> {
+    let camera = camera(setup.eye, DVec3::NEG_Z)?;
+    let views = setup.views();
+    let fast = render(&views, &camera, &setup.settings(SIDE), &Silent)?;
+    let plain = render_plainly(&views, &camera, &setup.settings(SIDE), &Silent)?;
+    let mut wrong = u64::from(fast.counters != plain.counters);
+    for at in 0..fast.alpha.data().len() {
+        let [a, b] = [&fast, &plain].map(|picture| picture.color.data()[at].map(code));
+        let alike = (0..3).all(|channel| (a[channel] - b[channel]).abs() <= 0.5);
+        wrong += u64::from(!alike || fast.alpha.data()[at] != plain.alpha.data()[at]);
+    }
+    Ok(Measured::count(wrong, None))
+}
+
+/// The code of light, with what follows the point.
+fn code(light: f32) -> f64 {
+    Transfer::Srgb.encode(f64::from(light)) * 255.0
+}
+
+fn own_codes(side: u32) -> Result<Measured> {
+    let position = POSITIONS[1];
+    let view = Made::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
+    let field = LightField { views: vec![view], coding: CODES };
+    let setup = Setup { field, eye: position, range_m: [0.0625, 16.0] };
+    let (mut wrong, mut first) = (0, None);
+    for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+        let camera = camera(position, forward)?;
+        let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
+        for (at, color) in (0..).zip(picture.color.data()) {
+            let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
+            let (face, u, v) = direction_to_face(camera.direction(window));
+            let [column, row] = [u, v].map(|at| (((at + 1.0) * f64::from(side) / 2.0) as u32).min(side - 1));
+            let Some(texels) = &setup.field.views[0].faces[face as usize] else { continue };
+            let ColorTexels::Codes(codes) = &texels.color else { continue };
+            let expected = codes[(row * side + column) as usize];
+            if (0..3).any(|channel| code(color[channel]).round() != f64::from(expected[channel])) {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{}, column {column}, row {row}", face.name()));
+            }
+        }
+    }
+    Ok(Measured::count(wrong, first))
+}
+
+fn elsewhere(size: f64, away: f64) -> Measured {
+    let eye = DVec3::new(0.5, 0.25, -0.5);
+    let here = at_size(&POSITIONS, eye, 1.0, DVec3::ZERO);
+    let there = at_size(&POSITIONS, eye, size, DVec3::splat(away));
+    let (views, other_views) = (here.views(), there.views());
+    let (mut wrong, mut first) = (0, None);
+    for direction in directions() {
+        let expected = here.hit(&views, direction).map(|metres| metres * size as f32);
+        let found = there.hit(&other_views, direction);
+        if found != expected {
+            wrong += 1;
+            first.get_or_insert_with(|| format!("towards {direction}: {found:?} instead of {expected:?}"));
+        }
+    }
+    Measured::count(wrong, first)
+}
+
+fn outside() -> Result<Measured> {
+    let counters = furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0)).picture(SIDE)?.counters;
+    Ok(Measured::count(counters.primary_rays - counters.hole_rays, None))
+}
+
+fn empty() -> Result<Measured> {
+    let picture = made(|_| None).picture(SIDE)?;
+    let blank = picture.alpha.data().iter().filter(|&&alpha| alpha != 1.0).count() as u64;
+    Ok(Measured::count(picture.counters.primary_rays - picture.counters.background_rays + blank, None))
+}
+
+/// The eye in the middle of a cube whose walls are at 1.5 m: rays along the axes meet them between the last two steps.
+fn at_the_last_step() -> Measured {
+    let view =
+        Made::new(DVec3::ZERO, SIDE).cube(CODES, &|direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0));
+    let field = LightField { views: vec![view], coding: CODES };
+    let setup = Setup { field, eye: DVec3::ZERO, range_m: [0.01, 1.5 * 1.0001] };
+    let views = setup.views();
+    let mut wrong = 0;
+    for direction in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+        let ray = Ray { origin: Vec3::ZERO, direction };
+        for hit in [march::intersect, pyramid::intersect] {
+            wrong += u64::from(hit(&views, &ray, &setup.steps(), &mut Counters::default()).is_none());
+        }
+    }
+    Measured::count(wrong, None)
+}
+
+/// Walls that are nearer than the views' near planes: within these, no point is a surface, and beyond them all are.
+fn within_near() -> Measured {
+    let mut setup = furnished(&POSITIONS[..1], POSITIONS[0]);
+    setup.field.views[0].near_m = 8.0;
+    let views = setup.views();
+    // The first step beyond 8 m is a surface; refinement goes back to 8 m, but for its rounding.
+    let wrong =
+        directions().into_iter().filter(|&direction| !setup.hit(&views, direction).is_some_and(|hit| hit > 7.999));
+    Measured::count(wrong.count() as u64, None)
+}
+
+fn coincident() -> Result<Measured> {
+    let eye = DVec3::new(0.5, 0.25, -0.5);
+    let one = furnished(&POSITIONS[..1], eye).picture(SIDE)?;
+    let three = furnished(&[POSITIONS[0]; 3], eye).picture(SIDE)?;
+    let mut worst = Worst::greatest();
+    for (at, (a, b)) in one.color.data().iter().zip(three.color.data()).enumerate() {
+        let off = (0..3).map(|channel| (code(a[channel]) - code(b[channel])).abs()).fold(0.0, f64::max);
+        let off = if one.alpha.data()[at] == three.alpha.data()[at] { off } else { f64::NAN };
+        worst.see(off, || format!("pixel {at}"));
+    }
+    Ok(worst.measured())
+}

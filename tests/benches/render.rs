@@ -1,0 +1,147 @@
+//! Speeds of pictures from any eye, on one thread: millions of pixels a second, and what a ray asks.
+//!
+//! `cargo bench --bench render [-- IN.lfold..]` renders each container from a point between its probes, six faces of a
+//! cube map, and without one a room that is made from a formula: by steps, with and without pyramids and refinement, by
+//! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart.
+
+mod clock;
+
+use std::hint::black_box;
+
+use clock::Clock;
+use glam::DVec3;
+use lightfold::error::Result;
+use lightfold::image::cube::Face;
+use lightfold::image::transfer::ToneMap;
+use lightfold::math::{Camera, Lens};
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::active_views::ActiveViews;
+use lightfold::reconstruct::counters::Counters;
+use lightfold::reconstruct::light_field::{ColorCoding, LightField};
+use lightfold::reconstruct::made::{Made, room};
+use lightfold::reconstruct::march::Steps;
+use lightfold::reconstruct::player::Player;
+use lightfold::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use lightfold::video::decode::Decoder;
+use lightfold::video::unit_filter::AllUnits;
+
+/// Turns of each measurement.
+const TURNS: usize = 3;
+/// What is varied stays so elsewhere.
+const SIZE: u32 = 256;
+const STEPS: u32 = 64;
+const REFINE: u32 = 8;
+
+fn main() -> Result<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().ok();
+    let files: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    if files.is_empty() {
+        measure("room", &furnished());
+    }
+    for file in files {
+        let decoder = Decoder::open(&file)?;
+        let first = decoder.streams().iter().map(|stream| stream.entry.first_frame).min().unwrap_or(0);
+        let mut player = Player::new(&decoder)?;
+        player.show(first, &AllUnits)?;
+        measure(&file, player.field());
+    }
+    Ok(())
+}
+
+fn measure(name: &str, field: &LightField) {
+    let all = field.views.len();
+    println!("{name}: {all} views");
+    println!("{:<44}  {:>9}  {:>11}  {:>12}", "", "Mpixel/s", "steps a ray", "refine a ray");
+    let base = Measurement { size: SIZE, steps: STEPS, refine: REFINE, views: all, plain: false, pyramid: true };
+    for steps in [64, 256, 512, 2048] {
+        for pyramid in [false, true] {
+            base.with(|m| (m.steps, m.pyramid) = (steps, pyramid)).print(field);
+        }
+    }
+    base.with(|m| m.refine = 0).print(field);
+    base.with(|m| m.plain = true).print(field);
+    for size in [512, 1024] {
+        base.with(|m| m.size = size).print(field);
+    }
+    for views in [1, 2, 4, 8].into_iter().filter(|views| *views < all) {
+        base.with(|m| m.views = views).print(field);
+    }
+    println!();
+}
+
+/// What is measured.
+#[derive(Clone, Copy)]
+struct Measurement {
+    size: u32,
+    steps: u32,
+    refine: u32,
+    views: usize,
+    plain: bool,
+    pyramid: bool,
+}
+
+impl Measurement {
+    fn with(self, change: impl FnOnce(&mut Measurement)) -> Measurement {
+        let mut other = self;
+        change(&mut other);
+        other
+    }
+
+    fn print(&self, field: &LightField) {
+        let positions = field.views.iter().map(|view| view.position);
+        let eye = positions.sum::<DVec3>() / field.views.len() as f64 + DVec3::new(0.13, 0.07, -0.05);
+        let indices: Vec<usize> = (0..self.views).collect();
+        let views = ActiveViews::new(field, &indices, eye);
+        let settings = RenderSettings {
+            size: [self.size; 2],
+            steps: Steps::new(self.steps, views.near_m() / 10.0, views.far_m(), self.refine),
+            samples: 1,
+            holes: HoleFill::Blank,
+            effects: EffectMode::None,
+            max_bounces: 0,
+            acceleration: if self.pyramid { Acceleration::Pyramid } else { Acceleration::None },
+        };
+        let mut counters = Counters::default();
+        let mut seconds = Vec::new();
+        for turn in 0..TURNS {
+            let start = Clock::start();
+            for face in Face::CUBE {
+                let [forward, _, down] = face.axes();
+                let Ok(camera) = Camera::look_at(eye, eye + forward, -down, Lens::new(90.0)) else { continue };
+                let picture = if self.plain { render_plainly } else { render }(&views, &camera, &settings, &Silent);
+                if let (0, Ok(picture)) = (turn, black_box(picture)) {
+                    counters = counters.plus(picture.counters);
+                }
+            }
+            seconds.push(start.seconds());
+        }
+        seconds.sort_by(f64::total_cmp);
+        let rays = counters.primary_rays as f64;
+        println!(
+            "{:<44}  {:>9.3}  {:>11.2}  {:>12.2}",
+            format!(
+                "{}²; {} steps + {}; {} views; {}{}",
+                self.size,
+                self.steps,
+                self.refine,
+                self.views,
+                if self.pyramid { "pyramid" } else { "every point" },
+                if self.plain { "; plain" } else { "" }
+            ),
+            rays / seconds[TURNS / 2] / 1e6,
+            counters.march_steps as f64 / rays,
+            counters.refine_steps as f64 / rays,
+        );
+    }
+}
+
+/// Nine probes in a room with a post in its middle.
+fn furnished() -> LightField {
+    let coding = ColorCoding::Codes(ToneMap::default());
+    let view = |at: u32| {
+        let position = DVec3::new(f64::from(at % 3) - 1.0, 0.3 * f64::from(at % 2), f64::from(at / 3) - 2.5);
+        let sight = |direction| room(position, direction, DVec3::new(4.0, 1.5, 3.0), 0.1);
+        Made::new(position, SIZE).cube(coding, &sight)
+    };
+    LightField { views: (0..9).map(view).collect(), coding }
+}

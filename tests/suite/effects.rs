@@ -1,0 +1,249 @@
+//! Mirrors and glass of rendered pictures, against the renderer of scenes (CALF 6.1).
+
+use glam::{DVec3, Vec3};
+use lightfold::container::ProbeEntry;
+use lightfold::dataset::stream::DepthKind;
+use lightfold::depth::DepthRange;
+use lightfold::image::Face;
+use lightfold::image::transfer::{EncodeTable, ToneMap};
+use lightfold::math::{Camera, Lens};
+use lightfold::metrics::psnr::CodeError;
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::active_views::ActiveViews;
+use lightfold::reconstruct::interpolate::camera_weights;
+use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
+use lightfold::reconstruct::march::Steps;
+use lightfold::reconstruct::normal::patch;
+use lightfold::reconstruct::render::{
+    Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly,
+};
+use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
+use lightfold::scene::procedural::{DemoKind, DemoScene};
+use lightfold::scene::raycast::SceneAtTime;
+use lightfold::video::convert::{color_codes, material_codes};
+
+/// Where the glass ball of the built-in scene is, and its radius.
+const GLASS: (DVec3, f64) = (DVec3::new(0.1, 0.5, -0.5), 0.45);
+/// Between the balls and the wall behind the viewer.
+const MIDDLE: DVec3 = DVec3::new(0.0, 0.6, 1.1);
+
+fn scene() -> SceneAtTime {
+    DemoScene::new(DemoKind::Mirrors).at(0.8)
+}
+
+fn capture(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Images {
+    let samples = SamplePattern::new(4).unwrap();
+    let passes = [Pass::Color, Pass::Depth, Pass::Material];
+    let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
+    let from = Viewpoint { position, orientation: None, window: Window::Face(face, size) };
+    capture_view(scene, &from, &shot, &Silent).unwrap()
+}
+
+/// The light field of probes, as 8-bit codes.
+fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
+    let tone = ToneMap::default();
+    let (coding, table) = (ColorCoding::Codes(tone), EncodeTable::new(&tone));
+    let range = DepthRange::new(0.1, 10.0).unwrap();
+    let inverse = InverseDepth::new(range, DepthKind::Distance);
+    let view = |(probe, position): (usize, &DVec3)| {
+        let entry = ProbeEntry {
+            name: format!("{probe}"),
+            position: position.to_array(),
+            orientation: [0.0, 0.0, 0.0, 1.0],
+            frames: [0, 0],
+            intrinsics: [0.0; 4],
+        };
+        let mut view = View::new(probe, &entry, range).unwrap();
+        for face in Face::CUBE {
+            let images = capture(scene, *position, face, size);
+            let mut texels = FaceTexels::unknown([size; 2], View::image_map(&entry, face, [size; 2]), coding, true);
+            let depths = (0..).zip(images.depth.unwrap().into_data());
+            texels.inverse_depth =
+                depths.map(|(at, z)| inverse.of(range.code(z), &texels, at % size, at / size)).collect();
+            texels.depth_changed(0..size, 0..size);
+            let fourth = |[a, b, c]: [u8; 3]| [a, b, c, 0];
+            let codes = color_codes(&images.color.unwrap(), &table).0;
+            texels.color = ColorTexels::Codes(codes.into_data().into_iter().map(fourth).collect());
+            let materials = material_codes(&images.material.unwrap()).unwrap();
+            texels.material = Some(materials.into_data().into_iter().map(fourth).collect());
+            view.faces[face as usize] = Some(texels);
+        }
+        view
+    };
+    LightField { views: positions.iter().enumerate().map(view).collect(), coding }
+}
+
+/// The corners of a box of decimetres around the middle.
+fn corners() -> Vec<DVec3> {
+    let corner = |at: u32| {
+        let signs = [0, 1, 2].map(|axis| f64::from(at >> axis & 1) * 2.0 - 1.0);
+        MIDDLE + DVec3::new(0.3, 0.15, 0.2) * DVec3::from_array(signs)
+    };
+    (0..8).map(corner).collect()
+}
+
+fn settings(size: u32, views: &ActiveViews<'_>, effects: EffectMode) -> RenderSettings {
+    RenderSettings {
+        size: [size; 2],
+        steps: Steps::new(256, views.near_m() / 10.0, views.far_m(), 8),
+        samples: 1,
+        holes: HoleFill::Blank,
+        effects,
+        max_bounces: 4,
+        acceleration: Acceleration::Pyramid,
+    }
+}
+
+/// A picture of the scene's end with the balls.
+fn look(field: &LightField, eye: DVec3, size: u32, effects: EffectMode) -> Rendered {
+    let indices: Vec<usize> = (0..field.views.len()).collect();
+    let views = ActiveViews::new(field, &indices, eye);
+    let camera = Camera::look_at(eye, eye + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
+    render(&views, &camera, &settings(size, &views, effects), &Silent).unwrap()
+}
+
+/// Sets all materials of a light field.
+fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField {
+    for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+        face.material = material.map(|material| vec![material; face.inverse_depth.len()]);
+    }
+    field
+}
+
+/// PSNR of a picture in the pixels of a material.
+fn psnr(rendered: &Rendered, truth: &Images, wanted: impl Fn([f32; 3]) -> bool) -> f64 {
+    let size = rendered.color.width();
+    let table = EncodeTable::new(&ToneMap::default());
+    let expected = color_codes(truth.color.as_ref().unwrap(), &table).0;
+    let found = rendered.codes(ToneMap::default());
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    for (at, &material) in (0..).zip(truth.material.as_ref().unwrap().data()) {
+        if wanted(material) {
+            let (x, y) = (at % size, at / size);
+            a.extend(expected.get(x, y));
+            // Faces of cube maps are mirror images of what cameras see.
+            b.extend(found.get(size - 1 - x, y));
+        }
+    }
+    CodeError::of_u8(&a, &b).unwrap().psnr_db()
+}
+
+#[test]
+fn mirrors_show_what_stands_around_them() {
+    let (scene, size) = (scene(), 96);
+    let field = field(&scene, &corners(), size);
+    let truth = capture(&scene, MIDDLE, Face::Nz, size);
+    let [plain, sent] = [EffectMode::None, EffectMode::Auto].map(|effects| look(&field, MIDDLE, size, effects));
+    assert_eq!(plain.counters.secondary_rays, 0);
+    assert!(sent.counters.secondary_rays > 500);
+    assert_eq!(plain.alpha, sent.alpha);
+    let gain = |wanted: fn([f32; 3]) -> bool| psnr(&sent, &truth, wanted) - psnr(&plain, &truth, wanted);
+    let mirror = gain(|[reflect, refract, _]| reflect > 0.0 && refract == 0.0);
+    let glass = gain(|[_, refract, _]| refract > 0.0);
+    let both = gain(|[reflect, refract, _]| reflect + refract > 0.0);
+    let neither = gain(|[reflect, refract, _]| reflect + refract == 0.0);
+    assert!(mirror >= 8.0 && both >= 6.0, "mirror {mirror} dB, both {both} dB");
+    assert!(glass >= -0.1, "glass {glass} dB");
+    assert!(neither >= -0.1, "elsewhere {neither} dB");
+}
+
+#[test]
+fn the_fast_form_is_the_plain_one() {
+    let (scene, size) = (scene(), 32);
+    let field = field(&scene, &corners(), size);
+    let views = ActiveViews::new(&field, &[0, 3, 5, 6], MIDDLE);
+    let camera = Camera::look_at(MIDDLE, MIDDLE + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
+    let settings = settings(size, &views, EffectMode::Auto);
+    let fast = render(&views, &camera, &settings, &Silent).unwrap();
+    let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
+    assert!(plain.counters.secondary_rays > 0);
+    let found = CodeError::of_u8(
+        fast.codes(ToneMap::default()).data().as_flattened(),
+        plain.codes(ToneMap::default()).data().as_flattened(),
+    );
+    assert!(found.unwrap().psnr_db() >= 50.0);
+}
+
+#[test]
+fn nothing_is_sent_on_where_nothing_calls_for_it() {
+    let field = field(&scene(), &corners()[..2], 24);
+    let none = look(&field, MIDDLE, 24, EffectMode::None);
+    let work = |picture: &Rendered| {
+        let counters = picture.counters;
+        [counters.secondary_rays, counters.normal_evals, counters.material_samples]
+    };
+    for material in [None, Some([0, 0, 64, 0])] {
+        let field = with_material(field.clone(), material);
+        let [auto, force] = [EffectMode::Auto, EffectMode::Force].map(|effects| look(&field, MIDDLE, 24, effects));
+        assert_eq!(auto, none);
+        assert_eq!((&force.color, &force.alpha), (&none.color, &none.alpha));
+        assert_eq!(work(&auto), [0; 3]);
+        assert_eq!(work(&force)[..2], [0; 2]);
+        assert_eq!(work(&force)[2] > 0, material.is_some());
+    }
+    assert!(work(&look(&field, MIDDLE, 24, EffectMode::Auto)).iter().all(|&count| count > 0));
+}
+
+#[test]
+fn light_is_neither_made_nor_without_end() {
+    let field = field(&scene(), &corners()[..4], 16);
+    // All alike: whatever way light goes, it can only be the same.
+    let alike = |material| {
+        let mut field = with_material(field.clone(), Some(material));
+        for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+            face.color = ColorTexels::Codes(vec![[120, 60, 200, 0]; face.inverse_depth.len()]);
+        }
+        field
+    };
+    // Mirrors that face each other, weights that add up to 2, glass of index 1, 1.5 and 3, a bit of each.
+    for material in
+        [[255, 0, 0, 0], [255, 255, 128, 0], [0, 255, 0, 0], [20, 235, 64, 0], [30, 225, 255, 0], [40, 50, 64, 0]]
+    {
+        let field = alike(material);
+        let plain = look(&field, MIDDLE, 16, EffectMode::None);
+        let sent = look(&field, MIDDLE, 16, EffectMode::Auto);
+        assert!(sent.counters.secondary_rays > 0, "{material:?}");
+        // At most four rays of each surface, each sent on four times.
+        assert!(sent.counters.secondary_rays <= sent.counters.primary_rays * 4 * 85, "{material:?}");
+        for (a, b) in sent.color.data().iter().flatten().zip(plain.color.data().iter().flatten()) {
+            assert!(a.is_finite() && (a - b).abs() <= 1e-5, "{material:?}: {a} instead of {b}");
+        }
+    }
+}
+
+#[test]
+fn normals_are_those_of_the_ball() {
+    let field = field(&scene(), &corners(), 96);
+    let indices: Vec<usize> = (0..8).collect();
+    let views = ActiveViews::new(&field, &indices, MIDDLE);
+    let weights = camera_weights(&views);
+    let to_eye = (MIDDLE - GLASS.0).normalize();
+    let (mut angles, mut errors) = (Vec::new(), Vec::new());
+    for at in 0..64 {
+        let [x, y] = [at % 8, at / 8].map(|at| (f64::from(at) - 3.5) / 7.0);
+        let normal = (to_eye + DVec3::new(x, y, 0.0)).normalize();
+        let point = (GLASS.0 + GLASS.1 * normal - MIDDLE).as_vec3();
+        let Some(found) = patch(&views, &weights, point) else { continue };
+        assert!((found.normal.length() - 1.0).abs() < 1e-5);
+        angles.push(found.normal.angle_between(normal.as_vec3()).to_degrees());
+        errors.extend(found.curvature.map(|curvature| (f64::from(curvature) * GLASS.1 - 1.0).abs()));
+    }
+    angles.sort_by(f32::total_cmp);
+    errors.sort_by(f64::total_cmp);
+    assert!(angles.len() > 40 && errors.len() > 40, "{} normals, {} of them bent", angles.len(), errors.len());
+    let middle = (angles[angles.len() / 2], errors[errors.len() / 2]);
+    assert!(middle.0 < 0.8 && angles[angles.len() - 1] < 3.0, "degrees: {angles:?}");
+    assert!(middle.1 < 0.05, "parts of the curvature: {errors:?}");
+}
+
+#[test]
+fn planes_have_exact_normals_and_are_flat() {
+    let field = field(&scene(), &corners()[..1], 48);
+    let views = ActiveViews::new(&field, &[0], MIDDLE);
+    // The wall behind the eye, two metres from the middle of the room.
+    let wall = patch(&views, &[1.0], (DVec3::new(0.2, 1.2, 2.0) - MIDDLE).as_vec3()).unwrap();
+    assert!(wall.normal.distance(Vec3::NEG_Z) < 2e-3, "{}", wall.normal);
+    assert!(wall.curvature.unwrap().abs() < 0.05);
+    // No view knows a point that is nowhere near a surface.
+    assert_eq!(patch(&views, &[1.0], Vec3::new(0.0, 0.0, -0.1)), None);
+}
