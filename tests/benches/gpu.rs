@@ -199,7 +199,7 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
         let mut renderer = DeviceRenderer::new(gpu, options);
         let (mut update, mut sent, mut march, mut marched) = (Vec::new(), Vec::new(), Vec::new(), 0);
         let frames = playback.player().frames();
-        for (at, frame) in frames.iter().cycle().take(FRAMES).enumerate() {
+        for (at, frame) in (frames.first..=frames.last).cycle().take(FRAMES).enumerate() {
             let before = renderer.cost();
             let shown = playback.show(&Shot { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;
             let after = renderer.cost();
