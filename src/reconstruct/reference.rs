@@ -198,7 +198,9 @@ mod tests {
             let truth = reference.truth(at, 1).unwrap();
             for group in source.groups().iter().filter(|group| group.probe == at / 6 && group.faces == [image.face]) {
                 match group.kind {
-                    StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap(), [truth.color.clone()]),
+                    StreamKind::Color => {
+                        assert_eq!(source.read_color(group, 1).unwrap(), std::slice::from_ref(&truth.color))
+                    }
                     _ => assert_eq!(source.read_depth(group, 1).unwrap(), [truth.distance_m.clone().unwrap()]),
                 }
             }

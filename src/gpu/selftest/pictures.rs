@@ -301,7 +301,7 @@ fn hide(field: &mut LightField) {
             let Some(texels) = texels else { continue };
             let width = texels.size[0] as usize;
             for (texel, depth) in texels.inverse_depth.iter_mut().enumerate() {
-                if (texel % width / 16 + texel / width / 16 + at + face) % 3 == 0 {
+                if (texel % width / 16 + texel / width / 16 + at + face).is_multiple_of(3) {
                     *depth = UNKNOWN;
                 }
             }
