@@ -12,6 +12,7 @@ use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField, U
 use lightfold::reconstruct::path::Shot;
 use lightfold::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::reconstruct::player::{Change, Player, ProbeChoice};
+use lightfold::reconstruct::pyramid::DepthPyramid;
 use lightfold::reconstruct::render::{Acceleration, EffectMode};
 use lightfold::reconstruct::selection::SelectionSettings;
 use lightfold::reconstruct::wanted::SightLines;
@@ -23,11 +24,11 @@ use crate::commands::fine;
 
 /// Three probes of the courtyard, in which things move.
 fn courtyard(folder: &Path, options: &str) -> Decoder {
-    let cameras = r#"{ "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
+    let cameras = r#"{ "lightfold_cameras": 1, "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
         { "position": [-0.3, 1.7, -0.5], "orientation": [0, 0.2588190451025207, 0, 0.9659258262890683] } ] }"#;
     fs::write(folder.join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0-5 --size 32 --samples 1 -q -o cap", folder);
-    fine(format!("encode cap --cell 8 --tile 16 -o a.lfold {options}").trim_end(), folder);
+    fine(format!("encode cap --cell 8 --tiles 2 -o a.lfold {options}").trim_end(), folder);
     Decoder::open(folder.join("a.lfold")).unwrap()
 }
 
@@ -37,6 +38,11 @@ fn camera(eye: [f64; 3], look_at: [f64; 3], fov_y_deg: f64) -> Camera {
 
 fn shot(frame: u32, camera: Camera) -> Shot {
     Shot { frame, cameras: vec![camera] }
+}
+
+/// Renders pictures of few pixels, where pictures do not matter.
+fn little(effects: EffectMode) -> CpuRenderer {
+    CpuRenderer { options: PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() } }
 }
 
 /// Wants what a hash of stream, unit and frame says.
@@ -93,9 +99,6 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
                 }
             }
         }
-        if change.kind == StreamKind::Depth {
-            target.depth_changed(left..left + width, top..top + height);
-        }
     }
 }
 
@@ -119,7 +122,15 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
             };
             let changes = player.take_changes();
             copy(&changes, player.field(), &mut mirror);
-            assert_eq!(&mirror, player.field(), "frame {frame}");
+            for (copied, shown) in faces(&mirror).zip(faces(player.field())) {
+                assert!(copied.inverse_depth == shown.inverse_depth, "frame {frame}");
+                assert!(copied.color == shown.color && copied.material == shown.material, "frame {frame}");
+                if shown.pyramid.levels() > 0 {
+                    let mut anew = FaceTexels { pyramid: DepthPyramid::default(), ..shown.clone() };
+                    anew.depth_changed(0..shown.size[0], 0..shown.size[1]);
+                    assert!(anew.pyramid == shown.pyramid, "frame {frame}");
+                }
+            }
             let mut whole = Player::new(&decoder, &ProbeChoice::default()).unwrap();
             let all = whole.show(frame, &views, &AllUnits).unwrap();
             let known = compare(player.field(), whole.field());
@@ -131,7 +142,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
             assert_eq!(cells, all.cells_decoded);
             assert!(counts.cells_unseen > 0);
         }
-        assert!(ever_known > 100_000, "{ever_known}");
+        assert!(ever_known > 50_000, "{ever_known}");
     }
 }
 
@@ -146,13 +157,15 @@ fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 
     };
     let ((seen, seen_bytes), (all, all_bytes)) = (show(DecodeScope::Seen), show(DecodeScope::All));
     let pairs = seen.iter().zip(&all).flat_map(|(seen, all)| seen.pictures.iter().zip(&all.pictures));
+    let mut with_something = 0;
     for (seen, all) in pairs {
         assert_eq!((&seen.color, &seen.alpha), (&all.color, &all.alpha));
-        assert!(all.alpha.data().iter().any(|alpha| *alpha > 0.0));
+        with_something += usize::from(all.alpha.data().iter().any(|alpha| *alpha > 0.0));
         if acceleration == Acceleration::None {
             assert_eq!(seen.counters, all.counters);
         }
     }
+    assert!(2 * with_something >= shots.len(), "{with_something} of {}", shots.len());
     [seen_bytes, all_bytes]
 }
 
@@ -187,9 +200,8 @@ fn what_did_not_change_is_not_done_again() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
-    let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
+    let mut renderer = little(EffectMode::Auto);
+    let looking = camera([0.1, 1.5, 0.1], [2.0, 1.0, -3.0], 100.0);
     let first = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(first.cells_decoded > 0 && first.texels_updated > 0 && first.bytes_read > 0);
     assert!(first.cells_unseen > first.cells_decoded && first.cells_unchanged == 0);
@@ -222,8 +234,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     let looking = shot(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
     let unseen = |effects| {
         let mut playback = Playback::new(&decoder, PlaybackOptions { effects, ..PlaybackOptions::default() }).unwrap();
-        let mut renderer = CpuRenderer::default();
-        renderer.options = PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() };
+        let mut renderer = little(effects);
         playback.show(&looking, &mut renderer, &Silent).unwrap().counts.cells_unseen
     };
     assert_eq!(unseen(EffectMode::Auto), 0);
@@ -233,7 +244,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
 #[test]
 fn probes_take_part_in_the_frames_that_they_have() {
     let folder = TempDir::new().unwrap();
-    let cameras = r#"{ "cameras": [ { "name": "a", "position": [0, 1.5, 0], "frames": [0, 1] },
+    let cameras = r#"{ "lightfold_cameras": 1, "cameras": [ { "name": "a", "position": [0, 1.5, 0], "frames": [0, 1] },
         { "name": "b", "position": [0.4, 1.4, 0.2], "frames": [1, 2] }, { "name": "c", "position": [0, 1.4, 0.2], "frames": [5, 5] } ] }"#;
     fs::write(folder.path().join("cameras.json"), cameras).unwrap();
     fine("capture courtyard --cameras cameras.json --frames 0-5 --size 8 --samples 1 -q -o cap", folder.path());
@@ -242,8 +253,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
     let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
     let mut playback = Playback::new(&decoder, options).unwrap();
     assert_eq!((playback.player().frames().first, playback.player().frames().last), (0, 5));
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let mut renderer = little(EffectMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
     for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
         let shown = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap();
@@ -265,18 +275,18 @@ fn probes_take_part_in_the_frames_that_they_have() {
 #[test]
 fn a_damaged_chunk_is_an_error_and_leaves_nothing_that_could_be_taken_for_the_frame() {
     let folder = TempDir::new().unwrap();
-    let whole = courtyard(folder.path(), "--keyframe-interval 2");
+    let whole = courtyard(folder.path(), "--depth-codec aabb --keyframe-interval 2");
     let index = whole.reader().index();
-    // The last chunk of a cell of colour in sight, and one of every other kind, too.
-    let stream = whole.streams().iter().find(|stream| stream.kind == StreamKind::Color).unwrap();
-    let chunk = *index.unit_chunks(stream.index, 5).last().unwrap();
+    // Chunks of the same bytes are stored once: one that no other shares.
+    let chunks = index.chunks.iter().filter(|chunk| chunk.key.first_frame > 0);
+    let chunk = *chunks.max_by_key(|chunk| chunk.stored_bytes).unwrap();
+    assert_eq!(index.chunks.iter().filter(|other| other.offset == chunk.offset).count(), 1);
     let mut bytes = fs::read(folder.path().join("a.lfold")).unwrap();
     bytes[chunk.offset as usize + chunk.stored_bytes as usize / 2] ^= 0x55;
     fs::write(folder.path().join("b.lfold"), bytes).unwrap();
     let damaged = Decoder::open(folder.path().join("b.lfold")).unwrap();
     let mut player = Player::new(&damaged, &ProbeChoice::default()).unwrap();
     let (good, bad) = (0, chunk.key.first_frame);
-    assert!(bad > good);
     player.show(good, &[0, 1, 2], &AllUnits).unwrap();
     player.take_changes();
     let said = player.show(bad, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
@@ -341,11 +351,10 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     // A limit of views is kept, and told.
     let selection = SelectionSettings { most: Some(2), ..SelectionSettings::default() };
     let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
-    let mut renderer = CpuRenderer::default();
-    renderer.options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
+    let mut renderer = little(EffectMode::Auto);
     let shown =
         playback.show(&shot(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
-    let trace = serde_json::to_value(&shown.trace).unwrap();
-    assert_eq!((trace["active"][0]["probe"].as_str(), trace["active"][0]["slot"].as_u64()), (Some("01"), Some(0)));
-    assert_eq!((trace["culled"][0]["probe"].as_str(), trace["culled"][0]["why"].as_str()), (Some("02"), Some("limit")));
+    let (active, culled) = (&shown.trace.active, &shown.trace.culled);
+    assert_eq!((active.len(), active[0].probe.as_str(), active[0].slot), (2, "01", 0));
+    assert_eq!((culled.len(), culled[0].probe.as_str(), culled[0].why), (1, "02", "limit"));
 }
