@@ -20,7 +20,7 @@ use lightfold::reconstruct::counters::Counters;
 use lightfold::reconstruct::light_field::{ColorCoding, LightField};
 use lightfold::reconstruct::made::{Made, room};
 use lightfold::reconstruct::march::Steps;
-use lightfold::reconstruct::player::Player;
+use lightfold::reconstruct::player::{Player, ProbeChoice};
 use lightfold::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
 use lightfold::video::decode::Decoder;
 use lightfold::video::unit_filter::AllUnits;
@@ -41,8 +41,9 @@ fn main() -> Result<()> {
     for file in files {
         let decoder = Decoder::open(&file)?;
         let first = decoder.streams().iter().map(|stream| stream.entry.first_frame).min().unwrap_or(0);
-        let mut player = Player::new(&decoder)?;
-        player.show(first, &AllUnits)?;
+        let mut player = Player::new(&decoder, &ProbeChoice::default())?;
+        let all: Vec<usize> = (0..player.field().views.len()).collect();
+        player.show(first, &all, &AllUnits)?;
         measure(&file, player.field());
     }
     Ok(())
