@@ -5,7 +5,7 @@ const OPEN = 0u;
 const BEHIND = 1u;
 const NOT_KNOWN = 2u;
 // The smallest normal number.
-const MIN_POSITIVE = 1.17549435e-38;
+const MIN_POSITIVE: f32 = 1.17549435e-38;
 
 // The view that said last that a point is open: it is asked first.
 var<private> open_view: u32;

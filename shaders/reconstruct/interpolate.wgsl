@@ -1,7 +1,7 @@
 // What colour a point has: CalculateColor of algorithm 4 (CALF 6). Mirrors src/reconstruct/interpolate.rs. Needs `project`
 // and `local_of`.
 
-const DEPTH_EPSILON = 0.02;
+const DEPTH_EPSILON: f32 = 0.02;
 
 // What views saw. `difference` is meant only where something was found.
 struct Seen {

@@ -90,7 +90,7 @@ pub enum Command {
     /// Decode a container into image files, or into nothing to time it
     Decode(decode::Args),
     /// Render pictures of a light field from anywhere, and compare them with the truth
-    Render(render::Args),
+    Render(Box<render::Args>),
     /// Compare two of anything: containers, datasets, sequences
     Diff(diff::Args),
     /// Show what settings cost in bytes, time and quality on footage of your own

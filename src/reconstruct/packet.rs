@@ -238,7 +238,9 @@ impl<'a> PacketView<'a> {
         let square = local.x * local.x + local.y * local.y + local.z * local.z;
         let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
         let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
-        Answers { open: known & (near | before) | centre, behind: known & !(near | before) }
+        // Within near it is so even where no texel was decoded.
+        let near = near & places.exist;
+        Answers { open: known & before | near | centre, behind: known & !(near | before) }
     }
 
     /// Lanes, of those asked, of which it proves that all points from one end to the other are open.

@@ -77,7 +77,7 @@ impl Default for PictureOptions {
     fn default() -> PictureOptions {
         PictureOptions {
             size: [512, 512],
-            steps: 256,
+            steps: 1024,
             refine: 8,
             near_m: None,
             far_m: None,

@@ -110,7 +110,7 @@ pub enum DecodeArg {
 #[command(next_help_heading = "Quality and time")]
 pub struct MarchArgs {
     /// Steps of a ray from near to far, even in the logarithm of the distance
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub steps: u32,
     /// How often the step in which a ray meets a surface is halved
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=32))]

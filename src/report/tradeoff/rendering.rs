@@ -25,7 +25,7 @@ use crate::report::{Column, Table};
 pub const KNOBS: &[Knob] = &[
     knob("method", "method", "march", &["march", "splat", "reproject"]),
     knob("views", "active views", "all", &["1", "2", "4", "8"]),
-    knob("steps", "steps", "256", &["32", "64", "128", "256", "512"]),
+    knob("steps", "steps", "1024", &["64", "128", "256", "512", "1024", "2048"]),
     knob("refine", "halvings of the last step", "8", &["0", "2", "4", "8", "12"]),
     knob("acceleration", "acceleration", "pyramid", &["pyramid", "none"]),
     knob("decode", "units that are decoded", "seen", &["seen", "all"]),
