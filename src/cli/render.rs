@@ -39,13 +39,13 @@ const DEFAULT_SIZE: u32 = 512;
 #[command(
     group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
     after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
-    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 60 --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
+    lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
     lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
     lightfold render film.lfold --camera path.json --contact-sheet sheet.png --null\n  \
-    lightfold render film.lfold --exclude-probe 00 --reference data/lightfield.json --reference-probe 00 --null --stats\n  \
-    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display\n\n\
+    lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00 --null\n  \
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n\n\
     A path is a file of cameras as of decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": \
     90}]}. Several cameras without \"frames\" are poses of one camera, one for each frame of --frames.\n\n\
     Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \

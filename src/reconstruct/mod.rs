@@ -6,8 +6,6 @@
 //! `solid`).
 
 pub mod active_views;
-#[cfg(test)]
-mod agreement;
 pub mod camera_file;
 pub mod counters;
 pub mod effects;
@@ -42,6 +40,8 @@ pub mod shown_face;
 pub mod similarity;
 pub mod solid;
 pub mod splat;
+#[cfg(test)]
+mod tests;
 pub mod trace;
 pub mod visibility;
 pub mod wanted;

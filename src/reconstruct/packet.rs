@@ -238,8 +238,10 @@ impl<'a> PacketView<'a> {
         let square = local.x * local.x + local.y * local.y + local.z * local.z;
         let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
         let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
-        // Within near it is so even where no texel was decoded.
-        let near = near & places.exist;
+        // Within near it is so even where no texel was decoded, but not where there is no image.
+        let captured =
+            (0..4).filter(|&lane| !self.depth[places.face.of(lane)].is_empty()).fold(0, |all, lane| all | 1 << lane);
+        let near = near & places.exist & captured;
         Answers { open: known & before | near | centre, behind: known & !(near | before) }
     }
 

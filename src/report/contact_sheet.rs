@@ -87,7 +87,8 @@ mod tests {
         for at in 0..5u8 {
             assert_eq!(count([50 * at, 1, 2]), 200 * 100);
         }
-        assert_eq!(count(CHECKS[0]) + count(CHECKS[1]), 200 * 100);
+        // Edges of letters may be of the same grey.
+        assert!((200 * 100..200 * 100 + 100).contains(&(count(CHECKS[0]) + count(CHECKS[1]))));
         assert_eq!(count([255, 0, 0]), 0);
         assert!(drawn.width().abs_diff(drawn.height()) < 300, "{}x{}", drawn.width(), drawn.height());
     }
