@@ -45,7 +45,7 @@ use input::Footage;
     lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
     lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
-    lightfold tradeoff scene --sweep views=2,4,8 --sweep steps -o out -- --reference-probe 00 --frames 0\n  \
+    lightfold tradeoff scene --sweep views=2,4 --sweep steps -o out -- --frames 0\n  \
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
     lightfold tradeoff --list-knobs\n\n\
     Each point is encoded, decoded and compared by commands of this program that DIR/tradeoff.csv names. Points whose \

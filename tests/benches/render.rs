@@ -2,11 +2,13 @@
 //!
 //! `cargo bench --bench render [-- IN.lfold..]` renders each container from a point between its probes, six faces of a
 //! cube map, and without one a room that is made from a formula: by steps, with and without pyramids and refinement, by
-//! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart.
+//! pixels, and by views. Medians of the turns are printed; columns stand two spaces apart. With `--plot DIR` how cost grows
+//! is drawn into `DIR/render-cost.svg` and `.png`: times as long, for times as many.
 
 mod clock;
 
 use std::hint::black_box;
+use std::path::{Path, PathBuf};
 
 use clock::Clock;
 use glam::DVec3;
@@ -22,6 +24,10 @@ use lightfold::reconstruct::made::{Made, room};
 use lightfold::reconstruct::march::Steps;
 use lightfold::reconstruct::player::{Player, ProbeChoice};
 use lightfold::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use lightfold::report::plot::axis::Axis;
+use lightfold::report::plot::chart::{Chart, Kind, Mark, Series};
+use lightfold::report::plot::marker::Look;
+use lightfold::report::plot::save;
 use lightfold::video::decode::Decoder;
 use lightfold::video::unit_filter::AllUnits;
 
@@ -34,9 +40,17 @@ const REFINE: u32 = 8;
 
 fn main() -> Result<()> {
     rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global().ok();
-    let files: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    let mut words = std::env::args().skip(1);
+    let (mut files, mut plot) = (Vec::new(), None);
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--plot" => plot = words.next().map(PathBuf::from),
+            option if option.starts_with("--") => {}
+            _ => files.push(word),
+        }
+    }
     if files.is_empty() {
-        measure("room", &furnished());
+        measure("room", &furnished(), plot.as_deref())?;
     }
     for file in files {
         let decoder = Decoder::open(&file)?;
@@ -44,30 +58,72 @@ fn main() -> Result<()> {
         let mut player = Player::new(&decoder, &ProbeChoice::default())?;
         let all: Vec<usize> = (0..player.field().views.len()).collect();
         player.show(first, &all, &AllUnits)?;
-        measure(&file, player.field());
+        measure(&file, player.field(), plot.as_deref())?;
     }
     Ok(())
 }
 
-fn measure(name: &str, field: &LightField) {
+fn measure(name: &str, field: &LightField, plot: Option<&Path>) -> Result<()> {
     let all = field.views.len();
     println!("{name}: {all} views");
     println!("{:<44}  {:>9}  {:>11}  {:>12}", "", "Mpixel/s", "steps a ray", "refine a ray");
     let base = Measurement { size: SIZE, steps: STEPS, refine: REFINE, views: all, plain: false, pyramid: true };
+    let mut lines: Vec<Line> = ["steps, pyramid", "steps, every point", "pixels", "views"].map(Line::new).into();
     for steps in [64, 256, 512, 2048] {
         for pyramid in [false, true] {
-            base.with(|m| (m.steps, m.pyramid) = (steps, pyramid)).print(field);
+            let seconds = base.with(|m| (m.steps, m.pyramid) = (steps, pyramid)).print(field);
+            lines[usize::from(!pyramid)].points.push([f64::from(steps), seconds]);
         }
     }
     base.with(|m| m.refine = 0).print(field);
     base.with(|m| m.plain = true).print(field);
-    for size in [512, 1024] {
-        base.with(|m| m.size = size).print(field);
+    for size in [128, 256, 512, 1024] {
+        let seconds = base.with(|m| m.size = size).print(field);
+        lines[2].points.push([f64::from(size * size), seconds]);
     }
-    for views in [1, 2, 4, 8].into_iter().filter(|views| *views < all) {
-        base.with(|m| m.views = views).print(field);
+    for views in [1, 2, 4, 8].into_iter().filter(|views| *views < all).chain([all]) {
+        let seconds = base.with(|m| m.views = views).print(field);
+        lines[3].points.push([views as f64, seconds]);
     }
     println!();
+    plot.map_or(Ok(()), |folder| draw(name, &lines, folder))
+}
+
+/// How long something takes by how much there is of it.
+struct Line {
+    name: &'static str,
+    points: Vec<[f64; 2]>,
+}
+
+impl Line {
+    fn new(name: &'static str) -> Line {
+        Line { name, points: Vec::new() }
+    }
+
+    /// Both in parts of the first point.
+    fn marks(&self) -> Vec<Mark> {
+        let Some(&[first, seconds]) = self.points.first() else { return Vec::new() };
+        self.points.iter().map(|[x, y]| Mark { x: x / first, y: y / seconds, ..Mark::default() }).collect()
+    }
+}
+
+fn draw(name: &str, lines: &[Line], folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder).map_err(|error| lightfold::Error::io(folder, error))?;
+    let marks: Vec<Vec<Mark>> = lines.iter().map(Line::marks).collect();
+    let most = marks.iter().flatten().map(|mark| mark.x.max(mark.y)).fold(1.0, f64::max);
+    let axis = |label: &str| Axis::logarithmic(label, [1.0, most]);
+    let name = Path::new(name).file_name().unwrap_or_default().to_string_lossy();
+    let mut chart = Chart::new(format!("What pictures of {name} cost"), axis("times as many"), axis("times as long"));
+    let ends = [1.0, most].map(|at| Mark { x: at, y: at, ..Mark::default() });
+    let straight = Look::of(lines.len()).dashed([4.0, 3.0]);
+    chart.series.push(Series { name: "in proportion".into(), kind: Kind::Curve, look: straight, marks: ends.into() });
+    for (at, (line, marks)) in lines.iter().zip(marks).enumerate() {
+        chart.series.push(Series { name: line.name.into(), kind: Kind::Line, look: Look::of(at), marks });
+    }
+    for path in save::save(&chart.draw(760, 460), folder, "render-cost")? {
+        println!("{}", path.display());
+    }
+    Ok(())
 }
 
 /// What is measured.
@@ -88,7 +144,8 @@ impl Measurement {
         other
     }
 
-    fn print(&self, field: &LightField) {
+    /// Prints a line; answers the seconds of a turn.
+    fn print(&self, field: &LightField) -> f64 {
         let positions = field.views.iter().map(|view| view.position);
         let eye = positions.sum::<DVec3>() / field.views.len() as f64 + DVec3::new(0.13, 0.07, -0.05);
         let indices: Vec<usize> = (0..self.views).collect();
@@ -133,6 +190,7 @@ impl Measurement {
             counters.march_steps as f64 / rays,
             counters.refine_steps as f64 / rays,
         );
+        seconds[TURNS / 2]
     }
 }
 
