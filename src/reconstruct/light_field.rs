@@ -90,7 +90,7 @@ impl FaceTexels {
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
             material: has_material.then(|| vec![[0; 4]; texels]),
-            pyramid: DepthPyramid::default(),
+            pyramid: DepthPyramid::unknown(size),
         }
     }
 

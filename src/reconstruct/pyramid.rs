@@ -35,7 +35,7 @@ pub const LEAST_M: f32 = 1e-18;
 
 /// The greatest inverse depths of squares of texels, in 1/m; [`UNKNOWN`] where of one of them nothing is known.
 ///
-/// An empty one, as new texels have it, proves nothing.
+/// An empty one proves nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DepthPyramid {
     levels: Vec<Level>,
@@ -69,15 +69,21 @@ impl DepthPyramid {
         }
     }
 
+    /// The pyramid of a face of `size` texels, at least 1 in each direction, of which nothing is known.
+    pub fn unknown(size: [u32; 2]) -> DepthPyramid {
+        let (mut levels, mut of) = (Vec::new(), size);
+        while of != [1, 1] || levels.is_empty() {
+            of = of.map(|texels| texels.div_ceil(2).max(1));
+            levels.push(Level { size: of, greatest: vec![UNKNOWN; of[0] as usize * of[1] as usize] });
+        }
+        DepthPyramid { levels }
+    }
+
     /// Takes in that texels in these columns and rows have changed; all of them where it was empty.
     pub fn update(&mut self, size: [u32; 2], inverse_depth: &[f32], columns: Range<u32>, rows: Range<u32>) {
         let mut changed = [columns, rows];
         if self.levels.is_empty() {
-            let mut of = size;
-            while of != [1, 1] || self.levels.is_empty() {
-                of = of.map(|texels| texels.div_ceil(2));
-                self.levels.push(Level { size: of, greatest: vec![UNKNOWN; of[0] as usize * of[1] as usize] });
-            }
+            *self = DepthPyramid::unknown(size);
             changed = size.map(|texels| 0..texels);
         }
         let (mut below_size, mut below) = (size, inverse_depth);
