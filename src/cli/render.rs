@@ -1,6 +1,7 @@
 //! `lightfold render IN`: pictures of a light field from anywhere, and how good they are.
 
 mod options;
+mod outputs;
 mod pictures;
 mod report;
 mod truth;
@@ -135,6 +136,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         },
         coding.tone(),
     )?;
+    args.check_outputs(&takes, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = takes.iter().map(|take| take.shot.cameras.len() as u64).sum();
     let progress = Progress::start(global, "rendering", count)?;
@@ -249,6 +251,25 @@ impl Args {
             return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
         }
         Ok(())
+    }
+
+    /// Refuses to overwrite what is read, or a file by another.
+    fn check_outputs(&self, takes: &[Take], pictures: &Pictures) -> Result<()> {
+        let mut outputs: Vec<outputs::Output> = Vec::new();
+        let names = || takes.iter().flat_map(|take| &take.names);
+        if let Some(output) = &self.output {
+            for name in names() {
+                outputs.extend(pictures.files_of(name, output)?.into_iter().map(|file| ("-o", file)));
+            }
+        }
+        if let Some(folder) = &self.truth.error_map {
+            let map = |name: &PictureName| folder.join(format!("{}.{:04}.png", name.subject, name.number));
+            outputs.extend(names().map(|name| ("--error-map", map(name))));
+        }
+        let others = [("--contact-sheet", &self.contact_sheet), ("--trace", &self.views.trace)];
+        outputs.extend(others.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))));
+        let cameras = self.cameras.camera.iter().chain(&self.input).chain(&self.truth.reference);
+        outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
     fn playback_options(&self) -> PlaybackOptions {

@@ -40,8 +40,6 @@ pub struct ReferenceImage {
 pub struct Truth {
     /// Linear light.
     pub color: ColorPlane,
-    /// Distance from the camera in metres, `+inf` where there is nothing; none where the dataset has no depth.
-    pub distance_m: Option<DepthPlane>,
     /// Weights of reflection and refraction and index of refraction; none where the dataset has no material.
     pub material: Option<MaterialPlane>,
 }
@@ -101,6 +99,18 @@ impl Reference {
         &self.images
     }
 
+    /// How far from the camera what an image shows is in a frame, in metres, `+inf` where there is nothing; none where the
+    /// dataset has no depth.
+    ///
+    /// # Errors
+    /// When there is no such image or frame, or a file cannot be read.
+    pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
+        let Some(ReferenceImage { groups: [_, depth, _], .. }) = self.images.get(image) else {
+            return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
+        };
+        cached(&self.source, &mut self.depth, (*depth, frame), Source::read_depth)
+    }
+
     /// What image number `image` shows in a frame.
     ///
     /// # Errors
@@ -110,14 +120,10 @@ impl Reference {
             return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
         };
         let (source, groups) = (&self.source, *groups);
-        let [color, depth, material] = groups;
+        let [color, _, material] = groups;
         let color = cached(source, &mut self.color, (color, frame), Source::read_color)?;
         let color = color.ok_or_else(|| Error::Usage(format!("image {image} has no colour")))?;
-        Ok(Truth {
-            color,
-            distance_m: cached(source, &mut self.depth, (depth, frame), Source::read_depth)?,
-            material: cached(source, &mut self.material, (material, frame), Source::read_material)?,
-        })
+        Ok(Truth { color, material: cached(source, &mut self.material, (material, frame), Source::read_material)? })
     }
 }
 
@@ -199,7 +205,10 @@ mod tests {
             for group in source.groups().iter().filter(|group| group.probe == at / 6 && group.faces == [image.face]) {
                 match group.kind {
                     StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap()[0], truth.color),
-                    _ => assert_eq!(Some(&source.read_depth(group, 1).unwrap()[0]), truth.distance_m.as_ref()),
+                    _ => {
+                        let distance_m = reference.distance_m(at, 1).unwrap();
+                        assert_eq!(Some(&source.read_depth(group, 1).unwrap()[0]), distance_m.as_ref());
+                    }
                 }
             }
             assert_eq!(truth.material, None);
@@ -233,7 +242,7 @@ mod tests {
             "{}",
             image.camera.direction([1.0, 1.0])
         );
-        assert_eq!(reference.truth(0, 0).unwrap().distance_m, None);
+        assert_eq!(reference.distance_m(0, 0).unwrap(), None);
     }
 
     #[test]

@@ -202,7 +202,6 @@ mod tests {
         weights.data_mut()[..material.len()].copy_from_slice(material);
         let truth = Truth {
             color: plane(wanted).map(|light| light.map(f16::from_f32)),
-            distance_m: None,
             material: (!material.is_empty()).then_some(weights),
         };
         (Rendered { color: plane(shown), alpha, counters: Counters::default() }, truth)

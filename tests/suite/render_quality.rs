@@ -93,7 +93,8 @@ fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let truth = reference.truth(at, 0).unwrap();
-            let mut by = renderer(method, image.size, truth.distance_m.clone());
+            let distance_m = reference.distance_m(at, 0).unwrap();
+            let mut by = renderer(method, image.size, distance_m);
             let rendered = picture(&mut playback, image, by.as_mut());
             sum.merge(&Similarity::of(&rendered, &truth, tone).unwrap()).unwrap();
         }
@@ -210,7 +211,7 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
     let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
     for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "03") {
         for (name, method) in METHODS {
-            let distance_m = reference.truth(at, 0).unwrap().distance_m;
+            let distance_m = reference.distance_m(at, 0).unwrap();
             let rendered = picture(&mut playback, image, renderer(method, image.size, distance_m).as_mut());
             let field = playback.player().field();
             let ColorCoding::Codes(tone) = field.coding else { panic!("8-bit colour was asked for") };

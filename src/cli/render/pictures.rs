@@ -131,6 +131,26 @@ impl Pictures {
         Ok(Destination::Files { text: name, format, folder: OutputFolder::create(parent)? })
     }
 
+    /// The files that a picture is written to, as paths from here.
+    ///
+    /// # Errors
+    /// When the pattern cannot be read.
+    pub fn files_of(&self, name: &PictureName, output: &Path) -> Result<Vec<PathBuf>> {
+        let beside = |file: String| output.parent().unwrap_or(Path::new("")).join(file);
+        match &self.destination {
+            Destination::Nowhere | Destination::StandardOutput => Ok(Vec::new()),
+            Destination::Folder(_) => Ok(vec![output.join(format!("{}.{:04}.png", name.subject, name.number))]),
+            Destination::Files { text, .. } => {
+                let eyes = if text.contains(EYE_FIELD) { &EYES[..] } else { &[""] };
+                let file = |eye: &&str| {
+                    let pattern = Pattern::parse(&text.replace(EYE_FIELD, eye))?;
+                    Ok(beside(pattern.path(name.number).to_string_lossy().into_owned()))
+                };
+                eyes.iter().map(file).collect()
+            }
+        }
+    }
+
     /// Takes the pictures of a moment: one, or those of both eyes, which come to lie beside each other unless the
     /// pattern has a field for the eye.
     ///

@@ -129,7 +129,7 @@ impl TruthRun {
     /// When the reference has none, or they cannot be read.
     pub fn distances(&mut self, take: &Take) -> Result<VecDeque<DepthPlane>> {
         let of = |&image: &usize| {
-            let distance_m = self.reference.truth(image, take.shot.frame)?.distance_m;
+            let distance_m = self.reference.distance_m(image, take.shot.frame)?;
             distance_m.ok_or_else(|| {
                 Error::Usage(format!("{}: has no depth, which --method reproject takes", self.path.display()))
             })
