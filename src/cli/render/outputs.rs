@@ -1,5 +1,6 @@
 //! What `render` writes may neither be what it reads, nor one file twice.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
@@ -12,7 +13,7 @@ pub type Output = (&'static str, PathBuf);
 /// # Errors
 /// The first clash, in the order of the outputs.
 pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
-    let mut taken: Vec<(&str, PathBuf)> = Vec::new();
+    let mut taken: HashMap<PathBuf, &str> = HashMap::new();
     let inputs: Vec<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
     for (option, path) in outputs.iter().filter(|(_, path)| path != Path::new("-")) {
         let place = place_of(path);
@@ -22,13 +23,12 @@ pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
                 path.display()
             )));
         }
-        if let Some((other, _)) = taken.iter().find(|(_, taken)| *taken == place) {
+        if let Some(other) = taken.insert(place, option) {
             return Err(Error::Usage(format!(
                 "{option} {}: is written by {other}, too; name another file or folder",
                 path.display()
             )));
         }
-        taken.push((option, place));
     }
     Ok(())
 }
@@ -59,6 +59,6 @@ mod tests {
         assert_eq!(check(&[("-o", "a"), ("--trace", "b"), ("--contact-sheet", "sub/a")]), Ok(()));
         assert!(check(&[("-o", "a"), ("--trace", "in")]).unwrap_err().contains("is read"));
         assert!(check(&[("-o", "a"), ("--trace", "./a")]).unwrap_err().contains("written by -o"));
-        assert_eq!(super::check(&[("-o", "-".into()), ("--trace", "-".into())], &[]), Ok(()));
+        assert!(super::check(&[("-o", "-".into()), ("--trace", "-".into())], &[]).is_ok());
     }
 }
