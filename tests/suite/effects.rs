@@ -147,6 +147,26 @@ fn mirrors_show_what_stands_around_them() {
     assert!(neither >= -0.1, "elsewhere {neither} dB");
 }
 
+/// Texels are a few centimetres wide, and the first step is far behind what is hidden of the balls.
+#[test]
+fn mirrors_do_not_depend_on_where_steps_begin() {
+    let (scene, size) = (scene(), 96);
+    let field = field(&scene, &corners(), size);
+    let truth = capture(&scene, MIDDLE, Face::Nz, size);
+    let indices: Vec<usize> = (0..field.views.len()).collect();
+    let views = ActiveViews::new(&field, &indices, MIDDLE);
+    let camera = Camera::look_at(MIDDLE, MIDDLE + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
+    let mirror = |picture: &Rendered| psnr(picture, &truth, |[reflect, refract, _]| reflect > 0.0 && refract == 0.0);
+    let look = |near_m: f32, effects| {
+        let settings =
+            RenderSettings { steps: Steps::new(256, near_m, views.far_m(), 8), ..settings(size, &views, effects) };
+        mirror(&render(&views, &camera, &settings, &Silent).unwrap())
+    };
+    let [plain, near, far] = [(0.01, EffectMode::None), (0.01, EffectMode::Auto), (0.6, EffectMode::Auto)]
+        .map(|(near_m, effects)| look(near_m, effects));
+    assert!(near >= plain + 8.0 && far >= near - 1.0, "{plain} dB without, {near} and {far} dB with effects");
+}
+
 #[test]
 fn the_fast_form_is_the_plain_one() {
     let (scene, size) = (scene(), 32);
