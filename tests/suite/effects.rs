@@ -66,6 +66,7 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
             texels.color = ColorTexels::Codes(codes.into_data().into_iter().map(fourth).collect());
             let materials = material_codes(&images.material.unwrap()).unwrap();
             texels.material = Some(materials.into_data().into_iter().map(fourth).collect());
+            texels.material_changed();
             view.faces[face as usize] = Some(texels);
         }
         view
@@ -106,6 +107,7 @@ fn look(field: &LightField, eye: DVec3, size: u32, effects: EffectMode) -> Rende
 fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField {
     for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
         face.material = material.map(|material| vec![material; face.inverse_depth.len()]);
+        face.material_changed();
     }
     field
 }
