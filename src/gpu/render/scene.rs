@@ -170,7 +170,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     };
     let [width, height] = settings.size;
     let log_step = settings.steps.log_step();
-    let unsure = if settings.steps.refine == 0 { log_step } else { 0.0 };
+    let unsure = settings.steps.unsure();
     let mut out = Vec::new();
     put_axis(&mut out, forward.as_vec3(), width);
     put_axis(&mut out, (right * half_right).as_vec3(), height);
