@@ -74,11 +74,6 @@ impl<'a> GpuRenderer<'a> {
         GpuRenderer { gpu, texels: DeviceTexels::new(field), cost: RenderCost::default() }
     }
 
-    /// The device.
-    pub fn gpu(&self) -> &'a Gpu {
-        self.gpu
-    }
-
     /// What it has cost so far.
     pub fn cost(&self) -> RenderCost {
         self.cost
@@ -88,11 +83,6 @@ impl<'a> GpuRenderer<'a> {
     /// height]` of one kind.
     pub fn change(&mut self, probe: usize, face: usize, kind: StreamKind, rectangle: [u32; 4]) {
         self.texels.change((probe, face), kind, rectangle);
-    }
-
-    /// Any texels may have changed since the last picture.
-    pub fn change_all(&mut self) {
-        self.texels.change_all();
     }
 
     /// The kernel that renders with these settings.
