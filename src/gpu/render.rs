@@ -25,7 +25,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
-use crate::reconstruct::effects::MAX_BOUNCES;
+use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
 use crate::reconstruct::light_field::LightField;
 use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
@@ -34,10 +34,13 @@ const TILE: u32 = 8;
 /// Words that a workgroup counts in.
 const COUNTERS: usize = 8;
 /// Points that a dispatch may compare with views, at most, where it has more than one row of workgroups: operating
-/// systems take a device that works for seconds to be dead.
+/// systems take a device that works for seconds to be dead. Where rays are sent on, dispatches begin so small that this holds
+/// whatever they meet, and grow while they are short.
 const WORK_OF_DEVICE: u64 = 1 << 31;
 /// The same of a processor that plays a device, so that a request to stop is heard.
 const WORK_OF_SOFTWARE: u64 = 1 << 25;
+/// After a dispatch that took less, the next one may have twice the rows.
+const SHORT: Duration = Duration::from_millis(50);
 
 /// What rendering has cost so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -100,7 +103,13 @@ impl<'a> GpuRenderer<'a> {
     /// They are too many or too large for the device.
     pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
-        self.cost.bytes_sent += self.texels.bring(self.gpu, views)?;
+        let sent = self.texels.bring(self.gpu, views)?;
+        if sent > 0 {
+            // Else they would go there with the first dispatch, and count as marching.
+            self.gpu.queue.submit([]);
+            self.gpu.wait()?;
+        }
+        self.cost.bytes_sent += sent;
         self.cost.sending += start.elapsed();
         Ok(())
     }
@@ -122,14 +131,16 @@ impl<'a> GpuRenderer<'a> {
         let words = scene::words(views, camera, settings, self.texels.pyramid_rows(), place);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
-        let mut start = Instant::now();
         let target = self.target(kernel, &words, settings.size)?;
-        let rows = rows_of_dispatch(self.gpu, views, settings);
-        let mut first_row = 0;
+        let mut start = Instant::now();
+        let [least, most] = rows_of_dispatch(self.gpu, views.views.len(), kernel, settings);
+        let (mut first_row, mut rows) = (0, least);
         while first_row < height && width > 0 {
             monitor.check()?;
+            let begun = Instant::now();
             self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
-            first_row += rows;
+            first_row = first_row.saturating_add(rows);
+            rows = if begun.elapsed() < SHORT { rows.saturating_mul(2).min(most) } else { least };
         }
         self.cost.marching += start.elapsed();
         start = Instant::now();
@@ -210,17 +221,27 @@ fn count_words([width, height]: [u32; 2]) -> usize {
     width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize * COUNTERS
 }
 
-/// Rows of a dispatch, whole workgroups of them.
-fn rows_of_dispatch(gpu: &Gpu, views: &ActiveViews<'_>, settings: &RenderSettings) -> u32 {
-    let most = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
+/// The rows that a dispatch has at first, and those it has at most, whole workgroups of them: as if each ray were sent on as
+/// often as it may be, and as if none were.
+fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderSettings) -> [u32; 2] {
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
-    // Rays that mirrors and glass send on are as long as others, and there may be four for each bounce.
-    let sent_on =
-        if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
-    let row = (rays * points).saturating_mul(views.views.len().max(1) as u64).saturating_mul(1 + sent_on);
-    let groups = most / row.saturating_mul(TILE.into()).max(1);
-    (groups.clamp(1, u64::from(u32::MAX / TILE)) as u32) * TILE
+    let row = (rays * points).saturating_mul(views.max(1) as u64);
+    let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
+    let sends_on = kernel.name == kernels::RENDER_EFFECTS.name;
+    let sent_on = if sends_on { most_sent_on(settings.max_bounces) } else { 0 };
+    [1 + sent_on, 1].map(|rays| {
+        let groups = work / row.saturating_mul(rays).saturating_mul(TILE.into()).max(1);
+        groups.clamp(1, u64::from(u32::MAX / TILE)) as u32 * TILE
+    })
+}
+
+/// Rays along which points are looked at in place of one from the eye, at most: a surface sends on four, and looks for the end
+/// of a solid along three. No more can carry the least share each than shares of it there are.
+fn most_sent_on(max_bounces: u32) -> u64 {
+    let most = (1.0 / LEAST_SHARE) as u64;
+    let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
+    (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
 }
 
 fn counters(counts: &[u32]) -> Counters {
@@ -234,5 +255,20 @@ fn counters(counts: &[u32]) -> Counters {
         material_samples: sum(5),
         hole_rays: sum(6),
         background_rays: sum(7),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_are_sent_on_are_counted_in_full() {
+        // 4 + 16 + 64 + 256 rays of 85 surfaces, each with three ways through a solid.
+        assert_eq!(most_sent_on(0), 0);
+        assert_eq!(most_sent_on(1), 3 + 4);
+        assert_eq!(most_sent_on(4), 3 * 85 + 340);
+        assert_eq!(most_sent_on(5), most_sent_on(4) + 4 * 256);
+        assert_eq!(most_sent_on(u32::MAX), most_sent_on(MAX_BOUNCES));
     }
 }

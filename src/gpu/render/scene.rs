@@ -31,7 +31,7 @@ const FACE_WORDS: usize = 8;
 /// Word of a scene that says the first row of a dispatch.
 pub const FIRST_ROW_WORD: usize = 11;
 /// Word of a scene that says how many rows a dispatch has.
-pub const ROWS_WORD: usize = 22;
+pub const ROWS_WORD: usize = 21;
 
 /// Structs of the shader, and of each member its name and the words from it to the next.
 pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
@@ -53,12 +53,11 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("coding", 1),
             ("gain", 1),
             ("max_bounces", 1),
-            ("log_step", 1),
             ("rows", 1),
             ("pyramid_rows", 1),
             ("longest_segment", 1),
             ("first_segment", 1),
-            ("spare", 2),
+            ("spare", 3),
         ],
     ),
     (
@@ -122,7 +121,7 @@ pub fn words(
         Acceleration::None => [1, 1],
         Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, first, 0, 0]);
+    scene.extend([pyramid_rows, longest, first, 0, 0, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
@@ -169,22 +168,20 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         }
     };
     let [width, height] = settings.size;
-    let log_step = settings.steps.log_step();
-    let unsure = if settings.steps.refine == 0 { log_step } else { 0.0 };
     let mut out = Vec::new();
     put_axis(&mut out, forward.as_vec3(), width);
     put_axis(&mut out, (right * half_right).as_vec3(), height);
     put_axis(&mut out, (down * half_down).as_vec3(), 0);
     let count = |length: usize| length as u32;
     out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
-    out.extend([settings.steps.refine, (HOLE_DIFFERENCE + unsure).to_bits()]);
+    out.extend([settings.steps.refine, (HOLE_DIFFERENCE + settings.steps.unsure()).to_bits()]);
     out.extend([
         u32::from(settings.holes == HoleFill::Nearest),
         coding,
         gain.to_bits(),
         settings.max_bounces.min(MAX_BOUNCES),
+        0,
     ]);
-    out.extend([log_step.to_bits(), 0]);
     out
 }
 
