@@ -3,8 +3,8 @@
 
 @group(0) @binding(8) var pyramids: texture_2d_array<u32>;
 
-const ROUNDING = 1.0 / 1048576.0;
-const SURELY_BELOW_ONE = 1.0 - ROUNDING;
+const ROUNDING: f32 = 1.0 / 1048576.0;
+const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 const LEAST_M: f32 = 1e-18;
 
 // A point in the plane at depth 1 of a face; `face` is its number, or NO_FACE behind a perspective view.

@@ -32,7 +32,18 @@ use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_o
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
 /// Words that a workgroup counts in.
-const COUNTERS: usize = 8;
+const COUNTERS: usize = COUNTED.len();
+/// What each of these words counts, by its name in `shaders/reconstruct/counters.wgsl`.
+const COUNTED: [(&str, fn(&mut Counters) -> &mut u64); 8] = [
+    ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
+    ("MARCH_STEPS", |counters| &mut counters.march_steps),
+    ("REFINE_STEPS", |counters| &mut counters.refine_steps),
+    ("SECONDARY_RAYS", |counters| &mut counters.secondary_rays),
+    ("NORMAL_EVALS", |counters| &mut counters.normal_evals),
+    ("MATERIAL_SAMPLES", |counters| &mut counters.material_samples),
+    ("HOLE_RAYS", |counters| &mut counters.hole_rays),
+    ("BACKGROUND_RAYS", |counters| &mut counters.background_rays),
+];
 /// Points that a dispatch may compare with views, at most, where it has more than one row of workgroups: operating
 /// systems take a device that works for seconds to be dead. Where rays are sent on, dispatches begin so small that this holds
 /// whatever they meet, and grow while they are short.
@@ -245,17 +256,13 @@ fn most_sent_on(max_bounces: u32) -> u64 {
 }
 
 fn counters(counts: &[u32]) -> Counters {
-    let sum = |at: usize| counts.iter().skip(at).step_by(COUNTERS).map(|&count| u64::from(count)).sum();
-    Counters {
-        primary_rays: sum(0),
-        march_steps: sum(1),
-        refine_steps: sum(2),
-        secondary_rays: sum(3),
-        normal_evals: sum(4),
-        material_samples: sum(5),
-        hole_rays: sum(6),
-        background_rays: sum(7),
+    let mut sums = Counters::default();
+    for group in counts.chunks_exact(COUNTERS) {
+        for (&count, (_, counter)) in group.iter().zip(COUNTED) {
+            *counter(&mut sums) += u64::from(count);
+        }
     }
+    sums
 }
 
 #[cfg(test)]
