@@ -12,6 +12,7 @@ pub mod playback;
 pub mod scene;
 pub mod texels;
 
+use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::dataset::stream::StreamKind;
@@ -71,6 +72,8 @@ pub struct RenderCost {
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     texels: DeviceTexels,
+    /// Buffers of the last picture by name, for pictures that need the same size.
+    buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
 }
 
@@ -85,7 +88,7 @@ struct Target {
 impl<'a> GpuRenderer<'a> {
     /// A renderer of views of this light field. Nothing is sent until a picture needs it.
     pub fn new(gpu: &'a Gpu, field: &LightField) -> GpuRenderer<'a> {
-        GpuRenderer { gpu, texels: DeviceTexels::new(field), cost: RenderCost::default() }
+        GpuRenderer { gpu, texels: DeviceTexels::new(field), buffers: HashMap::new(), cost: RenderCost::default() }
     }
 
     /// What it has cost so far.
@@ -169,10 +172,23 @@ impl<'a> GpuRenderer<'a> {
         Ok(rendered)
     }
 
-    fn target(&self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
-        let (gpu, none) = (self.gpu, wgpu::BufferUsages::empty());
-        let filled = |label: &'static str, words: &[u32], least: usize| {
-            let buffer = gpu.buffer(label, words.len().max(least), none)?;
+    /// A buffer of `words` words with anything in it.
+    fn buffer(&mut self, label: &'static str, words: usize) -> Result<wgpu::Buffer> {
+        if let Some(buffer) = self.buffers.get(label).filter(|buffer| buffer.size() == 4 * words as u64) {
+            return Ok(buffer.clone());
+        }
+        // The old one goes first: there may be no room for both.
+        self.buffers.remove(label);
+        let buffer = self.gpu.buffer(label, words, wgpu::BufferUsages::empty())?;
+        self.buffers.insert(label, buffer.clone());
+        Ok(buffer)
+    }
+
+    /// The buffers of a picture. The kernel writes every word of those that are read back.
+    fn target(&mut self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
+        let gpu = self.gpu;
+        let mut filled = |label: &'static str, words: &[u32], least: usize| {
+            let buffer = self.buffer(label, words.len().max(least))?;
             gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
             Ok::<_, crate::Error>(buffer)
         };
@@ -181,8 +197,8 @@ impl<'a> GpuRenderer<'a> {
         let views = filled("views", &words.views, least(1))?;
         let faces = filled("faces", &words.faces, least(2))?;
         let distances_m = filled("distances_m", &words.distances_m, 1)?;
-        let pixels = gpu.buffer("pixels", 4 * width as usize * height as usize, none)?;
-        let counts = gpu.buffer("counts", count_words([width, height]), none)?;
+        let pixels = self.buffer("pixels", 4 * width as usize * height as usize)?;
+        let counts = self.buffer("counts", count_words([width, height]))?;
         let textures = self.texels.views();
         let pipeline = gpu.pipeline(kernel)?;
         let resources = kernel.bindings.iter().filter_map(|binding| match binding.name() {
