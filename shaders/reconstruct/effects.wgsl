@@ -3,9 +3,9 @@
 // In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
 // `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `background_color` and `light_of`.
 
-const LEAST_SHARE = 1.0 / 256.0;
-const LIFT_TEXELS = 1.0;
-const HIDDEN_TEXELS = 12.0;
+const LEAST_SHARE: f32 = 1.0 / 256.0;
+const LIFT_TEXELS: f32 = 1.0;
+const HIDDEN_TEXELS: f32 = 12.0;
 // Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 

@@ -22,8 +22,6 @@ struct Scene {
     // Light of the brightest code.
     gain: f32,
     max_bounces: u32,
-    // The logarithm of the ratio of two neighbouring distances.
-    log_step: f32,
     // Rows of this dispatch.
     rows: u32,
     // Rows of texels of the pyramid of an image: the power of two that its rows fit into.
@@ -32,7 +30,7 @@ struct Scene {
     longest_segment: u32,
     // Points of the first segment.
     first_segment: u32,
-    spare: array<u32, 2>,
+    spare: array<u32, 3>,
 }
 
 struct View {

@@ -3,11 +3,11 @@
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
 
-const LEAST_WEIGHT = 0.5 / 255.0;
-const CLEAR = 0.95;
+const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+const CLEAR: f32 = 0.95;
 // Indices of refraction that 8 bits reach.
-const LEAST_IOR = 1.0;
-const GREATEST_IOR = 3.0;
+const LEAST_IOR: f32 = 1.0;
+const GREATEST_IOR: f32 = 3.0;
 
 struct Material {
     found: bool,

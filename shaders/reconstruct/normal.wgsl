@@ -1,15 +1,15 @@
 // How a surface lies in a point, from the depths around it (CALF 6.1). Mirrors src/reconstruct/normal.rs. Needs `project`,
 // `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
-const SAME_SURFACE = 0.02;
-const FIT_NEAR = 0.01;
-const FIT_FAR = 0.002;
-const SAME_PATCH = 0.03;
-const SAME_MATERIAL = 64;
+const SAME_SURFACE: f32 = 0.02;
+const FIT_NEAR: f32 = 0.01;
+const FIT_FAR: f32 = 0.002;
+const SAME_PATCH: f32 = 0.03;
+const SAME_MATERIAL: i32 = 64;
 // No inverse depth of the surface.
-const NO_TEXEL = -1.0;
+const NO_TEXEL: f32 = -1.0;
 // Lengths below have no direction.
-const LEAST_LENGTH = 1e-30;
+const LEAST_LENGTH: f32 = 1e-30;
 
 // `curvature` is meant only where `bends` says so.
 struct Patch {

@@ -1,10 +1,10 @@
 // The way of a ray through glass (CALF 6.1). Mirrors src/reconstruct/solid.rs. Needs `patch_at`, `surface_material`,
 // `fresnel`, `is_surface` and `refine`.
 
-const FLAT = 2e-3;
-const BEHIND_TEXELS = 3.0;
+const FLAT: f32 = 2e-3;
+const BEHIND_TEXELS: f32 = 3.0;
 const MAX_INSIDE = 3u;
-const NO_LIMIT_M = 1e30;
+const NO_LIMIT_M: f32 = 1e30;
 
 // A ray that leaves a solid, and its part of the light that entered; 0: it stays inside.
 struct Exit {

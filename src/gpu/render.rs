@@ -12,6 +12,7 @@ pub mod playback;
 pub mod scene;
 pub mod texels;
 
+use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::dataset::stream::StreamKind;
@@ -25,19 +26,33 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
-use crate::reconstruct::effects::MAX_BOUNCES;
+use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
 use crate::reconstruct::light_field::LightField;
 use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
 /// Words that a workgroup counts in.
-const COUNTERS: usize = 8;
+const COUNTERS: usize = COUNTED.len();
+/// What each of these words counts, by its name in `shaders/reconstruct/counters.wgsl`.
+const COUNTED: [(&str, fn(&mut Counters) -> &mut u64); 8] = [
+    ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
+    ("MARCH_STEPS", |counters| &mut counters.march_steps),
+    ("REFINE_STEPS", |counters| &mut counters.refine_steps),
+    ("SECONDARY_RAYS", |counters| &mut counters.secondary_rays),
+    ("NORMAL_EVALS", |counters| &mut counters.normal_evals),
+    ("MATERIAL_SAMPLES", |counters| &mut counters.material_samples),
+    ("HOLE_RAYS", |counters| &mut counters.hole_rays),
+    ("BACKGROUND_RAYS", |counters| &mut counters.background_rays),
+];
 /// Points that a dispatch may compare with views, at most, where it has more than one row of workgroups: operating
-/// systems take a device that works for seconds to be dead.
+/// systems take a device that works for seconds to be dead. Where rays are sent on, dispatches begin so small that this holds
+/// whatever they meet, and grow while they are short.
 const WORK_OF_DEVICE: u64 = 1 << 31;
 /// The same of a processor that plays a device, so that a request to stop is heard.
 const WORK_OF_SOFTWARE: u64 = 1 << 25;
+/// After a dispatch that took less, the next one may have twice the rows.
+const SHORT: Duration = Duration::from_millis(50);
 
 /// What rendering has cost so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -57,6 +72,8 @@ pub struct RenderCost {
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     texels: DeviceTexels,
+    /// Buffers of the last picture by name, for pictures that need the same size.
+    buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
 }
 
@@ -71,12 +88,7 @@ struct Target {
 impl<'a> GpuRenderer<'a> {
     /// A renderer of views of this light field. Nothing is sent until a picture needs it.
     pub fn new(gpu: &'a Gpu, field: &LightField) -> GpuRenderer<'a> {
-        GpuRenderer { gpu, texels: DeviceTexels::new(field), cost: RenderCost::default() }
-    }
-
-    /// The device.
-    pub fn gpu(&self) -> &'a Gpu {
-        self.gpu
+        GpuRenderer { gpu, texels: DeviceTexels::new(field), buffers: HashMap::new(), cost: RenderCost::default() }
     }
 
     /// What it has cost so far.
@@ -88,11 +100,6 @@ impl<'a> GpuRenderer<'a> {
     /// height]` of one kind.
     pub fn change(&mut self, probe: usize, face: usize, kind: StreamKind, rectangle: [u32; 4]) {
         self.texels.change((probe, face), kind, rectangle);
-    }
-
-    /// Any texels may have changed since the last picture.
-    pub fn change_all(&mut self) {
-        self.texels.change_all();
     }
 
     /// The kernel that renders with these settings.
@@ -110,7 +117,13 @@ impl<'a> GpuRenderer<'a> {
     /// They are too many or too large for the device.
     pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
-        self.cost.bytes_sent += self.texels.bring(self.gpu, views)?;
+        let sent = self.texels.bring(self.gpu, views)?;
+        if sent > 0 {
+            // Else they would go there with the first dispatch, and count as marching.
+            self.gpu.queue.submit([]);
+            self.gpu.wait()?;
+        }
+        self.cost.bytes_sent += sent;
         self.cost.sending += start.elapsed();
         Ok(())
     }
@@ -132,14 +145,16 @@ impl<'a> GpuRenderer<'a> {
         let words = scene::words(views, camera, settings, self.texels.pyramid_rows(), place);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
-        let mut start = Instant::now();
         let target = self.target(kernel, &words, settings.size)?;
-        let rows = rows_of_dispatch(self.gpu, views, settings);
-        let mut first_row = 0;
+        let mut start = Instant::now();
+        let [least, most] = rows_of_dispatch(self.gpu, views.views.len(), kernel, settings);
+        let (mut first_row, mut rows) = (0, least);
         while first_row < height && width > 0 {
             monitor.check()?;
+            let begun = Instant::now();
             self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
-            first_row += rows;
+            first_row = first_row.saturating_add(rows);
+            rows = if begun.elapsed() < SHORT { rows.saturating_mul(2).min(most) } else { least };
         }
         self.cost.marching += start.elapsed();
         start = Instant::now();
@@ -157,10 +172,23 @@ impl<'a> GpuRenderer<'a> {
         Ok(rendered)
     }
 
-    fn target(&self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
-        let (gpu, none) = (self.gpu, wgpu::BufferUsages::empty());
-        let filled = |label: &'static str, words: &[u32], least: usize| {
-            let buffer = gpu.buffer(label, words.len().max(least), none)?;
+    /// A buffer of `words` words with anything in it.
+    fn buffer(&mut self, label: &'static str, words: usize) -> Result<wgpu::Buffer> {
+        if let Some(buffer) = self.buffers.get(label).filter(|buffer| buffer.size() == 4 * words as u64) {
+            return Ok(buffer.clone());
+        }
+        // The old one goes first: there may be no room for both.
+        self.buffers.remove(label);
+        let buffer = self.gpu.buffer(label, words, wgpu::BufferUsages::empty())?;
+        self.buffers.insert(label, buffer.clone());
+        Ok(buffer)
+    }
+
+    /// The buffers of a picture. The kernel writes every word of those that are read back.
+    fn target(&mut self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
+        let gpu = self.gpu;
+        let mut filled = |label: &'static str, words: &[u32], least: usize| {
+            let buffer = self.buffer(label, words.len().max(least))?;
             gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
             Ok::<_, crate::Error>(buffer)
         };
@@ -169,8 +197,8 @@ impl<'a> GpuRenderer<'a> {
         let views = filled("views", &words.views, least(1))?;
         let faces = filled("faces", &words.faces, least(2))?;
         let distances_m = filled("distances_m", &words.distances_m, 1)?;
-        let pixels = gpu.buffer("pixels", 4 * width as usize * height as usize, none)?;
-        let counts = gpu.buffer("counts", count_words([width, height]), none)?;
+        let pixels = self.buffer("pixels", 4 * width as usize * height as usize)?;
+        let counts = self.buffer("counts", count_words([width, height]))?;
         let textures = self.texels.views();
         let pipeline = gpu.pipeline(kernel)?;
         let resources = kernel.bindings.iter().filter_map(|binding| match binding.name() {
@@ -220,29 +248,50 @@ fn count_words([width, height]: [u32; 2]) -> usize {
     width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize * COUNTERS
 }
 
-/// Rows of a dispatch, whole workgroups of them.
-fn rows_of_dispatch(gpu: &Gpu, views: &ActiveViews<'_>, settings: &RenderSettings) -> u32 {
-    let most = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
+/// The rows that a dispatch has at first, and those it has at most, whole workgroups of them: as if each ray were sent on as
+/// often as it may be, and as if none were.
+fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderSettings) -> [u32; 2] {
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
-    // Rays that mirrors and glass send on are as long as others, and there may be four for each bounce.
-    let sent_on =
-        if sends_on(views, settings.effects) { 4 * u64::from(settings.max_bounces.min(MAX_BOUNCES)) } else { 0 };
-    let row = (rays * points).saturating_mul(views.views.len().max(1) as u64).saturating_mul(1 + sent_on);
-    let groups = most / row.saturating_mul(TILE.into()).max(1);
-    (groups.clamp(1, u64::from(u32::MAX / TILE)) as u32) * TILE
+    let row = (rays * points).saturating_mul(views.max(1) as u64);
+    let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
+    let sends_on = kernel.name == kernels::RENDER_EFFECTS.name;
+    let sent_on = if sends_on { most_sent_on(settings.max_bounces) } else { 0 };
+    [1 + sent_on, 1].map(|rays| {
+        let groups = work / row.saturating_mul(rays).saturating_mul(TILE.into()).max(1);
+        groups.clamp(1, u64::from(u32::MAX / TILE)) as u32 * TILE
+    })
+}
+
+/// Rays along which points are looked at in place of one from the eye, at most: a surface sends on four, and looks for the end
+/// of a solid along three. No more can carry the least share each than shares of it there are.
+fn most_sent_on(max_bounces: u32) -> u64 {
+    let most = (1.0 / LEAST_SHARE) as u64;
+    let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
+    (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
 }
 
 fn counters(counts: &[u32]) -> Counters {
-    let sum = |at: usize| counts.iter().skip(at).step_by(COUNTERS).map(|&count| u64::from(count)).sum();
-    Counters {
-        primary_rays: sum(0),
-        march_steps: sum(1),
-        refine_steps: sum(2),
-        secondary_rays: sum(3),
-        normal_evals: sum(4),
-        material_samples: sum(5),
-        hole_rays: sum(6),
-        background_rays: sum(7),
+    let mut sums = Counters::default();
+    for group in counts.chunks_exact(COUNTERS) {
+        for (&count, (_, counter)) in group.iter().zip(COUNTED) {
+            *counter(&mut sums) += u64::from(count);
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_that_are_sent_on_are_counted_in_full() {
+        // 4 + 16 + 64 + 256 rays of 85 surfaces, each with three ways through a solid.
+        assert_eq!(most_sent_on(0), 0);
+        assert_eq!(most_sent_on(1), 3 + 4);
+        assert_eq!(most_sent_on(4), 3 * 85 + 340);
+        assert_eq!(most_sent_on(5), most_sent_on(4) + 4 * 256);
+        assert_eq!(most_sent_on(u32::MAX), most_sent_on(MAX_BOUNCES));
     }
 }

@@ -27,10 +27,10 @@ pub const LEAST_SHARE: f32 = 1.0 / 256.0;
 /// Light is sent on at most so often, whatever the settings say.
 pub const MAX_BOUNCES: u32 = 8;
 /// How far from a surface rays start, in texels of it.
-const LIFT_TEXELS: f32 = 1.0;
+pub const LIFT_TEXELS: f32 = 1.0;
 /// What is hidden from all views for longer than this, in texels of the surface that a ray leaves, is not passed through:
 /// surfaces that nobody sees are in it.
-const HIDDEN_TEXELS: f32 = 12.0;
+pub const HIDDEN_TEXELS: f32 = 12.0;
 
 /// A surface that a ray met.
 #[derive(Debug, Clone, Copy)]

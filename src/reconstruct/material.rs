@@ -10,9 +10,9 @@ use crate::reconstruct::interpolate::{DEPTH_EPSILON, Taps, image_of, log_differe
 use crate::video::convert::IOR_RANGE;
 
 /// Weights that add up to less than this are none: half a step of the 8 bits that they come in.
-const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
 /// What sends on so much of its light, and refracts any of it, is clear glass, and shares it out by Fresnel's equations.
-const CLEAR: f32 = 0.95;
+pub const CLEAR: f32 = 0.95;
 
 /// What a surface does with light.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -16,13 +16,13 @@ use crate::reconstruct::interpolate::DEPTH_EPSILON;
 use crate::reconstruct::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 
 /// A view sees a point's surface where its depth there is as far off as this in the logarithm, or less.
-const SAME_SURFACE: f32 = 0.02;
+pub const SAME_SURFACE: f32 = 0.02;
 /// A polynomial over texels up to 1 and up to 2 beside one fits where it is nowhere farther off than this part of its inverse depth.
-const FIT: [f32; 2] = [0.01, 0.002];
+pub const FIT: [f32; 2] = [0.01, 0.002];
 /// Texels belong to the surface of their neighbour where their inverse depths differ by at most this part.
-const SAME_PATCH: f32 = 0.03;
+pub const SAME_PATCH: f32 = 0.03;
 /// Texels are of different solids where the sums of their weights, in 255ths, differ by more than this.
-const SAME_MATERIAL: i32 = 64;
+pub const SAME_MATERIAL: i32 = 64;
 
 /// A surface in the neighbourhood of a point.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use half::f16;
+
 use crate::color::HalfKey;
 use crate::container::StreamEntry;
 use crate::dataset::stream::StreamKind;
@@ -314,6 +316,13 @@ fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, conv
     }
 }
 
+/// The light of a key, as encoders take it: black for what is no number, the largest half for what is infinite. Containers may
+/// hold both, and weights of 0 would make no number of the second.
+fn light_of(key: HalfKey) -> f16 {
+    let light = key.to_half();
+    if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
+}
+
 fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     let width = texels.size[0];
     let new = units.units.iter().filter(|unit| unit.is_new());
@@ -324,7 +333,7 @@ fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
                 write(pixels, rect, image, width, |[r, g, b]| [r, g, b, 0]);
             }
             (UnitPixels::ColorHalf(pixels), ColorTexels::Light(image)) => {
-                let light = |[r, g, b]: [HalfKey; 3]| [r.to_half(), g.to_half(), b.to_half(), half::f16::ZERO];
+                let light = |[r, g, b]: [HalfKey; 3]| [light_of(r), light_of(g), light_of(b), f16::ZERO];
                 write(pixels, rect, image, width, light);
             }
             _ => return None,
@@ -344,4 +353,27 @@ fn update_material(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
         Some(unit.decoder.rect())
     })
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_always_finite() {
+        let (mut infinite, mut none) = (0, 0);
+        for half in (0..=u16::MAX).map(f16::from_bits) {
+            let light = light_of(HalfKey::from_bits(half.to_bits()));
+            if half.is_finite() {
+                assert_eq!(light.to_bits(), half.to_bits());
+            } else if half.is_nan() {
+                assert_eq!(light.to_bits(), 0);
+                none += 1;
+            } else {
+                assert_eq!(light, if half.is_sign_positive() { f16::MAX } else { f16::MIN });
+                infinite += 1;
+            }
+        }
+        assert_eq!([infinite, none], [2, 2046]);
+    }
 }

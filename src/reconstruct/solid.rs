@@ -17,9 +17,9 @@ use crate::reconstruct::material::{fresnel, surface_material};
 use crate::reconstruct::normal::{Patch, patch};
 
 /// A front that turns by less than this over a texel is flat.
-const FLAT: f32 = 2e-3;
+pub const FLAT: f32 = 2e-3;
 /// How far behind a surface the ray is looked at for whether the surface is a pane, in texels.
-const BEHIND_TEXELS: f32 = 3.0;
+pub const BEHIND_TEXELS: f32 = 3.0;
 /// How often a ray meets the back of a solid before the rest of its light is given up.
 pub const MAX_INSIDE: usize = 3;
 

@@ -335,6 +335,7 @@ fn main() {
         Trial::test("refusals", refusals),
         Trial::test("long_ways", long_ways),
         Trial::test("pictures::playback", pictures::playback),
+        Trial::test("pictures::larger_images", pictures::larger_images),
         Trial::test("pictures::refusals", pictures::refusals),
         Trial::test("pictures::no_effects", pictures::no_effects),
     ];

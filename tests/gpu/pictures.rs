@@ -14,7 +14,7 @@ use lightfold::monitor::{Monitor, Silent};
 use lightfold::reconstruct::path::Shot;
 use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
 use lightfold::reconstruct::player::Change;
-use lightfold::reconstruct::render::{Acceleration, EffectMode, Rendered};
+use lightfold::reconstruct::render::{Acceleration, EffectMode, Rendered, render};
 use lightfold::reconstruct::selection::SelectionSettings;
 use lightfold::video::decode::Decoder;
 use lightfold::{Error, Result};
@@ -145,6 +145,36 @@ pub fn refusals() -> Result<(), Failed> {
             true => Ok(()),
             false => Err(format!("it said '{refused}'").into()),
         }
+    })
+}
+
+/// Images that come later may be larger than all before, or the first that have a material: nothing of them is left out.
+pub fn larger_images() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let said = |error: Error| error.to_string();
+        for label in ["turned perspective images", "mirrors and glass"] {
+            let mut cases = pictures::cases().map_err(said)?;
+            cases.retain(|case| case.label == label);
+            let case = cases.pop().ok_or(label)?;
+            // At first only one view has images, small and without a material.
+            let mut start = case.clone();
+            start.views.truncate(1);
+            start.field.views[1..].iter_mut().for_each(|view| view.faces = Default::default());
+            start.field.views[0].faces.iter_mut().flatten().for_each(|face| face.material = None);
+            let mut renderer = GpuRenderer::new(gpu, &start.field);
+            for case in [&start, &case] {
+                let views = case.active();
+                let on_device = renderer.render(&views, &case.camera, &case.settings, &Silent).map_err(said)?;
+                let on_cpu = render(&views, &case.camera, &case.settings, &Silent).map_err(said)?;
+                let agreement = Agreement::of(&on_device, &on_cpu).map_err(said)?;
+                let (seen, size) = (case.views.len(), start.field.views[0].faces.iter().flatten().next());
+                println!("{label}, {seen} views: {agreement:?}, first {:?}", size.map(|face| face.size));
+                if agreement.mismatches() > 0 {
+                    return Err(format!("{label}, {seen} views on {}: {agreement:?}", gpu.info.name).into());
+                }
+            }
+        }
+        Ok(())
     })
 }
 

@@ -28,10 +28,16 @@ const NO_BOUND: f32 = 1e30;
 const NO_FACE: u32 = u32::MAX;
 /// Words of a view for the numbers of its images.
 const FACE_WORDS: usize = 8;
+/// Colours are linear light.
+const CODING_LIGHT: u32 = 0;
+/// Colours are codes of sRGB.
+const CODING_SRGB: u32 = 1;
+/// Colours are codes of light.
+const CODING_LINEAR: u32 = 2;
 /// Word of a scene that says the first row of a dispatch.
 pub const FIRST_ROW_WORD: usize = 11;
 /// Word of a scene that says how many rows a dispatch has.
-pub const ROWS_WORD: usize = 22;
+pub const ROWS_WORD: usize = 21;
 
 /// Structs of the shader, and of each member its name and the words from it to the next.
 pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
@@ -53,12 +59,11 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("coding", 1),
             ("gain", 1),
             ("max_bounces", 1),
-            ("log_step", 1),
             ("rows", 1),
             ("pyramid_rows", 1),
             ("longest_segment", 1),
             ("first_segment", 1),
-            ("spare", 2),
+            ("spare", 3),
         ],
     ),
     (
@@ -122,7 +127,7 @@ pub fn words(
         Acceleration::None => [1, 1],
         Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, first, 0, 0]);
+    scene.extend([pyramid_rows, longest, first, 0, 0, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
@@ -159,32 +164,30 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     let [forward, right, down] = camera.axes();
     let [half_right, half_down] = camera.half();
     let (coding, gain) = match views.coding {
-        ColorCoding::Light => (0, 1.0),
+        ColorCoding::Light => (CODING_LIGHT, 1.0),
         ColorCoding::Codes(tone) => {
             let curve = match tone.transfer {
-                Transfer::Srgb => 1,
-                Transfer::Linear => 2,
+                Transfer::Srgb => CODING_SRGB,
+                Transfer::Linear => CODING_LINEAR,
             };
             (curve, (-f64::from(tone.exposure_ev)).exp2() as f32)
         }
     };
     let [width, height] = settings.size;
-    let log_step = settings.steps.log_step();
-    let unsure = settings.steps.unsure();
     let mut out = Vec::new();
     put_axis(&mut out, forward.as_vec3(), width);
     put_axis(&mut out, (right * half_right).as_vec3(), height);
     put_axis(&mut out, (down * half_down).as_vec3(), 0);
     let count = |length: usize| length as u32;
     out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
-    out.extend([settings.steps.refine, (HOLE_DIFFERENCE + unsure).to_bits()]);
+    out.extend([settings.steps.refine, (HOLE_DIFFERENCE + settings.steps.unsure()).to_bits()]);
     out.extend([
         u32::from(settings.holes == HoleFill::Nearest),
         coding,
         gain.to_bits(),
         settings.max_bounces.min(MAX_BOUNCES),
+        0,
     ]);
-    out.extend([log_step.to_bits(), 0]);
     out
 }
 
@@ -199,11 +202,18 @@ fn put_axis(out: &mut Vec<u32>, axis: Vec3, last: u32) {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::{HashMap, HashSet};
+
     use wgpu::naga;
 
     use super::*;
     use crate::gpu::kernels::{KERNELS, Kernel};
+    use crate::gpu::render::{COUNTED, COUNTERS, TILE};
+    use crate::image::cube::Face;
     use crate::reconstruct::interpolate::DEPTH_EPSILON;
+    use crate::reconstruct::light_field::{BACKGROUND, UNKNOWN};
+    use crate::reconstruct::{effects, material, normal, pyramid, solid};
+    use crate::video::convert::IOR_RANGE;
 
     fn renders(kernel: &&&Kernel) -> bool {
         kernel.entry == "render"
@@ -234,26 +244,90 @@ mod tests {
         }
     }
 
+    /// Constants of shaders that the CPU has too.
+    fn twins() -> Vec<(&'static str, f64)> {
+        let numbers = [
+            ("VIEW_FACE", Face::View as u32),
+            ("NO_FACE", NO_FACE),
+            ("CODING_LIGHT", CODING_LIGHT),
+            ("CODING_SRGB", CODING_SRGB),
+            ("CODING_LINEAR", CODING_LINEAR),
+            ("BACKGROUND", BACKGROUND.to_bits()),
+            ("UNKNOWN", UNKNOWN.to_bits()),
+            ("TILE", TILE),
+            ("COUNTERS", COUNTERS as u32),
+            ("MAX_INSIDE", solid::MAX_INSIDE as u32),
+        ];
+        let floats = [
+            ("DEPTH_EPSILON", DEPTH_EPSILON),
+            ("MIN_POSITIVE", f32::MIN_POSITIVE),
+            ("ROUNDING", pyramid::ROUNDING),
+            ("SURELY_BELOW_ONE", pyramid::SURELY_BELOW_ONE),
+            ("LEAST_M", pyramid::LEAST_M),
+            ("LEAST_WEIGHT", material::LEAST_WEIGHT),
+            ("CLEAR", material::CLEAR),
+            ("LEAST_IOR", IOR_RANGE[0]),
+            ("GREATEST_IOR", IOR_RANGE[1]),
+            ("SAME_SURFACE", normal::SAME_SURFACE),
+            ("FIT_NEAR", normal::FIT[0]),
+            ("FIT_FAR", normal::FIT[1]),
+            ("SAME_PATCH", normal::SAME_PATCH),
+            ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
+            ("FLAT", solid::FLAT),
+            ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
+            ("LEAST_SHARE", effects::LEAST_SHARE),
+            ("LIFT_TEXELS", effects::LIFT_TEXELS),
+            ("HIDDEN_TEXELS", effects::HIDDEN_TEXELS),
+        ];
+        let counted = (0..).zip(COUNTED).map(|(at, (name, _))| (name, f64::from(at)));
+        let numbers = numbers.into_iter().map(|(name, value)| (name, value.into()));
+        numbers.chain(floats.into_iter().map(|(name, value)| (name, value.into()))).chain(counted).collect()
+    }
+
+    /// Constants that shaders have for themselves: what stands for an enum or for nothing, and lengths that floats set.
+    const OF_SHADERS: [&str; 11] = [
+        "OPEN",
+        "BEHIND",
+        "NOT_KNOWN",
+        "FOUND_NOTHING",
+        "FOUND_BACKGROUND",
+        "FOUND_SURFACE",
+        "MOST_PENDING",
+        "NO_TEXEL",
+        "NO_LIMIT_M",
+        "LEAST_LENGTH",
+        "LEAST_INVERTIBLE_M",
+    ];
+
     #[test]
     fn constants_are_those_of_the_cpu() {
-        let mut seen = 0;
+        let twins: HashMap<&str, f64> = twins().into_iter().collect();
+        let mut seen = HashSet::new();
         for kernel in KERNELS.iter().filter(renders) {
-            let module = naga::front::wgsl::parse_str(&kernel.source()).unwrap();
+            let source = kernel.source();
+            let module = naga::front::wgsl::parse_str(&source).unwrap();
             let value = |name: &str| {
-                let found = module.constants.iter().find(|(_, found)| found.name.as_deref() == Some(name)).unwrap().1;
+                let found = module.constants.iter().find(|(_, found)| found.name.as_deref() == Some(name));
+                // Those without a type are gone when the text is read.
+                let (_, found) = found.unwrap_or_else(|| panic!("{name} of {} needs a type", kernel.name));
                 match module.global_expressions[found.init] {
-                    naga::Expression::Literal(naga::Literal::F32(value)) => f64::from(value),
-                    naga::Expression::Literal(naga::Literal::AbstractFloat(value)) => value,
-                    naga::Expression::Literal(naga::Literal::U32(value)) => value.into(),
-                    ref other => panic!("{name}: {other:?}"),
+                    naga::Expression::Literal(naga::Literal::F32(value)) => Some(f64::from(value)),
+                    naga::Expression::Literal(naga::Literal::U32(value)) => Some(value.into()),
+                    naga::Expression::Literal(naga::Literal::I32(value)) => Some(value.into()),
+                    _ => None,
                 }
             };
-            assert_eq!(value("DEPTH_EPSILON") as f32, DEPTH_EPSILON);
-            assert_eq!(value("NO_FACE"), f64::from(NO_FACE));
-            assert_eq!(value("UNKNOWN"), f64::from(f32::INFINITY.to_bits()));
-            assert_eq!(value("MIN_POSITIVE") as f32, f32::MIN_POSITIVE);
-            seen += 1;
+            for line in source.lines().filter_map(|line| line.strip_prefix("const ")) {
+                let name = line.split([':', ' ']).next().unwrap();
+                let Some(value) = value(name).filter(|_| !OF_SHADERS.contains(&name)) else { continue };
+                assert_eq!(twins.get(name), Some(&value), "{name} of {}", kernel.name);
+                seen.insert(name.to_owned());
+            }
+            if let Some(room) = source.contains("MOST_PENDING").then(|| value("MOST_PENDING").unwrap()) {
+                assert!(room >= f64::from(1 + 3 * MAX_BOUNCES));
+            }
         }
-        assert!(seen > 0);
+        let missing: Vec<_> = twins.keys().filter(|name| !seen.contains(**name)).collect();
+        assert!(missing.is_empty(), "no shader has {missing:?}");
     }
 }

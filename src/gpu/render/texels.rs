@@ -26,9 +26,10 @@ type Rectangle = [u32; 4];
 /// Texels on a device.
 #[derive(Debug)]
 pub struct DeviceTexels {
-    /// Width and height of a tile.
+    /// Width and height of a tile: those of the largest images that were needed so far.
     tile: [u32; 2],
     coding: ColorCoding,
+    /// Whether an image that was needed so far has a material.
     has_material: bool,
     textures: Option<Textures>,
     held: HashMap<Key, Held>,
@@ -57,14 +58,7 @@ struct Held {
 impl DeviceTexels {
     /// Room for images of a light field; none is on the device yet.
     pub fn new(field: &LightField) -> DeviceTexels {
-        let sizes = field.views.iter().flat_map(|view| view.faces.iter().flatten()).map(|face| face.size);
-        DeviceTexels {
-            tile: sizes.fold([1, 1], |a, b| [a[0].max(b[0]), a[1].max(b[1])]),
-            coding: field.coding,
-            has_material: field.has_material(),
-            textures: None,
-            held: HashMap::new(),
-        }
+        DeviceTexels { tile: [1, 1], coding: field.coding, has_material: false, textures: None, held: HashMap::new() }
     }
 
     /// Texels of an image have changed on the CPU.
@@ -72,12 +66,6 @@ impl DeviceTexels {
         if let Some(held) = self.held.get_mut(&key) {
             held.stale.push((kind, rectangle));
         }
-    }
-
-    /// All texels have changed on the CPU.
-    pub fn change_all(&mut self) {
-        let whole = self.whole();
-        self.held.values_mut().for_each(|held| held.stale.clone_from(&whole));
     }
 
     /// A rectangle that holds any image, of each kind.
@@ -99,6 +87,9 @@ impl DeviceTexels {
             })
         };
         let needed: HashSet<Key> = images().map(|(key, _)| key).collect();
+        for (_, texels) in images() {
+            self.suit(texels);
+        }
         if self.textures.as_ref().is_none_or(|textures| textures.tiles < needed.len()) {
             // The old ones go first: there may be no room for both.
             self.textures = None;
@@ -111,6 +102,18 @@ impl DeviceTexels {
             sent += self.send(gpu, key, texels)?;
         }
         Ok(sent)
+    }
+
+    /// Gives textures up that an image does not fit into, or that have no room for its material. A light field has images only
+    /// of views that take part, so that larger ones may come at any time.
+    fn suit(&mut self, texels: &FaceTexels) {
+        let tile = [0, 1].map(|axis| self.tile[axis].max(texels.size[axis]));
+        let has_material = self.has_material || texels.material.is_some();
+        if (tile, has_material) != (self.tile, self.has_material) {
+            (self.tile, self.has_material) = (tile, has_material);
+            self.textures = None;
+            self.held.clear();
+        }
     }
 
     /// Gives tiles to images that have none; images that are not needed give theirs up.
