@@ -162,8 +162,8 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
     rows = []
     for probe in left_out:
         case = Case(container, pathlib.Path(manifest), probe, (probe,), frames)
-        rows += renderer.rows("left out", probe, case, maps=work / "errors")
-        rows += with_and_without_effects(renderer, probe, case, rows)
+        of_probe = renderer.rows("left out", probe, case, maps=work / "errors")
+        rows += of_probe + with_and_without_effects(renderer, probe, case, of_probe)
     central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
     rows += by_views(renderer, central, len(probes) - 1)
     return rows
@@ -196,9 +196,12 @@ def by_views(renderer, case, probes):
 
 
 def with_and_without_effects(renderer, place, case, known):
-    """Rows with mirrors and glass, and with views blended there (CALF figure 12); none where there are neither."""
+    """Rows with mirrors and glass, and with views blended there (CALF figure 12); none where there are neither.
+
+    `known` are the rows of the case with effects, one for each method.
+    """
     if all(row.psnr_db_mirrors is None and row.psnr_db_glass is None for row in known):
         return []
     blended = lf.run_json(*renderer.command(case, "march", "--effects", "none"))
-    rows = renderer.rows("effects", place, case)
+    rows = [dataclasses.replace(row, table="effects", place=place) for row in known]
     return rows + [row_of("effects", place, "ours, without effects", blended)]

@@ -128,9 +128,9 @@ def write(folder, name, rows, command):
     (folder / "figures.csv").write_text(to_csv(rows))
     sections = [f"## {title}\n\n{table}\n" for title, table in tables(rows)]
     shown = "".join(f"![]({file})\n" for file in charts)
-    about = ("PSNR is of 8-bit codes, the mean over images that are not exact; holes count as black. Points: every texel drawn as a point of one "
-             "pixel. Ceiling: true distances instead of marching, the same interpolation. Pictures of where errors lie are "
-             "in errors/.\n")
+    about = ("PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
+             "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
+             "distances instead of marching, the same interpolation. Pictures of where errors lie are in errors/.\n")
     report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])
     (folder / "report.md").write_text(report)
     return report

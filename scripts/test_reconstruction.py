@@ -95,10 +95,16 @@ class DatasetTest(Stubbed):
 
     def test_mirrors_and_glass_are_rendered_with_effects_and_without(self):
         binary = self.stub(material=True)
-        rows = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "b"]), self.work, ["b"], "0")
-        effects = {row.method: (row.psnr_db_mirrors, row.psnr_db_glass) for row in rows if row.table == "effects"}
+        rows = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "b", "c"]), self.work, ["b", "c"], "0")
+        of_effects = [row for row in rows if row.table == "effects"]
+        methods = ["points", "ceiling", "ours", "ours, without effects"]
+        self.assertEqual([(row.place, row.method) for row in of_effects], [(place, method) for place in "bc" for method in methods])
+        effects = {row.method: (row.psnr_db_mirrors, row.psnr_db_glass) for row in of_effects}
         self.assertEqual(effects["ours"], (23.0, 20.0))
         self.assertEqual(effects["ours, without effects"], (20.0, 17.0))
+        # Three methods and one without effects for each probe, three for each number of views: nothing is rendered twice.
+        _, *renders = self.commands()
+        self.assertEqual(len(renders), 2 * (3 + 1) + 2 * 3)
 
     def test_many_probes_leave_out_the_most_central_one(self):
         probes = [(str(at), (at, 0, 0)) for at in range(9)]

@@ -1,14 +1,17 @@
 //! Pictures from any eye where they are hard: eyes in bad places, edges and corners of cubes, fences, steps of the whole
 //! range of depth, coincident probes, one distance, no surfaces, all sizes.
 //!
-//! All of it is on the CPU. Light fields are made from formulas, so that what must come out is known.
+//! All of it is on the CPU. Light fields are made from formulas, so that what must come out is known. Cases with an occluder
+//! are in [`hidden`].
+
+mod hidden;
 
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::gpu::random::Random;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
-use crate::image::cube::direction_to_face;
+use crate::image::cube::{Face, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -50,20 +53,8 @@ const SETUPS: [(&str, Make); 10] = [
     ("the eye in a wall", || furnished(&POSITIONS, DVec3::new(4.0, 0.0, 0.0))),
     ("the eye outside of all walls", || furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0))),
     ("coincident probes", || furnished(&[POSITIONS[0]; 3], DVec3::new(0.5, 0.25, -0.5))),
-    ("a fence one texel wide", || {
-        made(|direction| {
-            let (_, u, _) = direction_to_face(direction);
-            let column = ((u + 1.0) * f64::from(SIDE) / 2.0) as u32;
-            if column.is_multiple_of(2) { Some((1.0, [255; 3])) } else { room(DVec3::ZERO, direction, ROOM, 0.0) }
-        })
-    }),
-    ("neighbours as far apart as near and far", || {
-        made(|direction| {
-            let (_, u, v) = direction_to_face(direction);
-            let odd = [u, v].map(|at| ((at + 1.0) * f64::from(SIDE) / 2.0) as u32).iter().sum::<u32>() % 2;
-            Some(([0.1, 100.0][odd as usize], [255 * odd as u8; 3]))
-        })
-    }),
+    (FENCE, fence),
+    (STEPS_OF_ALL, steps_of_all),
     ("nothing but background", || made(|_| None)),
     ("every other texel unknown", || {
         let mut setup = furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5));
@@ -75,6 +66,9 @@ const SETUPS: [(&str, Make); 10] = [
     }),
     ("near = far", || Setup { range_m: [1.0, 1.0], ..furnished(&POSITIONS, DVec3::new(3.5, 0.25, -0.5)) }),
 ];
+
+const FENCE: &str = "a fence one texel wide";
+const STEPS_OF_ALL: &str = "neighbours as far apart as near and far";
 
 /// Where probes stand; multiples of 1/8 m, so that they are exact far from the origin, too.
 const POSITIONS: [DVec3; 4] = [
@@ -99,8 +93,16 @@ pub(super) fn cases() -> Vec<HardCase> {
     // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
     // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
     for side in [1, 2, 33, 64] {
-        cases.push(own.case(format!("{side}x{side}"), none, move || own_codes(side)));
+        cases.push(own.case(format!("{side}x{side}"), none, move || own_codes(&own_room(side), side)));
     }
+    let depths = shelf("the eye in a probe, rays through its texels", "distances that are not the texels'");
+    for (name, make) in [(FENCE, fence as Make), (STEPS_OF_ALL, steps_of_all)] {
+        let in_the_probe = move || Setup { eye: DVec3::ZERO, ..make() };
+        cases.push(own.case(name, none, move || own_codes(&in_the_probe(), SIDE)));
+        cases.push(depths.case(name, none, move || Ok(own_depths(&in_the_probe()))));
+    }
+    let near_is_far = || Setup { range_m: [1.0; 2], ..own_room(SIDE) };
+    cases.push(depths.case("near = far", none, move || Ok(own_depths(&near_is_far()))));
     let scaled = shelf("hits at another size or place", "hits that differ");
     // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
     for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
@@ -119,6 +121,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     // Three times the terms of a sum of 4 weights, each rounded; colours of up to 255 codes.
     let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
     cases.push(copies.case("three", Bound::AtMost(most), coincident));
+    cases.extend(hidden::cases());
     cases
 }
 
@@ -136,6 +139,32 @@ fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
     };
     let field = LightField { views: positions.iter().map(view).collect(), coding: CODES };
     Setup { field, eye: eye * size + away, range_m: [0.0625, 16.0].map(|metres| metres * size as f32) }
+}
+
+/// One probe of the room alone, and the eye in it.
+fn own_room(side: u32) -> Setup {
+    let position = POSITIONS[1];
+    let view = Made::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
+    let field = LightField { views: vec![view], coding: CODES };
+    Setup { field, eye: position, range_m: [0.0625, 16.0] }
+}
+
+/// Bars one texel wide before walls.
+fn fence() -> Setup {
+    made(|direction| {
+        let (_, u, _) = direction_to_face(direction);
+        let column = ((u + 1.0) * f64::from(SIDE) / 2.0) as u32;
+        if column.is_multiple_of(2) { Some((1.0, [255; 3])) } else { room(DVec3::ZERO, direction, ROOM, 0.0) }
+    })
+}
+
+/// Texels that are by turns at near and at far.
+fn steps_of_all() -> Setup {
+    made(|direction| {
+        let (_, u, v) = direction_to_face(direction);
+        let odd = [u, v].map(|at| ((at + 1.0) * f64::from(SIDE) / 2.0) as u32).iter().sum::<u32>() % 2;
+        Some(([0.1, 100.0][odd as usize], [255 * odd as u8; 3]))
+    })
 }
 
 /// One probe in the origin, and an eye beside it.
@@ -236,14 +265,10 @@ fn code(light: f32) -> f64 {
     Transfer::Srgb.encode(f64::from(light)) * 255.0
 }
 
-fn own_codes(side: u32) -> Result<Measured> {
-    let position = POSITIONS[1];
-    let view = Made::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
-    let field = LightField { views: vec![view], coding: CODES };
-    let setup = Setup { field, eye: position, range_m: [0.0625, 16.0] };
+fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
     let (mut wrong, mut first) = (0, None);
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
-        let camera = camera(position, forward)?;
+        let camera = camera(setup.eye, forward)?;
         let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
         for (at, color) in (0..).zip(picture.color.data()) {
             let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
@@ -259,6 +284,41 @@ fn own_codes(side: u32) -> Result<Measured> {
         }
     }
     Ok(Measured::count(wrong, first))
+}
+
+/// Rays from a probe through the middles of its texels end where these say, and at most an interval between two steps, as
+/// often halved as is asked for, behind it; what is beyond the last step is not met.
+fn own_depths(setup: &Setup) -> Measured {
+    let (views, steps) = (setup.views(), setup.steps());
+    let rounding = 1e-5;
+    let (mut wrong, mut first) = (0, None);
+    for (face, texels) in Face::CUBE.into_iter().zip(setup.field.views[0].faces.iter().flatten()) {
+        let [forward, right, down] = face.axes();
+        for (at, &inverse_depth) in (0u32..).zip(&texels.inverse_depth) {
+            let [u, v] = [at % texels.size[0], at / texels.size[0]]
+                .map(|at| (2.0 * f64::from(at) + 1.0) / f64::from(texels.size[0]) - 1.0);
+            let way = forward + u * right + v * down;
+            let distance_m = way.length() / f64::from(inverse_depth);
+            let step = steps.distances_m.iter().position(|&step_m| f64::from(step_m) >= distance_m);
+            let found = setup.hit(&views, way.normalize().as_vec3());
+            let right = match (step, found) {
+                (None, None) => true,
+                (Some(step), Some(found)) => {
+                    let before_m = step.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
+                    let interval_m = f64::from(steps.distances_m[step] - before_m);
+                    let late_m = f64::from(found) - distance_m;
+                    let most_m = interval_m * 0.5f64.powi(REFINE as i32);
+                    (-rounding * distance_m..=most_m + rounding * distance_m).contains(&late_m)
+                }
+                _ => false,
+            };
+            if !right {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("{} {u} {v}: {found:?} instead of {distance_m} m", face.name()));
+            }
+        }
+    }
+    Measured::count(wrong, first)
 }
 
 fn elsewhere(size: f64, away: f64) -> Measured {

@@ -153,12 +153,6 @@ impl Camera {
         (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
     }
 
-    /// The same camera, moved by so many metres.
-    #[must_use]
-    pub fn moved(&self, by: DVec3) -> Camera {
-        Camera { eye: self.eye + by, ..*self }
-    }
-
     /// All points on rays from its eye through its picture, also those nearer or farther than it sees.
     pub fn sight_lines(&self) -> Frustum {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()

@@ -74,8 +74,6 @@ impl ActiveView<'_> {
 /// The views that are asked, in the order of their priority.
 #[derive(Debug, Clone)]
 pub struct ActiveViews<'a> {
-    /// Where the eye is, in metres.
-    pub eye: DVec3,
     /// The views.
     pub views: Vec<ActiveView<'a>>,
     /// What their colours are coded in.
@@ -92,7 +90,7 @@ impl<'a> ActiveViews<'a> {
             greatest_inverse_depth: view.greatest_inverse_depth(),
         };
         let views = indices.iter().filter_map(|&at| field.views.get(at)).map(relative).collect();
-        ActiveViews { eye, views, coding: field.coding }
+        ActiveViews { views, coding: field.coding }
     }
 
     /// Whether a surface is met at a point: no view sees past it, and at least one sees a surface before it.

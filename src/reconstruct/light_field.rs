@@ -79,8 +79,8 @@ pub struct FaceTexels {
 }
 
 impl FaceTexels {
-    /// A face of `size` texels of which nothing is known.
-    pub fn unknown(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding, has_material: bool) -> FaceTexels {
+    /// A face of `size` texels of which nothing is known, without materials.
+    pub fn unknown(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding) -> FaceTexels {
         let texels = size[0] as usize * size[1] as usize;
         FaceTexels {
             size,
@@ -91,10 +91,16 @@ impl FaceTexels {
                 ColorCoding::Codes(_) => ColorTexels::Codes(vec![[0; 4]; texels]),
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
-            material: has_material.then(|| vec![[0; 4]; texels]),
+            material: None,
             calls_for_effects: false,
             pyramid: DepthPyramid::unknown(size),
         }
+    }
+
+    /// The same face with materials, whose weights are all 0.
+    #[must_use]
+    pub fn with_material(self) -> FaceTexels {
+        FaceTexels { material: Some(vec![[0; 4]; self.inverse_depth.len()]), ..self }
     }
 
     /// Takes in that materials were written. Looks at all texels.

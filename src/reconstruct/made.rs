@@ -58,7 +58,7 @@ impl Made {
     }
 
     fn face(&self, face: Face, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
-        let mut texels = FaceTexels::unknown(self.size, map, coding, false);
+        let mut texels = FaceTexels::unknown(self.size, map, coding);
         let [forward, right, down] = face.axes();
         for at in 0..texels.inverse_depth.len() {
             let place = [at as u32 % self.size[0], at as u32 / self.size[0]];

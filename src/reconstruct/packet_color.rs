@@ -110,7 +110,7 @@ pub(crate) struct LightCurve {
 }
 
 impl LightCurve {
-    /// Entries of the table; between them it is straight, which is off by less than 4e-8 of the brightest light.
+    /// Entries of the table; between them it is straight, which is off by less than 2e-7 of the brightest light.
     const PARTS: usize = 4096;
 
     pub(crate) fn new(tone: ToneMap) -> LightCurve {

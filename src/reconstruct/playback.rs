@@ -18,7 +18,7 @@ use crate::reconstruct::pacing::{FramePacing, Pacing};
 use crate::reconstruct::path::Shot;
 use crate::reconstruct::player::{Change, Player, ProbeChoice, ShowCounts};
 use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
-use crate::reconstruct::selection::{Selection, SelectionSettings, ViewSelector};
+use crate::reconstruct::selection::{SelectionSettings, ViewSelector};
 use crate::reconstruct::trace::{self, FrameTrace};
 use crate::reconstruct::wanted::SightLines;
 use crate::video::decode::Decoder;
@@ -110,14 +110,10 @@ impl PictureOptions {
 /// What a picture is made of.
 #[derive(Debug, Clone, Copy)]
 pub struct Stage<'s> {
-    /// The frame that is shown.
-    pub frame: u32,
     /// The light field in this frame.
     pub field: &'s LightField,
     /// Its views that take part, first the most useful.
     pub views: &'s [usize],
-    /// The slot of each of them.
-    pub slots: &'s [usize],
 }
 
 /// What makes pictures: a processor, a device, or another method.
@@ -158,8 +154,6 @@ impl Renderer for CpuRenderer {
 pub struct Shown {
     /// A picture for each camera.
     pub pictures: Vec<Rendered>,
-    /// The views.
-    pub selection: Selection,
     /// What it took to show the frame.
     pub counts: ShowCounts,
     /// Line for a trace file.
@@ -177,8 +171,6 @@ pub struct PlaybackSummary {
     pub counters: Counters,
     /// Units and bytes.
     pub counts: ShowCounts,
-    /// [`ShowCounts::bytes_all`].
-    pub bytes_all: u64,
     /// Times.
     pub pacing: FramePacing,
 }
@@ -237,7 +229,6 @@ impl<'a> Playback<'a> {
         let eye = shot.cameras.iter().map(Camera::eye).sum::<DVec3>() / shot.cameras.len() as f64;
         let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
         let views = selection.views();
-        let slots: Vec<usize> = selection.active.iter().map(|active| active.slot).collect();
         let secondary = self.options.effects != EffectMode::None && self.player.has_material();
         let counts = if self.options.decode == DecodeScope::All {
             self.player.show(shot.frame, &views, &AllUnits)?
@@ -251,7 +242,7 @@ impl<'a> Playback<'a> {
             }
         };
         let changes = self.player.take_changes();
-        let stage = Stage { frame: shot.frame, field: self.player.field(), views: &views, slots: &slots };
+        let stage = Stage { field: self.player.field(), views: &views };
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
@@ -278,7 +269,7 @@ impl<'a> Playback<'a> {
         self.summary.most_views = self.summary.most_views.max(views.len());
         self.summary.counts = self.summary.counts.plus(counts);
         self.summary.counters = pictures.iter().fold(self.summary.counters, |sum, picture| sum.plus(picture.counters));
-        Ok(Shown { pictures, selection, counts, trace })
+        Ok(Shown { pictures, counts, trace })
     }
 
     /// What came of all shots so far.
@@ -289,6 +280,6 @@ impl<'a> Playback<'a> {
             update: Pacing::of(&self.update_ms),
             render: Pacing::of(&self.render_ms),
         };
-        PlaybackSummary { bytes_all: self.summary.counts.bytes_all, pacing, ..self.summary }
+        PlaybackSummary { pacing, ..self.summary }
     }
 }

@@ -375,7 +375,8 @@ impl<'a> Player<'a> {
         let number = depth.face as usize;
         let size = [depth.entry.width, depth.entry.height];
         let map = View::image_map(self.decoder.probe(depth), depth.face, size);
-        let texels = FaceTexels::unknown(size, map, self.field.coding, streams.material.is_some());
+        let texels = FaceTexels::unknown(size, map, self.field.coding);
+        let texels = if streams.material.is_some() { texels.with_material() } else { texels };
         self.field.views[at].faces[number] = Some(texels);
         for kind in streams.all().map(|stream| stream.kind) {
             self.changes.push(Change { view: at, face: number, kind, rect: [0, 0, size[0], size[1]] });

@@ -155,7 +155,7 @@ mod tests {
     /// A perspective view of three texels that looks along −Z with 90 degrees from left to right.
     fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
         let map = [[1.5, 1.5], [1.5, 0.5]];
-        let mut face = FaceTexels::unknown([3, 1], map, CODING, false);
+        let mut face = FaceTexels::unknown([3, 1], map, CODING);
         face.inverse_depth = inverse_depth.to_vec();
         face.color = ColorTexels::Codes(gray.map(|code| [code, code, code, 0]).to_vec());
         let faces = [None, None, None, None, None, None, Some(face)];

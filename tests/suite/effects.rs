@@ -56,7 +56,7 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
         let mut view = View::new(probe, &entry, range).unwrap();
         for face in Face::CUBE {
             let images = capture(scene, *position, face, size);
-            let mut texels = FaceTexels::unknown([size; 2], View::image_map(&entry, face, [size; 2]), coding, true);
+            let mut texels = FaceTexels::unknown([size; 2], View::image_map(&entry, face, [size; 2]), coding);
             let depths = (0..).zip(images.depth.unwrap().into_data());
             texels.inverse_depth =
                 depths.map(|(at, z)| inverse.of(range.code(z), &texels, at % size, at / size)).collect();

@@ -82,7 +82,8 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
     for change in changes {
         let source = from.views[change.view].faces[change.face].as_ref().unwrap();
         let target = to.views[change.view].faces[change.face].get_or_insert_with(|| {
-            FaceTexels::unknown(source.size, [source.scale, source.centre], from.coding, source.material.is_some())
+            let texels = FaceTexels::unknown(source.size, [source.scale, source.centre], from.coding);
+            if source.material.is_some() { texels.with_material() } else { texels }
         });
         let [left, top, width, height] = change.rect;
         for at in (top..top + height).flat_map(|y| (left..left + width).map(move |x| (y * source.size[0] + x) as usize))
@@ -196,6 +197,23 @@ fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
 }
 
 #[test]
+fn a_view_of_90_degrees_reads_at_most_half_of_the_bytes() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let cameras = r#"{ "lightfold_cameras": 1, "cameras": [ { "position": [0, 1.5, 0] }, { "position": [0.4, 1.4, 0.2] },
+        { "position": [-0.3, 1.7, -0.3] }, { "position": [0.2, 1.6, -0.4] } ] }"#;
+    fs::write(at.join("cameras.json"), cameras).unwrap();
+    fine("capture courtyard --cameras cameras.json --frames 0 --size 64 --samples 1 -q -o cap", at);
+    fine("encode cap --cell 8 -o a.lfold", at);
+    let decoder = Decoder::open(at.join("a.lfold")).unwrap();
+    for look_at in [[2.0, 1.5, 0.3], [-1.0, 1.4, 2.0], [0.1, 1.2, -2.0], [1.0, 0.5, 1.0]] {
+        let wide = shot(0, camera([0.1, 1.5, 0.1], look_at, 90.0));
+        let [seen, all] = both(&decoder, &[wide], Acceleration::Pyramid);
+        assert!(0 < seen && 2 * seen <= all, "{seen} of {all} bytes towards {look_at:?}");
+    }
+}
+
+#[test]
 fn what_did_not_change_is_not_done_again() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
@@ -221,7 +239,7 @@ fn what_did_not_change_is_not_done_again() {
     let sum = playback.summary();
     assert_eq!(sum.shots, 5);
     assert!(sum.counts.cells_decoded > first.cells_decoded + next.cells_decoded);
-    assert!(sum.bytes_all >= sum.counts.bytes_read && sum.pacing.frame.max_ms >= sum.pacing.frame.mean_ms);
+    assert!(sum.counts.bytes_all >= sum.counts.bytes_read && sum.pacing.frame.max_ms >= sum.pacing.frame.mean_ms);
 }
 
 #[test]

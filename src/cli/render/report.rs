@@ -83,7 +83,7 @@ impl Report<'_> {
                 "cells_unseen": counts.cells_unseen,
                 "texels_updated": counts.texels_updated,
                 "bytes_read": counts.bytes_read,
-                "bytes_all": summary.bytes_all,
+                "bytes_all": summary.counts.bytes_all,
                 "megapixels_per_second": self.megapixels_per_second(),
                 "pacing": {
                     "mean_ms": pacing.frame.mean_ms,
@@ -176,8 +176,8 @@ impl Report<'_> {
                 counts.cells_unchanged,
                 counts.cells_unseen,
                 human_bytes(counts.bytes_read),
-                human_bytes(summary.bytes_all),
-                100.0 * counts.bytes_read as f64 / summary.bytes_all.max(1) as f64,
+                human_bytes(summary.counts.bytes_all),
+                100.0 * counts.bytes_read as f64 / summary.counts.bytes_all.max(1) as f64,
             ),
             format!(
                 "frames: {:.1} ms in the mean, half within {:.1}, 95% within {:.1}, the longest {:.1}",

@@ -250,7 +250,7 @@ impl Captured {
         let mut view = View::new(at, &entry, range)?;
         for (face, color, depth, material) in images {
             let size = [color.width(), color.height()];
-            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding, self.has_material);
+            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding);
             // The inverse of what is infinitely far is that of a background.
             texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
             texels.depth_changed(0..size[0], 0..size[1]);

@@ -1,0 +1,107 @@
+//! What no probe sees: a rectangle before a wall hides part of it from all probes, and the eye looks in from the side.
+//!
+//! Edges of the rectangle are edges of texels for every probe, and eye and probes are on one line along an edge: so it
+//! is known of each ray which part of space it comes into that is hidden from all of them, and where.
+
+use glam::DVec3;
+
+use crate::error::Result;
+use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
+use crate::math::Camera;
+use crate::monitor::Silent;
+use crate::reconstruct::light_field::LightField;
+use crate::reconstruct::made::{Made, room};
+use crate::reconstruct::march::Steps;
+use crate::reconstruct::render::{HOLE_DIFFERENCE, HoleFill, RenderSettings, Rendered, render, render_plainly};
+
+use super::{CODES, SIDE, Setup, camera};
+
+/// Where probes are on the x axis, and the eye; multiples of the width of a texel 1 m away, 1/16 m.
+const PROBES_M: [f64; 2] = [0.0, -0.5];
+const EYE_M: f64 = 1.0;
+/// Left and right edge of the rectangle, which is 1 m away, and half its height.
+const EDGES_M: [f64; 2] = [-0.5, 0.25];
+const HALF_HEIGHT_M: f64 = 0.5;
+/// How far the walls are.
+const WALL_M: f64 = 4.0;
+/// Pixels of a row: odd, so that no ray goes along an edge.
+const PIXELS: u32 = 33;
+/// Pixels of the picture that show what no probe sees: 10 columns of 17.
+const HOLES: u64 = 170;
+const RED: [u8; 3] = [200, 0, 0];
+
+pub(super) fn cases() -> Vec<HardCase> {
+    let none = Bound::AtMost(0.0);
+    let shelf = |pipeline: &str, unit| Shelf::new(Family::Render, pipeline, unit);
+    let hidden = shelf("parts that a rectangle hides from all probes", "wrong pixels");
+    vec![
+        hidden.case("holes blank", none, || wrong(HoleFill::Blank)),
+        hidden.case("holes filled", none, || wrong(HoleFill::Nearest)),
+    ]
+}
+
+fn sight(eye: DVec3, direction: DVec3) -> Option<(f64, [u8; 3])> {
+    let at = eye + direction / -direction.z;
+    let meets = direction.z < 0.0 && (EDGES_M[0]..EDGES_M[1]).contains(&at.x) && at.y.abs() < HALF_HEIGHT_M;
+    if meets { Some((1.0 / -direction.z, RED)) } else { room(eye, direction, DVec3::splat(WALL_M), 0.0) }
+}
+
+fn setup() -> Setup {
+    let view = |x| {
+        let position = DVec3::new(x, 0.0, 0.0);
+        Made::new(position, SIDE).cube(CODES, &|direction| sight(position, direction))
+    };
+    let field = LightField { views: PROBES_M.map(view).into(), coding: CODES };
+    Setup { field, eye: DVec3::new(EYE_M, 0.0, 0.0), range_m: [0.05, 16.0] }
+}
+
+/// Whether a ray through a pixel's middle ends where no probe saw a surface; None where that hangs on rounding.
+///
+/// `across` and `down` are its direction's parts for each metre ahead. It comes into the shadow that a probe sees at the
+/// planar depth at which it is beside the line from the probe over the right edge, and stays in it up to the wall.
+fn is_hole([across, down]: [f64; 2]) -> Option<bool> {
+    let enters_m = |probe: f64| {
+        let narrows = EDGES_M[1] - probe - across;
+        if narrows > 0.0 { (EYE_M - probe) / narrows } else { f64::INFINITY }
+    };
+    let all_m = PROBES_M.map(enters_m).into_iter().fold(0.0, f64::max);
+    let away = |surface_m: f64| (all_m / surface_m).ln().abs() - f64::from(HOLE_DIFFERENCE);
+    // Rays further to the right do not come into a shadow; those further to the left end in the rectangle, or pass it.
+    if down.abs() > HALF_HEIGHT_M || !(1.0..WALL_M).contains(&all_m) {
+        return Some(false);
+    }
+    let nearest = away(1.0).min(away(WALL_M));
+    (nearest.abs() > 1e-3).then_some(nearest > 0.0)
+}
+
+fn picture(plainly: bool, holes: HoleFill) -> Result<Rendered> {
+    let setup = setup();
+    let settings = RenderSettings { holes, steps: Steps::new(1024, 0.05, 16.0, 16), ..setup.settings(PIXELS) };
+    let how: fn(&_, &Camera, &_, &_) -> _ = if plainly { render_plainly } else { render };
+    how(&setup.views(), &camera(setup.eye, DVec3::NEG_Z)?, &settings, &Silent)
+}
+
+/// Pixels whose alpha is not what is known of their ray, or whose colour is not that of such a pixel: black in holes that
+/// are left blank, with the red of the rectangle in others. One that hangs on rounding is wrong, too.
+fn wrong(holes: HoleFill) -> Result<Measured> {
+    let (mut wrong, mut first) = (0, None);
+    for plainly in [false, true] {
+        let picture = picture(plainly, holes)?;
+        wrong += picture.counters.hole_rays.abs_diff(HOLES);
+        for (at, (&alpha, color)) in (0u32..).zip(picture.alpha.data().iter().zip(picture.color.data())) {
+            let [column, row] = [at % PIXELS, at / PIXELS];
+            let way = [column, row].map(|at| f64::from(2 * at + 1) / f64::from(PIXELS) - 1.0);
+            let right = match is_hole(way) {
+                Some(true) if holes == HoleFill::Blank => alpha == 0.0 && *color == [0.0; 3],
+                Some(true) => alpha == 0.0 && color[0] > 0.01 && color.iter().all(|light| light.is_finite()),
+                Some(false) => alpha == 1.0,
+                None => false,
+            };
+            if !right {
+                wrong += 1;
+                first.get_or_insert_with(|| format!("column {column}, row {row}: alpha {alpha}, colour {color:?}"));
+            }
+        }
+    }
+    Ok(Measured::count(wrong, first))
+}
