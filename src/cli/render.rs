@@ -129,7 +129,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         &pictures::PictureOptions {
             output: args.output.as_deref(),
             contact_sheet: args.contact_sheet.as_deref(),
-            count: takes.iter().map(|take| take.names.len() as u64).sum(),
+            names: takes.iter().flat_map(|take| &take.names).collect(),
             stereo: args.stereo.is_some(),
             holes: args.march.holes.into(),
         },

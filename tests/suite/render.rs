@@ -94,6 +94,9 @@ fn a_probe_that_is_left_out_is_rendered_from_the_others() {
     fine("render a.lfold --reference captured --reference-probe 04 --frames 1 -o shown --error-map maps", at);
     assert_eq!(files(&at.join("shown")).len(), 6);
     assert_eq!(files(&at.join("maps"))[0], "04_nx.0001.png");
+    let faces = "render a.lfold --reference captured --reference-probe 04 --frames 1 -o faces.%04d.png";
+    let said = refused(faces, at);
+    assert!(said.contains("6 pictures are asked for, and their frames tell 1 of them apart"), "{said}");
 }
 
 #[test]
@@ -112,6 +115,12 @@ fn two_eyes_lie_beside_each_other_or_in_files_of_their_own() {
         both.get_pixel(x, y) == eye.get_pixel(x % 40, y)
     })));
     assert!(open("sheet.png").width() > 80);
+    fine(&format!("render a.lfold {EYE} --stereo 0.1 --frames 0-1 -o eyes/%V/%04d.png"), at);
+    assert_eq!(files(&at.join("eyes")), ["left", "right"]);
+    assert_eq!(files(&at.join("eyes/right")), ["0000.png", "0001.png"]);
+    assert!(open("eyes/left/0000.png") == left);
+    assert!(refused(&format!("render a.lfold {EYE} --stereo 0.1 -o eyes/%V/all"), at).contains("a folder"));
+    assert!(refused(&format!("render a.lfold {EYE} -o eyes/%V/a.png"), at).contains("--stereo"));
 }
 
 #[test]
