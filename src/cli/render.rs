@@ -141,6 +141,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let gpu = args.open_device(global)?;
     let start = Instant::now();
     let mut method = args.method(gpu.as_ref());
+    let mut frames = report::Frames::default();
     for take in &takes {
         let renderer = method.prepare(take, &mut truth)?;
         let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
@@ -155,6 +156,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             let line = serde_json::to_string(&shown.trace).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
             writeln!(file, "{line}").map_err(|error| Error::io(args.views.trace.as_deref().unwrap_or(input), error))?;
         }
+        frames.add(&shown.trace);
         progress.advance(take.shot.cameras.len() as u64);
     }
     let seconds = start.elapsed().as_secs_f64();
@@ -172,6 +174,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         summary: playback.summary(),
         pixels: takes.iter().map(|take| take.shot.cameras.len() as u64 * pixels(take.size)).sum(),
         pictures: count,
+        frames: &frames,
         seconds,
         bytes_out: bytes,
         device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
@@ -243,12 +246,21 @@ impl Args {
                 self.march.method.name()
             )));
         }
-        let to_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(|path| path == std::path::Path::new("-"));
-        let taken = [&self.output, &self.contact_sheet, &self.views.trace].into_iter().filter(|path| to_stdout(path));
-        if taken.count() + usize::from(self.json) > 1 {
+        if self.results_to_stdout() + usize::from(self.json) > 1 {
             return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
         }
         Ok(())
+    }
+
+    /// How many results go to standard output, the report apart.
+    fn results_to_stdout(&self) -> usize {
+        let paths = [&self.output, &self.contact_sheet, &self.views.trace];
+        paths.into_iter().flatten().filter(|path| *path == std::path::Path::new("-")).count()
+    }
+
+    /// Whether standard output has no room for words.
+    pub fn is_stdout_taken(&self) -> bool {
+        self.results_to_stdout() > 0
     }
 
     fn playback_options(&self) -> PlaybackOptions {

@@ -76,6 +76,35 @@ fn figures_are_told() {
     let dense = report(&format!("{line} --acceleration none"), at);
     assert!(number(&dense, "/march_steps") > 2.0 * number(&told, "/march_steps"));
     assert_eq!(number(&report(&format!("{line} --views 2"), at), "/views"), 2.0);
+    let plain = report(&format!("render a.lfold {EYE} --frames 0-2 --null --json"), at);
+    assert!(number(&plain, "/pacing/render_ms/mean_ms") > 0.0 && number(&plain, "/megapixels_per_second") > 0.0);
+    for (target_ms, within) in [("0.0001", 0.0), ("1e9", 3.0)] {
+        let told = report(&format!("{line} --target-ms {target_ms}"), at);
+        assert_eq!(number(&told, "/frames_within_target"), within);
+    }
+}
+
+/// Words go to standard output, as those of `decode`; a quiet command still tells what was asked for.
+#[test]
+fn words_go_where_nothing_else_goes() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let said = |options: &str| {
+        let output = fine(&format!("render a.lfold {EYE} {options}"), at);
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    };
+    let [out, _] = said("-o a.png --target-ms 1e9");
+    assert!(out.contains("a.png: 1 picture") && out.contains("1 of 1 frame took no longer"), "{out}");
+    let [out, err] = said("-o a.png -q");
+    assert_eq!((out.as_str(), err.as_str()), ("", ""));
+    let [out, _] = said("-o a.png -q --stats");
+    assert!(out.contains("rays from the eye") && !out.contains("a.png"), "{out}");
+    let [out, err] = said("--null --trace - --stats");
+    assert!(out.starts_with('{') && out.lines().count() == 1 && err.contains("rays from the eye"), "{out}{err}");
+    let line = "render a.lfold --reference captured --reference-probe 04 --frames 0 --null -q";
+    let out = String::from_utf8(fine(line, at).stdout).unwrap();
+    assert!(out.contains("PSNR") && out.contains("a frame of 6 pictures"), "{out}");
 }
 
 #[test]
