@@ -179,14 +179,43 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
         ("--method reproject --null", "--reference"),
         ("--probe nobody --null", "nobody"),
         ("--exclude-probe 00,01,02,03,04 --null", "probe"),
+        ("--exclude-probe 00 --probe 00 --null", "none is left"),
+        ("--max-bounces 9 --null", "0..=8"),
+        ("--far 0.001 --null", "give --near too"),
+        ("--error-map maps --null", "--error-map"),
+        ("--reference-probe 00 --null", "--reference-probe"),
+        ("--method splat --samples 2 --null", "one sample"),
+        ("--method splat --effects force --null", "no effects"),
     ] {
         let said = refused(&format!("render a.lfold {EYE} {options}"), at);
         assert!(said.contains(words), "{options}: {said}");
         assert_eq!(files(at), ["a.lfold", "captured"], "{options}");
     }
+    let said = refused("render a.lfold --eye 0,0,0 --look-at 1,0,0 --fov 60 --aspect 2 --size 4x2 --null", at);
+    assert!(said.contains("leave out one"), "{said}");
+    for dataset in ["captured", "captured/lightfield.json"] {
+        assert!(refused(&format!("render {dataset} {EYE} --null"), at).contains("encode a dataset first"));
+    }
     fine("encode-depth captured/probe_00/face_px/depth.%04d.exr -o depth.lfold", at);
     let said = refused(&format!("render depth.lfold {EYE} --null"), at);
     assert!(said.contains("both colour and depth"), "{said}");
+}
+
+/// What is named and not shown is told, also without an `--output`.
+#[test]
+fn frames_that_are_passed_over_are_told() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let noted = |line: &str| String::from_utf8(fine(&format!("render a.lfold {line}"), at).stderr).unwrap();
+    assert!(noted(&format!("{EYE} --contact-sheet sheet.png")).contains("frame 0 of 0-2; --frames shows others"));
+    assert_eq!(noted(&format!("{EYE} --frames 0 --trace views.jsonl")), "");
+    let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "near_m": 0.1, "frame": "#;
+    std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
+    let words = noted("--camera path.json --size 16 --null");
+    assert!(words.contains("45 frames that cameras look in are passed over: there are 0-2"), "{words}");
+    assert!(words.contains("near_m"), "{words}");
+    assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of the frames 2-9"));
 }
 
 /// The trace names the probes of each frame, each in a slot of its own.

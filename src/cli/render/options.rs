@@ -72,7 +72,7 @@ impl From<EffectsArg> for EffectMode {
 /// `--acceleration`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AccelerationArg {
-    /// Pass over what least and greatest depths prove to be empty; the pictures are the same
+    /// Pass over regions that lie before the nearest depth in them, and so are empty; the pictures are the same
     Pyramid,
     /// Look at every step
     None,
@@ -131,7 +131,7 @@ pub struct MarchArgs {
     #[arg(long, value_enum, default_value_t = EffectsArg::Auto)]
     pub effects: EffectsArg,
     /// How often a ray is sent on at most
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=16))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
     /// What is shown where no probe saw anything; such pixels have alpha 0 and are counted
     #[arg(long, value_enum, default_value_t = HolesArg::Blank)]
@@ -145,10 +145,10 @@ pub struct MarchArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Views")]
 pub struct ViewArgs {
-    /// Only these probes
+    /// Only these probes, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub probe: Vec<String>,
-    /// All probes but these
+    /// All probes but these, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub exclude_probe: Vec<String>,
     /// So many probes at most, those of highest priority [default: all]
