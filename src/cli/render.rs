@@ -12,15 +12,18 @@ use std::time::Instant;
 
 use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, parse_positive};
-use crate::cli::output::OutputFile;
+use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::render::RenderCost;
 use crate::gpu::render::playback::DeviceRenderer;
+use crate::image::FrameRange;
 use crate::math::Camera;
 use crate::monitor::Monitor;
+use crate::reconstruct::TimedCamera;
+use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
 use crate::reconstruct::path::{self, Shot};
 use crate::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
@@ -28,7 +31,7 @@ use crate::reconstruct::player::ProbeChoice;
 use crate::reconstruct::selection::{SelectionSettings, ViewPriority};
 use crate::video::decode::Decoder;
 
-use options::{DecodeArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
+use options::{DecodeArg, EffectsArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
 use pictures::{PictureName, Pictures};
 use truth::TruthArgs;
 
@@ -38,32 +41,48 @@ const DEFAULT_SIZE: u32 = 512;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
+    mut_arg("frames", |frames| frames.help("Only these frames, such as 10-99 or 12 [default: those that the cameras or the \
+        reference name, else the first]")),
     group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
     after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
     lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
     lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
     lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
     lightfold render film.lfold --camera path.json --null --stats --json\n  \
-    lightfold render film.lfold --camera path.json --contact-sheet sheet.png --null\n  \
-    lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00 --null\n  \
+    lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
+    lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
     lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n\n\
     A path is a file of cameras as of decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": \
-    90}]}. Several cameras without \"frames\" are poses of one camera, one for each frame of --frames.\n\n\
+    90}]}. Several cameras without \"frames\" are poses of one camera, one for each frame of --frames; all of them show one \
+    frame where --frames names one or none. All cameras of a path have \"frames\", or none has; decode takes any. A camera \
+    that moves has a \"frame\" in each pose, and between them it goes straight and turns evenly: {\"cameras\": [{\"eye\": \
+    [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
+    \"fov_y_deg\": 60, \"frame\": 95}]}. Rays begin and end at --near and --far; near_m and far_m of a camera are for decode. \
+    The aspect of --size WxH goes before that of a camera.\n\n\
+    The number in a file name is that of the frame. Where several cameras look in one frame it is the place of the picture \
+    in the path, from 0, for all pictures. With --reference it is the frame's, and a folder's files are called after \
+    probe and face, 00_px.0000.png. A folder takes PNG; for EXR name a pattern.\n\n\
     Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \
-    probe saw what is there, and 1 elsewhere, background included."
+    probe saw what is there, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
+    would make what it fills in black.\n\n\
+    Lines of --trace: shot counts from 0; frame; eye in metres; active probes by priority, with slot (a place that a probe \
+    keeps while it is active), distance_m from the eye and angle_deg at --pivot; culled probes and why: limit (--views), \
+    angle (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped of tiles and cells; \
+    bytes_read; update_ms before pictures are made, render_ms for them."
 )]
 pub struct Args {
     /// The container, - for standard input
     #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
     pub input: Option<PathBuf>,
-    /// A picture ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder, or - for
-    /// a PNG on standard output
-    #[arg(long, short, value_name = "OUT", required_unless_present_any = ["null", "list_devices"])]
+    /// A picture ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder of PNG
+    /// files, or - for a PNG on standard output
+    #[arg(long, short, value_name = "OUT",
+        required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
     pub output: Option<PathBuf>,
     /// Render and write no picture
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
-    /// Pixels: the height, or both sides [default: 512; that of the reference]
+    /// Pixels: the height, or both sides [default: 512]; with --reference pictures have the size of its images
     #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
     pub size: Option<(u32, Option<u32>)>,
     /// Frames; without them, the first, or those that the cameras of a path or the reference have.
@@ -117,20 +136,26 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     }
     let Some(input) = &args.input else { return Err(Error::Usage("name a container to render".into())) };
     args.check()?;
+    if input.is_dir() || input.extension().is_some_and(|extension| extension == "json") {
+        return Err(Error::Usage(format!(
+            "{}: a container was expected; encode a dataset first: lightfold encode {0} -o film.lfold",
+            input.display()
+        )));
+    }
     let decoder = Decoder::open(input)?;
     let named = |error: Error| error.in_file(input);
     let mut playback = Playback::new(&decoder, args.playback_options()).map_err(named)?;
     let mut truth = args.truth.open(args.march.method)?;
     let takes = match &truth {
-        Some(truth) => truth.takes(args.frames.frames, playback.player().frames())?,
-        None => args.takes(&playback)?,
+        Some(truth) => truth.takes(args.frames.frames, playback.player().frames(), global)?,
+        None => args.takes(&playback, global)?,
     };
     let coding = playback.player().field().coding;
     let mut pictures = Pictures::open(
         &pictures::PictureOptions {
             output: args.output.as_deref(),
             contact_sheet: args.contact_sheet.as_deref(),
-            count: takes.iter().map(|take| take.names.len() as u64).sum(),
+            names: takes.iter().flat_map(|take| &take.names).collect(),
             stereo: args.stereo.is_some(),
             holes: args.march.holes.into(),
         },
@@ -143,6 +168,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let gpu = args.open_device(global)?;
     let start = Instant::now();
     let mut method = args.method(gpu.as_ref());
+    let mut frames = report::Frames::default();
+    takes.iter().try_for_each(|take| args.check_far(&playback, take))?;
     for take in &takes {
         let renderer = method.prepare(take, &mut truth)?;
         let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
@@ -157,6 +184,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             let line = serde_json::to_string(&shown.trace).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
             writeln!(file, "{line}").map_err(|error| Error::io(args.views.trace.as_deref().unwrap_or(input), error))?;
         }
+        frames.add(&shown.trace);
         progress.advance(take.shot.cameras.len() as u64);
     }
     let seconds = start.elapsed().as_secs_f64();
@@ -174,6 +202,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         summary: playback.summary(),
         pixels: takes.iter().map(|take| take.shot.cameras.len() as u64 * pixels(take.size)).sum(),
         pictures: count,
+        frames: &frames,
         seconds,
         bytes_out: bytes,
         device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
@@ -238,6 +267,21 @@ impl Args {
         {
             return Err(Error::Usage(format!("rays from {near} m to {far} m: --near below --far was expected")));
         }
+        if let (Some(_), Some((_, Some(_)))) = (self.cameras.aspect, self.size) {
+            return Err(Error::Usage("--size WxH says what --aspect says: leave out one of them".into()));
+        }
+        let choice = &self.views;
+        if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
+            return Err(Error::Usage("--exclude-probe leaves out all probes that --probe names: none is left".into()));
+        }
+        let method = self.march.method;
+        let is_more_than_points = self.march.samples != 1 || self.march.effects == EffectsArg::Force;
+        if method != MethodArg::March && is_more_than_points {
+            return Err(Error::Usage(format!(
+                "--method {} has one sample a pixel and no effects: leave out --samples and --effects force",
+                method.name()
+            )));
+        }
         let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
         if self.march.method != MethodArg::March && on_device {
             return Err(Error::Usage(format!(
@@ -245,9 +289,7 @@ impl Args {
                 self.march.method.name()
             )));
         }
-        let to_stdout = |path: &Option<PathBuf>| path.as_deref().is_some_and(|path| path == std::path::Path::new("-"));
-        let taken = [&self.output, &self.contact_sheet, &self.views.trace].into_iter().filter(|path| to_stdout(path));
-        if taken.count() + usize::from(self.json) > 1 {
+        if self.results_to_stdout() + usize::from(self.json) > 1 {
             return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
         }
         Ok(())
@@ -270,6 +312,33 @@ impl Args {
         outputs.extend(others.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))));
         let cameras = self.cameras.camera.iter().chain(&self.input).chain(&self.truth.reference);
         outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
+    }
+
+    /// How many results go to standard output, the report apart.
+    fn results_to_stdout(&self) -> usize {
+        let paths = [&self.output, &self.contact_sheet, &self.views.trace];
+        paths.into_iter().flatten().filter(|path| *path == std::path::Path::new("-")).count()
+    }
+
+    /// Whether standard output has no room for words.
+    pub fn is_stdout_taken(&self) -> bool {
+        self.results_to_stdout() > 0
+    }
+
+    /// Refuses a --far before which the default --near already ends: rays would have nowhere to go.
+    fn check_far(&self, playback: &Playback<'_>, take: &Take) -> Result<()> {
+        let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, take.shot.cameras.first()) else {
+            return Ok(());
+        };
+        let field = playback.player().field();
+        let all: Vec<usize> = (0..field.views.len()).collect();
+        let near_m = ActiveViews::new(field, &all, camera.eye()).near_m() / 10.0;
+        if f64::from(near_m) < far_m {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "rays begin {near_m} m from the eye, and --far {far_m} ends them before: give --near too, or a greater --far"
+        )))
     }
 
     fn playback_options(&self) -> PlaybackOptions {
@@ -333,10 +402,32 @@ impl Args {
         }
     }
 
+    /// Tells what was named and does not come to be shown.
+    fn note_what_is_passed_over(&self, cameras: &[TimedCamera], available: FrameRange) {
+        let asked = self.frames.frames;
+        if asked.is_none() && available.count() > 1 && cameras.iter().all(|timed| timed.frames.is_none()) {
+            output::note(format_args!("frame {} of {available}; --frames shows others", available.first));
+        }
+        match path::missing_frames(cameras, asked, available) {
+            0 => {}
+            1 => output::note(format_args!("a frame that a camera looks in is passed over: there are {available}")),
+            missing => output::note(format_args!(
+                "{missing} frames that cameras look in are passed over: there are {available}"
+            )),
+        }
+        if cameras.iter().any(|timed| timed.camera.has_range()) {
+            output::note("near_m and far_m of a camera are for decode; rays begin and end at --near and --far");
+        }
+    }
+
     /// The pictures that the cameras are to take.
-    fn takes(&self, playback: &Playback<'_>) -> Result<Vec<Take>> {
+    fn takes(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Take>> {
         let cameras = self.cameras.cameras()?;
-        let shots = path::shots(&cameras, self.frames.frames, playback.player().frames())?;
+        let available = playback.player().frames();
+        let shots = path::shots(&cameras, self.frames.frames, available)?;
+        if !global.quiet {
+            self.note_what_is_passed_over(&cameras, available);
+        }
         let mut frames: Vec<u32> = shots.iter().map(|shot| shot.frame).collect();
         frames.sort_unstable();
         frames.dedup();

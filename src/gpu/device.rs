@@ -134,7 +134,7 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
         DeviceChoice::Gpu => Gpu::open(pick).map(|gpu| (Some(gpu), None)),
         DeviceChoice::Auto => {
             let picked = *pick != Pick::Best;
-            let refused = |why: String| Ok((None, Some(format!("{why}; decoding on the CPU"))));
+            let refused = |why: String| Ok((None, Some(format!("{why}; going on with the CPU"))));
             let found = if picked { Vec::new() } else { list() };
             if !picked && found.iter().all(DeviceInfo::is_software) {
                 let why = match found.is_empty() {

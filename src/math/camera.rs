@@ -158,6 +158,11 @@ impl Camera {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
     }
 
+    /// Whether there are surfaces before it that it does not see, as they are too near or too far.
+    pub fn has_range(&self) -> bool {
+        self.depth_m != [0.0, f64::INFINITY]
+    }
+
     /// Width of its picture over the height.
     pub fn aspect(&self) -> f64 {
         self.half[0] / self.half[1]

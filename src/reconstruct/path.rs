@@ -55,7 +55,9 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
         }
         _ => {
             return Err(Error::Usage(
-                "some cameras state \"frames\" and others do not: let all of a path state theirs, or none".into(),
+                "some cameras state \"frames\" or a \"frame\" and others do not (--eye states none): let all of a path state theirs, \
+                 or none"
+                    .into(),
             ));
         }
     };
@@ -63,6 +65,16 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
         return Err(Error::Usage(format!("no camera looks in the frames {frames}")));
     }
     Ok(shots)
+}
+
+/// How many of the frames that cameras state, and that are asked for, are not among those that there are (`available`):
+/// a path passes over them.
+pub fn missing_frames(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> u64 {
+    let missing = |own: FrameRange| {
+        let asked = frames.map_or(Some(own), |frames| own.intersect(frames));
+        asked.map_or(0, |asked| asked.count() - asked.intersect(available).map_or(0, FrameRange::count))
+    };
+    cameras.iter().filter_map(|timed| timed.frames).map(missing).sum()
 }
 
 #[cfg(test)]
@@ -104,6 +116,15 @@ mod tests {
         let own = [Some(range(5, 6)), Some(range(6, 6)), Some(range(0, 4))];
         assert_eq!(of(&own, None), [(5, 0), (6, 0), (6, 1), (3, 2), (4, 2)]);
         assert_eq!(of(&own, Some(range(6, 20))), [(6, 0), (6, 1)]);
+    }
+
+    #[test]
+    fn frames_that_do_not_exist_are_counted() {
+        let missing = |frames: &[Option<FrameRange>], asked| missing_frames(&cameras(frames), asked, range(3, 9));
+        assert_eq!(missing(&[None], Some(range(0, 20))), 0);
+        assert_eq!(missing(&[Some(range(0, 11)), Some(range(9, 9)), Some(range(20, 20))], None), 3 + 2 + 1);
+        assert_eq!(missing(&[Some(range(0, 11))], Some(range(9, 10))), 1);
+        assert_eq!(missing(&[Some(range(0, 11))], Some(range(30, 40))), 0);
     }
 
     #[test]

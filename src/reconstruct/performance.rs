@@ -1,18 +1,27 @@
 //! How many views fit into the time that a frame may take: performance-based culling (CALF 6.3).
 //!
 //! Enters: how long frames took, and with how many views. Leaves: how many views the next one may have. It is a function of
-//! these figures alone. What a view costs is the median over the last frames of time over views, as a frame in which a view
-//! is new takes longer once; fewer views are allowed at once, more of them only one by one, and only after some frames in a
-//! row had room for them, so that no view comes and goes.
+//! these figures alone.
+//!
+//! What views cost is not even: some work is the same for any number of them, and a ray that few views stop goes on for
+//! longer, so that a frame can take longer with fewer. Therefore times are kept by the number of views: the median of the last
+//! frames with that many, as a frame in which a view is new takes longer once. Where a frame takes too long, as many views stay
+//! as would fit if each cost the same, and then it is measured what that brought: a step that brought nothing is undone, and
+//! not tried again as long as its time is remembered. More views are allowed only one by one, and only after some frames
+//! in a row had room for them, so that no view comes and goes.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// Frames over which the median is taken.
 const FRAMES: usize = 5;
 /// Frames before which nothing is decided, as the first ones are slow.
 const LEAST: usize = 3;
+/// Frames after which a time is forgotten: what is seen changes.
+const MEMORY: u64 = 120;
 /// Part of the time that must suffice for one view more.
 const ROOM: f64 = 0.85;
+/// Part of a frame's time below which another number of views is worth a change.
+const WORTH: f64 = 0.85;
 /// Frames in a row that must have had room.
 const PATIENCE: u32 = 8;
 
@@ -20,8 +29,9 @@ const PATIENCE: u32 = 8;
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerformanceCulling {
     target_ms: f64,
-    /// Milliseconds for each view, in the last frames.
-    costs_ms: VecDeque<f64>,
+    /// By number of views, the last frames that had so many: which one it was, and its milliseconds.
+    times: BTreeMap<usize, VecDeque<(u64, f64)>>,
+    frame: u64,
     most: Option<usize>,
     roomy: u32,
 }
@@ -29,7 +39,7 @@ pub struct PerformanceCulling {
 impl PerformanceCulling {
     /// Frames are to take at most `target_ms`, above 0. There is no limit before one takes longer.
     pub fn new(target_ms: f64) -> PerformanceCulling {
-        PerformanceCulling { target_ms, costs_ms: VecDeque::new(), most: None, roomy: 0 }
+        PerformanceCulling { target_ms, times: BTreeMap::new(), frame: 0, most: None, roomy: 0 }
     }
 
     /// The most views that the next frame may have, at least 1; none where nothing was ever too slow.
@@ -42,20 +52,25 @@ impl PerformanceCulling {
         if views == 0 || !frame_ms.is_finite() {
             return;
         }
-        self.costs_ms.push_back(frame_ms / views as f64);
-        if self.costs_ms.len() > FRAMES {
-            self.costs_ms.pop_front();
+        self.frame += 1;
+        let now = self.frame;
+        let times = self.times.entry(views).or_default();
+        times.push_back((now, frame_ms));
+        if times.len() > FRAMES {
+            times.pop_front();
         }
-        if self.costs_ms.len() < LEAST {
-            return;
+        for times in self.times.values_mut() {
+            times.retain(|&(at, _)| now - at < MEMORY);
         }
-        let mut costs: Vec<f64> = self.costs_ms.iter().copied().collect();
-        costs.sort_by(f64::total_cmp);
-        let cost_ms = costs[(costs.len() - 1) / 2];
-        if cost_ms * views as f64 > self.target_ms {
-            self.most = Some(((self.target_ms / cost_ms) as usize).clamp(1, views));
+        let Some(median_ms) = self.median_ms(views) else { return };
+        if median_ms > self.target_ms {
             self.roomy = 0;
-        } else if cost_ms * (views + 1) as f64 <= ROOM * self.target_ms {
+            let next = self.after_a_slow_one(median_ms, views);
+            // A limit that says no more than the number of views that there are is none.
+            if next != views || self.most.is_some() {
+                self.most = Some(next);
+            }
+        } else if self.one_more_ms(median_ms, views) <= ROOM * self.target_ms {
             self.roomy += 1;
             if self.roomy >= PATIENCE {
                 self.roomy = 0;
@@ -65,6 +80,41 @@ impl PerformanceCulling {
         } else {
             self.roomy = 0;
         }
+    }
+
+    /// The time of frames with so many views, where enough of them are remembered.
+    fn median_ms(&self, views: usize) -> Option<f64> {
+        let times = self.times.get(&views).filter(|times| times.len() >= LEAST)?;
+        let mut sorted: Vec<f64> = times.iter().map(|&(_, ms)| ms).collect();
+        sorted.sort_by(f64::total_cmp);
+        sorted.get((sorted.len() - 1) / 2).copied()
+    }
+
+    /// How many views come after frames that took too long with `views` of them.
+    fn after_a_slow_one(&self, median_ms: f64, views: usize) -> usize {
+        let known = || self.times.keys().filter_map(|&count| Some((count, self.median_ms(count)?)));
+        // Fewer views brought nothing: back to the most that were as fast.
+        if let Some((count, _)) = known().rfind(|&(count, ms)| count > views && ms <= median_ms) {
+            return count;
+        }
+        let fitting = (self.target_ms / median_ms * views as f64) as usize;
+        let fewer = fitting.clamp(1, (views - 1).max(1));
+        if fewer < views && self.median_ms(fewer).is_none() {
+            return fewer;
+        }
+        let fastest = known().min_by(|(_, a), (_, b)| a.total_cmp(b));
+        fastest.filter(|&(_, ms)| ms < WORTH * median_ms).map_or(views, |(count, _)| count)
+    }
+
+    /// What a frame would take with one view more: as measured, else between what was measured, else as if each view cost the
+    /// same, whichever of these two is less.
+    fn one_more_ms(&self, median_ms: f64, views: usize) -> f64 {
+        if let Some(ms) = self.median_ms(views + 1) {
+            return ms;
+        }
+        let even = median_ms * (views + 1) as f64 / views as f64;
+        let above = self.times.range(views + 2..).find_map(|(&count, _)| Some((count, self.median_ms(count)?)));
+        above.map_or(even, |(count, ms)| even.min(median_ms + (ms - median_ms) / (count - views) as f64))
     }
 }
 
@@ -116,6 +166,32 @@ mod tests {
         let noisy = run(10.0, 9, 400, |frame| 1.9 * (1.0 + 0.1 * ((frame * 37 % 11) as f64 / 5.0 - 1.0)));
         let turns = noisy[100..].windows(2).filter(|pair| pair[0] != pair[1]).count();
         assert_eq!(turns, 0, "{noisy:?}");
+    }
+
+    /// Views of each of some frames, where a frame with so many takes `frame_ms(views)`.
+    fn run_uneven(target_ms: f64, views: usize, frames: usize, frame_ms: impl Fn(usize) -> f64) -> Vec<usize> {
+        let mut culling = PerformanceCulling::new(target_ms);
+        let mut taken = Vec::new();
+        for _ in 0..frames {
+            let active = culling.most().unwrap_or(usize::MAX).min(views);
+            culling.measured(frame_ms(active), active);
+            taken.push(active);
+        }
+        taken
+    }
+
+    #[test]
+    fn a_step_that_makes_frames_slower_is_undone() {
+        // As measured of a scene in which one view stops few rays.
+        let taken = run_uneven(60.0, 6, 100, |views| [0.0, 125.0, 80.0, 100.0, 130.0, 150.0, 179.0][views]);
+        assert_eq!(taken[..10], [6, 6, 6, 2, 2, 2, 1, 1, 1, 2]);
+        assert!(taken[10..].iter().all(|&views| views == 2), "{taken:?}");
+        // Where views cost nothing, leaving them out brings nothing.
+        let taken = run_uneven(60.0, 6, 100, |_| 70.0);
+        assert!(taken[6..].iter().all(|&views| views == 6), "{taken:?}");
+        // Where nearly all of the time is the same for any number of views, a few too many went at first.
+        let taken = run_uneven(60.0, 9, 200, |views| 20.0 + 5.0 * views as f64);
+        assert!(taken[199] >= 5 && taken.iter().skip(6).all(|&views| 20 + 5 * views <= 60), "{taken:?}");
     }
 
     #[test]

@@ -76,6 +76,35 @@ fn figures_are_told() {
     let dense = report(&format!("{line} --acceleration none"), at);
     assert!(number(&dense, "/march_steps") > 2.0 * number(&told, "/march_steps"));
     assert_eq!(number(&report(&format!("{line} --views 2"), at), "/views"), 2.0);
+    let plain = report(&format!("render a.lfold {EYE} --frames 0-2 --null --json"), at);
+    assert!(number(&plain, "/pacing/render_ms/mean_ms") > 0.0 && number(&plain, "/megapixels_per_second") > 0.0);
+    for (target_ms, within) in [("0.0001", 0.0), ("1e9", 3.0)] {
+        let told = report(&format!("{line} --target-ms {target_ms}"), at);
+        assert_eq!(number(&told, "/frames_within_target"), within);
+    }
+}
+
+/// Words go to standard output, as those of `decode`; a quiet command still tells what was asked for.
+#[test]
+fn words_go_where_nothing_else_goes() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let said = |options: &str| {
+        let output = fine(&format!("render a.lfold {EYE} {options}"), at);
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+    };
+    let [out, _] = said("-o a.png --target-ms 1e9");
+    assert!(out.contains("a.png: 1 picture") && out.contains("1 of 1 frame took no longer"), "{out}");
+    let [out, err] = said("-o a.png -q");
+    assert_eq!((out.as_str(), err.as_str()), ("", ""));
+    let [out, _] = said("-o a.png -q --stats");
+    assert!(out.contains("rays from the eye") && !out.contains("a.png"), "{out}");
+    let [out, err] = said("--null --trace - --stats");
+    assert!(out.starts_with('{') && out.lines().count() == 1 && err.contains("rays from the eye"), "{out}{err}");
+    let line = "render a.lfold --reference captured --reference-probe 04 --frames 0 --null -q";
+    let out = String::from_utf8(fine(line, at).stdout).unwrap();
+    assert!(out.contains("PSNR") && out.contains("a frame of 6 pictures"), "{out}");
 }
 
 #[test]
@@ -94,6 +123,9 @@ fn a_probe_that_is_left_out_is_rendered_from_the_others() {
     fine("render a.lfold --reference captured --reference-probe 04 --frames 1 -o shown --error-map maps", at);
     assert_eq!(files(&at.join("shown")).len(), 6);
     assert_eq!(files(&at.join("maps"))[0], "04_nx.0001.png");
+    let faces = "render a.lfold --reference captured --reference-probe 04 --frames 1 -o faces.%04d.png";
+    let said = refused(faces, at);
+    assert!(said.contains("6 pictures are asked for, and their frames tell 1 of them apart"), "{said}");
 }
 
 #[test]
@@ -112,6 +144,12 @@ fn two_eyes_lie_beside_each_other_or_in_files_of_their_own() {
         both.get_pixel(x, y) == eye.get_pixel(x % 40, y)
     })));
     assert!(open("sheet.png").width() > 80);
+    fine(&format!("render a.lfold {EYE} --stereo 0.1 --frames 0-1 -o eyes/%V/%04d.png"), at);
+    assert_eq!(files(&at.join("eyes")), ["left", "right"]);
+    assert_eq!(files(&at.join("eyes/right")), ["0000.png", "0001.png"]);
+    assert!(open("eyes/left/0000.png") == left);
+    assert!(refused(&format!("render a.lfold {EYE} --stereo 0.1 -o eyes/%V/all"), at).contains("a folder"));
+    assert!(refused(&format!("render a.lfold {EYE} -o eyes/%V/a.png"), at).contains("--stereo"));
 }
 
 #[test]
@@ -141,14 +179,43 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
         ("--method reproject --null", "--reference"),
         ("--probe nobody --null", "nobody"),
         ("--exclude-probe 00,01,02,03,04 --null", "probe"),
+        ("--exclude-probe 00 --probe 00 --null", "none is left"),
+        ("--max-bounces 9 --null", "0..=8"),
+        ("--far 0.001 --null", "give --near too"),
+        ("--error-map maps --null", "--error-map"),
+        ("--reference-probe 00 --null", "--reference-probe"),
+        ("--method splat --samples 2 --null", "one sample"),
+        ("--method splat --effects force --null", "no effects"),
     ] {
         let said = refused(&format!("render a.lfold {EYE} {options}"), at);
         assert!(said.contains(words), "{options}: {said}");
         assert_eq!(files(at), ["a.lfold", "captured"], "{options}");
     }
+    let said = refused("render a.lfold --eye 0,0,0 --look-at 1,0,0 --fov 60 --aspect 2 --size 4x2 --null", at);
+    assert!(said.contains("leave out one"), "{said}");
+    for dataset in ["captured", "captured/lightfield.json"] {
+        assert!(refused(&format!("render {dataset} {EYE} --null"), at).contains("encode a dataset first"));
+    }
     fine("encode-depth captured/probe_00/face_px/depth.%04d.exr -o depth.lfold", at);
     let said = refused(&format!("render depth.lfold {EYE} --null"), at);
     assert!(said.contains("both colour and depth"), "{said}");
+}
+
+/// What is named and not shown is told, also without an `--output`.
+#[test]
+fn frames_that_are_passed_over_are_told() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("courtyard", at);
+    let noted = |line: &str| String::from_utf8(fine(&format!("render a.lfold {line}"), at).stderr).unwrap();
+    assert!(noted(&format!("{EYE} --contact-sheet sheet.png")).contains("frame 0 of 0-2; --frames shows others"));
+    assert_eq!(noted(&format!("{EYE} --frames 0 --trace views.jsonl")), "");
+    let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "near_m": 0.1, "frame": "#;
+    std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
+    let words = noted("--camera path.json --size 16 --null");
+    assert!(words.contains("45 frames that cameras look in are passed over: there are 0-2"), "{words}");
+    assert!(words.contains("near_m"), "{words}");
+    assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of the frames 2-9"));
 }
 
 /// The trace names the probes of each frame, each in a slot of its own.

@@ -72,7 +72,7 @@ impl From<EffectsArg> for EffectMode {
 /// `--acceleration`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AccelerationArg {
-    /// Pass over what least and greatest depths prove to be empty; the pictures are the same
+    /// Pass over regions that lie before the nearest depth in them, and so are empty; the pictures are the same
     Pyramid,
     /// Look at every step
     None,
@@ -116,10 +116,10 @@ pub struct MarchArgs {
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=32))]
     pub refine: u32,
     /// Where rays begin, in metres from the eye [default: a tenth of what is nearest to any probe]
-    #[arg(long, value_name = "M", value_parser = parse_positive)]
+    #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub near: Option<f64>,
     /// Where rays end, in metres from the eye [default: beyond everything]
-    #[arg(long, value_name = "M", value_parser = parse_positive)]
+    #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
     /// N x N rays for each pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
@@ -131,7 +131,7 @@ pub struct MarchArgs {
     #[arg(long, value_enum, default_value_t = EffectsArg::Auto)]
     pub effects: EffectsArg,
     /// How often a ray is sent on at most
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=16))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
     /// What is shown where no probe saw anything; such pixels have alpha 0 and are counted
     #[arg(long, value_enum, default_value_t = HolesArg::Blank)]
@@ -145,10 +145,10 @@ pub struct MarchArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Views")]
 pub struct ViewArgs {
-    /// Only these probes
+    /// Only these probes, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub probe: Vec<String>,
-    /// All probes but these
+    /// All probes but these, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub exclude_probe: Vec<String>,
     /// So many probes at most, those of highest priority [default: all]
@@ -172,6 +172,16 @@ pub struct ViewArgs {
     /// What is decoded
     #[arg(long, value_enum, default_value_t = DecodeArg::Seen)]
     pub decode: DecodeArg,
+}
+
+/// Parses metres that single floats can tell from nothing and from infinity.
+fn parse_metres(text: &str) -> Result<f64, String> {
+    let metres = parse_positive(text)?;
+    if (metres as f32).is_normal() {
+        Ok(metres)
+    } else {
+        Err(format!("'{text}': metres between 1e-37 and 1e38 were expected"))
+    }
 }
 
 /// Parses `256` or `640x480`, sides of up to 65,536 pixels and 2^28 pixels in all.

@@ -1,5 +1,7 @@
 //! Where rendered pictures go: files of a pattern, a folder, standard output, nowhere; and a contact sheet.
 
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +47,12 @@ impl Format {
 enum Destination {
     Nowhere,
     StandardOutput,
-    Files { text: String, format: Format, folder: OutputFolder },
+    /// `text` is what lies below the folder: a pattern, in further folders where the eye has one of its own.
+    Files {
+        text: String,
+        format: Format,
+        folder: OutputFolder,
+    },
     Folder(OutputFolder),
 }
 
@@ -65,8 +72,8 @@ pub struct PictureOptions<'a> {
     pub output: Option<&'a Path>,
     /// `--contact-sheet`.
     pub contact_sheet: Option<&'a Path>,
-    /// How many moments and cameras there are, each with one picture, or one for each eye.
-    pub count: u64,
+    /// What the pictures are called that there will be, those of two eyes together.
+    pub names: Vec<&'a PictureName>,
     /// Whether there are two eyes.
     pub stereo: bool,
     /// What is in holes.
@@ -81,7 +88,7 @@ impl Pictures {
     pub fn open(options: &PictureOptions<'_>, tone: ToneMap) -> Result<Pictures> {
         let destination = match options.output {
             None => Destination::Nowhere,
-            Some(path) if path == Path::new("-") => match options.count {
+            Some(path) if path == Path::new("-") => match options.names.len() {
                 1 => Destination::StandardOutput,
                 count => {
                     return Err(Error::Usage(format!(
@@ -104,8 +111,11 @@ impl Pictures {
 
     fn files(path: &Path, options: &PictureOptions<'_>) -> Result<Destination> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let has_eyes = path.iter().any(has_eye_field);
         let Some(format) = Format::of(path) else {
-            if name.contains('%') || path.extension().is_some_and(|extension| !extension.is_empty() && !path.is_dir()) {
+            let file =
+                name.contains('%') || path.extension().is_some_and(|ending| !ending.is_empty() && !path.is_dir());
+            if file || has_eyes {
                 return Err(Error::Usage(format!(
                     "{}: file names ending in .png or .exr were expected, or a folder",
                     path.display()
@@ -114,21 +124,34 @@ impl Pictures {
             return Ok(Destination::Folder(OutputFolder::create(path)?));
         };
         let pattern = Pattern::parse(&name.replace(EYE_FIELD, "")).map_err(|error| error.in_file(path))?;
-        if !pattern.has_field() && options.count != 1 {
+        let count = options.names.len();
+        if !pattern.has_field() && count != 1 {
             return Err(Error::Usage(format!(
-                "{}: one file, and {} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
+                "{}: one file, and {count} pictures are asked for; name a pattern such as view.%04d.png, or a folder",
                 path.display(),
-                options.count
             )));
         }
-        if name.contains(EYE_FIELD) && !options.stereo {
+        let numbers = options.names.iter().map(|name| name.number).collect::<BTreeSet<_>>().len();
+        if numbers != count {
+            return Err(Error::Usage(format!(
+                "{}: {count} pictures are asked for, and their frames tell {numbers} of them apart; name a folder, where \
+                 file names tell probes and faces apart",
+                path.display(),
+            )));
+        }
+        if has_eyes && !options.stereo {
             return Err(Error::Usage(format!(
                 "{}: {EYE_FIELD} stands for the eye, and there is one; add --stereo, or leave it out",
                 path.display()
             )));
         }
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Ok(Destination::Files { text: name, format, folder: OutputFolder::create(parent)? })
+        // A folder that is called after the eye lies below the one in which everything appears at once.
+        let parts: Vec<&OsStr> = path.iter().collect();
+        let fixed = parts.iter().position(|part| has_eye_field(part)).unwrap_or(parts.len()).min(parts.len() - 1);
+        let (above, below) = parts.split_at(fixed);
+        let above: PathBuf = if above.is_empty() { PathBuf::from(".") } else { above.iter().collect() };
+        let text = below.iter().collect::<PathBuf>().to_string_lossy().into_owned();
+        Ok(Destination::Files { text, format, folder: OutputFolder::create(&above)? })
     }
 
     /// The files that a picture is written to, as paths from here.
@@ -184,6 +207,9 @@ impl Pictures {
         };
         for (file, picture) in files {
             let path = work.join(file);
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            }
             match format {
                 Format::Png => png::write_rgba8(&path, &picture.rgba_codes(self.tone))?,
                 Format::Exr => exr::write_rgba(&path, &picture.rgba_light(self.holes))?,
@@ -215,6 +241,10 @@ impl Pictures {
         png::encode_color8(&mut file, &sheet.draw()?).map_err(|error| error.in_file(&path))?;
         file.commit()
     }
+}
+
+fn has_eye_field(part: &OsStr) -> bool {
+    part.to_string_lossy().contains(EYE_FIELD)
 }
 
 /// Pictures of one height, beside each other.

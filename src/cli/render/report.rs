@@ -9,6 +9,40 @@ use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
 use crate::gpu::render::RenderCost;
 use crate::reconstruct::playback::PlaybackSummary;
+use crate::reconstruct::trace::FrameTrace;
+
+/// What differs from frame to frame.
+#[derive(Debug, Default)]
+pub struct Frames {
+    views: Vec<usize>,
+    milliseconds: Vec<f64>,
+}
+
+impl Frames {
+    /// Takes note of one.
+    pub fn add(&mut self, trace: &FrameTrace) {
+        self.views.push(trace.active.len());
+        self.milliseconds.push(trace.update_ms + trace.render_ms);
+    }
+
+    /// How many took no longer than this.
+    fn within(&self, target_ms: f64) -> usize {
+        self.milliseconds.iter().filter(|&&ms| ms <= target_ms).count()
+    }
+
+    /// `6 probes`, or `2 to 6 probes` where it was not always the same number.
+    fn probes(&self) -> String {
+        match (self.views.iter().min(), self.views.iter().max()) {
+            (Some(least), Some(most)) if least < most => format!("{least} to {most} probes"),
+            (_, most) => plural(most.map_or(0, |&most| most as u64), "probe"),
+        }
+    }
+}
+
+/// `1 picture`, `2 pictures`.
+fn plural(count: u64, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
 
 /// All that there is to say.
 pub struct Report<'a> {
@@ -20,6 +54,8 @@ pub struct Report<'a> {
     pub pixels: u64,
     /// Pictures.
     pub pictures: u64,
+    /// Views and times, frame by frame.
+    pub frames: &'a Frames,
     /// From the first frame to the last, writing included.
     pub seconds: f64,
     /// Bytes of pictures that were written.
@@ -33,7 +69,8 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Prints it: JSON on standard output, or words on standard error.
+    /// Prints it on standard output, or words on standard error where something else goes there. A quiet command whose
+    /// result is a file says no more than the figures that were asked for.
     ///
     /// # Errors
     /// When standard output cannot be written.
@@ -43,10 +80,16 @@ impl Report<'_> {
             output::add_peak_memory(&mut report);
             return output::print_json(&report);
         }
-        if !global.quiet {
-            self.lines().iter().for_each(output::note);
+        let mut lines = if global.quiet && self.args.output.is_some() { Vec::new() } else { self.lines() };
+        if self.args.cameras.stats {
+            lines.extend(self.statistics());
         }
-        Ok(())
+        lines.extend(self.truth.map(similarity));
+        if self.args.is_stdout_taken() {
+            lines.iter().for_each(output::note);
+            return Ok(());
+        }
+        lines.iter().try_for_each(|line| output::print_text(&format!("{line}\n")))
     }
 
     fn megapixels_per_second(&self) -> f64 {
@@ -65,8 +108,22 @@ impl Report<'_> {
             "bytes_out": self.bytes_out,
             "device": self.device,
             "views": summary.most_views,
+            "least_views": self.frames.views.iter().min(),
             "hole_rays": summary.counters.hole_rays,
+            "megapixels_per_second": self.megapixels_per_second(),
+            "pacing": {
+                "mean_ms": pacing.frame.mean_ms,
+                "p50_ms": pacing.frame.p50_ms,
+                "p95_ms": pacing.frame.p95_ms,
+                "max_ms": pacing.frame.max_ms,
+                "update_ms": pacing.update,
+                "render_ms": pacing.render,
+            },
         });
+        if let Some(target_ms) = self.args.views.target_ms {
+            report["target_ms"] = json!(target_ms);
+            report["frames_within_target"] = json!(self.frames.within(target_ms));
+        }
         if self.args.cameras.stats {
             let (counters, counts) = (&summary.counters, &summary.counts);
             let more = json!({
@@ -84,15 +141,6 @@ impl Report<'_> {
                 "texels_updated": counts.texels_updated,
                 "bytes_read": counts.bytes_read,
                 "bytes_all": summary.counts.bytes_all,
-                "megapixels_per_second": self.megapixels_per_second(),
-                "pacing": {
-                    "mean_ms": pacing.frame.mean_ms,
-                    "p50_ms": pacing.frame.p50_ms,
-                    "p95_ms": pacing.frame.p95_ms,
-                    "max_ms": pacing.frame.max_ms,
-                    "update_ms": pacing.update,
-                    "render_ms": pacing.render,
-                },
             });
             if let (Value::Object(report), Value::Object(more)) = (&mut report, more) {
                 report.extend(more);
@@ -115,17 +163,17 @@ impl Report<'_> {
 
     fn lines(&self) -> Vec<String> {
         let summary = &self.summary;
-        let plural = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
         let place = match &self.args.output {
             Some(path) => format!("{}: ", path.display()),
             None => String::new(),
         };
         let written = if self.bytes_out > 0 { format!(", {}", human_bytes(self.bytes_out)) } else { String::new() };
         let mut lines = vec![format!(
-            "{place}{}{written}, from {}, {:.2} s; a frame took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
+            "{place}{}{written}, from {}, {:.2} s; a frame{} took {:.1} ms ({:.1} to update, {:.1} to render, {:.2} Mpixel/s) on {}",
             plural(self.pictures, "picture"),
-            plural(summary.most_views as u64, "probe"),
+            self.frames.probes(),
             self.seconds,
+            self.pictures_a_frame(),
             summary.pacing.frame.mean_ms,
             summary.pacing.update.mean_ms,
             summary.pacing.render.mean_ms,
@@ -139,18 +187,30 @@ impl Report<'_> {
                 super::options::HolesArg::Blank => "",
                 super::options::HolesArg::Nearest => ", filled with what comes nearest",
             };
+            let far = if self.args.march.far.is_some() { ", or where --far cuts them off" } else { "" };
             lines.push(format!(
-                "{} of {} rays ({percent:.2}%) end where no probe saw anything: alpha is 0 there{filled}",
+                "{} of {} rays ({percent:.2}%) end where no probe saw anything{far}: alpha is 0 there{filled}",
                 counters.hole_rays, counters.primary_rays
             ));
         }
-        if self.args.cameras.stats {
-            lines.extend(self.statistics());
-        }
-        if let Some(truth) = self.truth {
-            lines.push(similarity(truth));
+        if let Some(target_ms) = self.args.views.target_ms {
+            let within = self.frames.within(target_ms);
+            lines.push(format!(
+                "{within} of {} took no longer than {target_ms} ms",
+                plural(summary.shots as u64, "frame")
+            ));
         }
         lines
+    }
+
+    /// ` of 6 pictures`, where each frame has as many, and more than one.
+    fn pictures_a_frame(&self) -> String {
+        match self.pictures.checked_div(self.summary.shots as u64) {
+            Some(each) if each > 1 && each * self.summary.shots as u64 == self.pictures => {
+                format!(" of {each} pictures")
+            }
+            _ => String::new(),
+        }
     }
 
     fn statistics(&self) -> Vec<String> {

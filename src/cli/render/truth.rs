@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use super::Take;
 use super::options::MethodArg;
 use super::pictures::PictureName;
+use crate::cli::GlobalArgs;
 use crate::cli::output::{self, OutputFolder};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
@@ -28,11 +29,11 @@ pub struct TruthArgs {
     /// Render what this dataset's images show, and report PSNR and SSIM
     #[arg(long, value_name = "DATASET", conflicts_with_all = ["camera", "eye"])]
     pub reference: Option<PathBuf>,
-    /// Only these probes of it
-    #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "reference")]
+    /// Only these probes of it, such as 00,01
+    #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "reference", conflicts_with_all = ["camera", "eye"])]
     pub reference_probe: Vec<String>,
     /// Folder for pictures of where the errors are
-    #[arg(long, value_name = "DIR", requires = "reference")]
+    #[arg(long, value_name = "DIR", requires = "reference", conflicts_with_all = ["camera", "eye"])]
     pub error_map: Option<PathBuf>,
 }
 
@@ -85,8 +86,11 @@ impl TruthRun {
     ///
     /// # Errors
     /// When reference and container have no frame in common.
-    pub fn takes(&self, frames: Option<FrameRange>, available: FrameRange) -> Result<Vec<Take>> {
+    pub fn takes(&self, frames: Option<FrameRange>, available: FrameRange, global: &GlobalArgs) -> Result<Vec<Take>> {
         let mut takes: Vec<Take> = Vec::new();
+        if let Some(asked) = frames.filter(|&frames| frames.intersect(available) != Some(frames) && !global.quiet) {
+            output::note(format_args!("of the frames {asked}, those are shown that there are: {available}"));
+        }
         let frames = frames.map_or(Some(available), |frames| frames.intersect(available));
         for (at, image) in self.reference.images().iter().enumerate() {
             if !self.probes.is_empty() && !self.probes.contains(&image.probe) {
