@@ -5,13 +5,14 @@ use lightfold::container::ProbeEntry;
 use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::DepthRange;
 use lightfold::image::Face;
-use lightfold::image::transfer::{EncodeTable, ToneMap};
+use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
 use lightfold::reconstruct::active_views::ActiveViews;
 use lightfold::reconstruct::interpolate::camera_weights;
 use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
+use lightfold::reconstruct::made::Made;
 use lightfold::reconstruct::march::Steps;
 use lightfold::reconstruct::normal::patch;
 use lightfold::reconstruct::render::{
@@ -268,4 +269,125 @@ fn planes_have_exact_normals_and_are_flat() {
     assert!(wall.curvature.unwrap().abs() < 0.05);
     // No view knows a point that is nowhere near a surface.
     assert_eq!(patch(&views, &[1.0], Vec3::new(0.0, 0.0, -0.1)), None);
+}
+
+/// What a probe sees from one place to another direction: distance, colour and material.
+type Sight<'a> = &'a dyn Fn(DVec3) -> (f64, [u8; 3], [u8; 4]);
+
+/// A probe of what is seen in a scene of formulas, as linear codes.
+fn made(position: DVec3, size: u32, sight: Sight<'_>) -> View {
+    let mut view = Made::new(position, size).cube(CODES, &|to| {
+        let (distance_m, color, _) = sight(to);
+        Some((distance_m, color))
+    });
+    for face in Face::CUBE {
+        let Some(texels) = &mut view.faces[face as usize] else { continue };
+        let [forward, right, down] = face.axes();
+        let material = |at: u32| {
+            let [u, v] = [at % size, at / size].map(|at| (f64::from(at) + 0.5) / f64::from(size) * 2.0 - 1.0);
+            sight((forward + u * right + v * down).normalize()).2
+        };
+        texels.material = Some((0..size * size).map(material).collect());
+        texels.material_changed();
+    }
+    view
+}
+
+const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
+
+/// The nearest wall, from inside of a room of 4 m a side around the origin, and where it is met.
+fn wall(eye: DVec3, direction: DVec3) -> (f64, DVec3) {
+    let distance_m = ((2.0 * direction.signum() - eye) / direction).min_element();
+    (distance_m, eye + distance_m * direction)
+}
+
+fn color_of(at: DVec3) -> [u8; 3] {
+    at.to_array().map(|at| (128.0 + 100.0 * (0.7 * at).sin()).round() as u8)
+}
+
+fn code_error(picture: &Rendered, size: u32, expected: impl Fn(u32, u32) -> Option<[u8; 3]>) -> f64 {
+    let (mut errors, mut count) = (0.0, 0.0);
+    for (at, light) in (0..).zip(picture.color.data()) {
+        let Some(expected) = expected(at % size, at / size) else { continue };
+        for (light, code) in light.iter().zip(expected) {
+            errors += (f64::from(*light) * 255.0 - f64::from(code)).abs();
+            count += 1.0;
+        }
+    }
+    assert!(count > 100.0);
+    errors / count
+}
+
+fn pixel_direction(camera: &Camera, size: u32, x: u32, y: u32) -> DVec3 {
+    camera.direction([x, y].map(|at| (f64::from(at) + 0.5) / f64::from(size)))
+}
+
+/// Two walls that face each other are mirrors; what they show after so many turns is a matter of geometry.
+#[test]
+fn mirrors_that_face_each_other_show_places_in_order() {
+    let sight = |to: DVec3| {
+        let at = wall(DVec3::ZERO, to).1;
+        (at.length(), color_of(at), if at.z.abs() > 1.999 { [255, 0, 0, 0] } else { [0; 4] })
+    };
+    let (field, size) = (LightField { views: vec![made(DVec3::ZERO, 128, &sight)], coding: CODES }, 32);
+    let eye = DVec3::new(0.3, 0.2, 0.1);
+    let views = ActiveViews::new(&field, &[0], eye);
+    let camera = Camera::look_at(eye, eye + DVec3::new(0.2, 0.1, -1.0), DVec3::Y, Lens::new(60.0)).unwrap();
+    let expected = |x: u32, y: u32| {
+        let (mut at, mut direction) = (eye, pixel_direction(&camera, size, x, y));
+        for _ in 0..=4 {
+            at = wall(at, direction).1;
+            if at.z.abs() < 1.999 {
+                break;
+            }
+            direction.z = -direction.z;
+        }
+        Some(color_of(at))
+    };
+    let errors = [EffectMode::None, EffectMode::Auto].map(|effects| {
+        let settings =
+            RenderSettings { steps: Steps::new(1024, 0.01, views.far_m(), 8), ..settings(size, &views, effects) };
+        code_error(&render(&views, &camera, &settings, &Silent).unwrap(), size, expected)
+    });
+    assert!(errors[0] > 20.0 && errors[1] < 4.0, "codes off without and with effects: {errors:?}");
+}
+
+/// A ball of glass of index 1 is not there: behind it is what other probes see there.
+#[test]
+fn glass_of_index_one_is_not_there() {
+    let (ball, radius_m) = (DVec3::new(0.1, 0.0, -0.8), 0.4);
+    let hit = |eye: DVec3, to: DVec3| {
+        let along = to.dot(eye - ball);
+        let squared = along * along - ((eye - ball).length_squared() - radius_m * radius_m);
+        (squared > 0.0 && along < 0.0).then(|| -along - squared.sqrt())
+    };
+    let position = |at: u32| {
+        let sign = |axis: u32| f64::from(at >> axis & 1) * 2.0 - 1.0;
+        ball + 0.9 * DVec3::new(sign(0), sign(1), sign(2))
+    };
+    let view = |at: u32| {
+        let position = position(at);
+        made(position, 96, &|to| match hit(position, to) {
+            Some(distance_m) => (distance_m, [0; 3], [0, 255, 0, 0]),
+            None => {
+                let (distance_m, at) = wall(position, to);
+                (distance_m, color_of(at), [0; 4])
+            }
+        })
+    };
+    let field = LightField { views: (0..8).map(view).collect(), coding: CODES };
+    let (eye, size) = (DVec3::new(0.2, 0.1, 0.7), 48);
+    let views = ActiveViews::new(&field, &[0, 1, 2, 3, 4, 5, 6, 7], eye);
+    let camera = Camera::look_at(eye, ball, DVec3::Y, Lens::new(40.0)).unwrap();
+    // Well inside of its outline, which is a texel or two wide.
+    let expected = |x: u32, y: u32| {
+        let direction = pixel_direction(&camera, size, x, y);
+        let inside = (ball - eye).cross(direction).length() < 0.8 * radius_m;
+        inside.then(|| color_of(wall(eye, direction).1))
+    };
+    let errors = [EffectMode::None, EffectMode::Auto].map(|effects| {
+        let settings = settings(size, &views, effects);
+        code_error(&render(&views, &camera, &settings, &Silent).unwrap(), size, expected)
+    });
+    assert!(errors[0] > 60.0 && errors[1] < 8.0, "codes off without and with effects: {errors:?}");
 }
