@@ -31,24 +31,46 @@ struct Found {
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> pending_count: u32;
 
-fn follow(ray: Ray, hidden_m: f32) -> Found {
-    let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
-    counted[SECONDARY_RAYS]++;
-    // It starts in a surface, or shortly behind one, and comes into the open first.
-    var first = 0u;
-    for (; first < scene.distance_count; first++) {
+// How a ray left the surface that sent it on: it met another one, or is open at the step `first`.
+struct Left {
+    found: bool,
+    hit: Hit,
+    first: u32,
+}
+
+fn leave(ray: Ray, texel_m: f32) -> Left {
+    var at = IN_SURFACE;
+    var is_open = false;
+    var open_m = 0.0;
+    while (at.step < scene.distance_count) {
+        at = next_from_surface(at, texel_m);
         counted[MARCH_STEPS]++;
-        if (distances_m[first] > hidden_m) {
-            return nothing;
-        }
-        if (!is_surface(point_at(ray, distances_m[first]))) {
+        if (!is_surface(point_at(ray, at.distance_m))) {
+            if (at.is_step) {
+                return Left(true, Hit(false, 0.0), at.step - 1u);
+            }
+            is_open = true;
+            open_m = at.distance_m;
+        } else if (is_open) {
+            return Left(true, Hit(true, refine(ray, open_m, at.distance_m)), 0u);
+        } else if (at.distance_m > HIDDEN_TEXELS * texel_m) {
             break;
         }
     }
-    if (first == scene.distance_count) {
+    return Left(false, Hit(false, 0.0), 0u);
+}
+
+fn follow(ray: Ray, texel_m: f32) -> Found {
+    let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
+    counted[SECONDARY_RAYS]++;
+    let left = leave(ray, texel_m);
+    if (!left.found) {
         return nothing;
     }
-    let hit = intersect_from(ray, first);
+    var hit = left.hit;
+    if (!hit.found) {
+        hit = intersect_from(ray, left.first);
+    }
     if (!hit.found) {
         let seen = background_color(ray.direction);
         if (seen.found) {
@@ -110,7 +132,7 @@ fn divide(next: Pending) -> vec3<f32> {
         if (part < LEAST_SHARE) {
             continue;
         }
-        let found = follow(ray, HIDDEN_TEXELS * front.texel_m);
+        let found = follow(ray, front.texel_m);
         if (found.kind != FOUND_NOTHING) {
             light += take(found, ray.direction, part, next.bounces);
             left -= part;

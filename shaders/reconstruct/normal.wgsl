@@ -262,7 +262,7 @@ fn patch_of_view(view: u32, local: vec3<f32>) -> LocalPatch {
         moved += dot(along, along);
     }
     bends = bends && moved > LEAST_LENGTH;
-    let texel_m = 1.0 / (at.inverse_depth * min(faces[at.face].scale.x, faces[at.face].scale.y));
+    let texel_m = 1.0 / (at.inverse_depth * min(abs(faces[at.face].scale.x), abs(faces[at.face].scale.y)));
     return LocalPatch(true, bends, normal, turned / max(moved, LEAST_LENGTH), texel_m, difference, facing);
 }
 

@@ -18,6 +18,30 @@ fn point_at(ray: Ray, distance_m: f32) -> vec3<f32> {
     return ray.origin + ray.direction * distance_m;
 }
 
+const GROWTH: f32 = 0.125;
+const MOST_BEFORE_STEPS = 64u;
+
+// The next distance of a ray that starts in a surface, and of a step its number.
+struct FromSurface {
+    distance_m: f32,
+    // Of the next step.
+    step: u32,
+    is_step: bool,
+    // Distances before the steps.
+    before: u32,
+}
+
+const IN_SURFACE = FromSurface(0.0, 0u, false, 0u);
+
+// `Steps::from_surface`: texels before the first step, then the steps. There must be another one.
+fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
+    let next_m = last.distance_m + max(texel_m, GROWTH * last.distance_m);
+    if (!last.is_step && last.before < MOST_BEFORE_STEPS && next_m < distances_m[0]) {
+        return FromSurface(next_m, 0u, false, last.before + 1u);
+    }
+    return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);
+}
+
 // Halves the interval in which a surface begins; answers its end that is in the surface. Needs `is_surface`.
 fn refine(ray: Ray, from_m: f32, to_m: f32) -> f32 {
     var open_m = from_m;

@@ -29,6 +29,7 @@ struct Back {
 struct Ball {
     found: bool,
     centre: vec3<f32>,
+    radius_m: f32,
 }
 
 // The distance from which on a view sees past a ray.
@@ -48,10 +49,12 @@ fn refracted(direction: vec3<f32>, normal: vec3<f32>, ratio: f32) -> Bent {
     return Bent(size > LEAST_LENGTH, bent / max(size, LEAST_LENGTH));
 }
 
-fn first_open(ray: Ray, limit_m: f32) -> FirstOpen {
+fn first_open(ray: Ray, texel_m: f32, limit_m: f32) -> FirstOpen {
     var before_m = 0.0;
-    for (var at = 0u; at < scene.distance_count; at++) {
-        let distance_m = distances_m[at];
+    var at = IN_SURFACE;
+    while (at.step < scene.distance_count) {
+        at = next_from_surface(at, texel_m);
+        let distance_m = at.distance_m;
         if (distance_m > limit_m) {
             break;
         }
@@ -65,9 +68,20 @@ fn first_open(ray: Ray, limit_m: f32) -> FirstOpen {
     return FirstOpen(false, 0.0);
 }
 
-fn back_of(inside: Ray, ball: Ball) -> Back {
-    let chord_m = 2.0 * dot(inside.direction, ball.centre - inside.origin);
-    let open = first_open(inside, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
+// How far a ray, which need not start on the ball, goes until it leaves it; 0: it does not go through it.
+fn exit_of(ball: Ball, ray: Ray) -> f32 {
+    let from_centre = ray.origin - ball.centre;
+    let along = dot(ray.direction, from_centre);
+    let squared = along * along - (dot(from_centre, from_centre) - ball.radius_m * ball.radius_m);
+    return select(0.0, sqrt(max(squared, 0.0)) - along, squared >= 0.0);
+}
+
+fn back_of(inside: Ray, ball: Ball, texel_m: f32) -> Back {
+    let chord_m = exit_of(ball, inside);
+    if (ball.found && !(chord_m > 0.0)) {
+        return Back(false, vec3(0.0), vec3(0.0));
+    }
+    let open = first_open(inside, texel_m, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
     if (open.found) {
         let end = point_at(inside, open.distance_m);
         counted[NORMAL_EVALS]++;
@@ -108,16 +122,16 @@ fn pass_through(ray: Ray, front: Patch, ior: f32) -> array<Exit, MAX_INSIDE> {
         return exits;
     }
     var inside = Ray(ray.origin, entering.direction);
-    var ball = Ball(false, vec3(0.0));
+    var ball = Ball(false, vec3(0.0), 0.0);
     if (bend * front.texel_m > FLAT) {
-        ball = Ball(true, ray.origin - front.normal / bend);
+        ball = Ball(true, ray.origin - front.normal / bend, 1.0 / bend);
     }
     var share = 1.0;
     for (var turn = 0u; turn < MAX_INSIDE; turn++) {
-        let back = back_of(inside, ball);
+        let back = back_of(inside, ball, front.texel_m);
         if (!back.found) {
             // A pane.
-            if (!ball.found && share == 1.0) {
+            if (!ball.found && turn == 0u) {
                 exits[turn] = Exit(ray, share);
             }
             break;

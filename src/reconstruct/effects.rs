@@ -16,7 +16,7 @@ use glam::Vec3;
 
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
-use crate::reconstruct::march::Ray;
+use crate::reconstruct::march::{Ray, refine};
 use crate::reconstruct::material::surface_material;
 use crate::reconstruct::normal::patch;
 use crate::reconstruct::render::{Outcome, RenderSettings, background, surface};
@@ -50,6 +50,15 @@ struct Pending {
     share: f32,
     /// How often its light may be sent on.
     bounces: u32,
+}
+
+/// How a ray left the surface that sent it on.
+#[derive(Debug, Clone, Copy)]
+enum Left {
+    /// It is in the open at the step of this number.
+    Open(usize),
+    /// It meets another surface before, at this distance in metres.
+    Hit(f32),
 }
 
 /// Follows the rays of a pixel.
@@ -94,7 +103,6 @@ impl<'a> Effects<'a> {
             return whole;
         }
         let material = material.towards(cosine);
-        let hidden_m = HIDDEN_TEXELS * front.texel_m;
         let (mut light, mut left) = (Vec3::ZERO, share);
         if share * material.refract >= LEAST_SHARE {
             let inside = Inside { views: self.views, camera_weights: self.camera_weights, steps: &self.settings.steps };
@@ -104,7 +112,7 @@ impl<'a> Effects<'a> {
                 if part < LEAST_SHARE {
                     continue;
                 }
-                if let Some(now) = self.follow(&ray, hidden_m, (part, bounces), counters) {
+                if let Some(now) = self.follow(&ray, front.texel_m, (part, bounces), counters) {
                     light += now;
                     left -= part;
                 }
@@ -113,7 +121,7 @@ impl<'a> Effects<'a> {
         if share * material.reflect >= LEAST_SHARE {
             let origin = met.point + LIFT_TEXELS * front.texel_m * front.normal;
             let ray = Ray { origin, direction: reflect(met.direction, front.normal) };
-            if let Some(now) = self.follow(&ray, hidden_m, (share * material.reflect, bounces), counters) {
+            if let Some(now) = self.follow(&ray, front.texel_m, (share * material.reflect, bounces), counters) {
                 light += now;
                 left -= share * material.reflect;
             }
@@ -122,27 +130,21 @@ impl<'a> Effects<'a> {
     }
 
     /// What a ray with a share brings: light of the background, or for now nothing, where it meets a surface. None where
-    /// no view saw anything.
+    /// no view saw anything. `texel_m` is the width of a texel of the surface that it leaves.
     fn follow(
         &mut self,
         ray: &Ray,
-        hidden_m: f32,
+        texel_m: f32,
         (share, bounces): (f32, u32),
         counters: &mut Counters,
     ) -> Option<Vec3> {
         counters.secondary_rays += 1;
         let steps = &self.settings.steps;
-        // It starts in a surface, or shortly behind one, and comes into the open first.
-        let open = |&distance_m: &f32| {
-            counters.march_steps += 1;
-            distance_m > hidden_m || !self.views.is_surface(ray.at(distance_m))
+        let hit = match self.leave(ray, texel_m, counters)? {
+            Left::Hit(distance_m) => Some(distance_m),
+            Left::Open(first) => self.settings.acceleration.intersect_from(self.views, ray, (steps, first), counters),
         };
-        let first = steps.distances_m.iter().position(open)?;
-        if steps.distances_m[first] > hidden_m {
-            return None;
-        }
-        let from = (steps, first);
-        let Some(distance_m) = self.settings.acceleration.intersect_from(self.views, ray, from, counters) else {
+        let Some(distance_m) = hit else {
             return match background(self.views, self.camera_weights, ray.direction) {
                 Outcome::Seen(light) => Some(share * light),
                 Outcome::Hole(_) => None,
@@ -157,5 +159,27 @@ impl<'a> Effects<'a> {
             }
             Outcome::Hole(_) => None,
         }
+    }
+
+    /// How a ray that starts in a surface, or shortly behind one, comes into the open. It is looked at in texels before the
+    /// steps begin: they are as the eye needs them, and the first may be far beyond what the ray meets. None where it stays
+    /// hidden for too long.
+    fn leave(&self, ray: &Ray, texel_m: f32, counters: &mut Counters) -> Option<Left> {
+        let steps = &self.settings.steps;
+        let mut open_m = None;
+        for (distance_m, step) in steps.from_surface(texel_m) {
+            counters.march_steps += 1;
+            match (self.views.is_surface(ray.at(distance_m)), open_m, step) {
+                (true, Some(open_m), _) => {
+                    let interval_m = [open_m, distance_m];
+                    return Some(Left::Hit(refine(self.views, ray, interval_m, steps.refine, counters)));
+                }
+                (true, None, _) if distance_m > HIDDEN_TEXELS * texel_m => return None,
+                (true, None, _) => {}
+                (false, _, Some(first)) => return Some(Left::Open(first)),
+                (false, _, None) => open_m = Some(distance_m),
+            }
+        }
+        None
     }
 }

@@ -72,6 +72,8 @@ pub struct FaceTexels {
     /// Weights of reflection and refraction, and the index of refraction, as `video::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
+    /// Whether a weight of its material is above 0; [`FaceTexels::material_changed`] keeps it true to `material`.
+    pub calls_for_effects: bool,
     /// What passes over empty parts of rays; [`FaceTexels::depth_changed`] keeps it true to `inverse_depth`.
     pub pyramid: DepthPyramid,
 }
@@ -90,8 +92,14 @@ impl FaceTexels {
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
             material: has_material.then(|| vec![[0; 4]; texels]),
+            calls_for_effects: false,
             pyramid: DepthPyramid::default(),
         }
+    }
+
+    /// Takes in that materials were written. Looks at all texels.
+    pub fn material_changed(&mut self) {
+        self.calls_for_effects = self.material.as_ref().is_some_and(|texels| texels.iter().any(sends_on));
     }
 
     /// √(1 + u² + v²) at the centre of a texel: how much farther its surface is than its planar depth.
@@ -102,6 +110,11 @@ impl FaceTexels {
         });
         (1.0 + u * u + v * v).sqrt()
     }
+}
+
+/// Whether a weight of a material, as it is coded, is above 0: reflection is the first, refraction the second.
+pub(crate) fn sends_on<const N: usize>(material: &[u8; N]) -> bool {
+    material.iter().take(2).any(|&weight| weight > 0)
 }
 
 /// Where a point lies in an image.
@@ -158,14 +171,9 @@ impl View {
         self.faces.iter().flatten().any(|face| face.material.is_some())
     }
 
-    /// Whether a weight of its materials is above 0. Looks at all its texels.
+    /// Whether a weight of its materials is above 0.
     pub fn calls_for_effects(&self) -> bool {
-        let texels = |face: &FaceTexels| {
-            face.material
-                .as_ref()
-                .is_some_and(|texels| texels.iter().any(|&[reflect, refract, ..]| reflect | refract > 0))
-        };
-        self.faces.iter().flatten().any(texels)
+        self.faces.iter().flatten().any(|face| face.calls_for_effects)
     }
 
     /// Scale and centre of an image of `size` texels ([`FaceTexels::scale`]).

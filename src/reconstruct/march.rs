@@ -10,6 +10,12 @@ use glam::Vec3;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 
+/// Before the first of the steps, a ray that starts in a surface is looked at every texel, and later every so much of
+/// the distance.
+pub const GROWTH: f32 = 0.125;
+/// At most so many times: as far as some ten thousand texels.
+pub const MOST_BEFORE_STEPS: u32 = 64;
+
 /// A ray in metres from the eye, along the world's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
@@ -48,6 +54,15 @@ impl Steps {
         Steps { distances_m, refine }
     }
 
+    /// The distances in metres for a ray that starts in a surface with texels `texel_m` wide, with the numbers of those that
+    /// are steps: first some that are nearer than the steps where texels are much smaller than that, then all steps.
+    pub fn from_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
+        let first_m = self.distances_m[0];
+        let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
+        let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
+        nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
+    }
+
     /// The logarithm of the ratio of two neighbouring distances; 0 where there is only one.
     pub fn log_step(&self) -> f32 {
         match self.distances_m[..] {
@@ -56,9 +71,11 @@ impl Steps {
         }
     }
 
-    /// How far, in the logarithm of the distance, hits may lie behind the surface.
+    /// How far, in the logarithm of the distance, hits may lie behind the surface: what is left of the interval between
+    /// two steps when it has been halved.
     pub fn unsure(&self) -> f32 {
-        if self.refine == 0 { self.log_step() } else { 0.0 }
+        let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
+        -(-left).ln_1p()
     }
 }
 
@@ -100,4 +117,70 @@ pub fn refine(views: &ActiveViews<'_>, ray: &Ray, interval_m: [f32; 2], times: u
         }
     }
     surface_m
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::image::transfer::ToneMap;
+    use crate::math::{Camera, Lens};
+    use crate::monitor::Silent;
+    use crate::reconstruct::light_field::ColorCoding;
+    use crate::reconstruct::made::{Made, field, room};
+    use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render};
+
+    #[test]
+    fn what_is_unsure_is_the_rest_of_the_interval() {
+        for refine in 0..12 {
+            let steps = Steps::new(16, 0.01, 10.0, refine);
+            let [near_m, far_m] = [steps.distances_m[3], steps.distances_m[4]];
+            let open_m = far_m - (far_m - near_m) / 2f32.powi(refine as i32);
+            assert!((steps.unsure() - (far_m / open_m).ln()).abs() < 1e-5, "{refine}: {}", steps.unsure());
+        }
+        assert_eq!(Steps::new(16, 1.0, 1.0, 0).unsure(), 0.0);
+        assert!(Steps::new(1, 1e-6, 1e6, u32::MAX).unsure() < 1e-6);
+    }
+
+    #[test]
+    fn few_steps_make_no_holes_however_they_are_refined() {
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let places = [DVec3::new(0.3, 0.1, -0.2), DVec3::new(-0.4, -0.2, 0.3)];
+        let view = |at: DVec3| Made::new(at, 32).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), 0.0));
+        let light_field = field(places.map(view).to_vec(), coding);
+        let eye = DVec3::new(0.11, 0.07, 0.02);
+        let views = ActiveViews::new(&light_field, &[0, 1], eye);
+        let camera = Camera::look_at(eye, eye + DVec3::new(0.3, 0.2, -1.0), DVec3::Y, Lens::new(90.0)).unwrap();
+        for refine in 0..9 {
+            let settings = RenderSettings {
+                size: [24; 2],
+                steps: Steps::new(16, 0.01, views.far_m(), refine),
+                samples: 1,
+                holes: HoleFill::Blank,
+                effects: EffectMode::None,
+                max_bounces: 0,
+                acceleration: Acceleration::Pyramid,
+            };
+            let picture = render(&views, &camera, &settings, &Silent).unwrap();
+            assert_eq!(picture.counters.hole_rays, 0, "refined {refine} times");
+        }
+    }
+
+    #[test]
+    fn rays_from_surfaces_are_looked_at_before_the_steps() {
+        let steps = Steps::new(8, 0.5, 4.0, 0);
+        let all: Vec<_> = steps.from_surface(0.01).collect();
+        assert_eq!(all[0], (0.01, None));
+        let before = all.iter().filter(|(_, step)| step.is_none()).count();
+        assert!((20..60).contains(&before), "{before}");
+        assert!(all.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        let rest: Vec<_> =
+            steps.distances_m.iter().enumerate().map(|(at, &distance_m)| (distance_m, Some(at))).collect();
+        assert_eq!(all[before..], rest);
+        assert_eq!(steps.from_surface(0.5).collect::<Vec<_>>(), rest);
+        for hostile in [0.0, f32::NAN, f32::INFINITY, 1e-38] {
+            assert!(steps.from_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
+        }
+    }
 }

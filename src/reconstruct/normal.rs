@@ -83,7 +83,7 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     let normal = image.normal(&fit, offset)?;
     let facing = -normal.dot(local.normalize_or_zero());
     let curvature = if fit.bends { image.curvature(&fit) } else { None };
-    let texel_m = 1.0 / (at.inverse_depth * face.scale[0].min(face.scale[1]));
+    let texel_m = 1.0 / (at.inverse_depth * face.scale[0].abs().min(face.scale[1].abs()));
     (facing > 0.0).then_some(Local { normal, curvature, texel_m, difference, facing })
 }
 

@@ -27,8 +27,8 @@ use crate::video::unit_filter::AllUnits;
 /// Which units of the active views are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DecodeScope {
-    /// Those that the cameras see (CALF 6.2). With effects in a light field with materials all of them, as mirrors and
-    /// glass send rays anywhere.
+    /// Those that the cameras see (CALF 6.2). With effects all materials, too, and where a weight of them is above 0 all
+    /// units, as mirrors and glass send rays anywhere.
     #[default]
     Seen,
     /// All.
@@ -239,12 +239,16 @@ impl<'a> Playback<'a> {
         let views = selection.views();
         let slots: Vec<usize> = selection.active.iter().map(|active| active.slot).collect();
         let secondary = self.options.effects != EffectMode::None && self.player.has_material();
-        let counts = if secondary || self.options.decode == DecodeScope::All {
+        let counts = if self.options.decode == DecodeScope::All {
             self.player.show(shot.frame, &views, &AllUnits)?
         } else {
             let streams = self.player.streams_of(shot.frame, &views);
             let seen = self.sight_lines.seen(&streams, &shot.cameras);
-            self.player.show(shot.frame, &views, seen)?
+            if secondary {
+                self.player.show_with_effects(shot.frame, &views, seen)?
+            } else {
+                self.player.show(shot.frame, &views, seen)?
+            }
         };
         let changes = self.player.take_changes();
         let stage = Stage { frame: shot.frame, field: self.player.field(), views: &views, slots: &slots };

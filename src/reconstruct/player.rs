@@ -16,10 +16,10 @@ use crate::ordered::try_map_ordered;
 use crate::reconstruct::light_field::{ColorCoding, FaceTexels, InverseDepth, LightField, UNKNOWN, View};
 use crate::reconstruct::rects::Rect;
 use crate::reconstruct::selection::Candidate;
-use crate::reconstruct::shown_face::{FaceStreams, ShownFace};
+use crate::reconstruct::shown_face::{FaceStreams, ShownFace, ShownUnit};
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::unit_filter::UnitFilter;
+use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Bytes of views that no longer take part, which are kept in case they come back, where there is no budget.
 const KEPT_BYTES: u64 = 2 << 30;
@@ -124,6 +124,14 @@ pub struct Player<'a> {
     clock: u64,
     /// Bytes that views had read which were given up since.
     bytes_given_up: u64,
+}
+
+/// What is to be shown.
+#[derive(Clone, Copy)]
+struct Wanted<'f> {
+    filter: &'f dyn UnitFilter,
+    /// Whether materials may call for everything.
+    effects: bool,
 }
 
 /// The streams of a view.
@@ -245,6 +253,15 @@ impl<'a> Player<'a> {
         kept.map(|(source, _)| source.bytes).sum()
     }
 
+    /// The same as [`Player::show`], with all materials of the views; where a weight of them is above 0, with everything,
+    /// as mirrors and glass send rays anywhere.
+    ///
+    /// # Errors
+    /// Those of [`Player::show`].
+    pub fn show_with_effects(&mut self, frame: u32, views: &[usize], filter: &dyn UnitFilter) -> Result<ShowCounts> {
+        self.show_wanted(frame, views, Wanted { filter, effects: true })
+    }
+
     /// Shows a frame of some views (indices into [`LightField::views`]), as far as the filter wants it. What is not shown
     /// becomes [`UNKNOWN`], unless it is known to be right for the frame all the same; so do views that do not have the frame.
     ///
@@ -252,6 +269,10 @@ impl<'a> Player<'a> {
     /// When no view has the frame, it cannot be decoded, or the views do not fit into memory. Then nothing is known of any
     /// view until the next frame is shown.
     pub fn show(&mut self, frame: u32, views: &[usize], filter: &dyn UnitFilter) -> Result<ShowCounts> {
+        self.show_wanted(frame, views, Wanted { filter, effects: false })
+    }
+
+    fn show_wanted(&mut self, frame: u32, views: &[usize], wanted: Wanted<'_>) -> Result<ShowCounts> {
         if self.candidates(frame).is_empty() {
             let name = self.decoder.reader().path().display();
             return Err(Error::Usage(format!(
@@ -263,16 +284,7 @@ impl<'a> Player<'a> {
         self.make_room(views)?;
         self.begin(views);
         let before = self.bytes_read();
-        let mut jobs = Vec::new();
-        for (at, view) in self.shown.iter_mut().enumerate() {
-            let Some(view) = view else { continue };
-            let takes_part = views.contains(&at);
-            for (streams, face) in self.sources[at].faces.iter().zip(&mut view.faces) {
-                let filter = Some(filter).filter(|_| takes_part && streams.have(frame));
-                jobs.extend(face.want(frame, filter));
-            }
-        }
-        if let Err(error) = try_map_ordered(jobs, |unit| unit.decode(frame)) {
+        if let Err(error) = self.decode(frame, views, wanted) {
             self.forget();
             return Err(error);
         }
@@ -283,6 +295,40 @@ impl<'a> Player<'a> {
             counts.bytes_all += faces.map(|face| face.count_bytes(frame)).sum::<u64>();
         }
         Ok(counts)
+    }
+
+    /// Decodes what is wanted, materials first: they may call for everything.
+    fn decode(&mut self, frame: u32, views: &[usize], Wanted { filter, effects }: Wanted<'_>) -> Result<()> {
+        let materials: &dyn UnitFilter = if effects { &AllUnits } else { filter };
+        let faces = self.faces_of(frame, views, materials);
+        let jobs = faces.flat_map(|(face, filter)| face.want_material(frame, filter)).collect();
+        try_map_ordered(jobs, |unit: &mut ShownUnit<'_>| unit.decode(frame))?;
+        let calls = effects
+            && self.faces_of(frame, views, filter).any(|(face, wanted)| wanted.is_some() && face.calls_for_effects());
+        let others: &dyn UnitFilter = if calls { &AllUnits } else { filter };
+        let jobs = self.faces_of(frame, views, others).flat_map(|(face, filter)| face.want(frame, filter)).collect();
+        try_map_ordered(jobs, |unit: &mut ShownUnit<'_>| unit.decode(frame))?;
+        Ok(())
+    }
+
+    /// All faces that are shown, each with the filter if it takes part and has the frame.
+    fn faces_of<'s>(
+        &'s mut self,
+        frame: u32,
+        views: &'s [usize],
+        filter: &'s dyn UnitFilter,
+    ) -> impl Iterator<Item = (&'s mut ShownFace<'a>, Option<&'s dyn UnitFilter>)> {
+        let views_shown = self.sources.iter().zip(&mut self.shown).enumerate();
+        views_shown.filter_map(|(at, (source, view))| Some((at, source, view.as_mut()?))).flat_map(
+            move |(at, source, view)| {
+                let takes_part = views.contains(&at);
+                source
+                    .faces
+                    .iter()
+                    .zip(&mut view.faces)
+                    .map(move |(streams, face)| (face, Some(filter).filter(|_| takes_part && streams.have(frame))))
+            },
+        )
     }
 
     /// Gives up views that do not take part, those first that were used least lately, until the others fit.

@@ -13,7 +13,7 @@ use crate::color::HalfKey;
 use crate::container::StreamEntry;
 use crate::dataset::stream::StreamKind;
 use crate::error::Result;
-use crate::reconstruct::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN};
+use crate::reconstruct::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN, sends_on};
 use crate::reconstruct::rects::{Rect, bounds, joined, overlap};
 use crate::video::codec::DepthHeader;
 use crate::video::decode::{Decoder, StreamInfo, UnitDecoder, UnitPixels};
@@ -52,6 +52,8 @@ pub struct ShownUnit<'a> {
     was_right: bool,
     /// Pixels that decoding the frame has written.
     written: u64,
+    /// Whether a weight of the material that it shows is above 0.
+    calls: bool,
     /// Chunk that was counted last as one that a whole frame takes.
     counted: Option<usize>,
 }
@@ -64,6 +66,11 @@ impl ShownUnit<'_> {
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         self.written = self.decoder.decode(frame)?;
         self.right = true;
+        if let UnitPixels::Material(pixels) = self.decoder.shown()
+            && self.is_new()
+        {
+            self.calls = pixels.iter().any(sends_on);
+        }
         Ok(())
     }
 
@@ -76,6 +83,8 @@ impl ShownUnit<'_> {
 #[derive(Debug)]
 struct Units<'a> {
     stream: &'a StreamInfo,
+    /// Units that were wanted last.
+    wanted: u64,
     units: Vec<ShownUnit<'a>>,
 }
 
@@ -86,13 +95,30 @@ impl<'a> Units<'a> {
             right: false,
             was_right: false,
             written: 0,
+            calls: false,
             counted: None,
         };
-        Units { stream, units: (0..stream.entry.unit_count()).map(unit).collect() }
+        Units { stream, wanted: 0, units: (0..stream.entry.unit_count()).map(unit).collect() }
     }
 
     fn rect(&self, unit: usize) -> Rect {
         self.units[unit].decoder.rect()
+    }
+
+    /// The units that a frame wants; see [`ShownFace::want`].
+    fn want(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
+        let mut wanted = Vec::new();
+        for (at, unit) in (0..).zip(&mut self.units) {
+            unit.written = 0;
+            unit.was_right = unit.right;
+            if filter.is_some_and(|filter| filter.wants(self.stream, at, frame)) {
+                wanted.push(unit);
+            } else {
+                unit.right = unit.right && unit.decoder.shows(frame);
+            }
+        }
+        self.wanted = wanted.len() as u64;
+        wanted
     }
 
     /// Units that a rectangle is in, with what they have in common.
@@ -130,8 +156,6 @@ pub struct ShownFace<'a> {
     depth: Units<'a>,
     color: Units<'a>,
     material: Option<Units<'a>>,
-    /// Units that were wanted last.
-    wanted: u64,
 }
 
 impl<'a> ShownFace<'a> {
@@ -142,7 +166,6 @@ impl<'a> ShownFace<'a> {
             depth: Units::new(decoder, streams.depth),
             color: Units::new(decoder, streams.color),
             material: streams.material.map(|stream| Units::new(decoder, stream)),
-            wanted: 0,
         }
     }
 
@@ -154,25 +177,20 @@ impl<'a> ShownFace<'a> {
         [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material)
     }
 
-    /// The units that a frame wants, which are to be decoded; the others keep what is right for it. `None` wants none.
+    /// The units of depth and colour that a frame wants, which are to be decoded; the others keep what is right for it.
+    /// `None` wants none.
     pub fn want(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
-        let mut wanted = Vec::new();
-        self.wanted = 0;
-        let count = &mut self.wanted;
-        for units in [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material) {
-            let stream = units.stream;
-            for (at, unit) in (0..).zip(&mut units.units) {
-                unit.written = 0;
-                unit.was_right = unit.right;
-                if filter.is_some_and(|filter| filter.wants(stream, at, frame)) {
-                    *count += 1;
-                    wanted.push(unit);
-                } else {
-                    unit.right = unit.right && unit.decoder.shows(frame);
-                }
-            }
-        }
-        wanted
+        [&mut self.depth, &mut self.color].into_iter().flat_map(|units| units.want(frame, filter)).collect()
+    }
+
+    /// The same of material.
+    pub fn want_material(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
+        self.material.iter_mut().flat_map(|units| units.want(frame, filter)).collect()
+    }
+
+    /// Whether a weight of the materials that are shown is above 0.
+    pub fn calls_for_effects(&self) -> bool {
+        self.material.iter().flat_map(|units| &units.units).any(|unit| unit.right && unit.calls)
     }
 
     /// Brings the texels to what the units show.
@@ -181,8 +199,9 @@ impl<'a> ShownFace<'a> {
         for unit in self.all().flat_map(|units| &units.units) {
             changes.decoded += u64::from(unit.written > 0);
         }
-        changes.unchanged = self.wanted - changes.decoded;
-        changes.unseen = self.all().map(|units| units.units.len() as u64).sum::<u64>() - self.wanted;
+        let wanted: u64 = self.all().map(|units| units.wanted).sum();
+        changes.unchanged = wanted - changes.decoded;
+        changes.unseen = self.all().map(|units| units.units.len() as u64).sum::<u64>() - wanted;
         let mut push = |kind: StreamKind, rects: Vec<Rect>| {
             changes.rects.extend(rects.into_iter().map(|rect| (kind, rect)));
         };
@@ -194,6 +213,7 @@ impl<'a> ShownFace<'a> {
         push(StreamKind::Color, joined(update_color(&self.color, texels)));
         if let Some(material) = &self.material {
             push(StreamKind::Material, joined(update_material(material, texels)));
+            texels.calls_for_effects = self.calls_for_effects();
         }
         changes
     }

@@ -42,6 +42,26 @@ pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     direction - 2.0 * direction.dot(normal) * normal
 }
 
+/// A ball that stands for a solid of which only the front is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Ball {
+    /// Metres from the eye.
+    centre: Vec3,
+    radius_m: f32,
+}
+
+impl Ball {
+    /// How far a ray, which need not start on the ball, goes until it leaves it for good. None where it does not go
+    /// through it.
+    fn exit_m(&self, ray: &Ray) -> Option<f32> {
+        let from_centre = ray.origin - self.centre;
+        let along = ray.direction.dot(from_centre);
+        let squared = along * along - (from_centre.length_squared() - self.radius_m * self.radius_m);
+        let exit_m = squared.max(0.0).sqrt() - along;
+        (squared >= 0.0 && exit_m > 0.0).then_some(exit_m)
+    }
+}
+
 /// What is looked at on the way.
 #[derive(Debug, Clone, Copy)]
 pub struct Inside<'a> {
@@ -70,14 +90,14 @@ impl Inside<'_> {
         let Some(direction) = refract(direction, front.normal, ior.recip()) else { return exits };
         let mut inside = Ray { origin, direction };
         let ball = (bend * front.texel_m > FLAT).then(|| {
-            let radius = bend.recip();
-            (origin - radius * front.normal, radius)
+            let radius_m = bend.recip();
+            Ball { centre: origin - radius_m * front.normal, radius_m }
         });
         let mut share = 1.0;
-        for exit in &mut exits {
-            let Some((end, normal)) = self.back(&inside, ball, counters) else {
+        for (turn, exit) in exits.iter_mut().enumerate() {
+            let Some((end, normal)) = self.back(&inside, ball, front.texel_m, counters) else {
                 // A pane.
-                if ball.is_none() && share == 1.0 {
+                if ball.is_none() && turn == 0 {
                     *exit = Some((*ray, share));
                 }
                 break;
@@ -94,9 +114,13 @@ impl Inside<'_> {
     }
 
     /// Where a ray inside of a solid meets its back, and the normal there, which points out of the solid.
-    fn back(&self, inside: &Ray, ball: Option<(Vec3, f32)>, counters: &mut Counters) -> Option<(Vec3, Vec3)> {
-        let chord_m = ball.map(|(centre, _)| 2.0 * inside.direction.dot(centre - inside.origin));
-        let open = self.first_open(inside, chord_m.map_or(f32::INFINITY, |chord_m| 2.0 * chord_m), counters);
+    fn back(&self, inside: &Ray, ball: Option<Ball>, texel_m: f32, counters: &mut Counters) -> Option<(Vec3, Vec3)> {
+        let chord_m = match ball {
+            Some(ball) => Some(ball.exit_m(inside)?),
+            None => None,
+        };
+        let limit_m = chord_m.map_or(f32::INFINITY, |chord_m| 2.0 * chord_m);
+        let open = self.first_open(inside, texel_m, limit_m, counters);
         if let Some(open_m) = open {
             let end = inside.at(open_m);
             counters.normal_evals += 1;
@@ -108,15 +132,16 @@ impl Inside<'_> {
                 return Some((end, seen.normal));
             }
         }
-        let (centre, _) = ball?;
+        let Ball { centre, .. } = ball?;
         let end = inside.at(chord_m?.min(open.unwrap_or(f32::INFINITY)));
         Some((end, (end - centre).try_normalize()?))
     }
 
     /// The distance, up to a limit, from which on a view sees past the ray.
-    fn first_open(&self, ray: &Ray, limit_m: f32, counters: &mut Counters) -> Option<f32> {
+    fn first_open(&self, ray: &Ray, texel_m: f32, limit_m: f32, counters: &mut Counters) -> Option<f32> {
         let mut before_m = 0.0;
-        for &distance_m in self.steps.distances_m.iter().take_while(|&&distance_m| distance_m <= limit_m) {
+        let distances_m = self.steps.from_surface(texel_m).map(|(distance_m, _)| distance_m);
+        for distance_m in distances_m.take_while(|&distance_m| distance_m <= limit_m) {
             counters.march_steps += 1;
             if !self.views.is_surface(ray.at(distance_m)) {
                 // Refining goes from what is open to a surface, which is from behind here.
@@ -125,5 +150,96 @@ impl Inside<'_> {
             before_m = distance_m;
         }
         None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::image::transfer::ToneMap;
+    use crate::reconstruct::interpolate::camera_weights;
+    use crate::reconstruct::light_field::{ColorCoding, LightField};
+    use crate::reconstruct::made::{Made, field};
+
+    #[test]
+    fn rays_leave_balls_ahead() {
+        let ball = Ball { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 2.0 };
+        let exit = |z: f32, direction: Vec3| ball.exit_m(&Ray { origin: Vec3::new(0.0, 0.0, z), direction });
+        // From the ball, from within, and from before it.
+        assert_eq!(exit(-1.0, Vec3::NEG_Z), Some(4.0));
+        assert_eq!(exit(-4.0, Vec3::NEG_Z), Some(1.0));
+        assert_eq!(exit(-4.0, Vec3::Z), Some(3.0));
+        assert_eq!(exit(0.0, Vec3::NEG_Z), Some(5.0));
+        assert!((exit(-3.0, Vec3::X).unwrap() - 2.0).abs() < 1e-6);
+        // Away from it, along it, and beside it.
+        assert_eq!(exit(0.0, Vec3::Z), None);
+        assert_eq!(exit(-1.0, Vec3::Z), None);
+        assert_eq!(exit(0.0, Vec3::X), None);
+    }
+
+    #[test]
+    fn directions_bend_as_snell_has_it() {
+        let sine = 0.6f32;
+        let down = Vec3::new(sine, 0.0, -0.8);
+        let inside = refract(down, Vec3::Z, 1.0 / 1.5).unwrap();
+        assert!((inside.x - sine / 1.5).abs() < 1e-6 && inside.z < 0.0);
+        // On the way out it becomes what it was, up to the angle from which on nothing comes out.
+        assert!(refract(inside, Vec3::Z, 1.5).unwrap().distance(down) < 1e-6);
+        assert_eq!(refract(Vec3::new(0.7, 0.0, -0.51f32.sqrt()), Vec3::Z, 1.5), None);
+        assert_eq!(reflect(down, Vec3::Z), Vec3::new(sine, 0.0, 0.8));
+    }
+
+    /// A wedge of glass without end: its front is the plane z = 0, which the first view sees, its back x + z = -1, which
+    /// the second one sees.
+    fn wedge() -> LightField {
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let plane = |at: DVec3, normal: DVec3, part: f64| {
+            let sight = move |to: DVec3| {
+                let distance_m = (part - at.dot(normal)) / to.dot(normal);
+                (distance_m > 0.0 && distance_m < 90.0).then_some((distance_m, [100, 100, 100]))
+            };
+            Made::new(at, 64).cube(coding, &sight)
+        };
+        let slanted = DVec3::new(-1.0, 0.0, -1.0).normalize();
+        let mut views = vec![
+            plane(DVec3::new(0.0, 0.0, 2.0), DVec3::Z, 0.0),
+            plane(DVec3::new(-2.0, 0.0, -2.0), slanted, 0.5f64.sqrt()),
+        ];
+        for face in views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
+            face.material = Some(vec![[0, 255, 64, 0]; face.inverse_depth.len()]);
+            face.material_changed();
+        }
+        field(views, coding)
+    }
+
+    fn through_the_wedge(ior: f32) -> Exits {
+        let light_field = wedge();
+        let views = ActiveViews::new(&light_field, &[0, 1], DVec3::new(0.0, 0.0, 1.0));
+        let weights = camera_weights(&views);
+        let steps = Steps::new(512, 0.01, 60.0, 12);
+        let inside = Inside { views: &views, camera_weights: &weights, steps: &steps };
+        let ray = Ray { origin: Vec3::NEG_Z, direction: Vec3::NEG_Z };
+        let front = patch(&views, &weights, ray.origin).unwrap();
+        assert!(front.normal.distance(Vec3::Z) < 1e-3);
+        inside.pass(&ray, &front, ior, &mut Counters::default())
+    }
+
+    #[test]
+    fn a_wedge_of_no_index_lets_everything_through() {
+        let [Some((ray, part)), rest @ ..] = through_the_wedge(1.0) else { panic!("nothing comes out") };
+        assert!(ray.direction.distance(Vec3::NEG_Z) < 1e-3 && ray.origin.distance(Vec3::new(0.0, 0.0, -2.0)) < 0.02);
+        assert!(part > 0.999);
+        assert!(rest.iter().flatten().all(|(_, part)| *part < 1e-3));
+    }
+
+    /// What is reflected whole, and then finds no back, has not passed a pane.
+    #[test]
+    fn total_reflection_lets_nothing_through() {
+        assert!(through_the_wedge(1.5).iter().all(Option::is_none));
+        // Below the critical angle some comes out, and not in the direction in which it came.
+        let [Some((ray, part)), ..] = through_the_wedge(1.2) else { panic!("nothing comes out") };
+        assert!(part > 0.5 && ray.direction.angle_between(Vec3::NEG_Z).to_degrees() > 10.0);
     }
 }

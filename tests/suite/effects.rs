@@ -66,6 +66,7 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
             texels.color = ColorTexels::Codes(codes.into_data().into_iter().map(fourth).collect());
             let materials = material_codes(&images.material.unwrap()).unwrap();
             texels.material = Some(materials.into_data().into_iter().map(fourth).collect());
+            texels.material_changed();
             view.faces[face as usize] = Some(texels);
         }
         view
@@ -106,6 +107,7 @@ fn look(field: &LightField, eye: DVec3, size: u32, effects: EffectMode) -> Rende
 fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField {
     for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
         face.material = material.map(|material| vec![material; face.inverse_depth.len()]);
+        face.material_changed();
     }
     field
 }
@@ -145,6 +147,26 @@ fn mirrors_show_what_stands_around_them() {
     assert!(mirror >= 8.0 && both >= 6.0, "mirror {mirror} dB, both {both} dB");
     assert!(glass >= -0.1, "glass {glass} dB");
     assert!(neither >= -0.1, "elsewhere {neither} dB");
+}
+
+/// Texels are a few centimetres wide, and the first step is far behind what is hidden of the balls.
+#[test]
+fn mirrors_do_not_depend_on_where_steps_begin() {
+    let (scene, size) = (scene(), 96);
+    let field = field(&scene, &corners(), size);
+    let truth = capture(&scene, MIDDLE, Face::Nz, size);
+    let indices: Vec<usize> = (0..field.views.len()).collect();
+    let views = ActiveViews::new(&field, &indices, MIDDLE);
+    let camera = Camera::look_at(MIDDLE, MIDDLE + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
+    let mirror = |picture: &Rendered| psnr(picture, &truth, |[reflect, refract, _]| reflect > 0.0 && refract == 0.0);
+    let look = |near_m: f32, effects| {
+        let settings =
+            RenderSettings { steps: Steps::new(256, near_m, views.far_m(), 8), ..settings(size, &views, effects) };
+        mirror(&render(&views, &camera, &settings, &Silent).unwrap())
+    };
+    let [plain, near, far] = [(0.01, EffectMode::None), (0.01, EffectMode::Auto), (0.6, EffectMode::Auto)]
+        .map(|(near_m, effects)| look(near_m, effects));
+    assert!(near >= plain + 8.0 && far >= near - 1.0, "{plain} dB without, {near} and {far} dB with effects");
 }
 
 #[test]

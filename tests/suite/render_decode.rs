@@ -241,6 +241,41 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     assert!(unseen(EffectMode::None) > 0);
 }
 
+/// A scene without mirrors and glass whose materials were captured all the same.
+#[test]
+fn materials_that_call_for_nothing_do_not_decode_everything() {
+    let folder = TempDir::new().unwrap();
+    let capture =
+        "capture courtyard --position 0,1.5,0 --frames 0-1 --size 32 --samples 1 --aov depth,material -q -o cap";
+    fine(capture, folder.path());
+    fine("encode cap --cell 8 --tiles 2 -o a.lfold", folder.path());
+    let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
+    let looking = camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0);
+    let shown = |decode, effects| {
+        let options = PlaybackOptions { decode, effects, ..PlaybackOptions::default() };
+        let mut playback = Playback::new(&decoder, options).unwrap();
+        let mut renderer = little(effects);
+        playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap();
+        playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap()
+    };
+    let none = shown(DecodeScope::Seen, EffectMode::None);
+    let all = shown(DecodeScope::All, EffectMode::Auto);
+    for effects in [EffectMode::Auto, EffectMode::Force] {
+        let seen = shown(DecodeScope::Seen, effects);
+        // At most all materials more, which are a third of all units where cells and tiles are alike.
+        assert!(
+            seen.counts.cells_unseen > 0 && none.counts.cells_unseen >= seen.counts.cells_unseen,
+            "{:?}",
+            seen.counts
+        );
+        assert_eq!(
+            (&seen.pictures[0].color, &seen.pictures[0].alpha),
+            (&all.pictures[0].color, &all.pictures[0].alpha)
+        );
+        assert_eq!(seen.pictures[0].counters.secondary_rays, 0);
+    }
+}
+
 #[test]
 fn probes_take_part_in_the_frames_that_they_have() {
     let folder = TempDir::new().unwrap();

@@ -266,6 +266,7 @@ impl Captured {
             if let Some(material) = material {
                 let codes = material_codes(&material)?;
                 texels.material = Some(codes.data().iter().map(|&[a, b, c]| [a, b, c, 0]).collect());
+                texels.material_changed();
             }
             view.faces[face as usize] = Some(texels);
         }
