@@ -18,7 +18,7 @@ fn point_at(ray: Ray, distance_m: f32) -> vec3<f32> {
     return ray.origin + ray.direction * distance_m;
 }
 
-const GROWTH = 0.125;
+const GROWTH: f32 = 0.125;
 const MOST_BEFORE_STEPS = 64u;
 
 // The next distance of a ray that starts in a surface, and of a step its number.

@@ -30,15 +30,15 @@ use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
 use crate::reconstruct::light_field::LightField;
 use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
-/// A count of [`Counters`].
-type Count = fn(&mut Counters) -> &mut u64;
-
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
+/// One of the counters.
+type Counter = fn(&mut Counters) -> &mut u64;
+
 /// Words that a workgroup counts in.
 const COUNTERS: usize = COUNTED.len();
 /// What each of these words counts, by its name in `shaders/reconstruct/counters.wgsl`.
-const COUNTED: [(&str, Count); 8] = [
+const COUNTED: [(&str, Counter); 8] = [
     ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
     ("MARCH_STEPS", |counters| &mut counters.march_steps),
     ("REFINE_STEPS", |counters| &mut counters.refine_steps),

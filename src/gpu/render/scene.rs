@@ -212,7 +212,7 @@ mod tests {
     use crate::image::cube::Face;
     use crate::reconstruct::interpolate::DEPTH_EPSILON;
     use crate::reconstruct::light_field::{BACKGROUND, UNKNOWN};
-    use crate::reconstruct::{effects, material, normal, pyramid, solid};
+    use crate::reconstruct::{effects, march, material, normal, pyramid, solid};
     use crate::video::convert::IOR_RANGE;
 
     fn renders(kernel: &&&Kernel) -> bool {
@@ -257,9 +257,11 @@ mod tests {
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
+            ("MOST_BEFORE_STEPS", march::MOST_BEFORE_STEPS),
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
+            ("GROWTH", march::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", pyramid::ROUNDING),
             ("SURELY_BELOW_ONE", pyramid::SURELY_BELOW_ONE),
