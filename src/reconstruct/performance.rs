@@ -94,7 +94,7 @@ impl PerformanceCulling {
     fn after_a_slow_one(&self, median_ms: f64, views: usize) -> usize {
         let known = || self.times.keys().filter_map(|&count| Some((count, self.median_ms(count)?)));
         // Fewer views brought nothing: back to the most that were as fast.
-        if let Some((count, _)) = known().filter(|&(count, ms)| count > views && ms <= median_ms).next_back() {
+        if let Some((count, _)) = known().rfind(|&(count, ms)| count > views && ms <= median_ms) {
             return count;
         }
         let fitting = (self.target_ms / median_ms * views as f64) as usize;
