@@ -150,6 +150,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         Some(truth) => truth.takes(args.frames.frames, playback.player().frames(), global)?,
         None => args.takes(&playback, global)?,
     };
+    if !global.quiet && args.asks_points_for_more() {
+        output::note(format_args!(
+            "--method {} has one sample a pixel and no effects, whatever --samples and --effects say",
+            args.march.method.name()
+        ));
+    }
     let coding = playback.player().field().coding;
     let mut pictures = Pictures::open(
         &pictures::PictureOptions {
@@ -274,14 +280,6 @@ impl Args {
         if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
             return Err(Error::Usage("--exclude-probe leaves out all probes that --probe names: none is left".into()));
         }
-        let method = self.march.method;
-        let is_more_than_points = self.march.samples != 1 || self.march.effects == EffectsArg::Force;
-        if method != MethodArg::March && is_more_than_points {
-            return Err(Error::Usage(format!(
-                "--method {} has one sample a pixel and no effects: leave out --samples and --effects force",
-                method.name()
-            )));
-        }
         let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
         if self.march.method != MethodArg::March && on_device {
             return Err(Error::Usage(format!(
@@ -312,6 +310,12 @@ impl Args {
         outputs.extend(others.into_iter().filter_map(|(option, path)| Some((option, path.clone()?))));
         let cameras = self.cameras.camera.iter().chain(&self.input).chain(&self.truth.reference);
         outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
+    }
+
+    /// Whether a method that is there to be compared with is given options that are only for marching.
+    fn asks_points_for_more(&self) -> bool {
+        let march = &self.march;
+        march.method != MethodArg::March && (march.samples != 1 || march.effects == EffectsArg::Force)
     }
 
     /// How many results go to standard output, the report apart.

@@ -184,8 +184,6 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
         ("--far 0.001 --null", "give --near too"),
         ("--error-map maps --null", "--error-map"),
         ("--reference-probe 00 --null", "--reference-probe"),
-        ("--method splat --samples 2 --null", "one sample"),
-        ("--method splat --effects force --null", "no effects"),
     ] {
         let said = refused(&format!("render a.lfold {EYE} {options}"), at);
         assert!(said.contains(words), "{options}: {said}");
@@ -210,6 +208,9 @@ fn frames_that_are_passed_over_are_told() {
     let noted = |line: &str| String::from_utf8(fine(&format!("render a.lfold {line}"), at).stderr).unwrap();
     assert!(noted(&format!("{EYE} --contact-sheet sheet.png")).contains("frame 0 of 0-2; --frames shows others"));
     assert_eq!(noted(&format!("{EYE} --frames 0 --trace views.jsonl")), "");
+    for ignored in ["--samples 2", "--effects force"] {
+        assert!(noted(&format!("{EYE} --frames 0 --null --method splat {ignored}")).contains("one sample a pixel"));
+    }
     let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "near_m": 0.1, "frame": "#;
     std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
     let words = noted("--camera path.json --size 16 --null");
