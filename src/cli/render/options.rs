@@ -15,7 +15,7 @@ pub enum MethodArg {
     March,
     /// Draw every texel as a point of one pixel: what marching is to be better than
     Splat,
-    /// Take distances from the reference, not from marching, and leave out effects
+    /// Take distances from the reference, not from marching: what marching cannot be better than
     Reproject,
 }
 
