@@ -83,7 +83,9 @@ def chart(title, label, rows):
         return None
     wide, high, left, right, top, bottom = 760, 460, 64, 150, 40, 52
     across = ticks(places[0], places[-1])
-    across = [at for at in across if places[0] <= at <= places[-1]] or places
+    # There is no half of a view.
+    whole = all(float(place).is_integer() for place in places)
+    across = [at for at in across if places[0] <= at <= places[-1] and (float(at).is_integer() or not whole)] or places
     up = ticks(min(row.psnr_db for row in rows), max(row.psnr_db for row in rows))
     x = lambda at: left + (wide - left - right) * (at - places[0]) / (places[-1] - places[0])
     y = lambda at: high - bottom - (high - top - bottom) * (at - up[0]) / (up[-1] - up[0])
