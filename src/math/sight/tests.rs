@@ -158,8 +158,11 @@ proptest! {
             prop_assert_ne!(sight, Sight::Missed);
         }
         if sight != Sight::Missed {
-            let near = directions_meet(&a, &b, 1e-3) || meet(&long_a, &long_b, 1e-7);
-            prop_assert!(near || a.apex == b.apex || (a.apex - b.apex).length() < 1e-9);
+            // What may be rounding grows with how far endless frusta are followed (`Viewer::sight`).
+            let between_m = a.apex.distance(b.apex);
+            let rounding_m = 2e-6 * between_m * (a.reach + b.reach) + 1e-7;
+            let near = directions_meet(&a, &b, 1e-3) || meet(&long_a, &long_b, 5.0 * rounding_m);
+            prop_assert!(near || between_m < 1e-9);
         }
     }
 
