@@ -33,9 +33,7 @@ use crate::video::{scan, stream_info};
 
 use resume::{Done, FrameNote, Order, ScanNote, Stamp, note_of_frames};
 pub use resume::{Left, Stopped};
-pub use settings::{
-    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, usual_cell,
-};
+pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings};
 use unit::{Batch, ColorMemory, GroupCoder, Pace, UnitJob, timed};
 
 /// Frames read and coded together. The file does not depend on it.
@@ -414,7 +412,7 @@ impl<W: Write> Job<'_, W> {
             .filter(|_| group.frames.last < crate::container::index::MAX_FRAME)
             .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
         let unit = |side: u32| match (group.kind, self.settings.depth.codec) {
-            (StreamKind::Color, _) => self.settings.cell_of([group.width, group.height]),
+            (StreamKind::Color, _) => self.settings.cell.min(MAX_SIZE),
             (StreamKind::Material, _) | (_, DepthCodec::Boxes | DepthCodec::BoxesInBlocks) => {
                 tile_side(side, self.settings.tiles)
             }

@@ -46,7 +46,7 @@ fn materials(width: u32, height: u32, frame: u32) -> MaterialPlane {
 fn settings(blocks: Option<ColorBlocks>, final_psnr_db: f64) -> EncodeSettings {
     let depth = DepthSettings { codec: DepthCodec::BoxesInBlocks, effort: Effort::Fast, ..DepthSettings::default() };
     EncodeSettings {
-        cell: Some(16),
+        cell: 16,
         color_blocks: blocks.map(|blocks| ColorBlockSettings { blocks, final_psnr_db }),
         search: SearchSettings { effort: Effort::Fast, ..SearchSettings::default() },
         material: MaterialSettings { epsilon: 8, in_blocks: true },
@@ -134,7 +134,7 @@ fn settings_that_cannot_be_are_refused() {
     let bc1 = settings(Some(ColorBlocks::Bc1), 30.0);
     let hdr = ColorFormat::Half { white_cd_m2: 100.0 };
     let wrong = [
-        (EncodeSettings { cell: Some(10), ..bc1.clone() }, "a multiple of 4"),
+        (EncodeSettings { cell: 10, ..bc1.clone() }, "a multiple of 4"),
         (EncodeSettings { color: hdr, ..bc1.clone() }, "bc6h with --hdr"),
         (settings(Some(ColorBlocks::Bc6h), 30.0), "bc6h with --hdr"),
         (settings(Some(ColorBlocks::Bc1), 50.5), "blocks only lose"),

@@ -74,7 +74,7 @@ impl Bench {
 
     fn encode(&self, set: &str, name: &str, change: impl FnOnce(&mut EncodeSettings)) {
         let source = Source::open(&self.path(set), &SourceOptions::default()).unwrap();
-        let mut settings = EncodeSettings { cell: Some(16), ..EncodeSettings::default() };
+        let mut settings = EncodeSettings { cell: 16, ..EncodeSettings::default() };
         settings.search.min_psnr_db = 200.0;
         settings.depth.codec = DepthCodec::Boxes;
         change(&mut settings);

@@ -104,8 +104,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
 }
 
 fn settings() -> EncodeSettings {
-    let mut settings =
-        EncodeSettings { cell: Some(16), near_m: Some(1.0), far_m: Some(10.0), ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { cell: 16, near_m: Some(1.0), far_m: Some(10.0), ..EncodeSettings::default() };
     settings.temporal = TemporalSettings { keyframe_interval: 4, ..settings.temporal };
     settings.search.min_psnr_db = 100.0;
     settings.depth.codec = DepthCodec::Boxes;
@@ -476,7 +475,7 @@ fn the_report_fits_a_terminal() {
 
 /// A container with one stream whose one chunk claims as many frames.
 fn endless(frames: u32) -> lightfold::Result<Vec<u8>> {
-    let decoder = decoder(&encoded(&[StreamKind::Color], &EncodeSettings { cell: Some(SIZE), ..settings() }));
+    let decoder = decoder(&encoded(&[StreamKind::Color], &EncodeSettings { cell: SIZE, ..settings() }));
     let index = decoder.reader().index();
     let mut writer = Writer::new(Vec::new(), "endless", 24.0, 0).unwrap();
     let mut probe = index.probes[0].clone();

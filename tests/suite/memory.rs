@@ -302,7 +302,7 @@ const SOAK_SLACK_BYTES: u64 = 3 << 20;
 fn soak_child() {
     let folder = TempDir::new().unwrap();
     footage(folder.path(), 48, 3, 6, "");
-    let mut settings = EncodeSettings { cell: Some(16), lzma2: Some(1), ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { cell: 16, lzma2: Some(1), ..EncodeSettings::default() };
     settings.depth.effort = lightfold::effort::Effort::Fast;
     let mut settled = 0;
     for cycle in 0..SOAK_CYCLES {

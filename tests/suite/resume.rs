@@ -155,7 +155,7 @@ fn material(in_blocks: bool) -> Footage {
 fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     // Chunks close by their bytes, and blocks are small.
     let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
-    let mut settings = EncodeSettings { cell: Some(height), ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { cell: height, ..EncodeSettings::default() };
     settings.search.min_psnr_db = 38.0;
     settings.search.reach = 3;
     if blocks.is_some() {
@@ -188,7 +188,7 @@ fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
 
 /// Two probes, one of them with fewer frames, of two faces, in all kinds.
 fn dataset() -> Footage {
-    let mut settings = EncodeSettings { lzma2: Some(1), cell: Some(8), ..EncodeSettings::default() };
+    let mut settings = EncodeSettings { lzma2: Some(1), cell: 8, ..EncodeSettings::default() };
     settings.temporal.keyframe_interval = 3;
     let manifest = r#"{
         "lightfield": 1, "name": "two", "fps": 24, "frames": [10, 20], "projection": "cubemap", "size": [16, 16],
@@ -467,7 +467,7 @@ fn other_options_are_refused_by_name() {
         ("--keyframe-interval", |s| s.temporal.keyframe_interval = 6),
         ("--min-children", |s| s.depth.min_children = 1),
         ("--effort", |s| s.depth.effort = lightfold::effort::Effort::Fast),
-        ("--cell", |s| s.cell = Some(32)),
+        ("--cell", |s| s.cell = 32),
         ("--psnr", |s| s.search.min_psnr_db = 49.0),
         ("--stream", |s| s.kinds = vec![StreamKind::Depth]),
     ];

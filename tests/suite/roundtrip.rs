@@ -110,7 +110,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         for (tiles, cell) in [(1, 64), (2, 4), (7, 1)] {
             for (codec, bound) in BOUNDED {
                 let depth = depth_settings(codec, bound);
-                let settings = EncodeSettings { tiles, cell: Some(cell), depth, ..EncodeSettings::default() };
+                let settings = EncodeSettings { tiles, cell, depth, ..EncodeSettings::default() };
                 check_depth(&source, &encoded(&source, &settings), bound);
             }
         }
@@ -118,7 +118,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         footage.color = Some(&color);
         let source = footage.open(folder.path());
         for cell in [64, 4, 1] {
-            let settings = EncodeSettings { cell: Some(cell), lzma2: Some(1), ..EncodeSettings::default() };
+            let settings = EncodeSettings { cell, lzma2: Some(1), ..EncodeSettings::default() };
             check_color8(&source, &encoded(&source, &settings), settings.search.min_psnr_db);
         }
         footage.color = None;
@@ -238,7 +238,7 @@ fn high_dynamic_range_reaches_its_own_quality() {
     let source = Footage { frames: [0, 23], color: Some(&color), ..Footage::new(40, 24) }.open(folder.path());
     for (min_psnr_db, effort) in [(50.0, Effort::Fast), (35.0, Effort::Normal), (80.0, Effort::Exhaustive)] {
         let settings = EncodeSettings {
-            cell: Some(10),
+            cell: 10,
             color: ColorFormat::Half { white_cd_m2: 100.0 },
             search: SearchSettings { min_psnr_db, effort, reach: 16 },
             ..EncodeSettings::default()
@@ -272,7 +272,7 @@ fn the_same_bytes_on_any_number_of_threads() {
     let color = |_: Face, frame: u32| drifting_color(64, 48, frame);
     let footage = Footage { frames: [3, 40], depth: Some(&depth), color: Some(&color), ..Footage::new(64, 48) };
     let source = footage.open(folder.path());
-    let settings = EncodeSettings { cell: Some(16), lzma2: Some(3), ..EncodeSettings::default() };
+    let settings = EncodeSettings { cell: 16, lzma2: Some(3), ..EncodeSettings::default() };
     let once = encoded(&source, &settings);
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -295,7 +295,7 @@ fn static_and_empty_footage_costs_no_pixels_after_its_first_frame() {
     let footage =
         Footage { frames: [0, 99], faces: &faces, depth: Some(&depth), color: Some(&color), ..Footage::new(64, 64) };
     let source = footage.open(folder.path());
-    let bytes = encoded(&source, &EncodeSettings { cell: Some(32), ..EncodeSettings::default() });
+    let bytes = encoded(&source, &EncodeSettings { cell: 32, ..EncodeSettings::default() });
     let decoder = decoder(&bytes);
     for stream in decoder.streams() {
         for unit in 0..stream.entry.unit_count() {

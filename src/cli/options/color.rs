@@ -14,10 +14,9 @@ use crate::video::encode::{ColorBlockSettings, EncodeSettings};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
-    /// Width and height of a cell in pixels; with --color-block a multiple of 4 [default: a quarter of an image's
-    /// shorter side, as a power of two from 16 to 64]
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub cell: Option<u32>,
+    /// Width and height of a cell in pixels; with --color-block a multiple of 4
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub cell: u32,
     /// Least PSNR of every frame of every cell, in dB; with --color-block, of the coding in time alone [default: 50;
     /// with --color-block what --psnr-final says]
     #[arg(long, value_name = "DB")]

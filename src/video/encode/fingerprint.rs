@@ -91,7 +91,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("--far", format!("{far_m:?}")),
         ("--material-error", material_error.to_string()),
         ("--material-block", in_blocks.to_string()),
-        ("--cell", cell.map_or("usual".to_owned(), |cell| cell.to_string())),
+        ("--cell", cell.to_string()),
         ("--psnr", format!("{min_psnr_db:?}")),
         ("--keyframe-reach", reach.to_string()),
         ("--color-block", format!("{color_blocks:?}")),

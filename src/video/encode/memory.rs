@@ -102,7 +102,7 @@ pub(super) fn scan_limits(
 /// Colour cells: the pictures that the search may reach, and the open chunks.
 fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let header = CodecHeader::Color(settings.color_header());
-    let units = units(group, [settings.cell_of([group.width, group.height]); 2]);
+    let units = units(group, [settings.cell; 2]);
     let memory = ColorMemory::new(group, &header, settings.search, u32::try_from(units).unwrap_or(u32::MAX));
     let picture =
         u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64 * raw_pixel_bytes(&header);

@@ -2,7 +2,6 @@
 
 use crate::block::SIDE;
 use crate::color::keyframes::SearchSettings;
-use crate::container::index::MAX_SIZE;
 use crate::dataset::stream::StreamKind;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::mode_decision::Decide;
@@ -132,8 +131,8 @@ pub struct EncodeSettings {
     pub near_m: Option<f32>,
     /// Farthest surface in metres; found where not given.
     pub far_m: Option<f32>,
-    /// Colour cells are this many pixels wide and high; [`usual_cell`] of each image where not given.
-    pub cell: Option<u32>,
+    /// Colour cells are this many pixels wide and high.
+    pub cell: u32,
     /// The domain of colour.
     pub color: ColorFormat,
     /// Colour in time.
@@ -148,17 +147,6 @@ pub struct EncodeSettings {
     pub memory: Budget,
 }
 
-/// Width and height in pixels of the colour cells of an image of this many pixels: the power of two next below a quarter
-/// of its shorter side, 16 to 64.
-///
-/// Then a view of 90 degrees reads less than half of a cube map, whatever its size (CALF 6.2), and keyframes that noise
-/// asks for are of a small part of a small image. Cells of 8
-/// pixels take more bytes with LZMA2.
-pub fn usual_cell(size: [u32; 2]) -> u32 {
-    let quarter = size[0].min(size[1]) / 4;
-    quarter.checked_ilog2().map_or(0, |power| 1 << power).clamp(16, 64)
-}
-
 impl Default for EncodeSettings {
     fn default() -> Self {
         EncodeSettings {
@@ -168,7 +156,7 @@ impl Default for EncodeSettings {
             tiles: 2,
             near_m: None,
             far_m: None,
-            cell: None,
+            cell: 64,
             color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
             search: SearchSettings::default(),
             color_blocks: None,
@@ -184,7 +172,7 @@ impl EncodeSettings {
     pub(super) fn check(&self) -> Result<()> {
         self.temporal.check()?;
         self.nodes(0).check()?;
-        if self.tiles == 0 || self.cell == Some(0) || self.search.reach == 0 {
+        if self.tiles == 0 || self.cell == 0 || self.search.reach == 0 {
             return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
@@ -192,8 +180,9 @@ impl EncodeSettings {
             let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with --hdr, bc1 or bc7 without";
             return Err(Error::Usage(message.into()));
         }
-        if let Some(cell) = self.cell.filter(|cell| !cell.is_multiple_of(SIDE as u32)) {
-            return Err(Error::Usage(format!("cells of {cell} pixels: blocks of 4x4 pixels need a multiple of 4")));
+        if !self.cell.is_multiple_of(SIDE as u32) {
+            let message = format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell);
+            return Err(Error::Usage(message));
         }
         if final_psnr_db > self.search.min_psnr_db {
             return Err(Error::Usage(format!(
@@ -202,11 +191,6 @@ impl EncodeSettings {
             )));
         }
         Ok(())
-    }
-
-    /// Width and height of the colour cells of an image of this many pixels.
-    pub(super) fn cell_of(&self, size: [u32; 2]) -> u32 {
-        self.cell.unwrap_or_else(|| usual_cell(size)).min(MAX_SIZE)
     }
 
     /// The header of colour streams.
@@ -271,15 +255,5 @@ mod tests {
         let single = DepthRange::new(2.0, 2.0).unwrap();
         assert_eq!(ErrorBound::Relative(0.1).codes(single), 0);
         assert_eq!(ErrorBound::Codes(7).codes(single), 7);
-    }
-
-    #[test]
-    fn cells_are_a_quarter_of_an_image_within_bounds() {
-        let usual = [([0, 9], 16), ([96, 96], 16), ([127, 999], 16), ([128, 128], 32), ([256, 4096], 64)];
-        for (size, cell) in usual.into_iter().chain([([4096, 255], 32), ([MAX_SIZE; 2], 64)]) {
-            assert_eq!(usual_cell(size), cell, "{size:?}");
-            assert_eq!(EncodeSettings::default().cell_of(size), cell);
-            assert_eq!(EncodeSettings { cell: Some(8), ..EncodeSettings::default() }.cell_of(size), 8);
-        }
     }
 }
