@@ -1,6 +1,7 @@
 //! Arithmetic on the numbers of four rays at once.
 
 use glam::{BVec4A, Vec4};
+use wide::{f32x4, i32x4};
 
 /// A number of each of four rays.
 pub(crate) type Lanes = Vec4;
@@ -8,10 +9,8 @@ pub(crate) type Lanes = Vec4;
 /// All four rays, as bits.
 pub(crate) const ALL: u32 = 0b1111;
 
-/// Single precision has whole numbers only from here on.
-const WHOLE: f32 = 8_388_608.0;
-/// The bits of a number from there on that are its lower part.
-const BITS: u32 = 0x7f_ffff;
+/// The bits of √½.
+const ROOT_OF_HALF: i32 = 0x3f35_04f3;
 
 /// Points of four rays.
 #[derive(Debug, Clone, Copy)]
@@ -30,20 +29,6 @@ pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The whole numbers of lanes that are whole, at least 0 and below 2²³.
-#[inline(always)]
-pub(crate) fn to_whole(lanes: Lanes) -> [u32; 4] {
-    let [a, b, c, d] = (lanes + WHOLE).to_array();
-    [a.to_bits() & BITS, b.to_bits() & BITS, c.to_bits() & BITS, d.to_bits() & BITS]
-}
-
-/// Lanes of at least 0 and below 2²² without what follows the point.
-#[inline(always)]
-pub(crate) fn cut(lanes: Lanes) -> Lanes {
-    let nearest = (lanes + WHOLE) - WHOLE;
-    nearest - Lanes::select(nearest.cmpgt(lanes), Lanes::ONE, Lanes::ZERO)
-}
-
 /// Either of two by a mask.
 #[inline(always)]
 pub(crate) fn either(mask: BVec4A, yes: Lanes, no: Lanes) -> Lanes {
@@ -53,16 +38,60 @@ pub(crate) fn either(mask: BVec4A, yes: Lanes, no: Lanes) -> Lanes {
 /// The natural logarithm of normal numbers above 0, to a millionth.
 #[inline(always)]
 pub(crate) fn ln(lanes: Lanes) -> Lanes {
-    // Each is 2^exponent · part, with a part from √½ to √2.
-    const ROOT_OF_HALF: u32 = 0x3f35_04f3;
-    let bits = lanes.to_array().map(f32::to_bits);
-    let exponent = bits.map(|bits| (bits.wrapping_sub(ROOT_OF_HALF) as i32) >> 23);
-    let part: [f32; 4] = std::array::from_fn(|at| f32::from_bits(bits[at].wrapping_sub((exponent[at] << 23) as u32)));
-    let part = Lanes::from_array(part);
+    let (exponent, part) = split(lanes);
     let s = (part - 1.0) / (part + 1.0);
     let z = s * s;
     let series = (((z * (1.0 / 9.0) + 1.0 / 7.0) * z + 1.0 / 5.0) * z + 1.0 / 3.0) * z + 1.0;
-    Lanes::from_array(exponent.map(|exponent| exponent as f32)) * std::f32::consts::LN_2 + 2.0 * s * series
+    exponent * std::f32::consts::LN_2 + 2.0 * s * series
+}
+
+/// Lanes of at least 0 and below 2³¹ without what follows the point.
+#[inline(always)]
+pub(crate) fn to_whole(lanes: Lanes) -> [u32; 4] {
+    bytemuck::cast(cut(lanes))
+}
+
+/// The greatest whole numbers that are not above lanes of less than 2³¹ either side of 0.
+#[inline(always)]
+pub(crate) fn floor(lanes: Lanes) -> Lanes {
+    let cut = to_lanes(cut(lanes));
+    cut - either(cut.cmpgt(lanes), Lanes::ONE, Lanes::ZERO)
+}
+
+/// Numbers of the texels that columns and rows, of at least 0, fall into, in images with so many columns and at most 2²³
+/// texels.
+#[inline(always)]
+pub(crate) fn number_of([column, row]: [Lanes; 2], columns: Lanes) -> [u32; 4] {
+    bytemuck::cast(cut(to_lanes(cut(row)) * columns) + cut(column))
+}
+
+/// The three lower bytes of each number.
+#[inline(always)]
+pub(crate) fn bytes(numbers: [u32; 4]) -> [Lanes; 3] {
+    let numbers: i32x4 = bytemuck::cast(numbers);
+    // Numbers with few digits are divided by powers of two without a rest.
+    let byte = |at: i32| to_lanes(numbers & i32x4::splat(0xff << (8 * at))) * (1.0 / (1 << (8 * at)) as f32);
+    [byte(0), byte(1), byte(2)]
+}
+
+/// Exponent and part of normal numbers above 0: each is 2^exponent · part, with a part from √½ to √2.
+#[inline(always)]
+fn split(lanes: Lanes) -> (Lanes, Lanes) {
+    const PART: i32 = (1 << 23) - 1;
+    let bits: i32x4 = bytemuck::cast(lanes.to_array());
+    let exponent = (bits - i32x4::splat(ROOT_OF_HALF)) & i32x4::splat(!PART);
+    let part: [f32; 4] = bytemuck::cast(bits - exponent);
+    (to_lanes(exponent) * (1.0 / (PART + 1) as f32), Lanes::from_array(part))
+}
+
+#[inline(always)]
+fn cut(lanes: Lanes) -> i32x4 {
+    f32x4::new(lanes.to_array()).fast_trunc_int()
+}
+
+#[inline(always)]
+fn to_lanes(numbers: i32x4) -> Lanes {
+    Lanes::from_array(numbers.round_float().to_array())
 }
 
 #[cfg(test)]
@@ -82,9 +111,32 @@ mod tests {
     }
 
     #[test]
-    fn whole_parts_are_cut() {
+    fn what_follows_the_point_is_cut() {
         for at in [0.0f32, 0.49, 0.5, 0.51, 0.999_999_94, 1.0, 1.5, 2.5, 511.999_97, 512.0, 16_383.999, 4_000_000.5] {
-            assert_eq!(to_whole(cut(Lanes::splat(at))), [at as u32; 4], "{at}");
+            assert_eq!(to_whole(Lanes::splat(at)), [at as u32; 4], "{at}");
+        }
+    }
+
+    #[test]
+    fn four_at_once_are_each_by_itself() {
+        for at in 0..100_000u32 {
+            let bits = [0, 1, 2, 3].map(|lane| (4 * at + lane).wrapping_mul(2_654_435_761));
+            let each_byte = [0, 8, 16].map(|shift| Lanes::from_array(bits.map(|bits| (bits >> shift & 0xff) as f32)));
+            assert_eq!(bytes(bits), each_byte);
+            let below = bits.map(|bits| bits as f32 / 2.1);
+            assert_eq!(to_whole(Lanes::from_array(below)), below.map(|below| below as u32));
+            let around = bits.map(|bits| (bits % 1_000_003) as f32 / 97.0 - 3.0);
+            assert_eq!(floor(Lanes::from_array(around)).to_array(), around.map(f32::floor));
+            let (column, row) = (around.map(|at| at.clamp(0.0, 1023.999)), below.map(|at| at % 4096.0));
+            let number = std::array::from_fn(|lane| row[lane] as u32 * 1024 + column[lane] as u32);
+            let at = [column, row].map(Lanes::from_array);
+            assert_eq!(number_of(at, Lanes::splat(1024.0)), number);
+            let normal = bits.map(|bits| f32::from_bits(bits % 0x7f00_0000 + 0x0080_0000));
+            let (exponent, part) = split(Lanes::from_array(normal));
+            for lane in 0..4 {
+                assert!((0.707_106_7..=1.414_213_6).contains(&part[lane]), "{part}");
+                assert_eq!(f64::from(exponent[lane]).exp2() * f64::from(part[lane]), f64::from(normal[lane]));
+            }
         }
     }
 

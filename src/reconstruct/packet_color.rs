@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use crate::image::transfer::ToneMap;
 use crate::reconstruct::interpolate::{DEPTH_EPSILON, Seen};
-use crate::reconstruct::lanes::{Lanes, Points, either, lanes_of, ln, to_whole};
+use crate::reconstruct::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::reconstruct::light_field::{BACKGROUND, ColorTexels, UNKNOWN};
 use crate::reconstruct::packet::{PacketView, PacketViews, Places};
 
@@ -20,14 +20,14 @@ struct Sums {
 
 /// What the views saw of surfaces in the points of these lanes. None where none of them saw any surface in its direction.
 pub(crate) fn surface_colors(
-    views: &PacketViews<'_>,
+    (views, guesses): (&PacketViews<'_>, &mut [usize]),
     camera_weights: &[f32],
     asked: u32,
     points: &Points,
 ) -> [Option<Seen>; 4] {
     let mut sums = Sums { color: [Lanes::ZERO; 3], weight: Lanes::ZERO, difference: Lanes::INFINITY };
-    for (view, &camera_weight) in views.views.iter().zip(camera_weights) {
-        let places = view.places(&view.local(points));
+    for ((view, guess), &camera_weight) in views.views.iter().zip(guesses).zip(camera_weights) {
+        let places = view.places_of(points, guess);
         if asked & places.exist != 0 {
             add(&mut sums, view, &places, asked & places.exist, camera_weight);
         }
@@ -41,43 +41,81 @@ pub(crate) fn surface_colors(
     })
 }
 
+/// Numbers, inverse depths and colours of texels of lanes.
+struct Texels {
+    depth: Lanes,
+    color: [Lanes; 3],
+}
+
+#[inline(always)]
 fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, camera_weight: f32) {
-    let (mut columns, mut rows, mut parts) = ([[0; 4]; 2], [[0; 4]; 2], [Lanes::ZERO; 2]);
+    let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2], [Lanes::ZERO; 2]);
     for (axis, ends) in [&mut columns, &mut rows].into_iter().enumerate() {
         let at = places.at[axis] - 0.5;
-        let low = at.floor();
+        let low = floor(at);
         parts[axis] = at - low;
-        let within = |at: Lanes| to_whole(at.max(Lanes::ZERO).min(places.size[axis] - 1.0));
-        *ends = [within(low), within(low + 1.0)];
-    }
-    let mut taps = [[0; 4]; 4];
-    let mut depths = [[UNKNOWN; 4]; 4];
-    for lane in lanes_of(lanes) {
-        let face = places.face.of(lane);
-        let (depth, width) = (view.depth[face], view.width[face] as usize);
-        for tap in 0..4 {
-            let texel = rows[tap / 2][lane] as usize * width + columns[tap % 2][lane] as usize;
-            (taps[tap][lane], depths[tap][lane]) = (texel, depth.get(texel).copied().unwrap_or(UNKNOWN));
-        }
+        let last = places.size[axis] - 1.0;
+        *ends = [low.max(Lanes::ZERO).min(last), (low + 1.0).max(Lanes::ZERO).min(last)];
     }
     let [across, down] = parts;
     let above = 1.0 - down;
     let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
-    for tap in 0..4 {
-        let depth = Lanes::from_array(depths[tap]);
-        let is_surface = depth.cmpgt(Lanes::splat(BACKGROUND)) & depth.cmplt(Lanes::splat(UNKNOWN));
-        let ratio = either(is_surface, depth * places.planar_m, Lanes::ONE);
+    let weights = bilinear.map(|weight| weight * camera_weight);
+    let at = |tap: usize| [columns[tap % 2], rows[tap / 2]];
+    match view.face_of_codes(places) {
+        Some((depth, codes)) => {
+            for (tap, weight) in weights.into_iter().enumerate() {
+                sums.add(weight, places.planar_m, texels_of_face(depth, codes, number_of(at(tap), places.size[0])));
+            }
+        }
+        None => {
+            for (tap, weight) in weights.into_iter().enumerate() {
+                sums.add(weight, places.planar_m, texels_anywhere(view, places, lanes, at(tap)));
+            }
+        }
+    }
+}
+
+impl Sums {
+    /// Adds texels with their weights, as far as these do not depend on depth, as seen from a point.
+    #[inline(always)]
+    fn add(&mut self, weight: Lanes, planar_m: Lanes, texels: Texels) {
+        let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & texels.depth.cmplt(Lanes::splat(UNKNOWN));
+        let ratio = either(is_surface, texels.depth * planar_m, Lanes::ONE);
         let difference = ln(ratio).abs();
-        let weight = bilinear[tap] * camera_weight / (difference + DEPTH_EPSILON);
-        let weight = either(is_surface, weight, Lanes::ZERO);
-        sums.weight += weight;
-        sums.difference = sums.difference.min(either(is_surface, difference, Lanes::INFINITY));
-        let counted = is_surface.bitmask();
-        let colors = colors(view, places, counted, &taps[tap]);
-        for (sum, color) in sums.color.iter_mut().zip(colors) {
+        let weight = either(is_surface, weight / (difference + DEPTH_EPSILON), Lanes::ZERO);
+        self.weight += weight;
+        self.difference = self.difference.min(either(is_surface, difference, Lanes::INFINITY));
+        for (sum, color) in self.color.iter_mut().zip(texels.color) {
             *sum += weight * color;
         }
     }
+}
+
+/// Texels of one face, whose colours are codes.
+#[inline(always)]
+fn texels_of_face(depth: &[f32], codes: &[[u8; 4]], at: [u32; 4]) -> Texels {
+    let depth_of = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
+    let code_of = |lane: usize| codes.get(at[lane] as usize).map_or(0, |&code| u32::from_le_bytes(code));
+    Texels {
+        depth: Lanes::new(depth_of(0), depth_of(1), depth_of(2), depth_of(3)),
+        color: bytes([code_of(0), code_of(1), code_of(2), code_of(3)]),
+    }
+}
+
+/// Texels of these lanes, each in its own face; of others, and of those that show no surface, colours are 0.
+#[inline(never)]
+fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Texels {
+    let (column, row) = (to_whole(column), to_whole(row));
+    let (mut texels, mut depths, mut counted) = ([0; 4], [UNKNOWN; 4], 0);
+    for lane in lanes_of(lanes) {
+        let face = places.face.of(lane);
+        let texel = row[lane] as usize * view.width[face] as usize + column[lane] as usize;
+        let depth = view.depth[face].get(texel).copied().unwrap_or(UNKNOWN);
+        (texels[lane], depths[lane]) = (texel, depth);
+        counted |= u32::from(depth > BACKGROUND && depth < UNKNOWN) << lane;
+    }
+    Texels { depth: Lanes::from_array(depths), color: colors(view, places, counted, &texels) }
 }
 
 /// Red, green and blue of texels: codes up to 255, or light; 0 in lanes that do not count.
@@ -95,12 +133,7 @@ fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4
             (0..3).for_each(|channel| light[channel][lane] = color[channel]);
         }
     }
-    if are_codes {
-        let channel = |shift: u32| Lanes::from_array(codes.map(|code| (code >> shift & 0xff) as i32 as f32));
-        [channel(0), channel(8), channel(16)]
-    } else {
-        light.map(Lanes::from_array)
-    }
+    if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }
 }
 
 /// Linear light of codes between those of 8 bits, from a table.

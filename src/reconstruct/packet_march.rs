@@ -44,16 +44,29 @@ impl Packet {
     }
 }
 
+/// The lanes that have something, as bits.
+pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
+    lanes.iter().enumerate().fold(0, |bits, (lane, has)| bits | u32::from(has.is_some()) << lane)
+}
+
 /// Marches packets; remembers which views have lately been of use, which changes no answer.
 #[derive(Debug)]
 pub(crate) struct PacketMarch<'a> {
     views: &'a PacketViews<'a>,
     order: Vec<usize>,
+    /// Of each view the face that points were last seen in.
+    guesses: Vec<usize>,
 }
 
 impl<'a> PacketMarch<'a> {
     pub(crate) fn new(views: &'a PacketViews<'a>) -> PacketMarch<'a> {
-        PacketMarch { views, order: (0..views.views.len()).collect() }
+        let count = views.views.len();
+        PacketMarch { views, order: (0..count).collect(), guesses: vec![0; count] }
+    }
+
+    /// What is likely to be where, by what was last asked.
+    pub(crate) fn guesses(&mut self) -> &mut [usize] {
+        &mut self.guesses
     }
 
     fn was_useful(&mut self, rank: usize) {
@@ -64,9 +77,8 @@ impl<'a> PacketMarch<'a> {
     fn surfaces(&mut self, asked: u32, points: &Points) -> u32 {
         let (mut left, mut behind) = (asked, 0);
         for rank in 0..self.order.len() {
-            let view = &self.views.views[self.order[rank]];
-            let local = view.local(points);
-            let answers = view.answers(&local, &view.places(&local));
+            let at = self.order[rank];
+            let answers = self.views.views[at].ask(points, &mut self.guesses[at]);
             behind |= answers.behind;
             if left & answers.open != 0 {
                 left &= !answers.open;
@@ -112,8 +124,10 @@ impl<'a> PacketMarch<'a> {
     fn segments(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
         let (mut walks, mut hits) = ([Walk::new(0, distances_m.len()); 4], [None; 4]);
         let mut live = packet.rays;
+        // Lanes that are done stay where they were: near the others, and so most likely in the same faces.
+        let (mut from_m, mut to_m, mut last) = ([distances_m.first().copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
         loop {
-            let (mut from_m, mut to_m, mut single, mut last) = ([0.0; 4], [0.0; 4], 0, [0; 4]);
+            let mut single = 0;
             for lane in lanes_of(live) {
                 match walks[lane].next(distances_m.len()) {
                     Next::Ask(from, to) => {
@@ -134,17 +148,16 @@ impl<'a> PacketMarch<'a> {
             let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
             let (mut left, mut behind, mut past) = (live, 0, 0);
             for rank in 0..self.order.len() {
-                let view = &self.views.views[self.order[rank]];
-                let local = view.local(&to);
-                let places = view.places(&local);
-                let answers = view.answers(&local, &places);
+                let at = self.order[rank];
+                let (view, guess) = (&self.views.views[at], &mut self.guesses[at]);
+                let answers = view.ask(&to, guess);
                 behind |= answers.behind;
                 past |= answers.open;
                 // A view that does not see past the last point cannot prove the segment.
                 let mut open = left & single & answers.open;
                 let asked = left & !single & answers.open;
                 if asked != 0 {
-                    open |= view.prove(asked, [&from, &to], &places, packet.reach * to_m);
+                    open |= view.prove(asked, [&from, &to], *guess, packet.reach * to_m);
                 }
                 left &= !open;
                 if left == 0 {
@@ -170,19 +183,22 @@ impl<'a> PacketMarch<'a> {
         hits: [Option<usize>; 4],
         counters: &mut Counters,
     ) -> [Option<f32>; 4] {
-        let asked = (0..4).filter(|&lane| hits[lane].is_some()).fold(0u32, |bits, lane| bits | 1 << lane);
-        let end = |hit: Option<usize>| hit.map_or(0.0, |at| steps.distances_m[at]);
-        let before = |hit: Option<usize>| hit.and_then(|at| at.checked_sub(1)).map_or(0.0, |at| steps.distances_m[at]);
-        let (mut open_m, mut surface_m) = (Lanes::from_array(hits.map(before)), Lanes::from_array(hits.map(end)));
-        if asked != 0 {
-            for _ in 0..steps.refine {
-                let middle_m = 0.5 * (open_m + surface_m);
-                counters.refine_steps += u64::from(asked.count_ones());
-                let met = self.surfaces(asked, &packet.at(middle_m));
-                let met = glam::BVec4A::new(met & 1 != 0, met & 2 != 0, met & 4 != 0, met & 8 != 0);
-                surface_m = either(met, middle_m, surface_m);
-                open_m = either(met, open_m, middle_m);
-            }
+        let asked = bits_of(&hits);
+        // Rays that meet nothing are asked nothing, and taken along where another is.
+        let Some(other) = hits.iter().flatten().next().copied() else { return [None; 4] };
+        let (mut open_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
+        for (lane, hit) in hits.iter().enumerate() {
+            let at = hit.unwrap_or(other);
+            surface_m[lane] = steps.distances_m[at];
+            open_m[lane] = at.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
+        }
+        for _ in 0..steps.refine {
+            let middle_m = 0.5 * (open_m + surface_m);
+            counters.refine_steps += u64::from(asked.count_ones());
+            let met = self.surfaces(asked, &packet.at(middle_m));
+            let met = glam::BVec4A::new(met & 1 != 0, met & 2 != 0, met & 4 != 0, met & 8 != 0);
+            surface_m = either(met, middle_m, surface_m);
+            open_m = either(met, open_m, middle_m);
         }
         let surface_m = surface_m.to_array();
         std::array::from_fn(|lane| hits[lane].map(|_| surface_m[lane]))

@@ -9,7 +9,7 @@ use crate::reconstruct::lanes::Lanes;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::packet::PacketViews;
 use crate::reconstruct::packet_color::{LightCurve, surface_colors};
-use crate::reconstruct::packet_march::{Packet, PacketMarch};
+use crate::reconstruct::packet_march::{Packet, PacketMarch, bits_of};
 use crate::reconstruct::render::{Outcome, RenderSettings, background};
 
 /// What all packets of a picture share.
@@ -32,8 +32,8 @@ impl<'a> PacketScene<'a> {
     }
 
     /// Makes packets of a row.
-    pub(crate) fn row(&'a self) -> PacketRow<'a> {
-        PacketRow { scene: self, march: PacketMarch::new(&self.flat) }
+    pub(crate) fn row(&'a self, settings: &'a RenderSettings) -> PacketRow<'a> {
+        PacketRow { scene: self, settings, unsure: settings.steps.unsure(), march: PacketMarch::new(&self.flat) }
     }
 
     fn light(&self, seen: &Seen) -> Vec3 {
@@ -48,32 +48,32 @@ impl<'a> PacketScene<'a> {
 #[derive(Debug)]
 pub(crate) struct PacketRow<'a> {
     scene: &'a PacketScene<'a>,
+    settings: &'a RenderSettings,
+    /// [`crate::reconstruct::march::Steps::unsure`].
+    unsure: f32,
     march: PacketMarch<'a>,
 }
 
 impl PacketRow<'_> {
     /// What up to four rays from the eye bring, by their directions of length 1, and the distances in metres at which
     /// those that meet a surface do.
-    pub(crate) fn outcomes(
-        &mut self,
-        directions: &[Vec3],
-        settings: &RenderSettings,
-        counters: &mut Counters,
-    ) -> [(Option<f32>, Outcome); 4] {
-        let scene = self.scene;
+    pub(crate) fn outcomes(&mut self, directions: &[Vec3], counters: &mut Counters) -> [(Option<f32>, Outcome); 4] {
+        let (scene, settings) = (self.scene, self.settings);
         let packet = Packet::new(directions);
         let met = self.march.intersect(&packet, &settings.steps, settings.acceleration, counters);
-        let hits = (0..4).filter(|&lane| met[lane].is_some()).fold(0u32, |bits, lane| bits | 1 << lane);
+        let hits = bits_of(&met);
         let seen = if hits == 0 {
             [None; 4]
         } else {
-            let points = packet.at(Lanes::from_array(met.map(|distance_m| distance_m.unwrap_or(1.0))));
-            surface_colors(&scene.flat, scene.camera_weights, hits, &points)
+            // Rays that meet nothing are taken to end where another does.
+            let other_m = met.iter().flatten().next().copied().unwrap_or(1.0);
+            let points = packet.at(Lanes::from_array(met.map(|distance_m| distance_m.unwrap_or(other_m))));
+            surface_colors((&scene.flat, self.march.guesses()), scene.camera_weights, hits, &points)
         };
         std::array::from_fn(|lane| {
             let outcome = match directions.get(lane) {
                 Some(_) if met[lane].is_some() => {
-                    Outcome::of_surface(seen[lane], settings.steps.unsure(), |seen| scene.light(seen))
+                    Outcome::of_surface(seen[lane], self.unsure, |seen| scene.light(seen))
                 }
                 Some(&direction) => {
                     counters.background_rays += 1;

@@ -142,17 +142,17 @@ pub fn render(
     let scene = PacketScene::new(views, &weights);
     let sends_on = sends_on(views, settings.effects);
     render_rows((camera, settings), monitor, |directions, counters| {
-        let mut row = scene.row();
+        let mut row = scene.row(settings);
         let mut effects = sends_on.then(|| Effects::new(views, &weights, settings));
-        let of_four = |four: &[Vec3]| {
-            let outcomes = row.outcomes(four, settings, counters);
-            let outcome = |(&direction, (distance_m, outcome)): (&Vec3, (Option<f32>, Outcome))| {
+        let mut all = Vec::with_capacity(directions.len());
+        for four in directions.chunks(4) {
+            let outcomes = row.outcomes(four, counters);
+            all.extend(four.iter().zip(outcomes).map(|(&direction, (distance_m, outcome))| {
                 let ray = Ray { origin: Vec3::ZERO, direction };
                 sent_on(&mut effects, &ray, distance_m, outcome, counters)
-            };
-            four.iter().zip(outcomes).map(outcome).collect::<Vec<_>>()
-        };
-        directions.chunks(4).flat_map(of_four).collect()
+            }));
+        }
+        all
     })
 }
 

@@ -129,8 +129,18 @@ fn hits_are_the_same_bits() {
         let axis = |random: &mut Random| {
             [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0).normalize()][random.below(4) as usize]
         };
-        let directions: Vec<Vec3> =
-            (0..257).map(|at| if at % 16 == 0 { axis(&mut random) } else { random.unit() }.as_vec3()).collect();
+        // Rays of a packet go their own ways, or lie beside each other as those of a picture do.
+        let (spread, mut middle) = ([2.0, 0.1, 0.002][random.below(3) as usize], DVec3::X);
+        let direction = |at: u32| {
+            if at % 16 == 0 {
+                return axis(&mut random).as_vec3();
+            }
+            if at % 4 == 0 {
+                middle = random.unit();
+            }
+            (middle + spread * random.vector()).try_normalize().unwrap_or(DVec3::Y).as_vec3()
+        };
+        let directions: Vec<Vec3> = (0..257).map(direction).collect();
         let (mut plain, mut fast) = (Counters::default(), Counters::default());
         let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
         let hits: Vec<_> = directions.iter().map(|d| march::intersect(&views, &ray(d), &steps, &mut plain)).collect();
