@@ -1,5 +1,5 @@
 // What views say of a point: BetweenViewpointAndGeometry of algorithm 4 (CALF 6). Mirrors src/reconstruct/active_views.rs.
-// Needs `project` and `inverse_depth_bits`.
+// Needs `project`, `inverse_depth_bits` and what asked_all.wgsl has.
 
 const OPEN = 0u;
 const BEHIND = 1u;
@@ -45,16 +45,16 @@ fn evidence(view: u32, point: vec3<f32>) -> u32 {
 
 // The view that is asked in this turn: that of `open_view` has changed places with the first.
 fn view_of_turn(turn: u32) -> u32 {
-    return select(select(turn, 0u, turn == open_view), open_view, turn == 0u);
+    return asked_view(select(select(turn, 0u, turn == open_view), open_view, turn == 0u));
 }
 
 fn is_surface(point: vec3<f32>) -> bool {
     var behind = false;
-    for (var turn = 0u; turn < scene.view_count; turn++) {
+    for (var turn = 0u; turn < asked_count(); turn++) {
         let view = view_of_turn(turn);
         let says = evidence(view, point);
         if (says == OPEN) {
-            open_view = view;
+            remember_open(view);
             return false;
         }
         behind |= says == BEHIND;

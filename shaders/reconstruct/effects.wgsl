@@ -6,6 +6,7 @@
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
+const NEAR_BALL: f32 = 0.03;
 // Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 
@@ -19,7 +20,8 @@ struct Pending {
 }
 
 const FOUND_NOTHING = 0u;
-const FOUND_BACKGROUND = 1u;
+// Light that is not sent on.
+const FOUND_LIGHT = 1u;
 const FOUND_SURFACE = 2u;
 
 struct Found {
@@ -60,21 +62,67 @@ fn leave(ray: Ray, texel_m: f32) -> Left {
     return Left(false, Hit(false, 0.0), 0u);
 }
 
-fn follow(ray: Ray, texel_m: f32) -> Found {
+// The ball of the view `around`; none of ALL_VIEWS.
+fn ball_of(around: u32) -> Ball {
+    if (around == ALL_VIEWS) {
+        return Ball(false, vec3(0.0), 0.0);
+    }
+    return Ball(true, views[around].from_eye, views[around].near_m);
+}
+
+// The view from the centre of the ball whose surface is at a point, or ALL_VIEWS.
+fn around_of(point: vec3<f32>) -> u32 {
+    for (var at = 0u; at < scene.ball_count; at++) {
+        let ball = ball_of(scene.view_count + at);
+        if (abs(length(point - ball.centre) - ball.radius_m) <= NEAR_BALL * ball.radius_m) {
+            return scene.view_count + at;
+        }
+    }
+    return ALL_VIEWS;
+}
+
+// How a surface lies in a point, and of a ball the view from its centre.
+struct Front {
+    surface: Patch,
+    point: vec3<f32>,
+    around: u32,
+}
+
+fn front_of(met: Ray, is_glass: bool) -> Front {
+    let around = around_of(met.origin);
+    if (is_glass && around != ALL_VIEWS) {
+        let ball = ball_of(around);
+        let entry = entry_of(ball, met);
+        let outwards = entry.point - ball.centre;
+        let size = length(outwards);
+        if (entry.found && size > LEAST_LENGTH) {
+            return Front(Patch(true, true, outwards / size, 1.0 / ball.radius_m, 0.0), entry.point, around);
+        }
+    }
+    return Front(patch_at(met.origin), met.origin, ALL_VIEWS);
+}
+
+// `around` is the view from the centre of the ball that the ray leaves, or ALL_VIEWS.
+fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
-    let left = leave(ray, texel_m);
+    var left = Left(true, Hit(false, 0.0), 0u);
+    if (around == ALL_VIEWS) {
+        left = leave(ray, texel_m);
+    }
     if (!left.found) {
         return nothing;
     }
     var hit = left.hit;
     if (!hit.found) {
+        alone = around;
         hit = intersect_from(ray, left.first);
+        alone = ALL_VIEWS;
     }
     if (!hit.found) {
         let seen = background_color(ray.direction);
         if (seen.found) {
-            return Found(FOUND_BACKGROUND, vec3(0.0), light_of(seen.color));
+            return Found(FOUND_LIGHT, vec3(0.0), light_of(seen.color));
         }
         return nothing;
     }
@@ -82,6 +130,15 @@ fn follow(ray: Ray, texel_m: f32) -> Found {
     let seen = surface_color(point);
     if (seen.found && seen.difference <= scene.hole_difference) {
         return Found(FOUND_SURFACE, point, light_of(seen.color));
+    }
+    // What is hidden from all views was seen through the ball.
+    if (around != ALL_VIEWS) {
+        alone = around;
+        let through = surface_color(point);
+        alone = ALL_VIEWS;
+        if (through.found) {
+            return Found(FOUND_LIGHT, vec3(0.0), light_of(through.color));
+        }
     }
     return nothing;
 }
@@ -108,7 +165,8 @@ fn divide(next: Pending) -> vec3<f32> {
         return whole;
     }
     counted[NORMAL_EVALS]++;
-    let front = patch_at(next.point);
+    let at_point = front_of(Ray(next.point, next.direction), seen.refract > 0.0);
+    let front = at_point.surface;
     let cosine = -dot(next.direction, front.normal);
     if (!front.found || cosine <= 0.0) {
         return whole;
@@ -116,13 +174,13 @@ fn divide(next: Pending) -> vec3<f32> {
     let material = towards(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
     if (next.share * material.refract >= LEAST_SHARE) {
-        exits = pass_through(Ray(next.point, next.direction), front, material.ior);
+        exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, ball_of(at_point.around));
     }
     // What is refracted, and last what is reflected. In one loop, as drivers write functions out wherever they are called.
     var light = vec3(0.0);
     var left = next.share;
     for (var at = 0u; at <= MAX_INSIDE; at++) {
-        let origin = next.point + LIFT_TEXELS * front.texel_m * front.normal;
+        let origin = at_point.point + LIFT_TEXELS * front.texel_m * front.normal;
         var ray = Ray(origin, reflect(next.direction, front.normal));
         var part = next.share * material.reflect;
         if (at < MAX_INSIDE) {
@@ -132,7 +190,7 @@ fn divide(next: Pending) -> vec3<f32> {
         if (part < LEAST_SHARE) {
             continue;
         }
-        let found = follow(ray, front.texel_m);
+        let found = follow(ray, front.texel_m, at_point.around);
         if (found.kind != FOUND_NOTHING) {
             light += take(found, ray.direction, part, next.bounces);
             left -= part;

@@ -30,12 +30,15 @@ struct Scene {
     longest_segment: u32,
     // Points of the first segment.
     first_segment: u32,
-    spare: array<u32, 3>,
+    // Balls of glass: for each of them a view from its centre comes after the views that take part.
+    ball_count: u32,
+    spare: array<u32, 2>,
 }
 
 struct View {
     // Metres, along the axes of the world.
     from_eye: vec3<f32>,
+    // Of a view from the centre of a ball, the radius of the ball.
     near_m: f32,
     // The columns of the matrix that turns directions of the world into those of the probe.
     turn_x: vec3<f32>,

@@ -132,13 +132,13 @@ fn intersect_from(ray: Ray, first: u32) -> Hit {
             let reach_m = origin + direction * distances_m[last];
             var sees_past = false;
             var behind = false;
-            for (var turn = 0u; turn < scene.view_count; turn++) {
+            for (var turn = 0u; turn < asked_count(); turn++) {
                 let view = view_of_turn(turn);
                 let says = evidence(view, to_point);
                 sees_past |= says == OPEN;
                 behind |= says == BEHIND;
                 if (says == OPEN && (at == last || is_segment_open(view, from_point, to_point, reach_m))) {
-                    open_view = view;
+                    remember_open(view);
                     passed = true;
                     break;
                 }

@@ -68,6 +68,19 @@ fn first_open(ray: Ray, texel_m: f32, limit_m: f32) -> FirstOpen {
     return FirstOpen(false, 0.0);
 }
 
+// Where a ray that comes from outside first meets a ball.
+struct Entry {
+    found: bool,
+    point: vec3<f32>,
+}
+
+fn entry_of(ball: Ball, ray: Ray) -> Entry {
+    let from_centre = ray.origin - ball.centre;
+    let along = dot(ray.direction, from_centre);
+    let squared = along * along - (dot(from_centre, from_centre) - ball.radius_m * ball.radius_m);
+    return Entry(squared > 0.0, point_at(ray, -along - sqrt(max(squared, 0.0))));
+}
+
 // How far a ray, which need not start on the ball, goes until it leaves it; 0: it does not go through it.
 fn exit_of(ball: Ball, ray: Ray) -> f32 {
     let from_centre = ray.origin - ball.centre;
@@ -76,12 +89,15 @@ fn exit_of(ball: Ball, ray: Ray) -> f32 {
     return select(0.0, sqrt(max(squared, 0.0)) - along, squared >= 0.0);
 }
 
-fn back_of(inside: Ray, ball: Ball, texel_m: f32) -> Back {
+fn back_of(inside: Ray, ball: Ball, is_whole: bool, texel_m: f32) -> Back {
     let chord_m = exit_of(ball, inside);
     if (ball.found && !(chord_m > 0.0)) {
         return Back(false, vec3(0.0), vec3(0.0));
     }
-    let open = first_open(inside, texel_m, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
+    var open = FirstOpen(false, 0.0);
+    if (!is_whole) {
+        open = first_open(inside, texel_m, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
+    }
     if (open.found) {
         let end = point_at(inside, open.distance_m);
         counted[NORMAL_EVALS]++;
@@ -102,14 +118,15 @@ fn back_of(inside: Ray, ball: Ball, texel_m: f32) -> Back {
     return Back(size > LEAST_LENGTH, end, outwards / max(size, LEAST_LENGTH));
 }
 
-fn pass_through(ray: Ray, front: Patch, ior: f32) -> array<Exit, MAX_INSIDE> {
+// `whole` is the ball that the solid is known to be, if it is.
+fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Ball) -> array<Exit, MAX_INSIDE> {
     var exits: array<Exit, MAX_INSIDE>;
     if (!front.bends) {
         return exits;
     }
     let bend = front.curvature;
-    let open_behind = !is_surface(ray.origin + ray.direction * (BEHIND_TEXELS * front.texel_m));
-    if (open_behind && bend * front.texel_m < -FLAT) {
+    let behind = ray.origin + ray.direction * (BEHIND_TEXELS * front.texel_m);
+    if (!whole.found && !is_surface(behind) && bend * front.texel_m < -FLAT) {
         // A hollow with open space behind it: the ray was inside, and leaves.
         let leaving = refracted(ray.direction, front.normal, ior);
         if (leaving.found) {
@@ -122,13 +139,13 @@ fn pass_through(ray: Ray, front: Patch, ior: f32) -> array<Exit, MAX_INSIDE> {
         return exits;
     }
     var inside = Ray(ray.origin, entering.direction);
-    var ball = Ball(false, vec3(0.0), 0.0);
-    if (bend * front.texel_m > FLAT) {
+    var ball = whole;
+    if (!whole.found && bend * front.texel_m > FLAT) {
         ball = Ball(true, ray.origin - front.normal / bend, 1.0 / bend);
     }
     var share = 1.0;
     for (var turn = 0u; turn < MAX_INSIDE; turn++) {
-        let back = back_of(inside, ball, front.texel_m);
+        let back = back_of(inside, ball, whole.found, front.texel_m);
         if (!back.found) {
             // A pane.
             if (!ball.found && turn == 0u) {

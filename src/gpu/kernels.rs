@@ -299,6 +299,7 @@ pub static BC7: Kernel = Kernel {
 
 const VIEWS: ShaderFile = file!("reconstruct/layout.wgsl");
 const LIGHT_FIELD: ShaderFile = file!("reconstruct/light_field.wgsl");
+const ASKED_ALL: ShaderFile = file!("reconstruct/asked_all.wgsl");
 const ACTIVE_VIEWS: ShaderFile = file!("reconstruct/active_views.wgsl");
 const COUNTERS: ShaderFile = file!("reconstruct/counters.wgsl");
 const RAY: ShaderFile = file!("reconstruct/ray.wgsl");
@@ -315,6 +316,7 @@ pub static RENDER: Kernel = Kernel {
     files: &[
         VIEWS,
         LIGHT_FIELD,
+        ASKED_ALL,
         ACTIVE_VIEWS,
         COUNTERS,
         RAY,
@@ -341,7 +343,7 @@ pub static RENDER: Kernel = Kernel {
 pub static RENDER_PYRAMID: Kernel = Kernel {
     name: "render-pyramid",
     entry: "render",
-    files: &[VIEWS, LIGHT_FIELD, ACTIVE_VIEWS, COUNTERS, RAY, PYRAMID, INTERPOLATE, LIGHT, DIFFUSE, PICTURE],
+    files: &[VIEWS, LIGHT_FIELD, ASKED_ALL, ACTIVE_VIEWS, COUNTERS, RAY, PYRAMID, INTERPOLATE, LIGHT, DIFFUSE, PICTURE],
     bindings: &[
         Read("scene"),
         Read("views"),
@@ -363,6 +365,7 @@ pub static RENDER_EFFECTS: Kernel = Kernel {
     files: &[
         VIEWS,
         LIGHT_FIELD,
+        file!("reconstruct/asked_alone.wgsl"),
         ACTIVE_VIEWS,
         COUNTERS,
         RAY,

@@ -27,7 +27,9 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
-use crate::reconstruct::light_field::LightField;
+use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
+use crate::reconstruct::interpolate::camera_weights;
+use crate::reconstruct::light_field::{FaceTexels, LightField};
 use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
 /// Rows and columns of pixels of a workgroup.
@@ -131,6 +133,21 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
+    /// Brings the texels of these views, and of those from balls of glass, which are new for each picture.
+    fn bring_glass(&mut self, views: &ActiveViews<'_>, glass: &GlassBalls) -> Result<()> {
+        for view in glass.balls.iter().map(|ball| &ball.view) {
+            for (face, texels) in view.faces.iter().enumerate() {
+                let Some(FaceTexels { size: [width, height], .. }) = texels else { continue };
+                for kind in [StreamKind::Depth, StreamKind::Color] {
+                    self.texels.change((view.probe, face), kind, [0, 0, *width, *height]);
+                }
+            }
+        }
+        let from_balls = glass.balls.iter().map(from_centre);
+        let all = views.views.iter().copied().chain(from_balls).collect();
+        self.bring(&ActiveViews { views: all, coding: views.coding })
+    }
+
     /// Renders.
     ///
     /// # Errors
@@ -143,9 +160,13 @@ impl<'a> GpuRenderer<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Rendered> {
         monitor.check()?;
-        self.bring(views)?;
-        let place = |at: usize, face: usize| self.texels.origin((views.views[at].view.probe, face));
-        let words = scene::words(views, camera, settings, self.texels.pyramid_rows(), place);
+        let glass = match sends_on(views, settings.effects) {
+            true => GlassBalls::of(views, &camera_weights(views)),
+            false => GlassBalls::none(views.coding),
+        };
+        self.bring_glass(views, &glass)?;
+        let place = |probe: usize, face: usize| self.texels.origin((probe, face));
+        let words = scene::words((views, &glass), camera, settings, self.texels.pyramid_rows(), place);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
         let target = self.target(kernel, &words, settings.size)?;

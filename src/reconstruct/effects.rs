@@ -7,8 +7,9 @@
 //! colour of the point that sent it, as in the paper, where the weight of such a ray goes to the diffuse colour. So a
 //! picture is never brighter than the brightest colour that went into it.
 //!
-//! Of glass, the light that goes straight through is what views see least of: a ball shows what it hides. Where that is seen by
-//! no view, the colour of the ball stays in its place, and only what is reflected, outside and inside, is sent on.
+//! Of glass, the light that goes straight through is what views see least of: a ball shows what it hides. What leaves a ball that is
+//! known as a whole ends where the view from its centre says ([`super::glass_balls`]), in the colour that views see there, or
+//! saw there through the ball. Of other solids, the colour that views saw stays in the place of what no view sees.
 //!
 //! Rays may go anywhere: everything that active views have must be decoded where effects are in use.
 
@@ -16,10 +17,12 @@ use glam::Vec3;
 
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
+use crate::reconstruct::glass_balls::GlassBalls;
+use crate::reconstruct::interpolate::surface_color;
 use crate::reconstruct::march::{Ray, refine};
 use crate::reconstruct::material::surface_material;
-use crate::reconstruct::normal::patch;
-use crate::reconstruct::render::{Outcome, RenderSettings, background, surface};
+use crate::reconstruct::normal::{Patch, patch};
+use crate::reconstruct::render::{Outcome, RenderSettings, background, light_of, surface};
 use crate::reconstruct::solid::{Inside, reflect};
 
 /// Rays of a smaller share are not sent: the colour that views saw takes their place.
@@ -67,13 +70,29 @@ pub struct Effects<'a> {
     views: &'a ActiveViews<'a>,
     camera_weights: &'a [f32],
     settings: &'a RenderSettings,
+    glass: &'a GlassBalls,
+    /// Of each ball the view from its centre, alone.
+    around: Vec<ActiveViews<'a>>,
     pending: Vec<Pending>,
 }
 
+/// How the surface lies that light is divided at.
+struct Front {
+    point: Vec3,
+    patch: Patch,
+    /// The ball that it is of.
+    ball: Option<usize>,
+}
+
 impl<'a> Effects<'a> {
-    /// Nothing is followed yet.
-    pub fn new(views: &'a ActiveViews<'a>, camera_weights: &'a [f32], settings: &'a RenderSettings) -> Effects<'a> {
-        Effects { views, camera_weights, settings, pending: Vec::new() }
+    /// Nothing is followed yet. `glass` are the balls of these views.
+    pub fn new(
+        views: &'a ActiveViews<'a>,
+        camera_weights: &'a [f32],
+        settings: &'a RenderSettings,
+        glass: &'a GlassBalls,
+    ) -> Effects<'a> {
+        Effects { views, camera_weights, settings, glass, around: glass.around(), pending: Vec::new() }
     }
 
     /// The light of a surface that a ray from the eye met.
@@ -97,31 +116,36 @@ impl<'a> Effects<'a> {
         counters.material_samples += 1;
         let Some(material) = surface_material(self.views, self.camera_weights, met.point) else { return whole };
         counters.normal_evals += 1;
-        let Some(front) = patch(self.views, self.camera_weights, met.point) else { return whole };
-        let cosine = -met.direction.dot(front.normal);
+        let Some(front) = self.front(&met, material.refract > 0.0) else { return whole };
+        let cosine = -met.direction.dot(front.patch.normal);
         if cosine <= 0.0 {
             return whole;
         }
         let material = material.towards(cosine);
         let (mut light, mut left) = (Vec3::ZERO, share);
         if share * material.refract >= LEAST_SHARE {
-            let inside = Inside { views: self.views, camera_weights: self.camera_weights, steps: &self.settings.steps };
-            let ray = Ray { origin: met.point, direction: met.direction };
-            for (ray, part) in inside.pass(&ray, &front, material.ior, counters).into_iter().flatten() {
+            let inside = Inside {
+                views: self.views,
+                camera_weights: self.camera_weights,
+                steps: &self.settings.steps,
+                whole: front.ball.map(|at| self.glass.balls[at].ball),
+            };
+            let ray = Ray { origin: front.point, direction: met.direction };
+            for (ray, part) in inside.pass(&ray, &front.patch, material.ior, counters).into_iter().flatten() {
                 let part = share * material.refract * part;
                 if part < LEAST_SHARE {
                     continue;
                 }
-                if let Some(now) = self.follow(&ray, front.texel_m, (part, bounces), counters) {
+                if let Some(now) = self.follow(&ray, &front, (part, bounces), counters) {
                     light += now;
                     left -= part;
                 }
             }
         }
         if share * material.reflect >= LEAST_SHARE {
-            let origin = met.point + LIFT_TEXELS * front.texel_m * front.normal;
-            let ray = Ray { origin, direction: reflect(met.direction, front.normal) };
-            if let Some(now) = self.follow(&ray, front.texel_m, (share * material.reflect, bounces), counters) {
+            let origin = front.point + LIFT_TEXELS * front.patch.texel_m * front.patch.normal;
+            let ray = Ray { origin, direction: reflect(met.direction, front.patch.normal) };
+            if let Some(now) = self.follow(&ray, &front, (share * material.reflect, bounces), counters) {
                 light += now;
                 left -= share * material.reflect;
             }
@@ -129,20 +153,41 @@ impl<'a> Effects<'a> {
         light + left.max(0.0) * met.light
     }
 
+    /// How the surface lies that a ray met: that of a ball, if it is of glass and on one, else as views have it.
+    fn front(&self, met: &Met, is_glass: bool) -> Option<Front> {
+        let at = if is_glass { self.glass.at(met.point) } else { None };
+        let on_ball = || {
+            let ball = self.glass.balls[at?].ball;
+            let point = ball.entry(&Ray { origin: met.point, direction: met.direction })?;
+            // Rays that leave a ball need not be lifted: they are not compared with its own texels.
+            let patch = Patch { normal: ball.normal(point)?, curvature: Some(ball.radius_m.recip()), texel_m: 0.0 };
+            Some(Front { point, patch, ball: at })
+        };
+        let by_views = || {
+            let patch = patch(self.views, self.camera_weights, met.point)?;
+            Some(Front { point: met.point, patch, ball: None })
+        };
+        on_ball().or_else(by_views)
+    }
+
     /// What a ray with a share brings: light of the background, or for now nothing, where it meets a surface. None where
-    /// no view saw anything. `texel_m` is the width of a texel of the surface that it leaves.
+    /// no view saw anything. `front` is the surface that it leaves.
     fn follow(
         &mut self,
         ray: &Ray,
-        texel_m: f32,
+        front: &Front,
         (share, bounces): (f32, u32),
         counters: &mut Counters,
     ) -> Option<Vec3> {
         counters.secondary_rays += 1;
         let steps = &self.settings.steps;
-        let hit = match self.leave(ray, texel_m, counters)? {
-            Left::Hit(distance_m) => Some(distance_m),
-            Left::Open(first) => self.settings.acceleration.intersect_from(self.views, ray, (steps, first), counters),
+        let acceleration = self.settings.acceleration;
+        let hit = match front.ball {
+            Some(at) => acceleration.intersect(&self.around[at], ray, steps, counters),
+            None => match self.leave(ray, front.patch.texel_m, counters)? {
+                Left::Hit(distance_m) => Some(distance_m),
+                Left::Open(first) => acceleration.intersect_from(self.views, ray, (steps, first), counters),
+            },
         };
         let Some(distance_m) = hit else {
             return match background(self.views, self.camera_weights, ray.direction) {
@@ -157,7 +202,11 @@ impl<'a> Effects<'a> {
                 self.pending.push(Pending { met, share, bounces: bounces - 1 });
                 Some(Vec3::ZERO)
             }
-            Outcome::Hole(_) => None,
+            // What is hidden from all views was seen through the ball.
+            Outcome::Hole(_) => {
+                let seen = surface_color(&self.around[front.ball?], &[1.0], point)?;
+                Some(share * light_of(self.views.coding, seen.color))
+            }
         }
     }
 

@@ -2,14 +2,16 @@
 //!
 //! Enters: an open container and cameras. Leaves: which tiles and cells the cameras see, so that only those are
 //! decoded; the texels of what is shown (`player`, `light_field`); pictures from any eye (`render`: `march` says where a ray
-//! ends, `interpolate` what colour is there, `effects` what mirrors and glass show there, by `material`, `normal` and
-//! `solid`).
+//! ends, `interpolate` what colour is there, `effects` what mirrors and glass show there, by `material`, `normal`,
+//! `solid`, and of balls of glass `glass_balls`, `surroundings` and `hidden_planes`).
 
 pub mod active_views;
 pub mod camera_file;
 pub mod counters;
 pub mod effects;
 pub mod face_image;
+pub mod glass_balls;
+pub mod hidden_planes;
 pub mod interpolate;
 pub mod key_poses;
 mod lanes;
@@ -40,6 +42,7 @@ pub mod shown_face;
 pub mod similarity;
 pub mod solid;
 pub mod splat;
+pub mod surroundings;
 #[cfg(test)]
 mod tests;
 pub mod trace;

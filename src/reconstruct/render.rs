@@ -13,6 +13,7 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::effects::{Effects, Met};
+use crate::reconstruct::glass_balls::GlassBalls;
 use crate::reconstruct::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::march::{self, Ray, Steps};
@@ -140,10 +141,10 @@ pub fn render(
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
     let scene = PacketScene::new(views, &weights);
-    let sends_on = sends_on(views, settings.effects);
+    let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut row = scene.row(settings);
-        let mut effects = sends_on.then(|| Effects::new(views, &weights, settings));
+        let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
         let mut all = Vec::with_capacity(directions.len());
         for four in directions.chunks(4) {
             let outcomes = row.outcomes(four, counters);
@@ -167,9 +168,9 @@ pub fn render_plainly(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
-    let sends_on = sends_on(views, settings.effects);
+    let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
     render_rows((camera, settings), monitor, |directions, counters| {
-        let mut effects = sends_on.then(|| Effects::new(views, &weights, settings));
+        let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
         let of_one = |&direction: &Vec3| {
             let ray = Ray { origin: Vec3::ZERO, direction };
             let (distance_m, outcome) = outcome(views, &weights, &ray, settings, counters);

@@ -4,6 +4,7 @@
 //!
 //! Depths end at the front of a solid. Its back is one of these, the first that holds:
 //!
+//! - Of a ball that is known as a whole (`glass_balls`), the ball's.
 //! - What a view on the other side sees: the ray is followed until a view sees past a point, and a view sees a surface there.
 //! - A ball that touches the front and is bent as it is. It is cut off where a view sees past it.
 //! - Nothing, where the front is flat or hollow: a pane, behind which the ray goes on as it came.
@@ -44,16 +45,31 @@ pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
 
 /// A ball that stands for a solid of which only the front is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Ball {
+pub struct Ball {
     /// Metres from the eye.
-    centre: Vec3,
-    radius_m: f32,
+    pub centre: Vec3,
+    /// Metres, above 0.
+    pub radius_m: f32,
 }
 
 impl Ball {
+    /// Where a ray that comes from outside first meets the ball, which may be before or behind its origin. None where it
+    /// passes by.
+    pub fn entry(&self, ray: &Ray) -> Option<Vec3> {
+        let from_centre = ray.origin - self.centre;
+        let along = ray.direction.dot(from_centre);
+        let squared = along * along - (from_centre.length_squared() - self.radius_m * self.radius_m);
+        (squared > 0.0).then(|| ray.at(-along - squared.sqrt()))
+    }
+
+    /// The direction out of the ball at a point on it, of length 1.
+    pub fn normal(&self, point: Vec3) -> Option<Vec3> {
+        (point - self.centre).try_normalize()
+    }
+
     /// How far a ray, which need not start on the ball, goes until it leaves it for good. None where it does not go
     /// through it.
-    fn exit_m(&self, ray: &Ray) -> Option<f32> {
+    pub fn exit_m(&self, ray: &Ray) -> Option<f32> {
         let from_centre = ray.origin - self.centre;
         let along = ray.direction.dot(from_centre);
         let squared = along * along - (from_centre.length_squared() - self.radius_m * self.radius_m);
@@ -71,6 +87,8 @@ pub struct Inside<'a> {
     pub camera_weights: &'a [f32],
     /// Where rays are looked at.
     pub steps: &'a Steps,
+    /// The ball that the solid is known to be, whole ([`super::glass_balls`]): no view has to be asked for its back.
+    pub whole: Option<Ball>,
 }
 
 impl Inside<'_> {
@@ -81,7 +99,8 @@ impl Inside<'_> {
         let mut exits = Exits::default();
         let Ray { origin, direction } = *ray;
         let Some(bend) = front.curvature else { return exits };
-        let open_behind = !self.views.is_surface(origin + direction * (BEHIND_TEXELS * front.texel_m));
+        let open_behind =
+            self.whole.is_none() && !self.views.is_surface(origin + direction * (BEHIND_TEXELS * front.texel_m));
         if open_behind && bend * front.texel_m < -FLAT {
             // A hollow with open space behind it: the ray was inside, and leaves.
             exits[0] = refract(direction, front.normal, ior).map(|direction| (Ray { origin, direction }, 1.0));
@@ -89,10 +108,11 @@ impl Inside<'_> {
         }
         let Some(direction) = refract(direction, front.normal, ior.recip()) else { return exits };
         let mut inside = Ray { origin, direction };
-        let ball = (bend * front.texel_m > FLAT).then(|| {
+        let touching = || {
             let radius_m = bend.recip();
             Ball { centre: origin - radius_m * front.normal, radius_m }
-        });
+        };
+        let ball = self.whole.or_else(|| (bend * front.texel_m > FLAT).then(touching));
         let mut share = 1.0;
         for (turn, exit) in exits.iter_mut().enumerate() {
             let Some((end, normal)) = self.back(&inside, ball, front.texel_m, counters) else {
@@ -120,7 +140,10 @@ impl Inside<'_> {
             None => None,
         };
         let limit_m = chord_m.map_or(f32::INFINITY, |chord_m| 2.0 * chord_m);
-        let open = self.first_open(inside, texel_m, limit_m, counters);
+        let open = match self.whole {
+            Some(_) => None,
+            None => self.first_open(inside, texel_m, limit_m, counters),
+        };
         if let Some(open_m) = open {
             let end = inside.at(open_m);
             counters.normal_evals += 1;
@@ -132,9 +155,8 @@ impl Inside<'_> {
                 return Some((end, seen.normal));
             }
         }
-        let Ball { centre, .. } = ball?;
         let end = inside.at(chord_m?.min(open.unwrap_or(f32::INFINITY)));
-        Some((end, (end - centre).try_normalize()?))
+        Some((end, ball?.normal(end)?))
     }
 
     /// The distance, up to a limit, from which on a view sees past the ray.
@@ -219,7 +241,7 @@ mod tests {
         let views = ActiveViews::new(&light_field, &[0, 1], DVec3::new(0.0, 0.0, 1.0));
         let weights = camera_weights(&views);
         let steps = Steps::new(512, 0.01, 60.0, 12);
-        let inside = Inside { views: &views, camera_weights: &weights, steps: &steps };
+        let inside = Inside { views: &views, camera_weights: &weights, steps: &steps, whole: None };
         let ray = Ray { origin: Vec3::NEG_Z, direction: Vec3::NEG_Z };
         let front = patch(&views, &weights, ray.origin).unwrap();
         assert!(front.normal.distance(Vec3::Z) < 1e-3);

@@ -10,10 +10,12 @@ use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
 use lightfold::reconstruct::active_views::ActiveViews;
+use lightfold::reconstruct::counters::Counters;
+use lightfold::reconstruct::glass_balls::GlassBalls;
 use lightfold::reconstruct::interpolate::camera_weights;
 use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
 use lightfold::reconstruct::made::Made;
-use lightfold::reconstruct::march::Steps;
+use lightfold::reconstruct::march::{Ray, Steps};
 use lightfold::reconstruct::normal::patch;
 use lightfold::reconstruct::render::{
     Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly,
@@ -146,7 +148,7 @@ fn mirrors_show_what_stands_around_them() {
     let both = gain(|[reflect, refract, _]| reflect + refract > 0.0);
     let neither = gain(|[reflect, refract, _]| reflect + refract == 0.0);
     assert!(mirror >= 8.0 && both >= 6.0, "mirror {mirror} dB, both {both} dB");
-    assert!(glass >= -0.1, "glass {glass} dB");
+    assert!(glass >= 3.0, "glass {glass} dB");
     assert!(neither >= -0.1, "elsewhere {neither} dB");
 }
 
@@ -257,6 +259,33 @@ fn normals_are_those_of_the_ball() {
     let middle = (angles[angles.len() / 2], errors[errors.len() / 2]);
     assert!(middle.0 < 0.8 && angles[angles.len() - 1] < 3.0, "degrees: {angles:?}");
     assert!(middle.1 < 0.05, "parts of the curvature: {errors:?}");
+}
+
+/// The ball is where it is, and the view from its centre sees the walls as far as they are, also behind the ball, where no
+/// probe sees them.
+#[test]
+fn balls_of_glass_are_known_as_wholes() {
+    let field = field(&scene(), &corners(), 96);
+    let indices: Vec<usize> = (0..8).collect();
+    let views = ActiveViews::new(&field, &indices, MIDDLE);
+    let glass = GlassBalls::of(&views, &camera_weights(&views));
+    let [found] = &glass.balls[..] else { panic!("one ball of glass: {:?}", glass.balls.len()) };
+    assert!(found.ball.centre.distance((GLASS.0 - MIDDLE).as_vec3()) < 1e-3, "{:?}", found.ball);
+    assert!((f64::from(found.ball.radius_m) - GLASS.1).abs() < 1e-3 && (found.ior - 1.5).abs() < 0.01, "{:?}", found);
+    let around = glass.around();
+    let (mut errors, steps) = (Vec::new(), Steps::new(256, 0.02, 10.0, 8));
+    for at in 0..63 {
+        let [x, y] = [at % 9, at / 9].map(|at| (f64::from(at) - 4.0) / 10.0);
+        let direction = DVec3::new(x, y - 0.4, -1.0).normalize();
+        // The walls of the room of the scene.
+        let walls = [DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0)].map(|wall| (wall - GLASS.0) / direction);
+        let expected_m = walls[0].max(walls[1]).min_element();
+        let ray = Ray { origin: found.ball.centre, direction: direction.as_vec3() };
+        let hit = Acceleration::Pyramid.intersect(&around[0], &ray, &steps, &mut Counters::default());
+        errors.push((f64::from(hit.unwrap()) / expected_m).ln().abs());
+    }
+    errors.sort_by(f64::total_cmp);
+    assert!(errors[errors.len() / 2] < 0.02 && errors[errors.len() * 9 / 10] < 0.1, "{errors:?}");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::image::transfer::Transfer;
 use crate::math::Camera;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::effects::MAX_BOUNCES;
+use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
@@ -63,7 +64,8 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("pyramid_rows", 1),
             ("longest_segment", 1),
             ("first_segment", 1),
-            ("spare", 3),
+            ("ball_count", 1),
+            ("spare", 2),
         ],
     ),
     (
@@ -112,10 +114,10 @@ pub struct SceneWords {
     pub distances_m: Vec<u32>,
 }
 
-/// The words of a picture; `place` says where the image of a face of an active view lies, and `pyramid_rows` is
+/// The words of a picture; `place` says where the image of a probe's face lies, and `pyramid_rows` is
 /// [`super::texels::DeviceTexels::pyramid_rows`].
 pub fn words(
-    views: &ActiveViews<'_>,
+    (views, glass): (&ActiveViews<'_>, &GlassBalls),
     camera: &Camera,
     settings: &RenderSettings,
     pyramid_rows: u32,
@@ -127,11 +129,12 @@ pub fn words(
         Acceleration::None => [1, 1],
         Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, first, 0, 0, 0]);
+    scene.extend([pyramid_rows, longest, first, glass.balls.len() as u32, 0, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
-    for (at, (active, camera_weight)) in views.views.iter().zip(camera_weights(views)).enumerate() {
+    let from_balls = glass.balls.iter().map(|ball| (from_centre(ball), 1.0));
+    for (active, camera_weight) in views.views.iter().copied().zip(camera_weights(views)).chain(from_balls) {
         let turn = active.probe_from_world;
         for (axis, last) in [
             (active.from_eye, active.view.near_m),
@@ -146,7 +149,7 @@ pub fn words(
             let Some(texels) = texels else { continue };
             numbers[face] = count;
             count += 1;
-            let origin = place(at, face);
+            let origin = place(active.view.probe, face);
             words.faces.extend(origin.texels);
             words.faces.extend([origin.layer, texels.material.is_some().into()]);
             words.faces.extend(texels.size);
@@ -212,7 +215,7 @@ mod tests {
     use crate::image::cube::Face;
     use crate::reconstruct::interpolate::DEPTH_EPSILON;
     use crate::reconstruct::light_field::{BACKGROUND, UNKNOWN};
-    use crate::reconstruct::{effects, march, material, normal, pyramid, solid};
+    use crate::reconstruct::{effects, glass_balls, march, material, normal, pyramid, solid};
     use crate::video::convert::IOR_RANGE;
 
     fn renders(kernel: &&&Kernel) -> bool {
@@ -277,6 +280,7 @@ mod tests {
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),
             ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
+            ("NEAR_BALL", glass_balls::NEAR_BALL),
             ("LEAST_SHARE", effects::LEAST_SHARE),
             ("LIFT_TEXELS", effects::LIFT_TEXELS),
             ("HIDDEN_TEXELS", effects::HIDDEN_TEXELS),
@@ -287,12 +291,13 @@ mod tests {
     }
 
     /// Constants that shaders have for themselves: what stands for an enum or for nothing, and lengths that floats set.
-    const OF_SHADERS: [&str; 11] = [
+    const OF_SHADERS: [&str; 12] = [
+        "ALL_VIEWS",
         "OPEN",
         "BEHIND",
         "NOT_KNOWN",
         "FOUND_NOTHING",
-        "FOUND_BACKGROUND",
+        "FOUND_LIGHT",
         "FOUND_SURFACE",
         "MOST_PENDING",
         "NO_TEXEL",
