@@ -43,6 +43,7 @@ pub mod splat;
 #[cfg(test)]
 mod tests;
 pub mod trace;
+pub mod units_on_device;
 pub mod visibility;
 pub mod wanted;
 

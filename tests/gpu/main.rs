@@ -2,6 +2,7 @@
 //!
 //! The environment variable `LIGHTFOLD_GPU` picks a device by its number or a part of its name.
 
+mod decoding;
 mod pictures;
 
 use std::path::Path;
@@ -334,6 +335,8 @@ fn main() {
         Trial::test("commands", commands),
         Trial::test("refusals", refusals),
         Trial::test("long_ways", long_ways),
+        Trial::test("decoding::texels", decoding::texels),
+        Trial::test("decoding::after_errors", decoding::after_errors),
         Trial::test("pictures::playback", pictures::playback),
         Trial::test("pictures::larger_images", pictures::larger_images),
         Trial::test("pictures::refusals", pictures::refusals),
