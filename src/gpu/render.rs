@@ -114,6 +114,11 @@ impl<'a> GpuRenderer<'a> {
         GpuRenderer { gpu, texels, units, buffers: HashMap::new(), cost }
     }
 
+    /// Whether the device decodes depth and colour.
+    pub fn decodes(&self) -> bool {
+        self.units.is_some()
+    }
+
     /// What decodes depth and colour, where the CPU does not.
     pub fn units(&mut self) -> Option<&mut DeviceUnits<'a>> {
         self.units.as_mut()

@@ -99,7 +99,8 @@ impl<'f> Tables<'f> {
     }
 
     fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
-        let alike = |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
+        let alike =
+            |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
         if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
             return *at;
         }

@@ -38,14 +38,13 @@ impl<'a> DeviceRenderer<'a> {
     #[must_use]
     pub fn decoding(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
         let gpu = self.gpu;
-        let renderer =
-            can_decode(decoder).then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
+        let renderer = can_decode(decoder).then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
         DeviceRenderer { renderer, ..self }
     }
 
     /// Whether the device decodes depth and colour.
-    pub fn decodes(&mut self) -> bool {
-        self.device_units().is_some()
+    pub fn decodes(&self) -> bool {
+        self.renderer.as_ref().is_some_and(GpuRenderer::decodes)
     }
 
     /// What decodes depth and colour, where the CPU does not.

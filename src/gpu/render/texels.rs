@@ -277,24 +277,21 @@ impl DeviceTexels {
     }
 
     /// Lists what is to be copied of what the device has decoded of an image.
-    fn list_copies<'u>(&mut self, key: Key, units: &'u DeviceUnits<'_>, copies: &mut Vec<Copy<'u>>) {
+    fn list_copies<'u>(&mut self, key: Key, units: &'u DeviceUnits<'_>, copies: &mut Vec<TexelCopy<'u>>) {
         let (origin, rows) = (self.origin(key), self.pyramid_rows());
         let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return };
         let Some(planes) = units.planes(key.0) else { return };
-        let [(texels, levels), image] = match planes.levels(key.1) {
-            [texels, levels @ ..] => [(texels, levels), (texels, levels)],
-            [] => return,
-        };
-        let [width, height] = image.0.size;
+        let [texels, levels @ ..] = planes.levels(key.1) else { return };
+        let [width, height] = texels.size;
         let mut changed = None;
         for (kind, rectangle) in std::mem::take(&mut held.stale) {
             let Some(rectangle) = overlap(rectangle, [0, 0, width, height]) else { continue };
             if kind == StreamKind::Depth {
                 changed = Some(bounds(changed, rectangle));
                 let target = (textures.inverse_depths.clone(), origin.texels, origin.layer);
-                copies.push(Copy::of_plane((planes.buffer(), texels), target, rectangle));
+                copies.push(TexelCopy::of_plane((planes.buffer(), texels), target, rectangle));
             } else {
-                copies.extend(units.cells(key, rectangle).into_iter().map(|cell| Copy {
+                copies.extend(units.cells(key, rectangle).into_iter().map(|cell| TexelCopy {
                     buffer: cell.pictures,
                     at: cell.at,
                     pitch: cell.pitch,
@@ -308,7 +305,7 @@ impl DeviceTexels {
         for (level, plane) in levels.iter().enumerate() {
             let place = [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level)];
             let target = (textures.pyramids.clone(), place, origin.layer);
-            copies.push(Copy::of_plane((planes.buffer(), plane), target, above(changed, level)));
+            copies.push(TexelCopy::of_plane((planes.buffer(), plane), target, above(changed, level)));
         }
     }
 
@@ -337,7 +334,7 @@ impl DeviceTexels {
 
 /// Words of a buffer that become texels of four bytes.
 #[derive(Debug)]
-struct Copy<'u> {
+struct TexelCopy<'u> {
     buffer: &'u wgpu::Buffer,
     /// First word.
     at: u32,
@@ -350,15 +347,22 @@ struct Copy<'u> {
     size: [u32; 2],
 }
 
-impl<'u> Copy<'u> {
+impl<'u> TexelCopy<'u> {
     /// A rectangle of a plane, to the same place of an image that begins at a column and a row of a layer.
     fn of_plane(
         (buffer, plane): (&'u wgpu::Buffer, &Plane),
         (texture, [column, row], layer): (wgpu::Texture, [u32; 2], u32),
         [left, top, width, height]: Rectangle,
-    ) -> Copy<'u> {
+    ) -> TexelCopy<'u> {
         let at = plane.at + top * plane.pitch + left;
-        Copy { buffer, at, pitch: plane.pitch, texture, origin: [column + left, row + top, layer], size: [width, height] }
+        TexelCopy {
+            buffer,
+            at,
+            pitch: plane.pitch,
+            texture,
+            origin: [column + left, row + top, layer],
+            size: [width, height],
+        }
     }
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
