@@ -23,5 +23,6 @@ fn between(a: vec3u, b: vec3u, weight: u32) -> vec3u {
 }
 
 fn put_pixel(unit: Unit, pixel: u32, color: vec3u) {
-    pictures[unit.picture + pixel] = pack(color);
+    // Rows may be longer than their pixels.
+    pictures[unit.picture + pixel + pixel / unit.width * (unit.stride - unit.width)] = pack(color);
 }

@@ -65,6 +65,34 @@ struct Dispatch {
     z: u32,
 }
 
+struct DepthJob {
+    picture: u32,
+    stride: u32,
+    left: u32,
+    top: u32,
+    width: u32,
+    table: u32,
+    stretch: u32,
+    stretch_pitch: u32,
+    place: u32,
+    pitch: u32,
+    end: u32,
+}
+
+struct SquareJob {
+    below: u32,
+    below_pitch: u32,
+    below_width: u32,
+    below_height: u32,
+    left: u32,
+    top: u32,
+    width: u32,
+    place: u32,
+    pitch: u32,
+    most: u32,
+    end: u32,
+}
+
 // Lists: two words before the rows.
 
 struct Items {
@@ -77,6 +105,18 @@ struct Jobs {
     total: u32,
     count: u32,
     list: array<Job>,
+}
+
+struct DepthJobs {
+    total: u32,
+    count: u32,
+    list: array<DepthJob>,
+}
+
+struct SquareJobs {
+    total: u32,
+    count: u32,
+    list: array<SquareJob>,
 }
 
 const NONE: u32 = 0xffffffffu;

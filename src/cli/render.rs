@@ -24,6 +24,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::TimedCamera;
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
 use crate::reconstruct::path::{self, Shot};
 use crate::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
@@ -173,7 +174,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let progress = Progress::start(global, "rendering", count)?;
     let gpu = args.open_device(global)?;
     let start = Instant::now();
-    let mut method = args.method(gpu.as_ref());
+    let mut method = args.method(gpu.as_ref(), &decoder, coding);
     let mut frames = report::Frames::default();
     takes.iter().try_for_each(|take| args.check_far(&playback, take))?;
     for take in &takes {
@@ -213,6 +214,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         bytes_out: bytes,
         device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
         gpu_cost: method.gpu_cost(),
+        decoded_on: method.decoded_on(),
         truth: truth.as_ref(),
     };
     report.print(global)?;
@@ -254,6 +256,14 @@ impl Method<'_> {
                 }
                 Ok(renderer)
             }
+        }
+    }
+
+    /// Where depth and colour were decoded.
+    fn decoded_on(&self) -> &'static str {
+        match self {
+            Method::Device(renderer) if renderer.decodes() => "device",
+            _ => "cpu",
         }
     }
 
@@ -394,11 +404,11 @@ impl Args {
         }
     }
 
-    fn method<'g>(&self, gpu: Option<&'g Gpu>) -> Method<'g> {
+    fn method<'g>(&self, gpu: Option<&'g Gpu>, decoder: &'g Decoder, coding: ColorCoding) -> Method<'g> {
         let options = self.picture_options();
         match self.march.method {
             MethodArg::March => match gpu {
-                Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options))),
+                Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(decoder, coding))),
                 None => Method::March(CpuRenderer { options }),
             },
             MethodArg::Splat => Method::Splat(SplatRenderer { options }),

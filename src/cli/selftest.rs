@@ -12,7 +12,7 @@ use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
-use crate::hard_cases::{self, CaseReport, Clip, Family, family_rows};
+use crate::hard_cases::{self, CaseReport, Family, Inputs, family_rows};
 use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
 
@@ -80,11 +80,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let mut cases = hard_cases::table();
     cases.retain(|case| args.family.is_empty() || args.family.iter().any(|name| name == case.family.name()));
     let progress = Progress::start(global, "hard cases", cases.len() as u64)?;
-    let (cases, clips): (Vec<CaseReport>, Vec<Vec<Clip>>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
+    let (cases, inputs): (Vec<CaseReport>, Vec<Inputs>) = hard_cases::run_all(&cases, &progress)?.into_iter().unzip();
     drop(progress);
     let mut all = Vec::new();
     for pick in &picks {
-        all.push(test_device(&Gpu::open(pick)?, args, &clips, global)?);
+        all.push(test_device(&Gpu::open(pick)?, args, &inputs, global)?);
     }
     let failed = all.iter().any(Tested::failed) || cases.iter().any(|case| !case.passed());
     if args.json {
@@ -95,11 +95,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     Ok(if failed { Outcome::Differs } else { Outcome::Fine })
 }
 
-fn test_device(gpu: &Gpu, args: &Args, clips: &[Vec<Clip>], global: &GlobalArgs) -> Result<Tested> {
-    let count = clips.iter().map(Vec::len).sum::<usize>() as u64;
+fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -> Result<Tested> {
+    let count = inputs.iter().map(|inputs| inputs.clips.len()).sum::<usize>() as u64;
     let more = if args.hard_cases { 0 } else { ROWS.len() as u64 + args.streams };
     let progress = Progress::start(global, "testing", count + more)?;
-    let hard_cases = hard_cases::device::compare(gpu, clips, &progress)?;
+    let hard_cases = hard_cases::device::compare(gpu, inputs, &progress)?;
     let (mut kernels, mut streams) = (Vec::new(), None);
     if !args.hard_cases {
         let kernel = |row| {
@@ -113,7 +113,7 @@ fn test_device(gpu: &Gpu, args: &Args, clips: &[Vec<Clip>], global: &GlobalArgs)
     Ok(Tested { info: gpu.info.clone(), kernels, hard_cases, streams })
 }
 
-/// A case as measured on the CPU and, where it made streams, shown on a device.
+/// A case as measured on the CPU and, where it made streams or pictures, shown on a device.
 fn case_json(case: &CaseReport, on_device: Option<(&DeviceInfo, &DeviceFigures)>) -> serde_json::Value {
     let differs = on_device.is_some_and(|(_, figures)| figures.mismatched_words > 0);
     json!({
@@ -130,6 +130,7 @@ fn case_json(case: &CaseReport, on_device: Option<(&DeviceInfo, &DeviceFigures)>
         "place": case.place,
         "note": case.note,
         "streams": case.streams,
+        "pictures": case.pictures,
         "seconds": case.seconds,
         "device": on_device.map(|(info, _)| &info.name),
         "mismatched_words": on_device.map(|(_, figures)| figures.mismatched_words),
@@ -137,11 +138,11 @@ fn case_json(case: &CaseReport, on_device: Option<(&DeviceInfo, &DeviceFigures)>
     })
 }
 
-/// Each case once, or once for each device that showed streams of it.
+/// Each case once, or once for each device that showed streams or pictures of it.
 fn cases_json(all: &[Tested], cases: &[CaseReport]) -> Vec<serde_json::Value> {
     let mut rows = Vec::new();
     for (at, case) in cases.iter().enumerate() {
-        if case.streams == 0 || all.is_empty() {
+        if case.streams + case.pictures == 0 || all.is_empty() {
             rows.push(case_json(case, None));
         } else {
             rows.extend(all.iter().map(|tested| case_json(case, Some((&tested.info, &tested.hard_cases[at])))));
@@ -243,8 +244,12 @@ fn device_text(tested: &Tested, cases: &[CaseReport]) -> String {
     }
     let words: u64 = hard_cases.iter().map(|case| case.mismatched_words).sum();
     let pictures: u64 = hard_cases.iter().map(|case| case.pictures).sum();
-    let count = hard_cases.iter().filter(|case| case.pictures > 0).count();
-    out += &format!("{count} hard cases with streams, {pictures} images, {words} words differ\n");
+    let count = hard_cases.iter().filter(|case| case.pictures > case.rendered).count();
+    let rendered: u64 = hard_cases.iter().map(|case| case.rendered).sum();
+    let images = pictures - rendered;
+    out += &format!(
+        "{count} hard cases with streams, {images} images; {rendered} pictures; {words} words or pixels differ\n"
+    );
     for (case, figures) in cases.iter().zip(hard_cases).filter(|(_, figures)| figures.mismatched_words > 0) {
         let first = figures.first.as_deref().unwrap_or_default();
         out += &format!("differs: {} ({}), {} words, {first}\n", case.name, case.pipeline, figures.mismatched_words);

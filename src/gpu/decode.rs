@@ -69,6 +69,10 @@ pub struct GpuDecoder<'a> {
     shown: Vec<Shown>,
     resident: Resident,
     most_work: u64,
+    /// Words of chunks that are kept from call to call.
+    kept_words: usize,
+    /// Pixels that the last call wrote of each unit that it wanted.
+    written: Vec<u64>,
     buffers: Buffers,
     plan: Arc<Pipeline>,
     kernel: Arc<Pipeline>,
@@ -122,12 +126,33 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// Their families differ, or their pictures do not fit into one buffer of the device.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder, streams: &[&'a StreamInfo]) -> Result<GpuDecoder<'a>> {
+        Self::with_rows(gpu, decoder, streams, 1)
+    }
+
+    /// The same, where rows of 8-bit colours take a multiple of `row_words` words: copies into textures want it.
+    ///
+    /// # Errors
+    /// As for [`GpuDecoder::new`].
+    pub fn with_rows(
+        gpu: &'a Gpu,
+        decoder: &'a Decoder,
+        streams: &[&'a StreamInfo],
+        row_words: u32,
+    ) -> Result<GpuDecoder<'a>> {
         let families: Vec<_> = streams.iter().map(|stream| Family::of(&stream.header)).collect();
         let family = families.first().copied().unwrap_or(Family::Nodes);
         if families.iter().any(|&other| other != family) {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
         }
-        let total: u64 = streams.iter().map(|stream| picture_words(stream)).sum();
+        let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
+        let multiple = if is_padded { row_words.max(1) } else { 1 };
+        let stride = |width: u32| family.stride(width).next_multiple_of(multiple);
+        let rects = |stream: &StreamInfo| {
+            let entry = stream.entry.clone();
+            (0..entry.unit_count()).map(move |unit| entry.unit_rect(unit))
+        };
+        let words = |[_, _, width, height]: [u32; 4]| u64::from(stride(width)) * u64::from(height);
+        let total: u64 = streams.iter().flat_map(|stream| rects(stream)).map(words).sum();
         // A buffer says itself what it would need and what is allowed.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
@@ -135,10 +160,10 @@ impl<'a> GpuDecoder<'a> {
         let (mut units, mut first_units, mut at) = (Vec::new(), Vec::new(), 0);
         for stream in streams {
             first_units.push(units.len());
-            for unit in 0..stream.entry.unit_count() {
-                let [_, _, width, height] = stream.entry.unit_rect(unit);
-                units.push(family.unit(&stream.header, [width, height], at));
-                at += family.stride(width) * height;
+            for [_, _, width, height] in rects(stream) {
+                let unit = family.unit(&stream.header, [width, height], at);
+                units.push(Unit { stride: stride(width), ..unit });
+                at += stride(width) * height;
             }
         }
         let filled = |label: &str, words: &[u32]| {
@@ -164,9 +189,11 @@ impl<'a> GpuDecoder<'a> {
             family,
             first_units,
             shown: vec![None; units.len()],
+            written: vec![0; units.len()],
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
             most_work: MOST_WORK,
+            kept_words: usize::MAX,
             buffers,
             plan: gpu.pipeline(family.plan())?,
             kernel: gpu.pipeline(family.kernel())?,
@@ -193,6 +220,11 @@ impl<'a> GpuDecoder<'a> {
         self.most_work = invocations.min(MOST_WORK);
     }
 
+    /// Drops all chunks before a call where they take more than `words` words, so that a long playback does not fill the device.
+    pub fn limit_kept(&mut self, words: usize) {
+        self.kept_words = words;
+    }
+
     /// Shows a frame of each stream; streams that do not have it stay as they are.
     ///
     /// # Errors
@@ -216,7 +248,14 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// A stream lacks a frame, a chunk is damaged, or the device fails.
     pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
-        let shapes = wanted.iter().map(|one| &self.units[self.first_units[one.stream] + one.unit as usize]);
+        if self.resident.stream_words() > self.kept_words {
+            self.resident.clear();
+        }
+        for one in wanted {
+            let unit = self.number(*one);
+            self.written[unit] = 0;
+        }
+        let shapes = wanted.iter().map(|one| &self.units[self.number(*one)]);
         self.wanted_pixels += shapes.map(|unit| u64::from(unit.width) * u64::from(unit.height)).sum::<u64>();
         let mut batch = Batch::default();
         let listed = self.list(wanted, &mut batch);
@@ -254,6 +293,46 @@ impl<'a> GpuDecoder<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Position of a unit among those of all streams.
+    fn number(&self, one: Wanted) -> usize {
+        self.first_units[one.stream] + one.unit as usize
+    }
+
+    /// Pixels that the last call wrote of a unit that it wanted.
+    pub fn written(&self, one: Wanted) -> u64 {
+        self.written[self.number(one)]
+    }
+
+    /// Whether what a unit's picture shows is known to be right for a frame.
+    pub fn shows(&self, one: Wanted) -> bool {
+        let Some((key, at)) = self.shown[self.number(one)] else { return false };
+        let Ok((held, entry)) = self.chunk(one) else { return false };
+        let frame = one.frame - entry.key.first_frame;
+        let blend = |frame: u32| self.resident.slot(key).map(|slot| slot.timeline.blend(frame).0);
+        let alike = || self.family.is_color() && blend(at).is_some() && blend(at) == blend(frame);
+        held == key && (at == frame || alike())
+    }
+
+    /// Where a unit's picture lies among [`GpuDecoder::pictures`].
+    pub fn unit(&self, stream: usize, unit: u32) -> &Unit {
+        &self.units[self.first_units[stream] + unit as usize]
+    }
+
+    /// Pictures of all units.
+    pub fn pictures(&self) -> &wgpu::Buffer {
+        &self.buffers.pictures
+    }
+
+    /// The streams that it was made for.
+    pub fn streams(&self) -> &[&'a StreamInfo] {
+        &self.streams
+    }
+
+    /// Bytes that went to the device so far.
+    pub fn bytes_sent(&self) -> u64 {
+        self.resident.bytes_sent() + self.buffers.items.bytes_sent()
     }
 
     /// Pixels of the units that were wanted, over all calls so far.
@@ -348,7 +427,7 @@ impl<'a> GpuDecoder<'a> {
     fn add(&mut self, one: Wanted, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
-        let unit = self.first_units[one.stream] + one.unit as usize;
+        let unit = self.number(one);
         if self.shown[unit] == Some((key, frame)) {
             return Ok(true);
         }
@@ -376,6 +455,7 @@ impl<'a> GpuDecoder<'a> {
         batch.work += u64::from(most_work);
         batch.rounds = batch.rounds.max(rounds);
         self.shown[unit] = Some((key, frame));
+        self.written[unit] = pixels;
         self.cost.updated_pixels += pixels;
         Ok(true)
     }

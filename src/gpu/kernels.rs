@@ -297,6 +297,24 @@ pub static BC7: Kernel = Kernel {
     workgroup: 64,
 };
 
+/// Inverse depths of texels.
+pub static TEXELS: Kernel = Kernel {
+    name: "texels",
+    entry: "write_depths",
+    files: &[LAYOUT, JOBS, file!("reconstruct/texels.wgsl")],
+    bindings: &[Read("pictures"), Read("tables"), Read("jobs"), Write("planes")],
+    workgroup: 64,
+};
+
+/// A level of the pyramids above them.
+pub static SQUARES: Kernel = Kernel {
+    name: "squares",
+    entry: "write_squares",
+    files: &[LAYOUT, JOBS, file!("reconstruct/squares.wgsl")],
+    bindings: &[Read("jobs"), Write("planes")],
+    workgroup: 64,
+};
+
 const VIEWS: ShaderFile = file!("reconstruct/layout.wgsl");
 const LIGHT_FIELD: ShaderFile = file!("reconstruct/light_field.wgsl");
 const ASKED_ALL: ShaderFile = file!("reconstruct/asked_all.wgsl");
@@ -394,7 +412,7 @@ pub static RENDER_EFFECTS: Kernel = Kernel {
 };
 
 /// All kernels.
-pub static KERNELS: [&Kernel; 20] = [
+pub static KERNELS: [&Kernel; 22] = [
     &NODES,
     &BOXES_CODES,
     &BOXES_MATERIAL,
@@ -412,6 +430,8 @@ pub static KERNELS: [&Kernel; 20] = [
     &BC5,
     &BC6H,
     &BC7,
+    &TEXELS,
+    &SQUARES,
     &RENDER,
     &RENDER_PYRAMID,
     &RENDER_EFFECTS,

@@ -159,9 +159,61 @@ structs! {
         /// Along z.
         z,
     }
+
+    /// Texels whose inverse depths are written.
+    DepthJob {
+        /// First word of the picture of the tile that they lie in; [`NONE`]: they become all alike.
+        picture,
+        /// Its words from row to row.
+        stride,
+        /// The first column of the tile.
+        left,
+        /// The first row of the tile.
+        top,
+        /// Columns.
+        width,
+        /// Where the inverse depths of codes start among the tables; without a picture, what the texels become.
+        table,
+        /// Where there is what the first texel is multiplied by; [`NONE`]: nothing is.
+        stretch,
+        /// Words from row to row of that.
+        stretch_pitch,
+        /// Word of the planes that the first texel lies in.
+        place,
+        /// Words from row to row of these.
+        pitch,
+        /// Invocations of all jobs up to this one and with it.
+        end,
+    }
+
+    /// Squares of a level of a pyramid that are written.
+    SquareJob {
+        /// First word of the level below, or of the texels.
+        below,
+        /// Its words from row to row.
+        below_pitch,
+        /// Its columns.
+        below_width,
+        /// Its rows.
+        below_height,
+        /// The first column.
+        left,
+        /// The first row.
+        top,
+        /// Columns.
+        width,
+        /// First word of the level.
+        place,
+        /// Its words from row to row.
+        pitch,
+        /// The greatest that is written, as bits.
+        most,
+        /// Invocations of all jobs up to this one and with it.
+        end,
+    }
 }
 
-/// Words before the rows of a list: of `Items` and of `Jobs`.
+/// Words before the rows of a list: of `Items` and of all sorts of jobs.
 pub const LIST_HEAD_WORDS: usize = 2;
 
 constants! {

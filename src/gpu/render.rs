@@ -8,9 +8,11 @@
 //! grazes a surface may pass it on one and not on the other.
 
 pub mod agreement;
+pub mod depth_planes;
 pub mod playback;
 pub mod scene;
 pub mod texels;
+pub mod units;
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -19,8 +21,9 @@ use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords};
+use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords, VIEW_WORDS};
 use crate::gpu::render::texels::DeviceTexels;
+use crate::gpu::render::units::{DeviceUnits, UnitCost};
 use crate::image::plane::Plane;
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -29,7 +32,8 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
 use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
 use crate::reconstruct::interpolate::camera_weights;
-use crate::reconstruct::light_field::{FaceTexels, LightField};
+use crate::reconstruct::light_field::{ColorCoding, FaceTexels, LightField};
+use crate::reconstruct::pyramid::LEAST_M;
 use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
 
 /// Rows and columns of pixels of a workgroup.
@@ -64,8 +68,12 @@ const SHORT: Duration = Duration::from_millis(50);
 pub struct RenderCost {
     /// Time for bringing texels onto the device.
     pub sending: Duration,
-    /// Bytes of these texels.
+    /// Bytes of these texels, and of all that is decoded on the device.
     pub bytes_sent: u64,
+    /// Bytes of texels that were decoded on the device, and copied there.
+    pub bytes_copied: u64,
+    /// What decoding on the device has cost.
+    pub units: UnitCost,
     /// Time in which the device marched, from the first dispatch to the end of the last.
     pub marching: Duration,
     /// Time for reading pictures back.
@@ -77,6 +85,8 @@ pub struct RenderCost {
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     texels: DeviceTexels,
+    /// What decodes depth and colour, where the CPU does not.
+    units: Option<DeviceUnits<'a>>,
     /// Buffers of the last picture by name, for pictures that need the same size.
     buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
@@ -93,12 +103,38 @@ struct Target {
 impl<'a> GpuRenderer<'a> {
     /// A renderer of views of this light field. Nothing is sent until a picture needs it.
     pub fn new(gpu: &'a Gpu, field: &LightField) -> GpuRenderer<'a> {
-        GpuRenderer { gpu, texels: DeviceTexels::new(field), buffers: HashMap::new(), cost: RenderCost::default() }
+        Self::of_coding(gpu, field.coding, None)
+    }
+
+    /// A renderer of a light field whose depth and colour the device decodes, and whose colours are coded so.
+    pub fn decoding(gpu: &'a Gpu, coding: ColorCoding, units: DeviceUnits<'a>) -> GpuRenderer<'a> {
+        Self::of_coding(gpu, coding, Some(units))
+    }
+
+    fn of_coding(gpu: &'a Gpu, coding: ColorCoding, units: Option<DeviceUnits<'a>>) -> GpuRenderer<'a> {
+        let (texels, cost) = (DeviceTexels::new(coding), RenderCost::default());
+        GpuRenderer { gpu, texels, units, buffers: HashMap::new(), cost }
+    }
+
+    /// Whether the device decodes depth and colour.
+    pub fn decodes(&self) -> bool {
+        self.units.is_some()
+    }
+
+    /// What decodes depth and colour, where the CPU does not.
+    pub fn units(&mut self) -> Option<&mut DeviceUnits<'a>> {
+        self.units.as_mut()
+    }
+
+    /// The texels on the device.
+    pub fn texels(&self) -> &DeviceTexels {
+        &self.texels
     }
 
     /// What it has cost so far.
     pub fn cost(&self) -> RenderCost {
-        self.cost
+        let units = self.units.as_ref().map(DeviceUnits::cost).unwrap_or_default();
+        RenderCost { units, bytes_sent: self.cost.bytes_sent + units.bytes_sent, ..self.cost }
     }
 
     /// Texels of a probe (its index in the container) and a face have changed since the last picture: `[left, top, width,
@@ -122,13 +158,14 @@ impl<'a> GpuRenderer<'a> {
     /// They are too many or too large for the device.
     pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
-        let sent = self.texels.bring(self.gpu, views)?;
-        if sent > 0 {
+        let [sent, copied] = self.texels.bring(self.gpu, views, self.units.as_ref())?;
+        if sent + copied > 0 {
             // Else they would go there with the first dispatch, and count as marching.
             self.gpu.queue.submit([]);
             self.gpu.wait()?;
         }
         self.cost.bytes_sent += sent;
+        self.cost.bytes_copied += copied;
         self.cost.sending += start.elapsed();
         Ok(())
     }
@@ -170,6 +207,7 @@ impl<'a> GpuRenderer<'a> {
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
         let target = self.target(kernel, &words, settings.size)?;
+        self.copy_greatest(views)?;
         let mut start = Instant::now();
         let [least, most] = rows_of_dispatch(self.gpu, views.views.len(), kernel, settings);
         let (mut first_row, mut rows) = (0, least);
@@ -239,6 +277,25 @@ impl<'a> GpuRenderer<'a> {
         });
         let group = gpu.guard(kernel.name, || gpu.bind_resources(&pipeline, resources))?;
         Ok(Target { scene, pixels, counts, group })
+    }
+
+    /// Brings the greatest inverse depths of views that the device has decoded to where the kernel reads them: the CPU does not
+    /// know them.
+    fn copy_greatest(&self, views: &ActiveViews<'_>) -> Result<()> {
+        let (Some(units), Some(words)) = (&self.units, self.buffers.get("views")) else { return Ok(()) };
+        let decoded = views.views.iter().enumerate().filter_map(|(at, active)| {
+            let planes = units.planes(active.view.probe)?;
+            (planes.has_greatest() && active.view.near_m >= LEAST_M).then_some((at, planes))
+        });
+        self.gpu.guard("views", || {
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            for (at, planes) in decoded {
+                let from = 4 * u64::from(depth_planes::GREATEST_WORD);
+                let to = 4 * (at * VIEW_WORDS + scene::GREATEST_WORD) as u64;
+                encoder.copy_buffer_to_buffer(planes.buffer(), from, words, to, 4);
+            }
+            self.gpu.queue.submit([encoder.finish()]);
+        })
     }
 
     /// Renders some rows, and waits for them.

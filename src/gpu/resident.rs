@@ -22,6 +22,8 @@ pub struct Growing {
     used: usize,
     /// Words that follow, not yet on the device.
     pending: Vec<u32>,
+    /// Bytes that went to the device so far.
+    sent: u64,
 }
 
 impl Growing {
@@ -31,7 +33,7 @@ impl Growing {
     /// The device has no memory.
     pub fn new(gpu: &Gpu, label: &'static str) -> Result<Growing> {
         let buffer = gpu.buffer(label, FIRST_WORDS, wgpu::BufferUsages::empty())?;
-        Ok(Growing { label, buffer, words: FIRST_WORDS, used: 0, pending: Vec::new() })
+        Ok(Growing { label, buffer, words: FIRST_WORDS, used: 0, pending: Vec::new(), sent: 0 })
     }
 
     /// Words in it.
@@ -42,6 +44,11 @@ impl Growing {
     /// Whether it is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Bytes that went to the device so far.
+    pub fn bytes_sent(&self) -> u64 {
+        self.sent
     }
 
     /// The buffer, with all words once they were flushed.
@@ -81,6 +88,7 @@ impl Growing {
                 gpu.queue.write_buffer(&self.buffer, 4 * self.used as u64, bytemuck::cast_slice(&self.pending));
             })?;
             self.used = needed;
+            self.sent += 4 * self.pending.len() as u64;
             self.pending.clear();
         }
         Ok(())
@@ -137,6 +145,16 @@ impl Resident {
     /// Whether there are no chunks.
     pub fn is_empty(&self) -> bool {
         self.slots.is_empty()
+    }
+
+    /// Words of the chunks, tables apart.
+    pub fn stream_words(&self) -> usize {
+        self.stream.len()
+    }
+
+    /// Bytes that went to the device so far.
+    pub fn bytes_sent(&self) -> u64 {
+        [&self.stream, &self.records, &self.boxes, &self.chunks].into_iter().map(Growing::bytes_sent).sum()
     }
 
     /// Whether a chunk would find room.

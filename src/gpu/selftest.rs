@@ -7,6 +7,7 @@ mod nodes;
 pub mod pictures;
 mod plans;
 pub mod streams;
+mod texels;
 
 use crate::depth::pieces::Pieces;
 use crate::depth::records::Values;
@@ -59,6 +60,8 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::BC5, inputs: Words(blocks::bc5) },
     Row { kernel: &kernels::BC6H, inputs: Words(blocks::bc6h) },
     Row { kernel: &kernels::BC7, inputs: Words(blocks::bc7) },
+    Row { kernel: &kernels::TEXELS, inputs: Words(texels::depths) },
+    Row { kernel: &kernels::SQUARES, inputs: Words(texels::squares) },
     Row { kernel: &kernels::RENDER, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },

@@ -1,4 +1,5 @@
-//! The streams of hard cases on a graphics device: in order and entered anywhere, word by word as the CPU shows them.
+//! Hard cases on a graphics device: streams in order and entered anywhere, word by word as the CPU shows them; pictures as near to
+//! the CPU's as any must be.
 
 use crate::error::{Error, Result};
 use crate::gpu::decode::GpuDecoder;
@@ -6,6 +7,8 @@ use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::random::Random;
+use crate::gpu::selftest::pictures;
+use crate::hard_cases::Inputs;
 use crate::hard_cases::clip::{Clip, open};
 use crate::monitor::Monitor;
 use crate::video::decode::StreamInfo;
@@ -18,25 +21,39 @@ const JUMPS: u32 = 12;
 /// What a device showed of the streams of one case.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DeviceFigures {
-    /// Words that differ from the CPU's.
+    /// Words that differ from the CPU's; of rendered pictures, pixels that do so by more than is allowed.
     pub mismatched_words: u64,
     /// Where the first of them is.
     pub first: Option<String>,
     /// Pictures that were compared.
     pub pictures: u64,
+    /// Those of them that were rendered.
+    pub rendered: u64,
 }
 
 /// A clip, and the case that it is of.
 type Numbered<'a> = (usize, &'a Clip);
 
-/// Shows all clips of all cases on a device and on the CPU; one answer for each case. The monitor advances by one for each
-/// clip.
+/// Shows all clips and pictures of all cases on a device and on the CPU; one answer for each case. The monitor advances by one
+/// for each clip.
 ///
 /// # Errors
 /// The device fails, or was asked to stop.
-pub fn compare(gpu: &Gpu, clips: &[Vec<Clip>], monitor: &dyn Monitor) -> Result<Vec<DeviceFigures>> {
-    let mut figures = vec![DeviceFigures::default(); clips.len()];
-    let all = clips.iter().enumerate().flat_map(|(case, clips)| clips.iter().map(move |clip| (case, clip)));
+pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Vec<DeviceFigures>> {
+    let mut figures = vec![DeviceFigures::default(); inputs.len()];
+    for (figures, inputs) in figures.iter_mut().zip(inputs) {
+        for case in &inputs.pictures {
+            monitor.check()?;
+            let agreement = pictures::run(gpu, case)?.agreement;
+            figures.pictures += 1;
+            figures.rendered += 1;
+            figures.mismatched_words += agreement.mismatches();
+            if agreement.mismatches() > 0 {
+                figures.first.get_or_insert_with(|| format!("{}: {agreement:?}", case.label));
+            }
+        }
+    }
+    let all = inputs.iter().enumerate().flat_map(|(case, inputs)| inputs.clips.iter().map(move |clip| (case, clip)));
     for group in groups(all) {
         let copies: Vec<Clip> = group.iter().map(|(_, clip)| (*clip).clone()).collect();
         let decoder = open(&copies)?;
@@ -49,8 +66,8 @@ pub fn compare(gpu: &Gpu, clips: &[Vec<Clip>], monitor: &dyn Monitor) -> Result<
         for frame in (0..frames).chain(jumps) {
             monitor.check()?;
             on_gpu.decode(frame)?;
-            let pictures = on_gpu.read()?;
-            for ((&(case, clip), shown), on_cpu) in group.iter().zip(&pictures).zip(&mut on_cpu) {
+            let shown = on_gpu.read()?;
+            for ((&(case, clip), shown), on_cpu) in group.iter().zip(&shown).zip(&mut on_cpu) {
                 let words = mismatched_words(shown, &on_cpu.decode(frame)?);
                 let figures = figures.get_mut(case).ok_or_else(|| Error::invalid("a clip of no case"))?;
                 figures.pictures += 1;

@@ -11,7 +11,7 @@ use crate::gpu::random::Random;
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::hard_cases::{Bound, Family, HardCase, Inputs, Measured, Shelf, Worst};
 
 /// Bounds that every picture is held to, in codes.
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
@@ -95,7 +95,7 @@ fn condition_number(side: usize) -> Measured {
     }
     let (figure, raw) = (condition_of(ours), condition_of(powers));
     let note = format!("condition {figure:.1}; in powers of pixel coordinates {raw:.2e}");
-    Measured { figure, place: None, note: Some(note), clips: Vec::new() }
+    Measured { figure, place: None, note: Some(note), inputs: Inputs::default() }
 }
 
 fn raw_terms([x, y]: [f64; 2]) -> [f64; 6] {

@@ -2,7 +2,7 @@
 //! the figure that was measured.
 //!
 //! Enters: nothing; every case makes its own input, the same on every machine. Leaves: one [`Measured`] for each case, and
-//! the streams that it was measured on, which [`device`] shows on a graphics device as well. Bounds are derived from the
+//! the streams and light fields that it was measured on, which [`device`] shows on a graphics device as well. Bounds are derived from the
 //! formats and from binary64, where they are written; none was taken from what came out.
 
 mod blocks;
@@ -25,6 +25,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::gpu::selftest::pictures::PictureCase;
 use crate::monitor::Monitor;
 
 pub use clip::Clip;
@@ -126,18 +127,31 @@ pub struct Measured {
     pub place: Option<String>,
     /// Other figures, for people.
     pub note: Option<String>,
-    /// Streams that it was measured on.
+    /// What it was measured on.
+    pub inputs: Inputs,
+}
+
+/// What a case was measured on, for devices to show as well.
+#[derive(Debug, Clone, Default)]
+pub struct Inputs {
+    /// Streams.
     pub clips: Vec<Clip>,
+    /// Light fields, each with a camera.
+    pub pictures: Vec<PictureCase>,
 }
 
 impl Measured {
     /// A count of what went wrong, with the first of it.
     fn count(wrong: u64, first: Option<String>) -> Measured {
-        Measured { figure: wrong as f64, place: first, note: None, clips: Vec::new() }
+        Measured { figure: wrong as f64, place: first, note: None, inputs: Inputs::default() }
     }
 
     fn with_clips(self, clips: Vec<Clip>) -> Measured {
-        Measured { clips, ..self }
+        Measured { inputs: Inputs { clips, ..self.inputs }, ..self }
+    }
+
+    fn with_pictures(self, pictures: Vec<PictureCase>) -> Measured {
+        Measured { inputs: Inputs { pictures, ..self.inputs }, ..self }
     }
 
     fn with_note(self, note: String) -> Measured {
@@ -185,7 +199,7 @@ impl Worst {
     /// The figure; NaN, which no bound allows, where nothing was seen.
     fn measured(self) -> Measured {
         let (figure, place) = self.found.map_or((f64::NAN, None), |(figure, place)| (figure, Some(place)));
-        Measured { figure, place, note: None, clips: Vec::new() }
+        Measured { figure, place, note: None, inputs: Inputs::default() }
     }
 }
 
@@ -266,13 +280,13 @@ pub fn table() -> Vec<HardCase> {
 ///
 /// # Errors
 /// A pipeline refuses a case, or the work was asked to stop.
-pub fn run_all(cases: &[HardCase], monitor: &dyn Monitor) -> Result<Vec<(CaseReport, Vec<Clip>)>> {
+pub fn run_all(cases: &[HardCase], monitor: &dyn Monitor) -> Result<Vec<(CaseReport, Inputs)>> {
     let run = |case: &HardCase| {
         monitor.check()?;
         let start = Instant::now();
         let measured = case.run().map_err(|error| error.context(format!("hard case '{}'", case.name)))?;
         monitor.advance(1);
-        Ok((CaseReport::new(case, &measured, start.elapsed().as_secs_f64()), measured.clips))
+        Ok((CaseReport::new(case, &measured, start.elapsed().as_secs_f64()), measured.inputs))
     };
     cases.par_iter().map(run).collect()
 }

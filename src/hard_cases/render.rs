@@ -1,8 +1,8 @@
 //! Pictures from any eye where they are hard: eyes in bad places, edges and corners of cubes, fences, steps of the whole
 //! range of depth, coincident probes, one distance, no surfaces, all sizes.
 //!
-//! All of it is on the CPU. Light fields are made from formulas, so that what must come out is known. Cases with an occluder
-//! are in [`hidden`].
+//! All of it is measured on the CPU; [`super::device`] makes the pictures on a device, too. Light fields are made from formulas, so
+//! that what must come out is known. Cases with an occluder are in [`hidden`].
 
 mod hidden;
 
@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::gpu::random::Random;
+use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use crate::image::cube::{Face, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
@@ -78,6 +79,9 @@ const POSITIONS: [DVec3; 4] = [
     DVec3::new(-1.125, 0.0, 1.25),
 ];
 
+/// An eye that is in no probe.
+const BESIDE: DVec3 = DVec3::new(0.5, 0.25, -0.5);
+
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let none = Bound::AtMost(0.0);
@@ -87,7 +91,10 @@ pub(super) fn cases() -> Vec<HardCase> {
     let packets = shelf("four rays at once against one by one", "wrong pixels");
     for (name, make) in SETUPS {
         cases.push(segments.case(name, none, move || Ok(by_segments(&make()))));
-        cases.push(packets.case(name, none, move || by_packets(&make())));
+        cases.push(packets.case(name, none, move || {
+            let setup = make();
+            by_packets(&setup)?.with_picture_of(name, setup)
+        }));
     }
     let own = shelf("the eye in a probe", "codes that differ");
     // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
@@ -107,7 +114,9 @@ pub(super) fn cases() -> Vec<HardCase> {
     // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
     for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
     {
-        cases.push(scaled.case(name, none, move || Ok(elsewhere(size, away))));
+        cases.push(scaled.case(name, none, move || {
+            elsewhere(size, away).with_picture_of(name, at_size(&POSITIONS, BESIDE, size, DVec3::splat(away)))
+        }));
     }
     let bad = shelf("rays that can bring nothing", "rays that bring something");
     cases.push(bad.case("the eye outside of all walls", none, outside));
@@ -116,7 +125,9 @@ pub(super) fn cases() -> Vec<HardCase> {
     let last = shelf("a surface at the last step", "missed");
     cases.push(last.case("walls just before far", none, || Ok(at_the_last_step())));
     let near = shelf("points within the near planes of all views", "taken for surfaces");
-    cases.push(near.case("walls nearer than near", none, || Ok(within_near())));
+    cases.push(near.case("walls nearer than near", none, || {
+        within_near().with_picture_of("walls nearer than near", walls_within_near())
+    }));
     let copies = shelf("coincident probes against one", "codes");
     // Three times the terms of a sum of 4 weights, each rounded; colours of up to 255 codes.
     let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
@@ -202,6 +213,15 @@ impl Setup {
 
     fn picture(&self, side: u32) -> Result<Rendered> {
         render(&self.views(), &camera(self.eye, DVec3::X)?, &self.settings(side), &Silent)
+    }
+}
+
+impl Measured {
+    /// The same, with a picture of a setup.
+    fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
+        let (camera, settings) = (camera(setup.eye, DVec3::NEG_Z)?, setup.settings(SIDE));
+        let views = (0..setup.field.views.len()).collect();
+        Ok(self.with_pictures(vec![PictureCase { label, field: setup.field, views, camera, settings }]))
     }
 }
 
@@ -322,9 +342,8 @@ fn own_depths(setup: &Setup) -> Measured {
 }
 
 fn elsewhere(size: f64, away: f64) -> Measured {
-    let eye = DVec3::new(0.5, 0.25, -0.5);
-    let here = at_size(&POSITIONS, eye, 1.0, DVec3::ZERO);
-    let there = at_size(&POSITIONS, eye, size, DVec3::splat(away));
+    let here = at_size(&POSITIONS, BESIDE, 1.0, DVec3::ZERO);
+    let there = at_size(&POSITIONS, BESIDE, size, DVec3::splat(away));
     let (views, other_views) = (here.views(), there.views());
     let (mut wrong, mut first) = (0, None);
     for direction in directions() {
@@ -366,10 +385,15 @@ fn at_the_last_step() -> Measured {
     Measured::count(wrong, None)
 }
 
-/// Walls that are nearer than the views' near planes: within these, no point is a surface, and beyond them all are.
-fn within_near() -> Measured {
+fn walls_within_near() -> Setup {
     let mut setup = furnished(&POSITIONS[..1], POSITIONS[0]);
     setup.field.views[0].near_m = 8.0;
+    setup
+}
+
+/// Walls that are nearer than the views' near planes: within these, no point is a surface, and beyond them all are.
+fn within_near() -> Measured {
+    let setup = walls_within_near();
     let views = setup.views();
     // The first step beyond 8 m is a surface; refinement goes back to 8 m, but for its rounding.
     let wrong =

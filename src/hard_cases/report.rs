@@ -26,6 +26,8 @@ pub struct CaseReport {
     pub note: Option<String>,
     /// Streams that were measured.
     pub streams: usize,
+    /// Pictures that devices can make, too.
+    pub pictures: usize,
     /// How long it took.
     pub seconds: f64,
 }
@@ -42,7 +44,8 @@ impl CaseReport {
             unit: case.unit,
             place: measured.place.clone(),
             note: measured.note.clone(),
-            streams: measured.clips.len(),
+            streams: measured.inputs.clips.len(),
+            pictures: measured.inputs.pictures.len(),
             seconds,
         }
     }
@@ -145,6 +148,7 @@ mod tests {
             place: None,
             note: None,
             streams: 0,
+            pictures: 0,
             seconds: 0.0,
         };
         let reports = [

@@ -7,7 +7,7 @@ use crate::container::ProbeEntry;
 use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
 use crate::gpu::random::Random;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
+use crate::hard_cases::{Bound, Family, HardCase, Inputs, Measured, Shelf};
 use crate::image::cube::Face;
 use crate::math::{Camera, Lens, Viewer};
 use crate::reconstruct::{DepthSpan, FaceImage, UnitGrid, cull, cull_all};
@@ -191,7 +191,7 @@ fn missed(place: Place) -> Result<Measured> {
     let enough = seen > CAMERAS / 8;
     let figure = if enough { f64::from(wrong) } else { f64::NAN };
     let note = format!("{seen} points seen");
-    Ok(Measured { figure, place: first, note: Some(note), clips: Vec::new() })
+    Ok(Measured { figure, place: first, note: Some(note), inputs: Inputs::default() })
 }
 
 /// The camera whose picture shows what lies along `aim` at `border`; none where the eye is the point itself.

@@ -97,10 +97,22 @@ impl FaceTexels {
         }
     }
 
+    /// A face whose depths and colours lie on a device, and nowhere else ([`super::units_on_device`]).
+    pub fn on_device(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding) -> FaceTexels {
+        let nothing = FaceTexels::unknown([0; 2], map, coding);
+        FaceTexels { size, pyramid: DepthPyramid::default(), ..nothing }
+    }
+
+    /// Whether depths and colours lie on a device.
+    pub fn is_on_device(&self) -> bool {
+        self.inverse_depth.is_empty() && self.size != [0; 2]
+    }
+
     /// The same face with materials, whose weights are all 0.
     #[must_use]
     pub fn with_material(self) -> FaceTexels {
-        FaceTexels { material: Some(vec![[0; 4]; self.inverse_depth.len()]), ..self }
+        let texels = self.size[0] as usize * self.size[1] as usize;
+        FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
     }
 
     /// Takes in that materials were written. Looks at all texels.
@@ -245,6 +257,16 @@ impl InverseDepth {
     /// The table of a stream's range.
     pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
         InverseDepth { of_code: (0..=u16::MAX).into_par_iter().map(|code| 1.0 / range.metres(code)).collect(), kind }
+    }
+
+    /// 1 over the metres of each code.
+    pub fn of_codes(&self) -> &[f32] {
+        &self.of_code
+    }
+
+    /// What the metres of codes are.
+    pub fn kind(&self) -> DepthKind {
+        self.kind
     }
 
     /// Inverse planar depth of a texel that shows `code`.

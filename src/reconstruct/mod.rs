@@ -46,6 +46,7 @@ pub mod surroundings;
 #[cfg(test)]
 mod tests;
 pub mod trace;
+pub mod units_on_device;
 pub mod visibility;
 pub mod wanted;
 

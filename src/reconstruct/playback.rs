@@ -16,10 +16,11 @@ use crate::reconstruct::light_field::LightField;
 use crate::reconstruct::march::Steps;
 use crate::reconstruct::pacing::{FramePacing, Pacing};
 use crate::reconstruct::path::Shot;
-use crate::reconstruct::player::{Change, Player, ProbeChoice, ShowCounts};
+use crate::reconstruct::player::{Change, Player, ProbeChoice, ShowCounts, Wanted};
 use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
 use crate::reconstruct::selection::{SelectionSettings, ViewSelector};
 use crate::reconstruct::trace::{self, FrameTrace};
+use crate::reconstruct::units_on_device::UnitsOnDevice;
 use crate::reconstruct::wanted::SightLines;
 use crate::video::decode::Decoder;
 use crate::video::unit_filter::AllUnits;
@@ -118,6 +119,11 @@ pub struct Stage<'s> {
 
 /// What makes pictures: a processor, a device, or another method.
 pub trait Renderer {
+    /// What decodes depth and colour, where the player is not to; always the same.
+    fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
+        None
+    }
+
     /// Takes over what changed since it was called last, at first everything. Called once for each shot, before its pictures.
     ///
     /// # Errors
@@ -230,17 +236,13 @@ impl<'a> Playback<'a> {
         let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
         let views = selection.views();
         let secondary = self.options.effects != EffectMode::None && self.player.has_material();
-        let counts = if self.options.decode == DecodeScope::All {
-            self.player.show(shot.frame, &views, &AllUnits)?
+        let wanted = if self.options.decode == DecodeScope::All {
+            Wanted { filter: &AllUnits, effects: false }
         } else {
             let streams = self.player.streams_of(shot.frame, &views);
-            let seen = self.sight_lines.seen(&streams, &shot.cameras);
-            if secondary {
-                self.player.show_with_effects(shot.frame, &views, seen)?
-            } else {
-                self.player.show(shot.frame, &views, seen)?
-            }
+            Wanted { filter: self.sight_lines.seen(&streams, &shot.cameras), effects: secondary }
         };
+        let counts = self.player.show_on(shot.frame, &views, wanted, renderer.units())?;
         let changes = self.player.take_changes();
         let stage = Stage { field: self.player.field(), views: &views };
         renderer.update(&stage, &changes)?;

@@ -17,6 +17,7 @@ use crate::reconstruct::light_field::{ColorCoding, FaceTexels, InverseDepth, Lig
 use crate::reconstruct::rects::Rect;
 use crate::reconstruct::selection::Candidate;
 use crate::reconstruct::shown_face::{FaceStreams, ShownFace, ShownUnit};
+use crate::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
 use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::video::decode::{Decoder, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
@@ -124,15 +125,21 @@ pub struct Player<'a> {
     clock: u64,
     /// Bytes that views had read which were given up since.
     bytes_given_up: u64,
+    /// Whether what is shown was decoded on a device.
+    on_device: bool,
 }
 
 /// What is to be shown.
 #[derive(Clone, Copy)]
-struct Wanted<'f> {
-    filter: &'f dyn UnitFilter,
+pub struct Wanted<'f> {
+    /// The units.
+    pub filter: &'f dyn UnitFilter,
     /// Whether materials may call for everything.
-    effects: bool,
+    pub effects: bool,
 }
+
+/// What decodes depth and colour, where the player does not.
+type Device<'d> = Option<&'d mut dyn UnitsOnDevice>;
 
 /// The streams of a view.
 #[derive(Debug)]
@@ -201,6 +208,7 @@ impl<'a> Player<'a> {
             tables: Vec::new(),
             clock: 0,
             bytes_given_up: 0,
+            on_device: false,
         })
     }
 
@@ -259,7 +267,7 @@ impl<'a> Player<'a> {
     /// # Errors
     /// Those of [`Player::show`].
     pub fn show_with_effects(&mut self, frame: u32, views: &[usize], filter: &dyn UnitFilter) -> Result<ShowCounts> {
-        self.show_wanted(frame, views, Wanted { filter, effects: true })
+        self.show_on(frame, views, Wanted { filter, effects: true }, None)
     }
 
     /// Shows a frame of some views (indices into [`LightField::views`]), as far as the filter wants it. What is not shown
@@ -269,10 +277,21 @@ impl<'a> Player<'a> {
     /// When no view has the frame, it cannot be decoded, or the views do not fit into memory. Then nothing is known of any
     /// view until the next frame is shown.
     pub fn show(&mut self, frame: u32, views: &[usize], filter: &dyn UnitFilter) -> Result<ShowCounts> {
-        self.show_wanted(frame, views, Wanted { filter, effects: false })
+        self.show_on(frame, views, Wanted { filter, effects: false }, None)
     }
 
-    fn show_wanted(&mut self, frame: u32, views: &[usize], wanted: Wanted<'_>) -> Result<ShowCounts> {
+    /// The same, where a device decodes depth and colour and keeps their texels; the light field has none of them then. What was
+    /// shown without it, or on another, is given up.
+    ///
+    /// # Errors
+    /// Those of [`Player::show`], and what the device refuses.
+    pub fn show_on(
+        &mut self,
+        frame: u32,
+        views: &[usize],
+        wanted: Wanted<'_>,
+        mut device: Device<'_>,
+    ) -> Result<ShowCounts> {
         if self.candidates(frame).is_empty() {
             let name = self.decoder.reader().path().display();
             return Err(Error::Usage(format!(
@@ -281,15 +300,28 @@ impl<'a> Player<'a> {
             )));
         }
         self.clock += 1;
-        self.make_room(views)?;
-        self.begin(views);
-        let before = self.bytes_read();
-        if let Err(error) = self.decode(frame, views, wanted) {
-            self.forget();
-            return Err(error);
+        if std::mem::replace(&mut self.on_device, device.is_some()) != device.is_some() {
+            (0..self.shown.len()).for_each(|at| self.give_up(at, &mut device));
         }
-        let mut counts = self.update(views);
-        counts.bytes_read = self.bytes_read() - before;
+        self.make_room(views, &mut device)?;
+        let read = |player: &Self, device: &Device<'_>| {
+            player.bytes_read() + device.as_ref().map_or(0, |device| device.bytes_read())
+        };
+        let before = read(self, &device);
+        let shown = self.begin(views, &mut device).and_then(|()| {
+            self.decode(frame, views, wanted, &mut device)?;
+            let (counts, parts) = self.update(views);
+            device.as_mut().map_or(Ok(()), |device| device.write_depths(&parts))?;
+            Ok(counts)
+        });
+        let mut counts = match shown {
+            Ok(counts) => counts,
+            Err(error) => {
+                self.forget(&mut device);
+                return Err(error);
+            }
+        };
+        counts.bytes_read = read(self, &device) - before;
         for (_, view) in self.shown.iter_mut().enumerate().filter(|(at, _)| views.contains(at)) {
             let faces = view.iter_mut().flat_map(|view| &mut view.faces);
             counts.bytes_all += faces.map(|face| face.count_bytes(frame)).sum::<u64>();
@@ -298,7 +330,8 @@ impl<'a> Player<'a> {
     }
 
     /// Decodes what is wanted, materials first: they may call for everything.
-    fn decode(&mut self, frame: u32, views: &[usize], Wanted { filter, effects }: Wanted<'_>) -> Result<()> {
+    fn decode(&mut self, frame: u32, views: &[usize], wanted: Wanted<'_>, device: &mut Device<'_>) -> Result<()> {
+        let Wanted { filter, effects } = wanted;
         let materials: &dyn UnitFilter = if effects { &AllUnits } else { filter };
         let faces = self.faces_of(frame, views, materials);
         let jobs = faces.flat_map(|(face, filter)| face.want_material(frame, filter)).collect();
@@ -306,8 +339,19 @@ impl<'a> Player<'a> {
         let calls = effects
             && self.faces_of(frame, views, filter).any(|(face, wanted)| wanted.is_some() && face.calls_for_effects());
         let others: &dyn UnitFilter = if calls { &AllUnits } else { filter };
-        let jobs = self.faces_of(frame, views, others).flat_map(|(face, filter)| face.want(frame, filter)).collect();
-        try_map_ordered(jobs, |unit: &mut ShownUnit<'_>| unit.decode(frame))?;
+        let knows = device.as_deref();
+        let faces = self.faces_of(frame, views, others);
+        let mut jobs: Vec<_> = faces.flat_map(|(face, filter)| face.want(frame, filter, knows)).collect();
+        match device {
+            None => {
+                try_map_ordered(jobs, |unit: &mut ShownUnit<'_>| unit.decode(frame))?;
+            }
+            Some(device) => {
+                let units: Vec<UnitId> = jobs.iter().map(|unit| unit.id()).collect();
+                let written = device.decode(frame, &units)?;
+                jobs.iter_mut().zip(written).for_each(|(unit, written)| unit.was_decoded(written));
+            }
+        }
         Ok(())
     }
 
@@ -332,7 +376,7 @@ impl<'a> Player<'a> {
     }
 
     /// Gives up views that do not take part, those first that were used least lately, until the others fit.
-    fn make_room(&mut self, views: &[usize]) -> Result<()> {
+    fn make_room(&mut self, views: &[usize], device: &mut Device<'_>) -> Result<()> {
         let mut taken: Vec<usize> = views.to_vec();
         taken.sort_unstable();
         taken.dedup();
@@ -347,26 +391,45 @@ impl<'a> Player<'a> {
         for at in idle {
             bytes += self.sources[at].bytes;
             if bytes > kept_bytes {
-                self.bytes_given_up += self.shown[at].take().map_or(0, |view| view.bytes_read());
-                self.field.views[at].faces = Default::default();
-                self.changes.retain(|change| change.view != at);
+                self.give_up(at, device);
             }
         }
         Ok(())
     }
 
+    /// Forgets a view.
+    fn give_up(&mut self, at: usize, device: &mut Device<'_>) {
+        self.bytes_given_up += self.shown[at].take().map_or(0, |view| view.bytes_read());
+        let view = &mut self.field.views[at];
+        view.faces = Default::default();
+        if let Some(device) = device {
+            device.give_up(view.probe);
+        }
+        self.changes.retain(|change| change.view != at);
+    }
+
     /// Makes room for what is decoded of views that were not shown before.
-    fn begin(&mut self, views: &[usize]) {
+    fn begin(&mut self, views: &[usize], device: &mut Device<'_>) -> Result<()> {
         let known = self.sources.len();
         for at in views.iter().copied().filter(|at| *at < known) {
             if self.shown[at].is_none() {
-                let faces = (0..self.sources[at].faces.len()).map(|face| self.begin_face(at, face)).collect();
+                let faces: Vec<_> = (0..self.sources[at].faces.len()).map(|face| self.begin_face(at, face)).collect();
+                if let Some(device) = device {
+                    let view = &self.field.views[at];
+                    let new = self.sources[at].faces.iter().zip(&faces).filter_map(|(streams, shown)| {
+                        let face = streams.depth.face as usize;
+                        let (texels, inverse) = (view.faces[face].as_ref()?, shown.inverse());
+                        Some(NewFace { face, depth: streams.depth.index, color: streams.color.index, texels, inverse })
+                    });
+                    device.begin(view.probe, &new.collect::<Vec<_>>())?;
+                }
                 self.shown[at] = Some(ShownView { faces, last_used: 0 });
             }
             if let Some(view) = &mut self.shown[at] {
                 view.last_used = self.clock;
             }
         }
+        Ok(())
     }
 
     fn begin_face(&mut self, at: usize, face: usize) -> ShownFace<'a> {
@@ -375,7 +438,10 @@ impl<'a> Player<'a> {
         let number = depth.face as usize;
         let size = [depth.entry.width, depth.entry.height];
         let map = View::image_map(self.decoder.probe(depth), depth.face, size);
-        let texels = FaceTexels::unknown(size, map, self.field.coding);
+        let texels = match self.on_device {
+            true => FaceTexels::on_device(size, map, self.field.coding),
+            false => FaceTexels::unknown(size, map, self.field.coding),
+        };
         let texels = if streams.material.is_some() { texels.with_material() } else { texels };
         self.field.views[at].faces[number] = Some(texels);
         for kind in streams.all().map(|stream| stream.kind) {
@@ -397,8 +463,9 @@ impl<'a> Player<'a> {
         table
     }
 
-    /// Brings texels to what was decoded, faces in parallel, and counts what became of the units of these views.
-    fn update(&mut self, views: &[usize]) -> ShowCounts {
+    /// Brings texels to what was decoded, faces in parallel, and counts what became of the units of these views; answers also
+    /// what a device is to write.
+    fn update(&mut self, views: &[usize]) -> (ShowCounts, Vec<FaceParts>) {
         let mut faces = Vec::new();
         for (at, (view, shown)) in self.field.views.iter_mut().zip(&mut self.shown).enumerate() {
             let Some(shown) = shown else { continue };
@@ -410,7 +477,7 @@ impl<'a> Player<'a> {
         }
         let changes: Vec<_> =
             faces.into_par_iter().map(|(view, number, face, texels)| (view, number, face.update(texels))).collect();
-        let mut counts = ShowCounts::default();
+        let (mut counts, mut on_device) = (ShowCounts::default(), Vec::new());
         for (view, face, changes) in changes {
             if views.contains(&view) {
                 counts.cells_decoded += changes.decoded;
@@ -421,12 +488,19 @@ impl<'a> Player<'a> {
                 counts.texels_updated += u64::from(rect[2]) * u64::from(rect[3]);
                 self.changes.push(Change { view, face, kind, rect });
             }
+            if !changes.depth_parts.is_empty() {
+                let probe = self.field.views[view].probe;
+                on_device.push(FaceParts { probe, face, parts: changes.depth_parts });
+            }
         }
-        counts
+        (counts, on_device)
     }
 
     /// Nothing is known of any view any more.
-    fn forget(&mut self) {
+    fn forget(&mut self, device: &mut Device<'_>) {
+        if device.is_some() {
+            return (0..self.shown.len()).for_each(|at| self.give_up(at, device));
+        }
         for (at, view) in self.shown.iter_mut().enumerate() {
             view.iter_mut().flat_map(|view| &mut view.faces).for_each(ShownFace::forget);
             for (face, texels) in self.field.views[at].faces.iter_mut().enumerate() {

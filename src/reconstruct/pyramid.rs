@@ -71,12 +71,18 @@ impl DepthPyramid {
 
     /// The pyramid of a face of `size` texels, at least 1 in each direction, of which nothing is known.
     pub fn unknown(size: [u32; 2]) -> DepthPyramid {
-        let (mut levels, mut of) = (Vec::new(), size);
-        while of != [1, 1] || levels.is_empty() {
+        let level = |size: [u32; 2]| Level { size, greatest: vec![UNKNOWN; size[0] as usize * size[1] as usize] };
+        DepthPyramid { levels: DepthPyramid::sizes(size).into_iter().map(level).collect() }
+    }
+
+    /// Columns and rows of squares of each level above an image of `size` texels.
+    pub fn sizes(size: [u32; 2]) -> Vec<[u32; 2]> {
+        let (mut sizes, mut of) = (Vec::new(), size);
+        while of != [1, 1] || sizes.is_empty() {
             of = of.map(|texels| texels.div_ceil(2).max(1));
-            levels.push(Level { size: of, greatest: vec![UNKNOWN; of[0] as usize * of[1] as usize] });
+            sizes.push(of);
         }
-        DepthPyramid { levels }
+        sizes
     }
 
     /// Takes in that texels in these columns and rows have changed; all of them where it was empty.

@@ -4,7 +4,10 @@
 //!
 //! The rule is that a texel is either right for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a cell of colour
 //! that is not wanted makes the depths of its texels unknown too, unless it is known to show the frame all the same.
+//!
+//! Where a device decodes depth and colour ([`super::units_on_device`]), the rule is the same, and what would be written is told.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use half::f16;
@@ -15,6 +18,7 @@ use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::reconstruct::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN, sends_on};
 use crate::reconstruct::rects::{Rect, bounds, joined, overlap};
+use crate::reconstruct::units_on_device::{DepthPart, UnitId, UnitsOnDevice};
 use crate::video::codec::DepthHeader;
 use crate::video::decode::{Decoder, StreamInfo, UnitDecoder, UnitPixels};
 use crate::video::unit_filter::UnitFilter;
@@ -47,6 +51,8 @@ impl<'a> FaceStreams<'a> {
 /// A unit, and whether what texels have of it is right.
 #[derive(Debug)]
 pub struct ShownUnit<'a> {
+    id: UnitId,
+    /// Knows the unit, and decodes it where no device does.
     decoder: UnitDecoder<'a>,
     right: bool,
     was_right: bool,
@@ -74,6 +80,17 @@ impl ShownUnit<'_> {
         Ok(())
     }
 
+    /// Which unit it is.
+    pub fn id(&self) -> UnitId {
+        self.id
+    }
+
+    /// A device has decoded the frame, and written so many pixels.
+    pub fn was_decoded(&mut self, written: u64) {
+        self.written = written;
+        self.right = true;
+    }
+
     fn is_new(&self) -> bool {
         self.right && (self.written > 0 || !self.was_right)
     }
@@ -91,6 +108,7 @@ struct Units<'a> {
 impl<'a> Units<'a> {
     fn new(decoder: &'a Decoder, stream: &'a StreamInfo) -> Units<'a> {
         let unit = |unit| ShownUnit {
+            id: UnitId { probe: stream.probe, stream: stream.index, unit },
             decoder: decoder.unit(stream, unit),
             right: false,
             was_right: false,
@@ -106,7 +124,16 @@ impl<'a> Units<'a> {
     }
 
     /// The units that a frame wants; see [`ShownFace::want`].
-    fn want(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
+    fn want(
+        &mut self,
+        frame: u32,
+        filter: Option<&dyn UnitFilter>,
+        device: Option<&dyn UnitsOnDevice>,
+    ) -> Vec<&mut ShownUnit<'a>> {
+        let shows = |unit: &ShownUnit<'_>| match device {
+            Some(device) => device.shows(unit.id, frame),
+            None => unit.decoder.shows(frame),
+        };
         let mut wanted = Vec::new();
         for (at, unit) in (0..).zip(&mut self.units) {
             unit.written = 0;
@@ -114,7 +141,7 @@ impl<'a> Units<'a> {
             if filter.is_some_and(|filter| filter.wants(self.stream, at, frame)) {
                 wanted.push(unit);
             } else {
-                unit.right = unit.right && unit.decoder.shows(frame);
+                unit.right = unit.right && shows(unit);
             }
         }
         self.wanted = wanted.len() as u64;
@@ -128,7 +155,7 @@ impl<'a> Units<'a> {
 }
 
 /// Numbers of the units that a rectangle of an image lies in.
-fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> impl Iterator<Item = usize> + use<> {
+pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> impl Iterator<Item = usize> + use<> {
     let columns = entry.width.div_ceil(entry.unit_width);
     let span = |from: u32, length: u32, unit: u32| from / unit..(from + length).div_ceil(unit);
     let across = span(left, width, entry.unit_width);
@@ -147,6 +174,8 @@ pub struct FaceChanges {
     pub unchanged: u64,
     /// Units that were not wanted.
     pub unseen: u64,
+    /// What a device is to write, where depths lie on one.
+    pub depth_parts: Vec<DepthPart>,
 }
 
 /// A face that is shown.
@@ -169,6 +198,11 @@ impl<'a> ShownFace<'a> {
         }
     }
 
+    /// What codes of its depth become.
+    pub fn inverse(&self) -> &Arc<InverseDepth> {
+        &self.inverse
+    }
+
     fn all(&self) -> impl Iterator<Item = &Units<'a>> {
         [&self.depth, &self.color].into_iter().chain(&self.material)
     }
@@ -178,14 +212,19 @@ impl<'a> ShownFace<'a> {
     }
 
     /// The units of depth and colour that a frame wants, which are to be decoded; the others keep what is right for it.
-    /// `None` wants none.
-    pub fn want(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
-        [&mut self.depth, &mut self.color].into_iter().flat_map(|units| units.want(frame, filter)).collect()
+    /// `None` wants none; `device` is what decodes them, where the player does not.
+    pub fn want(
+        &mut self,
+        frame: u32,
+        filter: Option<&dyn UnitFilter>,
+        device: Option<&dyn UnitsOnDevice>,
+    ) -> Vec<&mut ShownUnit<'a>> {
+        [&mut self.depth, &mut self.color].into_iter().flat_map(|units| units.want(frame, filter, device)).collect()
     }
 
     /// The same of material.
     pub fn want_material(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
-        self.material.iter_mut().flat_map(|units| units.want(frame, filter)).collect()
+        self.material.iter_mut().flat_map(|units| units.want(frame, filter, None)).collect()
     }
 
     /// Whether a weight of the materials that are shown is above 0.
@@ -205,12 +244,19 @@ impl<'a> ShownFace<'a> {
         let mut push = |kind: StreamKind, rects: Vec<Rect>| {
             changes.rects.extend(rects.into_iter().map(|rect| (kind, rect)));
         };
-        let depth = joined(self.update_depth(texels));
-        for &[left, top, width, height] in &depth {
-            texels.depth_changed(left..left + width, top..top + height);
+        if texels.is_on_device() {
+            changes.depth_parts = self.depth_parts();
+            push(StreamKind::Depth, joined(changes.depth_parts.iter().map(|part| part.rect).collect()));
+            let new = self.color.units.iter().filter(|unit| unit.is_new());
+            push(StreamKind::Color, joined(new.map(|unit| unit.decoder.rect()).collect()));
+        } else {
+            let depth = joined(self.update_depth(texels));
+            for &[left, top, width, height] in &depth {
+                texels.depth_changed(left..left + width, top..top + height);
+            }
+            push(StreamKind::Depth, depth);
+            push(StreamKind::Color, joined(update_color(&self.color, texels)));
         }
-        push(StreamKind::Depth, depth);
-        push(StreamKind::Color, joined(update_color(&self.color, texels)));
         if let Some(material) = &self.material {
             push(StreamKind::Material, joined(update_material(material, texels)));
             texels.calls_for_effects = self.calls_for_effects();
@@ -243,55 +289,90 @@ impl<'a> ShownFace<'a> {
         bytes
     }
 
-    /// Writes depths where a unit of any kind became right, ceased to be, or has other pixels.
-    fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
+    /// Tiles, or rectangles of them, in which a unit of any kind became right, ceased to be, or has other pixels.
+    fn stale_depths(&self) -> Vec<(usize, Rect)> {
         let turned = |unit: &ShownUnit<'_>| unit.right != unit.was_right;
-        let mut changed = Vec::new();
+        let mut stale = Vec::new();
         let mut whole = vec![false; self.depth.units.len()];
         for (at, unit) in self.depth.units.iter().enumerate() {
             if unit.is_new() || turned(unit) {
                 whole[at] = true;
-                changed.extend(self.write_depth(at, self.depth.rect(at), texels));
+                stale.push((at, self.depth.rect(at)));
             }
         }
         for units in [&self.color].into_iter().chain(&self.material) {
             for (at, _) in units.units.iter().enumerate().filter(|(_, unit)| turned(unit)) {
-                for (tile, rect) in self.depth.under(units.rect(at)).filter(|(tile, _)| !whole[*tile]) {
-                    changed.extend(self.write_depth(tile, rect, texels));
+                stale.extend(self.depth.under(units.rect(at)).filter(|(tile, _)| !whole[*tile]));
+            }
+        }
+        stale
+    }
+
+    /// The parts of a rectangle of a tile that are right in all kinds, and those that are not.
+    fn parts(&self, tile: usize, rect: Rect) -> Vec<(bool, Rect)> {
+        let tile = &self.depth.units[tile];
+        let mut parts = Vec::new();
+        for (cell, rect) in self.color.under(rect) {
+            let right = tile.right && self.color.units[cell].right;
+            match &self.material {
+                None => parts.push((right, rect)),
+                Some(material) => {
+                    parts.extend(material.under(rect).map(|(at, rect)| (right && material.units[at].right, rect)));
                 }
             }
+        }
+        parts
+    }
+
+    /// What [`ShownFace::update_depth`] writes, for a device to write it: in as few parts as there can be, none twice.
+    fn depth_parts(&self) -> Vec<DepthPart> {
+        let mut stale: BTreeMap<usize, Vec<(bool, Rect)>> = BTreeMap::new();
+        for (tile, rect) in self.stale_depths() {
+            let parts = stale.entry(tile).or_default();
+            for part in self.parts(tile, rect) {
+                // A cell and a material that turn together lie over the same texels.
+                if !parts.contains(&part) {
+                    parts.push(part);
+                }
+            }
+        }
+        let mut all = Vec::new();
+        for (tile, parts) in stale {
+            for is_known in [false, true] {
+                let alike = parts.iter().filter(|part| part.0 == is_known).map(|part| part.1);
+                let rects = joined(alike.collect()).into_iter();
+                all.extend(rects.map(|rect| DepthPart { unit: tile as u32, rect, is_known }));
+            }
+        }
+        all
+    }
+
+    /// Writes depths that are stale; answers what became different.
+    fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
+        let mut changed = Vec::new();
+        for (tile, rect) in self.stale_depths() {
+            changed.extend(self.write_depth(tile, rect, texels));
         }
         changed
     }
 
     /// Writes depths of a tile in a rectangle of it; answers what became different.
     fn write_depth(&self, tile: usize, rect: Rect, texels: &mut FaceTexels) -> Option<Rect> {
-        let tile = &self.depth.units[tile];
-        let UnitPixels::Depth(codes) = tile.decoder.shown() else { return None };
+        let decoder = &self.depth.units[tile].decoder;
+        let UnitPixels::Depth(codes) = decoder.shown() else { return None };
         let mut changed = None;
-        for (cell, rect) in self.color.under(rect) {
-            let right = tile.right && self.color.units[cell].right;
-            let parts: Vec<(bool, Rect)> = match &self.material {
-                None => vec![(right, rect)],
-                Some(material) => {
-                    material.under(rect).map(|(at, rect)| (right && material.units[at].right, rect)).collect()
-                }
-            };
-            for (right, rect) in parts {
-                let [left, top, width, height] = rect;
-                let [tile_left, tile_top, tile_width, _] = tile.decoder.rect();
-                for row in top..top + height {
-                    let start = row as usize * texels.size[0] as usize + left as usize;
-                    let differ = if right {
-                        let from = (row - tile_top) as usize * tile_width as usize + (left - tile_left) as usize;
-                        let codes = &codes[from..from + width as usize];
-                        self.inverse.write_row(codes, texels, [left, row])
-                    } else {
-                        fill_unknown(&mut texels.inverse_depth[start..start + width as usize])
-                    };
-                    if let Some([first, last]) = differ {
-                        changed = Some(bounds(changed, [left + first, row, last - first + 1, 1]));
-                    }
+        for (right, [left, top, width, height]) in self.parts(tile, rect) {
+            let [tile_left, tile_top, tile_width, _] = decoder.rect();
+            for row in top..top + height {
+                let start = row as usize * texels.size[0] as usize + left as usize;
+                let differ = if right {
+                    let from = (row - tile_top) as usize * tile_width as usize + (left - tile_left) as usize;
+                    self.inverse.write_row(&codes[from..from + width as usize], texels, [left, row])
+                } else {
+                    fill_unknown(&mut texels.inverse_depth[start..start + width as usize])
+                };
+                if let Some([first, last]) = differ {
+                    changed = Some(bounds(changed, [left + first, row, last - first + 1, 1]));
                 }
             }
         }

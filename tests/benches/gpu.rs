@@ -7,16 +7,20 @@
 //! as the pictures have, counted as bytes written, as decoding is.
 //!
 //! `cargo bench --bench gpu -- --render CONTAINER.lfold… [--gpu INDEX|NAME]`: pictures of 90 degrees from the middle of the
-//! probes (CALF 6). `update` is decoding on the CPU and sending what changed, `march` the device's work, both medians over
-//! the frames but the first, which compiles the kernel.
+//! probes (CALF 6). `update` is decoding and sending what changed, `march` the device's work, both medians over the frames but
+//! the first, which compiles the kernel. A second table has an update by its parts where the CPU decodes and where the device
+//! does, frame by frame in turns, and the ratio of the two in the same run: `fetch` is reading, unpacking and checking chunks and
+//! sending them; `decode`, `texels` (inverse depths) and `squares` (pyramids) are waited for one by one, and so longer than
+//! in playback; `textures` is sending, or copying, what changed into textures. On the CPU all before textures is one figure.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::StreamKind;
 use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
+use lightfold::gpu::render::RenderCost;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
@@ -183,9 +187,88 @@ fn copy_seconds(gpu: &Gpu, bytes: u64) -> Result<f64> {
     Ok(median(&mut times))
 }
 
+/// What an update costs, in milliseconds and bytes.
+#[derive(Default)]
+struct Updates {
+    whole_ms: Vec<f64>,
+    parts_ms: [Vec<f64>; 5],
+    sent_mb: Vec<f64>,
+    copied_mb: Vec<f64>,
+}
+
+impl Updates {
+    /// Takes note of a frame.
+    fn add(&mut self, whole_ms: f64, [before, after]: [&RenderCost; 2]) {
+        let ms = |of: fn(&RenderCost) -> Duration| 1e3 * (of(after) - of(before)).as_secs_f64();
+        let parts = [
+            ms(|cost| cost.units.fetching),
+            ms(|cost| cost.units.decoding),
+            ms(|cost| cost.units.texels),
+            ms(|cost| cost.units.pyramids),
+            ms(|cost| cost.sending),
+        ];
+        self.whole_ms.push(whole_ms);
+        self.parts_ms.iter_mut().zip(parts).for_each(|(all, part)| all.push(part));
+        self.sent_mb.push((after.bytes_sent - before.bytes_sent) as f64 / 1e6);
+        self.copied_mb.push((after.bytes_copied - before.bytes_copied) as f64 / 1e6);
+    }
+
+    fn print(&mut self, decodes: bool) -> f64 {
+        let whole_ms = median(&mut self.whole_ms);
+        let [fetch, decode, texels, squares, textures] = self.parts_ms.each_mut().map(|part| median(part));
+        let (sent, copied) = (median(&mut self.sent_mb), median(&mut self.copied_mb));
+        let (on, fetch, decode) = match decodes {
+            true => ("device", format!("{fetch:.2}"), format!("{decode:.2}")),
+            false => ("cpu", "-".to_owned(), format!("{:.2}", whole_ms - textures)),
+        };
+        println!(
+            "{on:<24} {whole_ms:>10.2} {fetch:>9} {decode:>9} {texels:>9.2} {squares:>9.2} {textures:>9.2} {sent:>9.2} \
+             {copied:>9.2}"
+        );
+        whole_ms
+    }
+}
+
+/// Updates where the CPU decodes and where the device does.
+fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
+    println!(
+        "{:<24} {:>10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "decoded on", "update ms", "fetch", "decode", "texels", "squares", "textures", "sent MB", "copied MB"
+    );
+    let options = PictureOptions { size: [8, 8], steps: 8, ..PictureOptions::default() };
+    let (mut sends, mut decodes) = (DeviceRenderer::new(gpu, options.clone()), DeviceRenderer::new(gpu, options));
+    let mut playbacks =
+        [Playback::new(decoder, PlaybackOptions::default())?, Playback::new(decoder, PlaybackOptions::default())?];
+    let field = playbacks[0].player().field();
+    let eye = field.views.iter().map(|view| view.position).sum::<glam::DVec3>() / field.views.len() as f64;
+    decodes = decodes.decoding(decoder, field.coding);
+    match decodes.device_units() {
+        Some(units) => units.wait_for_parts(),
+        None => return Err(Error::Usage("the device does not decode this container".into())),
+    }
+    let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;
+    let frames = playbacks[0].player().frames();
+    let mut updates = [Updates::default(), Updates::default()];
+    for (at, frame) in (frames.first..=frames.last).cycle().take(1 + TURNS).enumerate() {
+        let shot = Shot { frame, cameras: vec![camera] };
+        for (turn, renderer) in [&mut sends, &mut decodes].into_iter().enumerate() {
+            let before = renderer.cost();
+            let shown = playbacks[turn].show(&shot, renderer, &Silent)?;
+            if at > 0 {
+                updates[turn].add(shown.trace.update_ms, [&before, &renderer.cost()]);
+            }
+        }
+    }
+    let [on_cpu, on_device] = &mut updates;
+    let ratio = on_cpu.print(false) / on_device.print(true);
+    println!("an update takes 1/{ratio:.2} of the time where the device decodes");
+    Ok(())
+}
+
 /// Pictures of some frames, in several sizes.
 fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
     let decoder = Decoder::open(path)?;
+    measure_updates(gpu, &decoder)?;
     println!(
         "{:<24} {:>6} {:>6} {:>6} {:>11} {:>10} {:>9} {:>9} {:>12}",
         "container", "views", "pixels", "steps", "steps/pixel", "update ms", "sent MB", "march ms", "Mpixel/s"
@@ -196,7 +279,7 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
         let eye = views.iter().map(|view| view.position).sum::<glam::DVec3>() / views.len() as f64;
         let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;
         let options = PictureOptions { size: [side, side], steps, ..PictureOptions::default() };
-        let mut renderer = DeviceRenderer::new(gpu, options);
+        let mut renderer = DeviceRenderer::new(gpu, options).decoding(&decoder, playback.player().field().coding);
         let (mut update, mut sent, mut march, mut marched) = (Vec::new(), Vec::new(), Vec::new(), 0);
         let frames = playback.player().frames();
         for (at, frame) in (frames.first..=frames.last).cycle().take(FRAMES).enumerate() {

@@ -64,6 +64,8 @@ pub struct Report<'a> {
     pub device: String,
     /// What a graphics device has cost, where one rendered.
     pub gpu_cost: Option<RenderCost>,
+    /// `device` or `cpu`: where depth and colour were decoded.
+    pub decoded_on: &'static str,
     /// The reference.
     pub truth: Option<&'a TruthRun>,
 }
@@ -141,6 +143,7 @@ impl Report<'_> {
                 "texels_updated": counts.texels_updated,
                 "bytes_read": counts.bytes_read,
                 "bytes_all": summary.counts.bytes_all,
+                "decoded_on": self.decoded_on,
             });
             if let (Value::Object(report), Value::Object(more)) = (&mut report, more) {
                 report.extend(more);
@@ -153,6 +156,7 @@ impl Report<'_> {
                 "marching_ms": ms(cost.marching),
                 "reading_ms": ms(cost.reading),
                 "bytes_sent": cost.bytes_sent,
+                "bytes_copied": cost.bytes_copied,
             });
         }
         if let Some(truth) = self.truth {
@@ -230,8 +234,9 @@ impl Report<'_> {
                 counters.background_rays,
             ),
             format!(
-                "{} tiles and cells decoded, {} skipped ({} unchanged, {} out of sight); {} of {} read ({:.1}%)",
+                "{} tiles and cells decoded{}, {} skipped ({} unchanged, {} out of sight); {} of {} read ({:.1}%)",
                 counts.cells_decoded,
+                if self.decoded_on == "device" { " on the device" } else { "" },
                 counts.cells_skipped(),
                 counts.cells_unchanged,
                 counts.cells_unseen,

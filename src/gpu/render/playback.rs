@@ -1,16 +1,21 @@
-//! Playback on a graphics device: what changed goes there once for each shot, and all its cameras see it.
+//! Playback on a graphics device: what changed goes there once for each shot, and all its cameras see it. The device decodes
+//! depth and colour itself where it can; materials, and what has half floats, the CPU decodes.
 
 use glam::DVec3;
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
+use crate::gpu::render::units::{DeviceUnits, can_decode};
 use crate::gpu::render::{GpuRenderer, RenderCost};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
 use crate::reconstruct::player::Change;
 use crate::reconstruct::render::Rendered;
+use crate::reconstruct::units_on_device::UnitsOnDevice;
+use crate::video::decode::Decoder;
 
 /// Makes the pictures of a playback on a device.
 #[derive(Debug)]
@@ -28,6 +33,30 @@ impl<'a> DeviceRenderer<'a> {
         DeviceRenderer { options, gpu, renderer: None }
     }
 
+    /// The same, where the device decodes depth and colour of the container that is shown, if it can. `coding` is that of the
+    /// light field.
+    #[must_use]
+    pub fn decoding(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
+        let gpu = self.gpu;
+        let renderer = can_decode(decoder).then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
+        DeviceRenderer { renderer, ..self }
+    }
+
+    /// Whether the device decodes depth and colour.
+    pub fn decodes(&self) -> bool {
+        self.renderer.as_ref().is_some_and(GpuRenderer::decodes)
+    }
+
+    /// What decodes depth and colour, where the CPU does not.
+    pub fn device_units(&mut self) -> Option<&mut DeviceUnits<'a>> {
+        self.renderer.as_mut().and_then(GpuRenderer::units)
+    }
+
+    /// The renderer, once there is one.
+    pub fn gpu_renderer(&self) -> Option<&GpuRenderer<'a>> {
+        self.renderer.as_ref()
+    }
+
     /// What it has cost so far.
     pub fn cost(&self) -> RenderCost {
         self.renderer.as_ref().map(GpuRenderer::cost).unwrap_or_default()
@@ -39,6 +68,10 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Renderer for DeviceRenderer<'_> {
+    fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
+        self.device_units().map(|units| units as &mut dyn UnitsOnDevice)
+    }
+
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
         let renderer = self.renderer(stage);
         for change in changes {

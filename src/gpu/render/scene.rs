@@ -9,6 +9,7 @@ use crate::reconstruct::effects::MAX_BOUNCES;
 use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::ColorCoding;
+use crate::reconstruct::pyramid::DepthPyramid;
 use crate::reconstruct::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
 
 /// Where an image lies on the device.
@@ -23,7 +24,7 @@ pub struct Origin {
 }
 
 /// What stands for the inverse of no distance at all: shaders have no infinity.
-const NO_BOUND: f32 = 1e30;
+pub const NO_BOUND: f32 = 1e30;
 
 /// The word of a view that has no image of a face.
 const NO_FACE: u32 = u32::MAX;
@@ -101,6 +102,11 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
     ),
 ];
 
+/// Words of a view from one to the next.
+pub const VIEW_WORDS: usize = 24;
+/// Word of a view that says its greatest inverse depth.
+pub const GREATEST_WORD: usize = 11;
+
 /// Words of all that a kernel is told beside texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneWords {
@@ -154,7 +160,12 @@ pub fn words(
             words.faces.extend([origin.layer, texels.material.is_some().into()]);
             words.faces.extend(texels.size);
             words.faces.extend(origin.pyramid);
-            words.faces.extend([texels.pyramid.levels() as u32, face as u32]);
+            // A device that decodes has all levels, and the CPU none.
+            let levels = match texels.is_on_device() {
+                true => DepthPyramid::sizes(texels.size).len(),
+                false => texels.pyramid.levels(),
+            };
+            words.faces.extend([levels as u32, face as u32]);
             put(&mut words.faces, texels.scale.as_slice());
             put(&mut words.faces, texels.centre.as_slice());
         }
@@ -239,6 +250,10 @@ mod tests {
                 assert_eq!(wgsl, rust, "{name} of {}", kernel.name);
                 assert_eq!(*span as usize, offset, "{name}");
             }
+            let view = STRUCTS[1].1;
+            let at = view.iter().position(|(field, _)| *field == "greatest_inverse_depth").unwrap();
+            assert_eq!(view[..at].iter().map(|field| field.1).sum::<usize>(), GREATEST_WORD);
+            assert_eq!(view.iter().map(|field| field.1).sum::<usize>(), VIEW_WORDS);
             let scene = STRUCTS[0].1;
             for (word, name) in [(FIRST_ROW_WORD, "first_row"), (ROWS_WORD, "rows")] {
                 let at = scene.iter().position(|(field, _)| *field == name).unwrap();

@@ -11,9 +11,12 @@ use half::slice::HalfFloatSliceExt;
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
+use crate::gpu::render::depth_planes::Plane;
 use crate::gpu::render::scene::Origin;
+use crate::gpu::render::units::DeviceUnits;
 use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField};
+use crate::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels};
+use crate::reconstruct::rects::{bounds, overlap};
 
 /// Rectangles of an image that are sent one by one; of more, the whole image is sent.
 const MOST_RECTANGLES: usize = 64;
@@ -56,9 +59,9 @@ struct Held {
 }
 
 impl DeviceTexels {
-    /// Room for images of a light field; none is on the device yet.
-    pub fn new(field: &LightField) -> DeviceTexels {
-        DeviceTexels { tile: [1, 1], coding: field.coding, has_material: false, textures: None, held: HashMap::new() }
+    /// Room for images whose colours are coded so; none is on the device yet.
+    pub fn new(coding: ColorCoding) -> DeviceTexels {
+        DeviceTexels { tile: [1, 1], coding, has_material: false, textures: None, held: HashMap::new() }
     }
 
     /// Texels of an image have changed on the CPU.
@@ -75,11 +78,12 @@ impl DeviceTexels {
         kinds.map(|kind| (kind, [0, 0, width, height])).to_vec()
     }
 
-    /// Sees to it that all images of these views are on the device, as they are now; answers the bytes that were sent.
+    /// Sees to it that all images of these views are in textures of the device, as they are now; answers the bytes that were
+    /// sent, and those that were copied of what the device has decoded.
     ///
     /// # Errors
     /// They are too many or too large for the device.
-    pub fn bring(&mut self, gpu: &Gpu, views: &ActiveViews<'_>) -> Result<u64> {
+    pub fn bring(&mut self, gpu: &Gpu, views: &ActiveViews<'_>, units: Option<&DeviceUnits<'_>>) -> Result<[u64; 2]> {
         let images = || {
             views.views.iter().flat_map(|active| {
                 let faces = active.view.faces.iter().enumerate();
@@ -97,11 +101,23 @@ impl DeviceTexels {
             self.textures = Some(self.make(gpu, needed.len().max(1))?);
         }
         self.place(images().map(|(key, _)| key), &needed);
-        let mut sent = 0;
+        let (mut sent, mut copies) = (0, Vec::new());
         for (key, texels) in images() {
             sent += self.send(gpu, key, texels)?;
+            if let Some(units) = units.filter(|_| texels.is_on_device()) {
+                self.list_copies(key, units, &mut copies);
+            }
         }
-        Ok(sent)
+        if copies.is_empty() {
+            return Ok([sent, 0]);
+        }
+        let copied = copies.iter().map(|copy| 4 * u64::from(copy.size[0]) * u64::from(copy.size[1])).sum();
+        gpu.guard("texels", || {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            copies.iter().for_each(|copy| copy.encode(&mut encoder));
+            gpu.queue.submit([encoder.finish()]);
+        })?;
+        Ok([sent, copied])
     }
 
     /// Gives textures up that an image does not fit into, or that have no room for its material. A light field has images only
@@ -176,7 +192,9 @@ impl DeviceTexels {
                     sample_count: 1,
                     dimension: wgpu::TextureDimension::D2,
                     format,
-                    usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                    usage: wgpu::TextureUsages::TEXTURE_BINDING
+                        | wgpu::TextureUsages::COPY_DST
+                        | wgpu::TextureUsages::COPY_SRC,
                     view_formats: &[],
                 })
             })
@@ -222,12 +240,14 @@ impl DeviceTexels {
         let origin = self.origin(key);
         let (whole, rows) = (self.whole(), self.pyramid_rows());
         let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return Ok(0) };
-        let mut stale = std::mem::take(&mut held.stale);
+        if held.stale.len() > MOST_RECTANGLES {
+            held.stale = whole;
+        }
+        // What lies on the device is copied there.
+        let stays = |kind: StreamKind| texels.is_on_device() && kind != StreamKind::Material;
+        let stale: Vec<_> = held.stale.extract_if(.., |(kind, _)| !stays(*kind)).collect();
         if stale.is_empty() {
             return Ok(0);
-        }
-        if stale.len() > MOST_RECTANGLES {
-            stale = whole;
         }
         gpu.guard("texels", || {
             let mut sent = 0;
@@ -256,6 +276,47 @@ impl DeviceTexels {
         })
     }
 
+    /// Lists what is to be copied of what the device has decoded of an image.
+    fn list_copies<'u>(&mut self, key: Key, units: &'u DeviceUnits<'_>, copies: &mut Vec<TexelCopy<'u>>) {
+        let (origin, rows) = (self.origin(key), self.pyramid_rows());
+        let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return };
+        let Some(planes) = units.planes(key.0) else { return };
+        let [texels, levels @ ..] = planes.levels(key.1) else { return };
+        let [width, height] = texels.size;
+        let mut changed = None;
+        for (kind, rectangle) in std::mem::take(&mut held.stale) {
+            let Some(rectangle) = overlap(rectangle, [0, 0, width, height]) else { continue };
+            if kind == StreamKind::Depth {
+                changed = Some(bounds(changed, rectangle));
+                let target = (textures.inverse_depths.clone(), origin.texels, origin.layer);
+                copies.push(TexelCopy::of_plane((planes.buffer(), texels), target, rectangle));
+            } else {
+                copies.extend(units.cells(key, rectangle).into_iter().map(|cell| TexelCopy {
+                    buffer: cell.pictures,
+                    at: cell.at,
+                    pitch: cell.pitch,
+                    texture: textures.colors.clone(),
+                    origin: [origin.texels[0] + cell.rect[0], origin.texels[1] + cell.rect[1], origin.layer],
+                    size: [cell.rect[2], cell.rect[3]],
+                }));
+            }
+        }
+        let Some(changed) = changed else { return };
+        for (level, plane) in levels.iter().enumerate() {
+            let place = [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level)];
+            let target = (textures.pyramids.clone(), place, origin.layer);
+            copies.push(TexelCopy::of_plane((planes.buffer(), plane), target, above(changed, level)));
+        }
+    }
+
+    /// The textures of inverse depths, colours, pyramids and materials, where there are any: for tests, which read them back.
+    pub fn textures(&self) -> Option<[&wgpu::Texture; 4]> {
+        self.textures.as_ref().map(|textures| {
+            let Textures { inverse_depths, colors, pyramids, materials, .. } = textures;
+            [inverse_depths, colors, pyramids, materials]
+        })
+    }
+
     /// Views of the textures of inverse depths, colours, pyramids and materials.
     pub fn views(&self) -> Vec<wgpu::TextureView> {
         let view = |texture: &wgpu::Texture| {
@@ -271,8 +332,62 @@ impl DeviceTexels {
     }
 }
 
+/// Words of a buffer that become texels of four bytes.
+#[derive(Debug)]
+struct TexelCopy<'u> {
+    buffer: &'u wgpu::Buffer,
+    /// First word.
+    at: u32,
+    /// Words from row to row.
+    pitch: u32,
+    texture: wgpu::Texture,
+    /// Column, row and layer.
+    origin: [u32; 3],
+    /// Columns and rows.
+    size: [u32; 2],
+}
+
+impl<'u> TexelCopy<'u> {
+    /// A rectangle of a plane, to the same place of an image that begins at a column and a row of a layer.
+    fn of_plane(
+        (buffer, plane): (&'u wgpu::Buffer, &Plane),
+        (texture, [column, row], layer): (wgpu::Texture, [u32; 2], u32),
+        [left, top, width, height]: Rectangle,
+    ) -> TexelCopy<'u> {
+        let at = plane.at + top * plane.pitch + left;
+        TexelCopy {
+            buffer,
+            at,
+            pitch: plane.pitch,
+            texture,
+            origin: [column + left, row + top, layer],
+            size: [width, height],
+        }
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
+        let ([x, y, z], [width, height]) = (self.origin, self.size);
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 4 * u64::from(self.at),
+            // Of one row, which may be the last of its buffer, there is no next.
+            bytes_per_row: (height > 1).then_some(4 * self.pitch),
+            rows_per_image: None,
+        };
+        encoder.copy_buffer_to_texture(
+            wgpu::TexelCopyBufferInfo { buffer: self.buffer, layout },
+            wgpu::TexelCopyTextureInfo {
+                texture: &self.texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x, y, z },
+                aspect: wgpu::TextureAspect::All,
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+    }
+}
+
 /// The squares of a level of a pyramid, counted from 0, that a rectangle of texels lies in.
-fn above([left, top, width, height]: Rectangle, level: usize) -> Rectangle {
+pub(super) fn above([left, top, width, height]: Rectangle, level: usize) -> Rectangle {
     let span = |begin: u32, length: u32| {
         let first = begin >> (level + 1);
         [first, ((begin + length - 1) >> (level + 1)) - first + 1]

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 use crate::error::Result;
+use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
 use crate::math::Camera;
 use crate::monitor::Silent;
@@ -74,9 +75,13 @@ fn is_hole([across, down]: [f64; 2]) -> Option<bool> {
     (nearest.abs() > 1e-3).then_some(nearest > 0.0)
 }
 
+fn settings(setup: &Setup, holes: HoleFill) -> RenderSettings {
+    RenderSettings { holes, steps: Steps::new(1024, 0.05, 16.0, 16), ..setup.settings(PIXELS) }
+}
+
 fn picture(plainly: bool, holes: HoleFill) -> Result<Rendered> {
     let setup = setup();
-    let settings = RenderSettings { holes, steps: Steps::new(1024, 0.05, 16.0, 16), ..setup.settings(PIXELS) };
+    let settings = settings(&setup, holes);
     let how: fn(&_, &Camera, &_, &_) -> _ = if plainly { render_plainly } else { render };
     how(&setup.views(), &camera(setup.eye, DVec3::NEG_Z)?, &settings, &Silent)
 }
@@ -103,5 +108,9 @@ fn wrong(holes: HoleFill) -> Result<Measured> {
             }
         }
     }
-    Ok(Measured::count(wrong, first))
+    let setup = setup();
+    let (camera, settings) = (camera(setup.eye, DVec3::NEG_Z)?, settings(&setup, holes));
+    let views = (0..setup.field.views.len()).collect();
+    let case = PictureCase { label: "hidden from all probes", field: setup.field, views, camera, settings };
+    Ok(Measured::count(wrong, first).with_pictures(vec![case]))
 }

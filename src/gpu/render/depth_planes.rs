@@ -1,0 +1,335 @@
+//! Inverse depths of a probe and the pyramids above them, as they lie on a device: planes of words, one for the texels of each
+//! face and one for each level of its pyramid (CALF 6.2). Kernels write them of what tiles show; textures are copied of them.
+//!
+//! The words are those that `reconstruct::shown_face` and `reconstruct::pyramid` come to on the CPU.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use crate::dataset::stream::DepthKind;
+use crate::error::{Error, Result};
+use crate::gpu::device::Gpu;
+use crate::gpu::harness::groups;
+use crate::gpu::kernels::{self, Kernel};
+use crate::gpu::layout::{DepthJob, LIST_HEAD_WORDS, NONE, SquareJob, Unit, Words, words_of};
+use crate::gpu::render::scene::NO_BOUND;
+use crate::gpu::render::texels::above;
+use crate::image::cube::Face;
+use crate::reconstruct::light_field::{FaceTexels, InverseDepth, UNKNOWN};
+use crate::reconstruct::pyramid::DepthPyramid;
+use crate::reconstruct::rects::{Rect, bounds};
+use crate::reconstruct::units_on_device::{DepthPart, NewFace};
+
+/// Rows take a multiple of so many words: copies into textures want it.
+pub const ROW_WORDS: u32 = 64;
+/// Words before the first plane. The topmost level of a face, one word, is that of its number; what those of a cube are reduced
+/// to follows.
+const HEAD_WORDS: u32 = 64;
+/// Words of the six tops of a cube, then of their reductions: the first of each, and how many.
+const REDUCTIONS: [[u32; 2]; 4] = [[0, 6], [8, 3], [11, 2], [13, 1]];
+/// The word of the greatest inverse depth of a cube, and at most [`NO_BOUND`].
+pub const GREATEST_WORD: u32 = REDUCTIONS[3][0];
+
+/// A plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plane {
+    /// Its first word.
+    pub at: u32,
+    /// Words from row to row.
+    pub pitch: u32,
+    /// Columns and rows.
+    pub size: [u32; 2],
+}
+
+/// Where what belongs to a face lies.
+#[derive(Debug)]
+struct FacePlanes {
+    /// Texels, and the levels above them.
+    levels: Vec<Plane>,
+    /// Where the inverse depths of codes start.
+    table: u32,
+    /// Where what they are multiplied by starts, row by row.
+    stretch: Option<u32>,
+}
+
+/// What is to be written of the tiles that one buffer of pictures holds.
+#[derive(Debug)]
+pub struct TileParts<'p> {
+    /// The buffer.
+    pub pictures: &'p wgpu::Buffer,
+    /// Parts, with the number of the face, the tile as it lies in the buffer, and its left and top in the face.
+    pub parts: Vec<(usize, DepthPart, Unit, [u32; 2])>,
+}
+
+/// Planes of a probe.
+#[derive(Debug)]
+pub struct DepthPlanes {
+    planes: wgpu::Buffer,
+    tables: wgpu::Buffer,
+    jobs: Option<wgpu::Buffer>,
+    faces: BTreeMap<usize, FacePlanes>,
+}
+
+/// A dispatch: its kernel, and where its list lies among the jobs.
+#[derive(Debug)]
+struct Step<'p> {
+    kernel: &'static Kernel,
+    pictures: Option<&'p wgpu::Buffer>,
+    words: [usize; 2],
+    invocations: u32,
+}
+
+/// Words of tables: inverse depths of codes, once for each range, and stretches, once for each projection.
+#[derive(Default)]
+struct Tables<'f> {
+    words: Vec<u32>,
+    inverse: Vec<(&'f Arc<InverseDepth>, u32)>,
+    stretch: Vec<(&'f FaceTexels, u32)>,
+}
+
+impl<'f> Tables<'f> {
+    fn inverse(&mut self, table: &'f Arc<InverseDepth>) -> u32 {
+        if let Some((_, at)) = self.inverse.iter().find(|(other, _)| Arc::ptr_eq(other, table)) {
+            return *at;
+        }
+        let at = self.words.len() as u32;
+        self.words.extend(table.of_codes().iter().map(|inverse| inverse.to_bits()));
+        self.inverse.push((table, at));
+        at
+    }
+
+    fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
+        let alike =
+            |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
+        if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
+            return *at;
+        }
+        let at = self.words.len() as u32;
+        let [width, height] = face.size;
+        let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+        self.words.extend(texels.map(|[column, row]| face.stretch(column, row).to_bits()));
+        self.stretch.push((face, at));
+        at
+    }
+}
+
+impl DepthPlanes {
+    /// Planes of these faces, of which nothing is known; answers also how many bytes that sent.
+    ///
+    /// # Errors
+    /// The device has no room for them.
+    pub fn new(gpu: &Gpu, faces: &[NewFace<'_>]) -> Result<(DepthPlanes, u64)> {
+        let (mut tables, mut known, mut at) = (Tables::default(), BTreeMap::new(), u64::from(HEAD_WORDS));
+        for new in faces {
+            let sizes = std::iter::once(new.texels.size).chain(DepthPyramid::sizes(new.texels.size));
+            let mut levels: Vec<Plane> = Vec::new();
+            for size in sizes {
+                let pitch = size[0].next_multiple_of(ROW_WORDS);
+                levels.push(Plane { at: u32::try_from(at).unwrap_or(u32::MAX), pitch, size });
+                at += u64::from(pitch) * u64::from(size[1]);
+            }
+            if let Some(top) = levels.last_mut() {
+                top.at = new.face as u32;
+            }
+            let table = tables.inverse(new.inverse);
+            let stretch = (new.inverse.kind() == DepthKind::Distance).then(|| tables.stretch(new.texels));
+            known.insert(new.face, FacePlanes { levels, table, stretch });
+        }
+        // A buffer says itself what it would need and what is allowed.
+        let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
+        let none = wgpu::BufferUsages::empty();
+        let planes = gpu.buffer("planes", words, none)?;
+        let buffer = gpu.buffer("tables", tables.words.len(), none)?;
+        let mut start = vec![UNKNOWN.to_bits(); words];
+        start[GREATEST_WORD as usize] = NO_BOUND.to_bits();
+        gpu.guard("planes", || {
+            gpu.queue.write_buffer(&planes, 0, bytemuck::cast_slice(&start));
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tables.words));
+        })?;
+        let sent = 4 * (words + tables.words.len()) as u64;
+        Ok((DepthPlanes { planes, tables: buffer, jobs: None, faces: known }, sent))
+    }
+
+    /// All planes.
+    pub fn buffer(&self) -> &wgpu::Buffer {
+        &self.planes
+    }
+
+    /// The texels of a face, and the levels above them.
+    pub fn levels(&self, face: usize) -> &[Plane] {
+        self.faces.get(&face).map_or(&[], |face| &face.levels)
+    }
+
+    /// Whether there is [`GREATEST_WORD`]: a face in every direction.
+    pub fn has_greatest(&self) -> bool {
+        Face::CUBE.iter().all(|&face| self.faces.contains_key(&(face as usize)))
+            && !self.faces.contains_key(&(Face::View as usize))
+    }
+
+    /// Writes inverse depths, and what stands above them; answers the bytes that were sent. `done` is called after the
+    /// texels, and after the pyramids.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn write(&mut self, gpu: &Gpu, tiles: &[TileParts<'_>], mut done: impl FnMut() -> Result<()>) -> Result<u64> {
+        let mut words = Vec::new();
+        let mut changed: BTreeMap<usize, Rect> = BTreeMap::new();
+        let mut texels = Vec::new();
+        for tile in tiles {
+            let mut jobs: Vec<DepthJob> = Vec::new();
+            for (face, part, unit, corner) in &tile.parts {
+                let Some(planes) = self.faces.get(face) else { continue };
+                let end = jobs.last().map_or(0, |job| job.end) + part.rect[2] * part.rect[3];
+                jobs.push(DepthJob { end, ..planes.job(part, unit, *corner) });
+                let box_of = bounds(changed.get(face).copied(), part.rect);
+                changed.insert(*face, box_of);
+            }
+            let invocations = jobs.last().map_or(0, |job| job.end);
+            texels.extend(list(&mut words, &jobs, invocations).map(|words| Step {
+                kernel: &kernels::TEXELS,
+                pictures: Some(tile.pictures),
+                words,
+                invocations,
+            }));
+        }
+        let mut squares = Vec::new();
+        for jobs in self.square_jobs(&changed) {
+            let invocations = jobs.last().map_or(0, |job| job.end);
+            squares.extend(list(&mut words, &jobs, invocations).map(|words| Step {
+                kernel: &kernels::SQUARES,
+                pictures: None,
+                words,
+                invocations,
+            }));
+        }
+        if texels.is_empty() {
+            return Ok(0);
+        }
+        self.send_jobs(gpu, &words)?;
+        for steps in [texels, squares] {
+            self.run(gpu, &steps)?;
+            done()?;
+        }
+        Ok(4 * words.len() as u64)
+    }
+
+    /// The jobs of each level, from the texels up, and of the reductions.
+    fn square_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<SquareJob>> {
+        let most_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
+        let mut all = Vec::new();
+        for level in 1..most_levels {
+            let mut jobs: Vec<SquareJob> = Vec::new();
+            for (face, &rect) in changed {
+                let levels = self.levels(*face);
+                let (Some(below), Some(plane)) = (levels.get(level - 1), levels.get(level)) else { continue };
+                let end = jobs.last().map_or(0, |job| job.end);
+                jobs.push(square_job([below, plane], above(rect, level - 1), end));
+            }
+            all.push(jobs);
+        }
+        if self.has_greatest() && !changed.is_empty() {
+            for pair in REDUCTIONS.windows(2) {
+                let [below, plane] = [pair[0], pair[1]].map(|[at, count]| Plane { at, pitch: count, size: [count, 1] });
+                let job = square_job([&below, &plane], [0, 0, plane.size[0], 1], 0);
+                all.push(vec![SquareJob { most: NO_BOUND.to_bits(), ..job }]);
+            }
+        }
+        all
+    }
+
+    /// Brings lists of jobs onto the device.
+    fn send_jobs(&mut self, gpu: &Gpu, words: &[u32]) -> Result<()> {
+        let buffer = match self.jobs.take().filter(|buffer| buffer.size() >= 4 * words.len() as u64) {
+            Some(buffer) => buffer,
+            None => gpu.buffer("jobs", words.len().next_power_of_two(), wgpu::BufferUsages::empty())?,
+        };
+        gpu.guard("jobs", || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
+        self.jobs = Some(buffer);
+        Ok(())
+    }
+
+    fn run(&self, gpu: &Gpu, steps: &[Step<'_>]) -> Result<()> {
+        let Some(jobs) = &self.jobs else { return Ok(()) };
+        let pipelines: HashMap<&str, _> = steps
+            .iter()
+            .map(|step| Ok((step.kernel.name, gpu.pipeline(step.kernel)?)))
+            .collect::<Result<_, Error>>()?;
+        gpu.guard("planes", || {
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            for step in steps {
+                let Some(pipeline) = pipelines.get(step.kernel.name) else { continue };
+                let list = wgpu::BufferBinding {
+                    buffer: jobs,
+                    offset: 4 * step.words[0] as u64,
+                    size: wgpu::BufferSize::new(4 * step.words[1] as u64),
+                };
+                let resources = step.kernel.bindings.iter().filter_map(|binding| match binding.name() {
+                    "pictures" => step.pictures.map(wgpu::Buffer::as_entire_binding),
+                    "tables" => Some(self.tables.as_entire_binding()),
+                    "jobs" => Some(wgpu::BindingResource::Buffer(list.clone())),
+                    _ => Some(self.planes.as_entire_binding()),
+                });
+                let group = gpu.bind_resources(pipeline, resources);
+                pass.set_pipeline(&pipeline.pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                let [x, y] = groups(step.invocations.div_ceil(step.kernel.workgroup));
+                pass.dispatch_workgroups(x, y, 1);
+            }
+            drop(pass);
+            gpu.queue.submit([encoder.finish()]);
+        })
+    }
+}
+
+impl FacePlanes {
+    fn job(&self, part: &DepthPart, unit: &Unit, corner: [u32; 2]) -> DepthJob {
+        let [left, top, width, _] = part.rect;
+        let Some(plane) = self.levels.first() else { return DepthJob::default() };
+        let (place, pitch) = (plane.at + top * plane.pitch + left, plane.pitch);
+        let plain = DepthJob { width, place, pitch, stretch: NONE, ..DepthJob::default() };
+        if !part.is_known {
+            return DepthJob { picture: NONE, table: UNKNOWN.to_bits(), ..plain };
+        }
+        let stretch_pitch = plane.size[0];
+        DepthJob {
+            picture: unit.picture,
+            stride: unit.stride,
+            left: left - corner[0],
+            top: top - corner[1],
+            table: self.table,
+            stretch: self.stretch.map_or(NONE, |stretch| stretch + top * stretch_pitch + left),
+            stretch_pitch,
+            ..plain
+        }
+    }
+}
+
+/// The job that writes squares of a plane of the one below.
+fn square_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> SquareJob {
+    SquareJob {
+        below: below.at,
+        below_pitch: below.pitch,
+        below_width: below.size[0],
+        below_height: below.size[1],
+        left,
+        top,
+        width,
+        place: plane.at,
+        pitch: plane.pitch,
+        most: u32::MAX,
+        end: end + width * height,
+    }
+}
+
+/// Appends a list of jobs where a binding may begin; answers its first word and its words. None of an empty list.
+fn list<T: Words>(words: &mut Vec<u32>, jobs: &[T], total: u32) -> Option<[usize; 2]> {
+    if jobs.is_empty() {
+        return None;
+    }
+    words.resize(words.len().next_multiple_of(ROW_WORDS as usize), 0);
+    let at = words.len();
+    words.extend([total, jobs.len() as u32]);
+    words.extend(words_of(jobs));
+    Some([at, LIST_HEAD_WORDS + jobs.len() * T::WORDS])
+}

@@ -1,0 +1,272 @@
+//! Playback in which the device decodes depth and colour: texels in its textures against those of the CPU, bit for bit, and
+//! pictures against those of texels that were sent.
+
+use std::path::Path;
+
+use glam::DVec3;
+use libtest_mimic::Failed;
+use lightfold::gpu::render::scene::Origin;
+use lightfold::gpu::render::texels::DeviceTexels;
+use lightfold::gpu::{DeviceRenderer, Gpu};
+use lightfold::math::Camera;
+use lightfold::math::camera::Lens;
+use lightfold::monitor::Silent;
+use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField};
+use lightfold::reconstruct::path::Shot;
+use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
+use lightfold::reconstruct::player::ProbeChoice;
+use lightfold::reconstruct::render::EffectMode;
+use lightfold::reconstruct::selection::SelectionSettings;
+use lightfold::video::decode::Decoder;
+use lightfold::{Error, Result};
+
+use crate::{lightfold, with_gpu};
+
+/// Words that a row of a copy takes a multiple of.
+const ROW_WORDS: u32 = 64;
+
+fn said(error: Error) -> String {
+    error.to_string()
+}
+
+/// Texels of a texture that has words, row by row.
+fn read(gpu: &Gpu, texture: &wgpu::Texture, [x, y, z]: [u32; 3], [width, height]: [u32; 2]) -> Result<Vec<u32>> {
+    let pitch = width.next_multiple_of(ROW_WORDS);
+    let words = (pitch * height) as usize;
+    let buffer = gpu.buffer("texels of a test", words, wgpu::BufferUsages::empty())?;
+    gpu.guard("texels of a test", || {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            wgpu::TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d { x, y, z },
+                aspect: wgpu::TextureAspect::All,
+            },
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * pitch), rows_per_image: None },
+            },
+            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        );
+        gpu.queue.submit([encoder.finish()]);
+    })?;
+    let all = gpu.read(&buffer, words)?;
+    Ok(all.chunks(pitch as usize).flat_map(|row| &row[..width as usize]).copied().collect())
+}
+
+/// The first texel of an image that is another on the device than on the CPU, in words.
+fn differing(gpu: &Gpu, texels: &DeviceTexels, origin: Origin, face: &FaceTexels) -> Result<Option<String>> {
+    let Some([inverse_depths, colors, pyramids, materials]) = texels.textures() else {
+        return Ok(Some("no textures".into()));
+    };
+    let [x, y] = origin.texels;
+    let image = [x, y, origin.layer];
+    let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<u32>>();
+    let packed = |texels: &[[u8; 4]]| texels.iter().map(|texel| u32::from_le_bytes(*texel)).collect::<Vec<u32>>();
+    let ColorTexels::Codes(codes) = &face.color else { return Ok(Some("colours are no codes".into())) };
+    let mut planes = vec![
+        ("inverse depth".to_owned(), read(gpu, inverse_depths, image, face.size)?, bits(&face.inverse_depth)),
+        ("colour".to_owned(), read(gpu, colors, image, face.size)?, packed(codes)),
+    ];
+    if let Some(material) = &face.material {
+        planes.push(("material".to_owned(), read(gpu, materials, image, face.size)?, packed(material)));
+    }
+    for level in 0..face.pyramid.levels() {
+        let Some((size, values)) = face.pyramid.level(level) else { continue };
+        let [column, row] = origin.pyramid;
+        let rows = texels.pyramid_rows();
+        let place = [column, row + rows - (rows >> level), origin.layer];
+        planes.push((format!("pyramid {level}"), read(gpu, pyramids, place, size)?, bits(values)));
+    }
+    let wrong = |(what, found, expected): (String, Vec<u32>, Vec<u32>)| {
+        let at = (0..expected.len()).find(|&at| found.get(at) != Some(&expected[at]))?;
+        Some(format!("{what}, texel {at} is {:#x?} and not {:#x}", found.get(at), expected[at]))
+    };
+    Ok(planes.into_iter().find_map(wrong))
+}
+
+/// Where a walk goes on: from a place, in a direction, in a frame.
+fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<Shot>> {
+    let views = &playback.player().field().views;
+    let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
+    let frames = playback.player().frames();
+    let shot = |at: u32| {
+        let (turn, part) = (1.1 * f64::from(at), f64::from(at) / f64::from(count) - 0.5);
+        let eye = middle + part * DVec3::new(0.6, 0.2, 0.4);
+        let camera = Camera::look_at(eye, eye + DVec3::new(turn.cos(), -0.2, turn.sin()), DVec3::Y, Lens::new(60.0))?;
+        // Forwards by one or two, and back to the start.
+        let frame = frames.first + (at + at / 3) % frames.count() as u32;
+        Ok(Shot { frame, cameras: vec![camera] })
+    };
+    (0..count).map(shot).collect()
+}
+
+/// What came of a walk.
+#[derive(Debug, Default, PartialEq)]
+struct Walked {
+    images: usize,
+    known: usize,
+    unknown: usize,
+}
+
+/// Compares all images of the views that took part.
+fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes: &[usize]) -> Result<Walked, Failed> {
+    let texels = renderer.gpu_renderer().ok_or("nothing was rendered")?.texels();
+    let mut walked = Walked::default();
+    for view in field.views.iter().filter(|view| probes.contains(&view.probe)) {
+        for (number, face) in view.faces.iter().enumerate() {
+            let Some(face) = face else { continue };
+            let origin = texels.origin((view.probe, number));
+            if let Some(wrong) = differing(gpu, texels, origin, face).map_err(said)? {
+                return Err(format!("{}, face {number}: {wrong}", view.name).into());
+            }
+            walked.images += 1;
+            let unknown = face.inverse_depth.iter().filter(|depth| depth.is_infinite()).count();
+            walked.unknown += unknown;
+            walked.known += face.inverse_depth.len() - unknown;
+        }
+    }
+    Ok(walked)
+}
+
+/// Walks through a container three times at once: decoded on the device, sent to it, and on the CPU.
+fn compare_walk(
+    gpu: &Gpu,
+    container: &Path,
+    count: u32,
+    (most, effects): (Option<usize>, EffectMode),
+) -> Result<Walked, Failed> {
+    let decoder = Decoder::open(container).map_err(said)?;
+    let selection = SelectionSettings { most, ..SelectionSettings::default() };
+    let settings = PlaybackOptions { selection, effects, ..PlaybackOptions::default() };
+    let options = PictureOptions { size: [40, 30], steps: 48, effects, ..PictureOptions::default() };
+    let mut playbacks = Vec::new();
+    for _ in 0..3 {
+        playbacks.push(Playback::new(&decoder, settings.clone()).map_err(said)?);
+    }
+    let coding = playbacks[0].player().field().coding;
+    let mut decodes = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
+    if !decodes.decodes() {
+        return Err("the device does not decode it".into());
+    }
+    let mut is_sent = DeviceRenderer::new(gpu, options.clone());
+    let mut on_cpu = CpuRenderer { options };
+    let mut all = Walked::default();
+    for (at, shot) in walk(&playbacks[0], count).map_err(said)?.iter().enumerate() {
+        let [first, second, third] = &mut playbacks[..] else { return Err("three playbacks".into()) };
+        let on_device = first.show(shot, &mut decodes, &Silent).map_err(said)?;
+        let sent = second.show(shot, &mut is_sent, &Silent).map_err(said)?;
+        let shown = third.show(shot, &mut on_cpu, &Silent).map_err(said)?;
+        let field = third.player().field();
+        let names: Vec<&String> = shown.trace.active.iter().map(|active| &active.probe).collect();
+        let active: Vec<usize> =
+            field.views.iter().filter(|view| names.contains(&&view.name)).map(|view| view.probe).collect();
+        let walked = compare(gpu, &decodes, field, &active)
+            .map_err(|wrong| format!("shot {at}: {}", wrong.message().unwrap_or_default()))?;
+        all.images += walked.images;
+        all.known += walked.known;
+        all.unknown += walked.unknown;
+        // The same texels and the same kernel.
+        if on_device.pictures != sent.pictures {
+            return Err(format!("shot {at}: pictures differ").into());
+        }
+        let counts = |of: &lightfold::reconstruct::player::ShowCounts| {
+            [of.cells_decoded, of.cells_unchanged, of.cells_unseen, of.bytes_all]
+        };
+        if counts(&on_device.counts) != counts(&shown.counts) {
+            return Err(format!("shot {at}: {:?} and not {:?}", on_device.counts, shown.counts).into());
+        }
+    }
+    Ok(all)
+}
+
+/// All ways to code depth and 8-bit colours, sizes that are no multiples of anything, planar depths and distances, materials,
+/// and views that come and go.
+pub fn texels() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let folder = tempfile::tempdir()?;
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let cube = |name: &str, scene: &str, options: &[&str]| -> Result<(), Failed> {
+            let cameras = path("cameras.json");
+            let (to, fixed) = (path(name), ["--samples", "1", "--frames", "0-5", "-q"]);
+            let arguments = [&["capture", scene, "--cameras", &cameras, "-o", &to], &fixed[..], options].concat();
+            lightfold(&arguments).map(|_| ())
+        };
+        std::fs::write(
+            path("cameras.json"),
+            r#"{"lightfold_cameras": 1, "cameras": [{"position": [0.0, 1.5, 0.0]}, {"position": [0.4, 1.6, 0.2]}, {"position": [-0.3, 1.5, 0.3]}]}"#,
+        )?;
+        cube("planar", "courtyard", &["--size", "44", "--depth", "planar"])?;
+        cube("distance", "mirrors", &["--size", "50", "--depth", "distance", "--aov", "depth,material"])?;
+        let (none, auto) = (EffectMode::None, EffectMode::Auto);
+        for (set, options, count, how) in [
+            ("planar", "", 8, (Some(2), auto)),
+            ("planar", "--cell 64 --tiles 1", 3, (None, none)),
+            ("planar", "--cell 12 --tiles 3 --depth-codec aabb --color-block bc1", 5, (None, none)),
+            ("planar", "--cell 16 --tiles 2 --depth-codec aabb --depth-block bc5 --color-block bc7", 5, (None, none)),
+            ("planar", "--cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none)),
+            ("distance", "--cell 20 --tiles 2", 6, (Some(2), auto)),
+            ("distance", "--cell 15 --tiles 2 --material-block bc1", 4, (None, none)),
+        ] {
+            let container = path("film.lfold");
+            let manifest = path(set);
+            let words: Vec<&str> = options.split_whitespace().collect();
+            let fixed = ["encode", &manifest, "--effort", "fast", "--quiet", "-o", &container];
+            lightfold(&[&fixed[..], &words].concat())?;
+            let walked = compare_walk(gpu, Path::new(&container), count, how)
+                .map_err(|wrong| format!("{set} {options}: {}", wrong.message().unwrap_or_default()))?;
+            println!("{set} {options} on {}: {walked:?}", gpu.info.name);
+            // Mirrors send rays anywhere: nothing is out of sight.
+            let all = set == "distance" && how.1 == auto;
+            if walked.images == 0 || walked.known == 0 || (walked.unknown == 0) != all {
+                return Err(format!("{set} {options}: {walked:?}").into());
+            }
+        }
+        halves_stay_on_the_cpu(gpu, &path("planar"), &path("film.lfold"))
+    })
+}
+
+/// Colours in half floats are decoded by the CPU, and rendered all the same.
+fn halves_stay_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str) -> Result<(), Failed> {
+    lightfold(&["encode", manifest, "--effort", "fast", "--hdr", "--quiet", "-o", container])?;
+    let decoder = Decoder::open(container).map_err(said)?;
+    let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
+    let options = PictureOptions { size: [16, 16], steps: 16, ..PictureOptions::default() };
+    let mut renderer = DeviceRenderer::new(gpu, options).decoding(&decoder, playback.player().field().coding);
+    let shots = walk(&playback, 1).map_err(said)?;
+    let shown = playback.show(&shots[0], &mut renderer, &Silent).map_err(said)?;
+    match renderer.decodes() || shown.pictures[0].color.data().iter().all(|color| *color == [0.0; 3]) {
+        false => Ok(()),
+        true => Err("halves: black, or decoded on the device".into()),
+    }
+}
+
+/// What was read before an error is not taken for right after it: a playback goes on as a new one would begin.
+pub fn after_errors() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let folder = tempfile::tempdir()?;
+        let path = folder.path().join("demo").display().to_string();
+        lightfold(&["demo", "--frame-count", "3", "--size", "32", "--probes", "2", "--quiet", "-o", &path])?;
+        let decoder = Decoder::open(folder.path().join("demo/demo.lfold")).map_err(said)?;
+        let options = PictureOptions { size: [24, 24], steps: 32, ..PictureOptions::default() };
+        let settings = PlaybackOptions { probes: ProbeChoice::default(), ..PlaybackOptions::default() };
+        let mut playback = Playback::new(&decoder, settings.clone()).map_err(said)?;
+        let coding = playback.player().field().coding;
+        let mut renderer = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
+        let shots = walk(&playback, 3).map_err(said)?;
+        playback.show(&shots[0], &mut renderer, &Silent).map_err(said)?;
+        // Another renderer of the same playback knows of no probe that has begun.
+        let mut other = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
+        if playback.show(&shots[1], &mut other, &Silent).is_ok() {
+            return Err("units of a probe that is not shown were decoded".into());
+        }
+        let mut fresh = Playback::new(&decoder, settings).map_err(said)?;
+        let expected = fresh.show(&shots[2], &mut DeviceRenderer::new(gpu, options), &Silent).map_err(said)?;
+        let found = playback.show(&shots[2], &mut other, &Silent).map_err(said)?;
+        match found.pictures == expected.pictures {
+            true => Ok(()),
+            false => Err("pictures after an error differ".into()),
+        }
+    })
+}
