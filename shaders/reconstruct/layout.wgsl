@@ -30,7 +30,10 @@ struct Scene {
     longest_segment: u32,
     // Points of the first segment.
     first_segment: u32,
-    spare: array<u32, 3>,
+    // Surfaces that are less deep along the axis of the camera, or deeper, are not shown: metres.
+    near_m: f32,
+    far_m: f32,
+    spare: u32,
 }
 
 struct View {

@@ -131,7 +131,7 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
-    /// Renders.
+    /// Renders. The monitor advances by one for each row.
     ///
     /// # Errors
     /// When the monitor says to stop, the device fails, or the picture or the light field is too large for it.
@@ -156,6 +156,7 @@ impl<'a> GpuRenderer<'a> {
             monitor.check()?;
             let begun = Instant::now();
             self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
+            monitor.advance(rows.min(height - first_row).into());
             first_row = first_row.saturating_add(rows);
             rows = if begun.elapsed() < SHORT { rows.saturating_mul(2).min(most) } else { least };
         }

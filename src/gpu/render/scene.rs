@@ -63,7 +63,9 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("pyramid_rows", 1),
             ("longest_segment", 1),
             ("first_segment", 1),
-            ("spare", 3),
+            ("near_m", 1),
+            ("far_m", 1),
+            ("spare", 1),
         ],
     ),
     (
@@ -127,7 +129,9 @@ pub fn words(
         Acceleration::None => [1, 1],
         Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, first, 0, 0, 0]);
+    // Shaders have no infinity.
+    let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX).to_bits());
+    scene.extend([pyramid_rows, longest, first, near_m, far_m, 0]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
