@@ -10,7 +10,7 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
 use crate::reconstruct::player::Change;
-use crate::reconstruct::render::Rendered;
+use crate::reconstruct::render::{EffectMode, Rendered};
 
 /// Makes the pictures of a playback on a device.
 #[derive(Debug)]
@@ -39,6 +39,10 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Renderer for DeviceRenderer<'_> {
+    fn effects(&self) -> EffectMode {
+        self.options.effects
+    }
+
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
         let renderer = self.renderer(stage);
         for change in changes {
