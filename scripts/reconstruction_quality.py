@@ -20,6 +20,12 @@ REGIONS = {
 }
 
 
+# How far from a straight way between two probes others may lie that count as being on it, in parts of its length.
+BESIDE = 0.01
+# So many such ways of a dataset are measured.
+MOST_LINES = 4
+
+
 class Refused(SystemExit):
     """Input that cannot be measured."""
 
@@ -49,6 +55,8 @@ class Row:
     psnr_db_mirrors: object = None
     psnr_db_glass: object = None
     render_ms: object = None
+    # Of a pose, the two probes that it lies between.
+    line: object = None
 
 
 def number(value):
@@ -82,10 +90,11 @@ def row_of(table, place, method, report):
 
 
 class Renderer:
-    """Runs `lightfold render` on cases; `options` are given to all of them."""
+    """Runs `lightfold render` on cases, each once; `options` are given to all of them."""
 
     def __init__(self, binary, options):
         self.binary, self.options = binary, options
+        self.known = {}
 
     def command(self, case, method, *more):
         words = [self.binary, "render", case.container, "--reference", case.reference, "--reference-probe", case.probe]
@@ -97,9 +106,12 @@ class Renderer:
         """A row for each method."""
         found = []
         for method, label in METHODS:
-            errors = ["--error-map", maps / f"{case.probe}_{label}"] if maps else []
-            report = lf.run_json(*self.command(case, method, *more, *errors))
-            found.append(row_of(table, place, label, report))
+            command = tuple(map(str, self.command(case, method, *more)))
+            # Who asks for maps has not been here before.
+            if maps or command not in self.known:
+                errors = ["--error-map", maps / f"{case.probe}_{label}"] if maps else []
+                self.known[command] = lf.run_json(*command, *errors)
+            found.append(row_of(table, place, label, self.known[command]))
         return found
 
 
@@ -130,6 +142,43 @@ def held_out(probes, wanted):
         return wanted or names
     middle = [mean(position[axis] for _, position in probes) for axis in range(3)]
     return [min(probes, key=lambda probe: math.dist(probe[1], middle))[0]]
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """Probes of a dataset that lie between two others, on the straight way from one to the other."""
+
+    first: str
+    last: str
+    # (part of the way, name), from the first to the last.
+    between: tuple
+
+    def name(self):
+        return f"{self.first} to {self.last}"
+
+
+def lines_of(probes, most=MOST_LINES):
+    """Lines with the most probes between their ends, then the longest; a part of a longer line is none of its own."""
+    found = []
+    for (first, start), (last, end) in itertools.combinations(probes, 2):
+        length = math.dist(start, end)
+        between = []
+        for name, position in probes:
+            if name in (first, last) or length == 0:
+                continue
+            part = sum((at - a) * (b - a) for at, a, b in zip(position, start, end)) / length**2
+            beside = math.dist(position, [a + part * (b - a) for a, b in zip(start, end)])
+            if 0 < part < 1 and beside <= BESIDE * length:
+                between.append((round(part, 6), name))
+        if between:
+            found.append((len(between), length, Line(first, last, tuple(sorted(between)))))
+    found.sort(key=lambda entry: entry[:2], reverse=True)
+    chosen = []
+    for _, _, line in found:
+        on = lambda other: {other.first, other.last, *(name for _, name in other.between)}
+        if not any(on(line) <= on(other) for other in chosen):
+            chosen.append(line)
+    return chosen[:most]
 
 
 def corners(region):
@@ -166,7 +215,19 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
         rows += of_probe + with_and_without_effects(renderer, probe, case, of_probe)
     central = Case(container, pathlib.Path(manifest), left_out[0], (left_out[0],), frames)
     rows += by_views(renderer, central, len(probes) - 1)
+    for line in lines_of(probes):
+        rows += along(renderer, container, manifest, line, frames)
     return rows
+
+
+def along(renderer, container, manifest, line, frames):
+    """Rows by pose on a line of a dataset (CALF figure 11). The truth is known at probes only: those between the ends are
+    poses and take no part in any picture; the ends take part, as they do where a scene is captured for this."""
+    without = tuple(name for _, name in line.between)
+    rows = []
+    for part, name in ((0.0, line.first), *line.between, (1.0, line.last)):
+        rows += renderer.rows("by pose", part, Case(container, pathlib.Path(manifest), name, without, frames))
+    return [dataclasses.replace(row, line=line.name()) for row in rows]
 
 
 def measure_scene(binary, renderer, scene, work, settings):

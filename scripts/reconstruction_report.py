@@ -24,8 +24,9 @@ def decibels(value):
     return "" if value is None else "exact" if math.isinf(value) else f"{value:.2f}"
 
 
-def place_in_words(place):
-    return f"{place:.3f}" if isinstance(place, float) else str(place)
+def place_in_words(place, line=None):
+    text = f"{place:.3f}" if isinstance(place, float) else str(place)
+    return f"{line}, {text}" if line else text
 
 
 def tables(rows):
@@ -36,8 +37,8 @@ def tables(rows):
         if not of_table:
             continue
         methods = list(dict.fromkeys(row.method for row in of_table))
-        places = list(dict.fromkeys(row.place for row in of_table))
-        cell = {(row.place, row.method): row for row in of_table}
+        places = list(dict.fromkeys((row.place, row.line) for row in of_table))
+        cell = {((row.place, row.line), row.method): row for row in of_table}
         if name == "effects":
             head = ["place", "method", "all dB", "mirrors dB", "glass dB"]
             lines = [[row.place, row.method, decibels(row.psnr_db), decibels(row.psnr_db_mirrors),
@@ -47,7 +48,7 @@ def tables(rows):
                     *(f"{method} holes %" for method in methods)]
             ssim = lambda row: "" if row.ssim is None else f"{row.ssim:.4f}"
             lines = [
-                [place_in_words(place), *(decibels(cell[place, method].psnr_db) for method in methods),
+                [place_in_words(*place), *(decibels(cell[place, method].psnr_db) for method in methods),
                  *(ssim(cell[place, method]) for method in methods),
                  *(f"{cell[place, method].hole_percent:.2f}" for method in methods)]
                 for place in places
@@ -67,6 +68,15 @@ def to_csv(rows):
     return text.getvalue()
 
 
+def mean_over_lines(rows):
+    """The rows of a chart: where poses lie on several lines, their mean by part of the way."""
+    found = {}
+    for row in rows:
+        if row.psnr_db is not None and math.isfinite(row.psnr_db):
+            found.setdefault((row.place, row.method), []).append(row)
+    return [dataclasses.replace(of[0], psnr_db=sum(row.psnr_db for row in of) / len(of), line=None) for of in found.values()]
+
+
 def ticks(least, most, about=6):
     """Round numbers between two, both of which lie within."""
     step = 10 ** math.floor(math.log10(max(most - least, 1e-9) / about))
@@ -77,7 +87,7 @@ def ticks(least, most, about=6):
 
 def chart(title, label, rows):
     """PSNR of each method by place, as the text of an SVG file; none where there are fewer than two places."""
-    rows = [row for row in rows if row.psnr_db is not None and math.isfinite(row.psnr_db)]
+    rows = mean_over_lines(rows)
     places = sorted({row.place for row in rows})
     if len(places) < 2:
         return None
@@ -118,6 +128,17 @@ def chart(title, label, rows):
     return "\n".join([*parts, "</svg>", ""])
 
 
+def of_lines(rows):
+    """What poses of a dataset are, in words; nothing is said of a scene."""
+    if any(row.line for row in rows):
+        return ("Poses are probes that lie on the straight way between two others, as the truth is known at probes only. Those "
+                "between the two take no part in the pictures of their way; the two themselves do. A chart has the mean of "
+                "several ways.\n")
+    if any(row.table == "left out" for row in rows):
+        return "No probe lies on the straight way between two others, so that there are no figures by pose.\n"
+    return ""
+
+
 def write(folder, name, rows, command):
     """report.md, figures.csv and charts; answers the report."""
     charts = []
@@ -132,7 +153,9 @@ def write(folder, name, rows, command):
     shown = "".join(f"![]({file})\n" for file in charts)
     about = ("PSNR is of 8-bit codes, the mean over images that are not exact, and inside mirrors or glass that of all their "
              "pixels together; holes count as black. Points: every texel drawn as a point of one pixel. Ceiling: true "
-             "distances instead of marching, the same interpolation. Pictures of where errors lie are in errors/.\n")
+             "distances instead of marching, the same interpolation. Marching can be better all the same: in mirrors and glass, and "
+             "where few views know a surface. Pictures of where errors lie are in errors/.\n")
+    about += of_lines(rows)
     report = "\n".join([f"# {name}\n", f"`{command}`\n", about, *sections, shown])
     (folder / "report.md").write_text(report)
     return report

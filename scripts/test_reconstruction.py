@@ -5,6 +5,7 @@ import csv
 import importlib.machinery
 import importlib.util
 import io
+import itertools
 import json
 import math
 import pathlib
@@ -68,8 +69,9 @@ class Stubbed(unittest.TestCase):
     def commands(self):
         return [json.loads(line) for line in self.log.read_text().splitlines()]
 
-    def dataset(self, names):
-        probes = [{"name": name, "position": [at, 0, 0]} for at, name in enumerate(names)]
+    def dataset(self, names, height=lambda at: at * at):
+        """Probes on a curve, so that none lies between two others, unless another height says so."""
+        probes = [{"name": name, "position": [at, height(at), 0]} for at, name in enumerate(names)]
         (self.work / "lightfield.json").write_text(json.dumps({"probes": probes}))
         return self.work / "lightfield.json"
 
@@ -105,6 +107,38 @@ class DatasetTest(Stubbed):
         # Three methods and one without effects for each probe, three for each number of views: nothing is rendered twice.
         _, *renders = self.commands()
         self.assertEqual(len(renders), 2 * (3 + 1) + 2 * 3)
+
+    def test_probes_between_two_others_are_poses_that_no_picture_of_the_way_has(self):
+        binary = self.stub(material=False)
+        manifest = self.dataset(["a", "half", "exact", "b"], height=lambda at: 0)
+        rows = rq.measure_dataset(binary, rq.Renderer(binary, []), manifest, self.work, ["half"], "0")
+        poses = [(row.line, row.place, row.method) for row in rows if row.table == "by pose"]
+        parts = [(0.0, "a"), (1 / 3, "half"), (2 / 3, "exact"), (1.0, "b")]
+        self.assertEqual(poses, [("a to b", 1.0 * round(part, 6), method) for part, _ in parts for _, method in rq.METHODS])
+        _, *renders = self.commands()
+        along = [words for words in renders if "half,exact" in words]
+        self.assertEqual(len(along), 4 * 3)
+        shown = [words[words.index("--reference-probe") + 1] for words in along]
+        self.assertEqual(shown, [name for _, name in parts for _ in rq.METHODS])
+        report = rr.write(self.work, "set", rows, "a command")
+        self.assertIn("| a to b, 0.333 |", report)
+        self.assertIn("take no part in the pictures of their way", report)
+        xml.etree.ElementTree.parse(self.work / "by_pose.svg")
+        curve = rq.measure_dataset(binary, rq.Renderer(binary, []), self.dataset(["a", "half", "b"]), self.work, [], "0")
+        self.assertFalse([row for row in curve if row.table == "by pose"])
+        self.assertIn("no figures by pose", rr.write(self.work, "set", curve, "a command"))
+
+    def test_the_lines_of_a_dataset_are_its_longest_ways(self):
+        cube = [(f"{at:02}", corner) for at, corner in enumerate(itertools.product((-1, 1), repeat=3), 1)]
+        found = rq.lines_of([("00", (0, 0, 0)), *cube])
+        self.assertEqual({line.name() for line in found}, {"01 to 08", "02 to 07", "03 to 06", "04 to 05"})
+        self.assertTrue(all(line.between == ((0.5, "00"),) for line in found))
+        # Parts of a way are no ways of their own; what lies beside it is not on it.
+        row = [(str(at), (at, 0.1 if at == 2 else 0, 0)) for at in range(5)]
+        [line] = rq.lines_of(row)
+        self.assertEqual((line.name(), line.between), ("0 to 4", ((0.25, "1"), (0.75, "3"))))
+        self.assertEqual(rq.lines_of([("a", (0, 0, 0)), ("b", (0, 0, 0)), ("c", (1, 0, 0))]), [])
+        self.assertEqual(len(rq.lines_of([("00", (0, 0, 0)), *cube], most=2)), 2)
 
     def test_many_probes_leave_out_the_most_central_one(self):
         probes = [(str(at), (at, 0, 0)) for at in range(9)]
@@ -192,12 +226,21 @@ class ReportTest(unittest.TestCase):
         exact = [rq.Row("by pose", 0.0, "ours", math.inf, None, 0.0), rq.Row("by pose", 1.0, "ours", 30.0, None, 0.0)]
         self.assertIsNone(rr.chart("an exact picture has no place", "way", exact))
 
+    def test_several_ways_have_one_curve(self):
+        rows = [rq.Row("by pose", part, "ours", db, None, 0.0, line=line)
+                for line, db in (("a to b", 20.0), ("c to d", 30.0)) for part in (0.0, 0.5, 1.0)]
+        self.assertEqual([row.psnr_db for row in rr.mean_over_lines(rows)], [25.0] * 3)
+        root = xml.etree.ElementTree.fromstring(rr.chart("title", "way", rows))
+        self.assertEqual(len([e for e in root.iter() if e.tag.endswith("circle")]), 3)
+        [(_, table)] = rr.tables(rows)
+        self.assertEqual(len(table.splitlines()), 2 + 6)
+
     def test_tables_have_all_methods_side_by_side(self):
         [(title, table)] = rr.tables(self.rows([1, 2]))
         self.assertIn("figure 9", title)
         self.assertEqual(table.splitlines()[0], "| views | points dB | ours dB | points SSIM | ours SSIM | points holes % | ours holes % |")
         self.assertEqual(table.splitlines()[2], "| 1 | 21.00 | 21.00 |  |  | 1.00 | 1.00 |")
-        self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,")
+        self.assertEqual(rr.to_csv(self.rows([1])).splitlines()[1], "by views,1,points,21.0,,1.0,,,,")
 
 
 if __name__ == "__main__":

@@ -32,7 +32,9 @@ struct Scene {
     first_segment: u32,
     // Balls of glass: for each of them a view from its centre comes after the views that take part.
     ball_count: u32,
-    spare: array<u32, 2>,
+    // Surfaces that are less deep along the axis of the camera, or deeper, are not shown: metres.
+    near_m: f32,
+    far_m: f32,
 }
 
 struct View {

@@ -1,6 +1,6 @@
 // Pictures from any eye: Main of algorithm 4 (CALF 6). Mirrors src/reconstruct/render.rs.
 //
-// An invocation makes a pixel. Counts are summed over a workgroup. Needs `intersect`, `surface_color`, `background_color`,
+// An invocation makes a pixel. Counts are summed over a workgroup. Needs `intersect`, `intersect_from`, `surface_color`, `background_color`,
 // `surface_light` and `light_of`.
 
 @group(0) @binding(6) var<storage, read_write> pixels: array<vec4<f32>>;
@@ -18,8 +18,31 @@ struct Outcome {
     is_seen: bool,
 }
 
+// Where a ray from the eye meets a surface between near and far of the camera, where it first meets one at `met`. Mirrors
+// src/reconstruct/clip.rs.
+fn shown(ray: Ray, met: Hit) -> Hit {
+    let cosine = dot(ray.direction, scene.forward);
+    var hit = met;
+    if (met.found && met.distance_m * cosine < scene.near_m) {
+        var first = 0u;
+        while (first < scene.distance_count && distances_m[first] * cosine < scene.near_m) {
+            first++;
+        }
+        while (first < scene.distance_count) {
+            counted[MARCH_STEPS]++;
+            if (!is_surface(point_at(ray, distances_m[first]))) {
+                break;
+            }
+            first++;
+        }
+        hit = intersect_from(ray, first);
+    }
+    let depth_m = hit.distance_m * cosine;
+    return Hit(hit.found && depth_m >= scene.near_m && depth_m <= scene.far_m, hit.distance_m);
+}
+
 fn outcome(ray: Ray) -> Outcome {
-    let hit = intersect(ray);
+    let hit = shown(ray, intersect(ray));
     if (hit.found) {
         let seen = surface_color(point_at(ray, hit.distance_m));
         if (seen.found && seen.difference <= scene.hole_difference) {

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use crate::cli::device::{self, DeviceArg, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, parse_positive};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
 use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
@@ -21,7 +21,7 @@ use crate::gpu::render::RenderCost;
 use crate::gpu::render::playback::DeviceRenderer;
 use crate::image::FrameRange;
 use crate::math::Camera;
-use crate::monitor::Monitor;
+use crate::memory::Need;
 use crate::reconstruct::TimedCamera;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::light_field::ColorCoding;
@@ -38,6 +38,16 @@ use truth::TruthArgs;
 
 /// Height of pictures where none is given.
 const DEFAULT_SIZE: u32 = 512;
+
+/// Bytes of each pixel of a shot, from its rays until it is written: light and alpha as they come row by row, as a picture,
+/// joined for two eyes, and as codes or channels of a file.
+const PICTURE_BYTES: u64 = 96;
+/// Bytes of each pixel of a reference: the faces of colour, depth and material that lie in one file, and errors.
+const REFERENCE_BYTES: u64 = 320;
+/// Bytes of a picture on a contact sheet.
+const SHEET_BYTES: u64 = 1 << 20;
+/// Bytes of a texel that is drawn as a point.
+const POINT_BYTES: u64 = 64;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -58,13 +68,14 @@ const DEFAULT_SIZE: u32 = 512;
     frame where --frames names one or none. All cameras of a path have \"frames\", or none has; decode takes any. A camera \
     that moves has a \"frame\" in each pose, and between them it goes straight and turns evenly: {\"cameras\": [{\"eye\": \
     [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
-    \"fov_y_deg\": 60, \"frame\": 95}]}. Rays begin and end at --near and --far; near_m and far_m of a camera are for decode. \
-    The aspect of --size WxH goes before that of a camera.\n\n\
+    \"fov_y_deg\": 60, \"frame\": 95}]}. Surfaces nearer than near_m or farther than far_m of a camera, in metres along its \
+    axis, are not shown, and what lies behind them is, as far as a probe saw it; --near and --far are distances from the \
+    eye, and the steps lie between them. The aspect of --size WxH goes before that of a camera.\n\n\
     The number in a file name is that of the frame. Where several cameras look in one frame it is the place of the picture \
     in the path, from 0, for all pictures. With --reference it is the frame's, and a folder's files are called after \
     probe and face, 00_px.0000.png. A folder takes PNG; for EXR name a pattern.\n\n\
     Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \
-    probe saw what is there, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
+    probe saw what is there, or near and far leave nothing, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
     would make what it fills in black.\n\n\
     Lines of --trace: shot counts from 0; frame; eye in metres; active probes by priority, with slot (a place that a probe \
     keeps while it is active), distance_m from the eye and angle_deg at --pivot; culled probes and why: limit (--views), \
@@ -101,6 +112,9 @@ pub struct Args {
     /// All pictures, small, on one PNG
     #[arg(long, value_name = "FILE.png")]
     pub contact_sheet: Option<PathBuf>,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
@@ -157,6 +171,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             args.march.method.name()
         ));
     }
+    let beside_bytes = args.bytes_beside_views(&takes, &decoder)?;
+    playback = playback.with_memory(args.memory.get(), beside_bytes);
     let coding = playback.player().field().coding;
     let mut pictures = Pictures::open(
         &pictures::PictureOptions {
@@ -171,7 +187,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     args.check_outputs(&takes, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
     let count = takes.iter().map(|take| take.shot.cameras.len() as u64).sum();
-    let progress = Progress::start(global, "rendering", count)?;
+    let rows = takes.iter().map(|take| take.shot.cameras.len() as u64 * u64::from(take.size[1])).sum();
+    let progress = Progress::start(global, "rendering rows", rows)?;
     let gpu = args.open_device(global)?;
     let start = Instant::now();
     let mut method = args.method(gpu.as_ref(), &decoder, coding);
@@ -192,7 +209,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             writeln!(file, "{line}").map_err(|error| Error::io(args.views.trace.as_deref().unwrap_or(input), error))?;
         }
         frames.add(&shown.trace);
-        progress.advance(take.shot.cameras.len() as u64);
     }
     let seconds = start.elapsed().as_secs_f64();
     drop(progress);
@@ -204,12 +220,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     if let Some(mut file) = trace {
         file.commit()?;
     }
+    let cameras = || takes.iter().flat_map(|take| &take.shot.cameras);
     let report = report::Report {
         args,
         summary: playback.summary(),
         pixels: takes.iter().map(|take| take.shot.cameras.len() as u64 * pixels(take.size)).sum(),
         pictures: count,
         frames: &frames,
+        is_cut_off: args.march.far.is_some() || cameras().any(Camera::has_range),
         seconds,
         bytes_out: bytes,
         device: gpu.as_ref().map_or_else(|| "cpu".to_owned(), |gpu| gpu.info.name.clone()),
@@ -297,10 +315,38 @@ impl Args {
                 self.march.method.name()
             )));
         }
+        if on_device && self.memory.memory.is_some() {
+            return Err(Error::Usage(
+                "--memory bounds what the CPU's renderer takes, and not what a graphics device takes: leave out one of them"
+                    .into(),
+            ));
+        }
         if self.results_to_stdout() + usize::from(self.json) > 1 {
             return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
         }
         Ok(())
+    }
+
+    /// The most bytes that are taken beside the views: by pictures, and by what they are compared with.
+    ///
+    /// # Errors
+    /// When they do not fit into the memory that there may be.
+    fn bytes_beside_views(&self, takes: &[Take], decoder: &Decoder) -> Result<u64> {
+        let reference = if self.truth.reference.is_some() { REFERENCE_BYTES } else { 0 };
+        let of_take = |take: &Take| {
+            let pixels = pixels(take.size).saturating_mul(take.shot.cameras.len() as u64);
+            pixels.saturating_mul(PICTURE_BYTES + reference)
+        };
+        let sheet = if self.contact_sheet.is_some() { takes.len() as u64 * SHEET_BYTES } else { 0 };
+        let images = decoder.streams().iter().map(|stream| pixels([stream.entry.width, stream.entry.height])).max();
+        let points = match self.march.method {
+            MethodArg::Splat => images.unwrap_or(0) * POINT_BYTES,
+            MethodArg::March | MethodArg::Reproject => 0,
+        };
+        let fixed = takes.iter().map(of_take).max().unwrap_or(0).saturating_add(sheet + points);
+        let need = Need { what: "making the pictures", fixed, each: 0, instead: "a smaller --size" };
+        self.memory.get().at_once(&need, 1)?;
+        Ok(fixed)
     }
 
     /// Refuses to overwrite what is read, or a file by another.
@@ -373,7 +419,6 @@ impl Args {
                 DecodeArg::Seen => DecodeScope::Seen,
                 DecodeArg::All => DecodeScope::All,
             },
-            effects: self.march.effects.into(),
         }
     }
 
@@ -428,9 +473,6 @@ impl Args {
             missing => output::note(format_args!(
                 "{missing} frames that cameras look in are passed over: there are {available}"
             )),
-        }
-        if cameras.iter().any(|timed| timed.camera.has_range()) {
-            output::note("near_m and far_m of a camera are for decode; rays begin and end at --near and --far");
         }
     }
 

@@ -2,6 +2,7 @@
 
 mod child;
 mod folder;
+mod grid;
 mod input;
 mod placement;
 mod rendering;
@@ -54,13 +55,14 @@ use input::Footage;
     all alike. A decoding time is the median of runs in one process, the container in memory. A point that fails leaves a \
     hole, and is tried again the next time.\n\n\
     Where a scene is named (a .glb, .gltf or .obj file, or one that is built in), options of place are swept instead, and \
-    DIR has placement.csv, placement.json and pictures, but no page: seconds, and what the cameras cover by the same 32768 \
+    DIR has placement.csv, placement.json, pictures and a page: seconds, and what the cameras cover by the same 32768 \
     points on surfaces for all. All knobs make one grid. placement.csv is written after each point, and keeps what was \
     measured where a sweep is stopped; the same command does not go on from there, but starts over with --overwrite. \
     --preset, --recommend, --budget-seconds, --weights and --stream are for footage alone.\n\n\
     Where options of render are swept, one probe of the dataset is left out (--reference-probe after --, else the most \
-    central one) and rendered from the others: DIR has rendering.csv, rendering.json and pictures of PSNR against time. Options \
-    after -- are those of render then. What is said of a scene holds for such a sweep, too.\n\n\
+    central one) and rendered from the others: DIR has rendering.csv, rendering.json, pictures of PSNR against time and a page. \
+    Options after -- are those of render then. What is said of a scene holds for such a sweep, too. A folder holds sweeps of \
+    one kind: coding, rendering, or placing cameras.\n\n\
     Exit codes: 0 measured, 1 no point meets what --recommend was given, 2 bad input or usage, or points that failed.")]
 pub struct Args {
     /// The footage: a lightfield.json, its folder, or a lone sequence with --stream; or a scene to place cameras in. Not
@@ -77,8 +79,8 @@ pub struct Args {
     /// Sweeps that are prepared: those of the papers' figures, or the same in few values
     #[arg(long, value_name = "NAME", value_enum)]
     pub preset: Option<PresetArg>,
-    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; of a scene, for placement.csv,
-    /// placement.json and pictures
+    /// Folder for tradeoff.csv, tradeoff.json, the pictures and the page index.html; where rendering or
+    /// placing cameras is measured, for rendering.csv or placement.csv, .json, pictures and page
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-tradeoff")]
     pub output: PathBuf,
     /// Replace what DIR holds of other footage, options, machine or program, instead of refusing
@@ -297,11 +299,12 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &schedule::all_points(&plan.studies))?;
     let folder = Folder::open(&args.output)?;
+    folder.refuse_others(&args.output.join("tradeoff.csv"))?;
     let mut store = open_store(args, &folder, footage.input.made_of)?;
     if !global.quiet {
         implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
     }
-    let (results, failed) = sweep(args, &footage, plan, (&mut store, start), global)?;
+    let (results, failed) = sweep(args, (&footage, &folder), plan, (&mut store, start), global)?;
     if input::made_of(input, &footage.source, &fixed)? != footage.input.made_of {
         return Err(Error::invalid(format!(
             "{input}: the footage, or this program, changed while it was measured; measure again with --overwrite"
@@ -386,7 +389,7 @@ type Failed = Vec<(Point, String)>;
 
 fn sweep(
     args: &Args,
-    footage: &Footage,
+    (footage, folder): (&Footage, &Folder),
     plan: Plan,
     (store, start): (&mut Store, Instant),
     global: &GlobalArgs,
@@ -396,10 +399,7 @@ fn sweep(
     // They are first, so that the points have all of the time that is left.
     let tiles = plan.tiles.then(|| tiles::measure(footage, args.budget_seconds, global)).transpose()?;
     let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
-    let folder = &args.output;
-    let [begin, end] = folder::UNFINISHED;
-    let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(folder);
-    let work = work.map_err(|error| Error::io(folder, error.kind().into()))?;
+    let work = folder.work()?;
     let progress = Progress::start(global, "measuring", schedule::runs(&plan.studies, extent, store))?;
     let children = Children::new(&progress, start)?;
     let mut bench = Bench::new(&children, &footage.input, work.path());

@@ -185,7 +185,7 @@ impl<'a> GpuRenderer<'a> {
         self.bring(&ActiveViews { views: all, coding: views.coding })
     }
 
-    /// Renders.
+    /// Renders. The monitor advances by one for each row.
     ///
     /// # Errors
     /// When the monitor says to stop, the device fails, or the picture or the light field is too large for it.
@@ -215,6 +215,7 @@ impl<'a> GpuRenderer<'a> {
             monitor.check()?;
             let begun = Instant::now();
             self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
+            monitor.advance(rows.min(height - first_row).into());
             first_row = first_row.saturating_add(rows);
             rows = if begun.elapsed() < SHORT { rows.saturating_mul(2).min(most) } else { least };
         }

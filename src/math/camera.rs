@@ -158,6 +158,11 @@ impl Camera {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
     }
 
+    /// Near and far: what is less deep or deeper along its axis, in metres, it does not see.
+    pub fn depth_m(&self) -> [f64; 2] {
+        self.depth_m
+    }
+
     /// Whether there are surfaces before it that it does not see, as they are too near or too far.
     pub fn has_range(&self) -> bool {
         self.depth_m != [0.0, f64::INFINITY]

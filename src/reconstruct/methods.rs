@@ -9,7 +9,7 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
 use crate::reconstruct::player::Change;
-use crate::reconstruct::render::Rendered;
+use crate::reconstruct::render::{EffectMode, Rendered};
 use crate::reconstruct::reproject::reproject;
 use crate::reconstruct::splat::splat;
 
@@ -21,6 +21,10 @@ pub struct SplatRenderer {
 }
 
 impl Renderer for SplatRenderer {
+    fn effects(&self) -> EffectMode {
+        EffectMode::None
+    }
+
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
         Ok(())
     }
@@ -41,6 +45,10 @@ pub struct ReprojectRenderer {
 }
 
 impl Renderer for ReprojectRenderer {
+    fn effects(&self) -> EffectMode {
+        EffectMode::None
+    }
+
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
         Ok(())
     }

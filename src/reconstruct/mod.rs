@@ -7,6 +7,7 @@
 
 pub mod active_views;
 pub mod camera_file;
+pub mod clip;
 pub mod counters;
 pub mod effects;
 pub mod face_image;

@@ -3,10 +3,12 @@
 use glam::Vec3;
 
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::clip::ClipPlanes;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::interpolate::Seen;
 use crate::reconstruct::lanes::Lanes;
 use crate::reconstruct::light_field::ColorCoding;
+use crate::reconstruct::march::Ray;
 use crate::reconstruct::packet::PacketViews;
 use crate::reconstruct::packet_color::{LightCurve, surface_colors};
 use crate::reconstruct::packet_march::{Packet, PacketMarch, bits_of};
@@ -20,15 +22,21 @@ pub(crate) struct PacketScene<'a> {
     camera_weights: &'a [f32],
     /// Of colours that are codes.
     curve: Option<LightCurve>,
+    /// Of the camera, where it has them.
+    clip: Option<ClipPlanes>,
 }
 
 impl<'a> PacketScene<'a> {
-    pub(crate) fn new(views: &'a ActiveViews<'a>, camera_weights: &'a [f32]) -> PacketScene<'a> {
+    pub(crate) fn new(
+        views: &'a ActiveViews<'a>,
+        camera_weights: &'a [f32],
+        clip: Option<ClipPlanes>,
+    ) -> PacketScene<'a> {
         let curve = match views.coding {
             ColorCoding::Codes(tone) => Some(LightCurve::new(tone)),
             ColorCoding::Light => None,
         };
-        PacketScene { views, flat: PacketViews::new(views), camera_weights, curve }
+        PacketScene { views, flat: PacketViews::new(views), camera_weights, curve, clip }
     }
 
     /// Makes packets of a row.
@@ -60,7 +68,13 @@ impl PacketRow<'_> {
     pub(crate) fn outcomes(&mut self, directions: &[Vec3], counters: &mut Counters) -> [(Option<f32>, Outcome); 4] {
         let (scene, settings) = (self.scene, self.settings);
         let packet = Packet::new(directions);
-        let met = self.march.intersect(&packet, &settings.steps, settings.acceleration, counters);
+        let mut met = self.march.intersect(&packet, &settings.steps, settings.acceleration, counters);
+        if let Some(clip) = &scene.clip {
+            for (met, &direction) in met.iter_mut().zip(directions) {
+                let ray = Ray { origin: Vec3::ZERO, direction };
+                *met = met.and_then(|met_m| clip.shown((scene.views, &ray), met_m, settings, counters));
+            }
+        }
         let hits = bits_of(&met);
         let seen = if hits == 0 {
             [None; 4]

@@ -45,8 +45,6 @@ pub struct PlaybackOptions {
     pub selection: SelectionSettings,
     /// Which of their units are decoded.
     pub decode: DecodeScope,
-    /// Whether mirrors and glass send rays on.
-    pub effects: EffectMode,
 }
 
 /// How pictures are made, where near and far may be left to the light field.
@@ -119,6 +117,9 @@ pub struct Stage<'s> {
 
 /// What makes pictures: a processor, a device, or another method.
 pub trait Renderer {
+    /// Whether its mirrors and glass send rays on, which decides what is decoded.
+    fn effects(&self) -> EffectMode;
+
     /// What decodes depth and colour, where the player is not to; always the same.
     fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
         None
@@ -130,7 +131,7 @@ pub trait Renderer {
     /// When the renderer has no room for it.
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()>;
 
-    /// Makes a picture.
+    /// Makes a picture. The monitor advances by one for each of its rows.
     ///
     /// # Errors
     /// When the monitor says to stop, or the renderer fails.
@@ -145,6 +146,10 @@ pub struct CpuRenderer {
 }
 
 impl Renderer for CpuRenderer {
+    fn effects(&self) -> EffectMode {
+        self.options.effects
+    }
+
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
         Ok(())
     }
@@ -210,10 +215,10 @@ impl<'a> Playback<'a> {
         })
     }
 
-    /// The same, with at most so much memory for what is decoded.
+    /// The same, with at most so much memory for what is decoded and `beside_bytes` that are taken all the while.
     #[must_use]
-    pub fn with_memory(self, budget: Budget) -> Playback<'a> {
-        Playback { player: self.player.with_memory(budget), ..self }
+    pub fn with_memory(self, budget: Budget, beside_bytes: u64) -> Playback<'a> {
+        Playback { player: self.player.with_memory(budget, beside_bytes), ..self }
     }
 
     /// What shows the frames.
@@ -235,7 +240,7 @@ impl<'a> Playback<'a> {
         let eye = shot.cameras.iter().map(Camera::eye).sum::<DVec3>() / shot.cameras.len() as f64;
         let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
         let views = selection.views();
-        let secondary = self.options.effects != EffectMode::None && self.player.has_material();
+        let secondary = renderer.effects() != EffectMode::None && self.player.has_material();
         let wanted = if self.options.decode == DecodeScope::All {
             Wanted { filter: &AllUnits, effects: false }
         } else {

@@ -120,6 +120,8 @@ pub struct Player<'a> {
     field: LightField,
     changes: Vec<Change>,
     budget: Budget,
+    /// Bytes of the budget that others take.
+    beside_bytes: u64,
     tables: Vec<((DepthRange, DepthKind), Arc<InverseDepth>)>,
     /// Frames that were shown so far.
     clock: u64,
@@ -205,6 +207,7 @@ impl<'a> Player<'a> {
             field: LightField { views, coding },
             changes: Vec::new(),
             budget: Budget::UNLIMITED,
+            beside_bytes: 0,
             tables: Vec::new(),
             clock: 0,
             bytes_given_up: 0,
@@ -212,10 +215,10 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// The same, with at most so much memory for what is decoded.
+    /// The same, with at most so much memory for what is decoded and `beside_bytes` that others take.
     #[must_use]
-    pub fn with_memory(self, budget: Budget) -> Player<'a> {
-        Player { budget, ..self }
+    pub fn with_memory(self, budget: Budget, beside_bytes: u64) -> Player<'a> {
+        Player { budget, beside_bytes, ..self }
     }
 
     /// The light field as it was shown last. Views that did not take part lately have no faces.
@@ -381,9 +384,10 @@ impl<'a> Player<'a> {
         taken.sort_unstable();
         taken.dedup();
         let active: u64 = taken.iter().filter_map(|&view| self.sources.get(view)).map(|source| source.bytes).sum();
-        let need = Need { what: "showing the views", fixed: active, each: 0, instead: "fewer --views" };
+        let taken_bytes = active.saturating_add(self.beside_bytes);
+        let need = Need { what: "showing the views", fixed: taken_bytes, each: 0, instead: "fewer --views" };
         self.budget.at_once(&need, 1)?;
-        let kept_bytes = self.budget.less(active).at_most(KEPT_BYTES);
+        let kept_bytes = self.budget.less(taken_bytes).at_most(KEPT_BYTES);
         let mut idle: Vec<usize> =
             (0..self.shown.len()).filter(|at| self.shown[*at].is_some() && taken.binary_search(at).is_err()).collect();
         idle.sort_by_key(|&at| self.shown[at].as_ref().map(|view| std::cmp::Reverse(view.last_used)));
@@ -565,7 +569,9 @@ fn bytes_of(decoder: &Decoder, streams: &FaceStreams<'_>, coding: ColorCoding) -
         ColorCoding::Codes(_) => 4,
         ColorCoding::Light => 8,
     };
-    let texel = 4 + color + if streams.material.is_some() { 4 } else { 0 };
+    // The smaller levels of a pyramid have a third of its pixels, and a little more where sides are odd.
+    let pyramid = 2;
+    let texel = 4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 };
     let index = decoder.reader().index();
     streams.all().map(|stream| stream.memory_bytes(index)).fold(pixels * texel, u64::saturating_add)
 }

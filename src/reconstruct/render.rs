@@ -11,6 +11,7 @@ use crate::image::transfer::ToneMap;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::clip::ClipPlanes;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::effects::{Effects, Met};
 use crate::reconstruct::glass_balls::GlassBalls;
@@ -129,7 +130,10 @@ impl Outcome {
 /// Colour and alpha.
 type Pixel = ([f32; 3], f32);
 
-/// Renders.
+/// Rays after which the monitor is asked whether to stop, also within a row: a multiple of four, so that packets stay whole.
+const RAYS_AT_ONCE: usize = 1024;
+
+/// Renders. The monitor advances by one for each row.
 ///
 /// # Errors
 /// When the monitor says to stop.
@@ -140,7 +144,7 @@ pub fn render(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
-    let scene = PacketScene::new(views, &weights);
+    let scene = PacketScene::new(views, &weights, ClipPlanes::of(camera));
     let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut row = scene.row(settings);
@@ -169,11 +173,12 @@ pub fn render_plainly(
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
     let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
+    let clip = ClipPlanes::of(camera);
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
         let of_one = |&direction: &Vec3| {
             let ray = Ray { origin: Vec3::ZERO, direction };
-            let (distance_m, outcome) = outcome(views, &weights, &ray, settings, counters);
+            let (distance_m, outcome) = outcome((views, &weights), clip.as_ref(), &ray, settings, counters);
             sent_on(&mut effects, &ray, distance_m, outcome, counters)
         };
         directions.iter().map(of_one).collect()
@@ -215,12 +220,16 @@ fn render_rows(
     let [width, height] = settings.size;
     let samples = settings.samples.max(1) as usize;
     let row = |y: u32| -> Result<(Vec<Pixel>, Counters)> {
-        monitor.check()?;
         let mut counters = Counters::default();
         let directions = directions(camera, settings, y);
         counters.primary_rays += directions.len() as u64;
-        let outcomes = outcomes(&directions, &mut counters);
-        let pixels = outcomes.chunks(samples * samples).map(|of_pixel| pixel(of_pixel, settings.holes, &mut counters));
+        let mut brought = Vec::with_capacity(directions.len());
+        for some in directions.chunks(RAYS_AT_ONCE) {
+            monitor.check()?;
+            brought.extend(outcomes(some, &mut counters));
+        }
+        monitor.advance(1);
+        let pixels = brought.chunks(samples * samples).map(|of_pixel| pixel(of_pixel, settings.holes, &mut counters));
         Ok((pixels.collect(), counters))
     };
     let rows: Vec<_> = (0..height).into_par_iter().map(row).collect::<Result<_>>()?;
@@ -269,13 +278,16 @@ fn pixel(outcomes: &[Outcome], holes: HoleFill, counters: &mut Counters) -> Pixe
 }
 
 fn outcome(
-    views: &ActiveViews<'_>,
-    weights: &[f32],
+    (views, weights): (&ActiveViews<'_>, &[f32]),
+    clip: Option<&ClipPlanes>,
     ray: &Ray,
     settings: &RenderSettings,
     counters: &mut Counters,
 ) -> (Option<f32>, Outcome) {
-    let met = settings.acceleration.intersect(views, ray, &settings.steps, counters);
+    let mut met = settings.acceleration.intersect(views, ray, &settings.steps, counters);
+    if let Some(clip) = clip {
+        met = met.and_then(|met_m| clip.shown((views, ray), met_m, settings, counters));
+    }
     let outcome = match met {
         Some(distance_m) => surface(views, weights, ray.at(distance_m), settings.steps.unsure()),
         None => {

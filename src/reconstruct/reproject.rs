@@ -15,7 +15,8 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::render::{HoleFill, Outcome, Rendered, background, surface};
 
-/// Renders with true distances in metres, `+inf` where there is no surface. Effects and several samples are left out.
+/// Renders with true distances in metres, `+inf` where there is no surface. Effects, several samples, and near and far of the
+/// camera are left out: the truth knows none of them. The monitor advances by one for each row.
 ///
 /// # Errors
 /// When the monitor says to stop.
@@ -41,6 +42,7 @@ pub fn reproject(
             (outcome, distance_m.is_finite())
         };
         *row = distance_m.row(y as u32).iter().enumerate().map(pixel).collect();
+        monitor.advance(1);
         Ok::<(), Error>(())
     })?;
     let mut counters = Counters { primary_rays: u64::from(width) * u64::from(height), ..Counters::default() };

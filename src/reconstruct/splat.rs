@@ -13,6 +13,7 @@ use crate::image::plane::Plane;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::reconstruct::active_views::{ActiveView, ActiveViews};
+use crate::reconstruct::clip::ClipPlanes;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 use crate::reconstruct::render::{HoleFill, RenderSettings, Rendered, light_of};
@@ -26,7 +27,8 @@ struct Point {
 }
 
 /// Splats. Of the settings, `size`, `holes`, and the first and last of the distances count: a point is one pixel, however
-/// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels.
+/// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels. The
+/// monitor advances by one for each row of the picture, when all points are drawn.
 ///
 /// # Errors
 /// When the monitor says to stop.
@@ -37,12 +39,13 @@ pub fn splat(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let [width, height] = settings.size;
+    let clip = ClipPlanes::of(camera);
     let mut shown: Vec<Option<Point>> = vec![None; width as usize * height as usize];
     for view in &views.views {
         for (number, face) in view.view.faces.iter().enumerate() {
             let (Some(face), Some(axes)) = (face, Face::from_index(number as u8).map(Face::axes)) else { continue };
             monitor.check()?;
-            let image = Image { view, face, axes: axes.map(|axis| axis.as_vec3()) };
+            let image = Image { view, face, axes: axes.map(|axis| axis.as_vec3()), clip };
             let row = |row: u32| -> Vec<_> {
                 (0..face.size[0]).filter_map(|column| image.point([column, row], camera, settings)).collect()
             };
@@ -56,6 +59,7 @@ pub fn splat(
             }
         }
     }
+    monitor.advance(height.into());
     let counters = Counters {
         primary_rays: shown.len() as u64,
         hole_rays: shown.iter().filter(|point| point.is_none()).count() as u64,
@@ -77,12 +81,14 @@ struct Image<'a> {
     face: &'a FaceTexels,
     /// Forward, right and down, in the axes of the probe.
     axes: [Vec3; 3],
+    /// Of the camera, where it has them.
+    clip: Option<ClipPlanes>,
 }
 
 impl Image<'_> {
     /// Where a texel falls, and as what; none where it is not in the picture, or nothing is known of it.
     fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
-        let Image { view, face, axes: [forward, right, down] } = self;
+        let Image { view, face, axes: [forward, right, down], clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
         let inverse_depth = face.inverse_depth[texel];
         if inverse_depth == UNKNOWN {
@@ -102,7 +108,10 @@ impl Image<'_> {
             }
             (from_eye, distance_m)
         };
-        let ([x, y], _) = camera.project(DVec3::from(from_eye))?;
+        let ([x, y], depth_m) = camera.project(DVec3::from(from_eye))?;
+        if distance_m.is_finite() && clip.is_some_and(|clip| !clip.shows(depth_m as f32)) {
+            return None;
+        }
         let pixel = |at: f64, size: u32| {
             let at = (at * f64::from(size)).floor();
             (at >= 0.0 && at < f64::from(size)).then_some(at as usize)
@@ -165,10 +174,16 @@ mod tests {
 
     /// Codes and alpha of a picture from the origin with the same field of view.
     fn shown(views: Vec<View>, holes: HoleFill) -> (Vec<u8>, Vec<f32>) {
+        shown_between(views, holes, [0.0, f64::INFINITY])
+    }
+
+    /// The same, of what lies between near and far of the camera.
+    fn shown_between(views: Vec<View>, holes: HoleFill, range_m: [f64; 2]) -> (Vec<u8>, Vec<f32>) {
         let field = LightField { views, coding: CODING };
         let all: Vec<usize> = (0..field.views.len()).collect();
         let active = ActiveViews::new(&field, &all, DVec3::ZERO);
         let lens = Lens { aspect: 3.0, ..Lens::new(2.0 * (1f64 / 3.0).atan().to_degrees()) };
+        let lens = Lens { near_m: range_m[0], far_m: range_m[1], ..lens };
         let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, lens).unwrap();
         let settings = RenderSettings {
             size: [3, 1],
@@ -199,6 +214,18 @@ mod tests {
         let views =
             vec![view(DVec3::ZERO, [BACKGROUND; 3], [7, 8, 9]), view(DVec3::ZERO, [0.25, UNKNOWN, 0.25], [40, 50, 60])];
         assert_eq!(shown(views, HoleFill::Blank).0, [40, 8, 60]);
+    }
+
+    #[test]
+    fn planes_of_the_camera_leave_points_out_and_no_background() {
+        let views = || {
+            let near = view(DVec3::ZERO, [0.5, BACKGROUND, 0.5], [10, 20, 30]);
+            vec![near, view(DVec3::ZERO, [0.25; 3], [40, 50, 60])]
+        };
+        assert_eq!(shown_between(views(), HoleFill::Blank, [1.9, 5.0]).0, [10, 50, 30]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [2.1, 5.0]).0, [40, 50, 60]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [0.0, 3.9]).0, [10, 20, 30]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [2.1, 3.9]), (vec![0, 20, 0], vec![0.0, 1.0, 0.0]));
     }
 
     #[test]

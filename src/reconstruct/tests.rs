@@ -1,10 +1,13 @@
 //! The fast forms against the plain ones: the same hits and counts, bit for bit, and the same pictures.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{DQuat, DVec3, Vec3};
 
+use crate::error::Error;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::math::{Camera, Lens};
-use crate::monitor::Silent;
+use crate::monitor::{Monitor, Silent};
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::lanes::lanes_of;
@@ -15,6 +18,7 @@ use crate::reconstruct::packet::PacketViews;
 use crate::reconstruct::packet_march::{Packet, PacketMarch};
 use crate::reconstruct::pyramid::{self, DepthPyramid};
 use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use crate::reconstruct::splat::splat;
 
 const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
@@ -204,7 +208,8 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
         let indices: Vec<usize> = (0..light_field.views.len()).collect();
         let eye = light_field.views[0].position + 0.3 * random.vector();
         let views = ActiveViews::new(&light_field, &indices, eye);
-        let lens = Lens { aspect: 1.5, ..Lens::new(70.0) };
+        let [near_m, far_m] = if at % 5 == 1 { [1.5, 4.0] } else { [0.0, f64::INFINITY] };
+        let lens = Lens { aspect: 1.5, near_m, far_m, ..Lens::new(70.0) };
         let camera = Camera::look_at(eye, eye + random.unit(), DVec3::new(0.1, 1.0, 0.2), lens).unwrap();
         let settings = RenderSettings {
             size: [21, 14],
@@ -223,6 +228,53 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             assert!((code(*a) - code(*b)).abs() < 0.01, "{a} {b}");
         }
     }
+}
+
+/// Counts what it is told, and says to stop when it was asked so often.
+struct Counting {
+    rows: AtomicU64,
+    asked: AtomicU64,
+    stop_at: u64,
+}
+
+impl Monitor for Counting {
+    fn advance(&self, steps: u64) {
+        self.rows.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.stop_at
+    }
+}
+
+#[test]
+fn rows_are_told_and_a_picture_is_given_up_within_one() {
+    let light_field = furnished();
+    let eye = DVec3::new(0.5, 0.1, -1.2);
+    let views = ActiveViews::new(&light_field, &[0, 1], eye);
+    let camera = Camera::look_at(eye, eye + DVec3::X, DVec3::Y, Lens::new(70.0)).unwrap();
+    let settings = |size| RenderSettings {
+        size,
+        steps: Steps::new(8, 0.01, 20.0, 0),
+        samples: 1,
+        holes: HoleFill::Blank,
+        effects: EffectMode::None,
+        max_bounces: 0,
+        acceleration: Acceleration::Pyramid,
+    };
+    let counting = |stop_at| Counting { rows: AtomicU64::new(0), asked: AtomicU64::new(0), stop_at };
+    let all = counting(u64::MAX);
+    render(&views, &camera, &settings([9, 17]), &all).unwrap();
+    render_plainly(&views, &camera, &settings([9, 17]), &all).unwrap();
+    splat(&views, &camera, &settings([9, 17]), &all).unwrap();
+    assert_eq!(all.rows.into_inner(), 3 * 17);
+    // Each row is asked for, and in a long one more than once.
+    let few = counting(5);
+    assert!(matches!(render(&views, &camera, &settings([3, 4000]), &few), Err(Error::Interrupted)));
+    assert!(few.rows.into_inner() <= 4);
+    let one = counting(3);
+    assert!(matches!(render(&views, &camera, &settings([8192, 1]), &one), Err(Error::Interrupted)));
+    assert_eq!(one.asked.into_inner(), 3);
 }
 
 #[test]

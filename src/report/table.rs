@@ -44,6 +44,12 @@ impl Table {
         self
     }
 
+    /// Headings, and the cells of each row.
+    pub fn cells(&self) -> (Vec<String>, Vec<Vec<String>>) {
+        let texts = |row: &comfy_table::Row| row.cell_iter().map(comfy_table::Cell::content).collect::<Vec<_>>();
+        (self.table.header().map(texts).unwrap_or_default(), self.table.row_iter().map(texts).collect())
+    }
+
     /// Adds a row of as many cells as there are columns.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         self.table.add_row(cells.into_iter().collect::<Vec<_>>());
@@ -65,6 +71,11 @@ mod tests {
         let mut table = Table::new(&[Column::Left("What"), Column::Right("Size"), Column::Left("Note")]);
         table.row(["a".to_owned(), "7 B".to_owned(), String::new()]);
         table.row(["longer".to_owned(), "1.25 MB".to_owned(), "x y".to_owned()]);
+        let (headings, rows) = table.cells();
+        assert_eq!(
+            (headings, rows[0].clone(), rows.len()),
+            (vec!["What".into(), "Size".into(), "Note".into()], vec!["a".into(), "7 B".into(), String::new()], 2)
+        );
         assert_eq!(table.to_string(), "What       Size  Note\na           7 B\nlonger  1.25 MB  x y\n");
     }
 

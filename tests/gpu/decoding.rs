@@ -139,7 +139,7 @@ fn compare_walk(
 ) -> Result<Walked, Failed> {
     let decoder = Decoder::open(container).map_err(said)?;
     let selection = SelectionSettings { most, ..SelectionSettings::default() };
-    let settings = PlaybackOptions { selection, effects, ..PlaybackOptions::default() };
+    let settings = PlaybackOptions { selection, ..PlaybackOptions::default() };
     let options = PictureOptions { size: [40, 30], steps: 48, effects, ..PictureOptions::default() };
     let mut playbacks = Vec::new();
     for _ in 0..3 {

@@ -29,6 +29,10 @@ struct Both<'a> {
 }
 
 impl Renderer for Both<'_> {
+    fn effects(&self) -> EffectMode {
+        self.on_cpu.effects()
+    }
+
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
         self.on_device.update(stage, changes)
     }
@@ -63,7 +67,7 @@ fn compare(gpu: &Gpu, container: &str, shots: u32, most: Option<usize>) -> Resul
     let mut sent = Vec::new();
     for (acceleration, effects) in [(Acceleration::Pyramid, EffectMode::Auto), (Acceleration::None, EffectMode::None)] {
         let selection = SelectionSettings { most, ..SelectionSettings::default() };
-        let settings = PlaybackOptions { selection, effects, ..PlaybackOptions::default() };
+        let settings = PlaybackOptions { selection, ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, settings).map_err(said)?;
         let options =
             PictureOptions { size: [160, 120], steps: 128, acceleration, effects, ..PictureOptions::default() };

@@ -211,12 +211,39 @@ fn frames_that_are_passed_over_are_told() {
     for ignored in ["--samples 2", "--effects force"] {
         assert!(noted(&format!("{EYE} --frames 0 --null --method splat {ignored}")).contains("one sample a pixel"));
     }
-    let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "near_m": 0.1, "frame": "#;
+    let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "frame": "#;
     std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
     let words = noted("--camera path.json --size 16 --null");
     assert!(words.contains("45 frames that cameras look in are passed over: there are 0-2"), "{words}");
-    assert!(words.contains("near_m"), "{words}");
     assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of the frames 2-9"));
+}
+
+/// Near and far of a camera of a file are planes that cut surfaces off, by every method.
+#[test]
+fn near_and_far_of_a_camera_are_honoured() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    encoded("interior", at);
+    let shown = |name: &str, range: &str, more: &str| {
+        let camera = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80"#;
+        std::fs::write(at.join("cam.json"), format!(r#"{{"cameras": [{camera}{range}}}]}}"#)).unwrap();
+        let line = format!("render a.lfold --camera cam.json --frames 0 --size 40 -o {name}.png --json {more}");
+        let holes = number(&report(&line, at), "/hole_rays");
+        (holes, std::fs::read(at.join(format!("{name}.png"))).unwrap())
+    };
+    for more in ["--method march", "--method march --acceleration none", "--method splat"] {
+        let (holes, all) = shown("all", "", more);
+        assert!(holes < 400.0, "{more}: {holes}");
+        assert_eq!(shown("wide", r#", "near_m": 0.01, "far_m": 1000"#, more), (holes, all), "{more}");
+        // The walls of the room are farther than the one, and nearer than the other.
+        assert_eq!(shown("near", r#", "far_m": 0.2"#, more).0, 1600.0, "{more}");
+        assert_eq!(shown("far", r#", "near_m": 900"#, more).0, 1600.0, "{more}");
+        let (half, _) = shown("half", r#", "far_m": 2.5"#, more);
+        assert!(half > holes && half < 1600.0, "{more}: {half}");
+    }
+    let words =
+        String::from_utf8(fine("render a.lfold --camera cam.json --frames 0 --size 40 --null", at).stdout).unwrap();
+    assert!(words.contains("where near and far cut them off"), "{words}");
 }
 
 /// The trace names the probes of each frame, each in a slot of its own.

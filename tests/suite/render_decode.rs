@@ -251,7 +251,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = shot(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
     let unseen = |effects| {
-        let mut playback = Playback::new(&decoder, PlaybackOptions { effects, ..PlaybackOptions::default() }).unwrap();
+        let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
         let mut renderer = little(effects);
         playback.show(&looking, &mut renderer, &Silent).unwrap().counts.cells_unseen
     };
@@ -270,7 +270,7 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0);
     let shown = |decode, effects| {
-        let options = PlaybackOptions { decode, effects, ..PlaybackOptions::default() };
+        let options = PlaybackOptions { decode, ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, options).unwrap();
         let mut renderer = little(effects);
         playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap();
@@ -362,7 +362,9 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
         player.bytes()
     };
     assert!(one > 6 * 32 * 32 * 8);
-    let limited = |bytes| Player::new(&decoder, &ProbeChoice::default()).unwrap().with_memory(Budget::of(bytes));
+    let limited_beside =
+        |bytes, beside| Player::new(&decoder, &ProbeChoice::default()).unwrap().with_memory(Budget::of(bytes), beside);
+    let limited = |bytes| limited_beside(bytes, 0);
     let mut player = limited(one * 5 / 2);
     let shown = |player: &Player<'_>| -> Vec<bool> {
         player.field().views.iter().map(|view| view.faces.iter().any(Option::is_some)).collect()
@@ -381,6 +383,9 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     let said = player.show(0, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
     assert!(said.contains("--memory") && said.contains("--views"), "{said}");
     assert!(limited(one / 2).show(0, &[0], &AllUnits).is_err());
+    // What others take is not there for views.
+    assert!(limited_beside(2 * one, one / 2).show(0, &[0], &AllUnits).is_ok());
+    assert!(limited_beside(2 * one, one + one / 2).show(0, &[0], &AllUnits).is_err());
 }
 
 #[test]

@@ -208,8 +208,7 @@ fn of_glass(effects: EffectMode) -> Similarity {
     let mut reference = Reference::open(&folder).unwrap();
     let images = reference.images().to_vec();
     let probes = ProbeChoice { without: vec!["00".into()], ..ProbeChoice::default() };
-    let mut playback =
-        Playback::new(&decoder, PlaybackOptions { probes, effects, ..PlaybackOptions::default() }).unwrap();
+    let mut playback = Playback::new(&decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
     let tone = playback.player().field().coding.tone();
     let mut sum = Similarity::empty();
     for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == "00") {

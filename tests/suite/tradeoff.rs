@@ -329,6 +329,31 @@ fn a_process_ends_with_the_one_that_started_it() {
     assert_eq!(status.code(), Some(130));
 }
 
+/// A sweep of rendering leaves all files that it names, the page among them, and no other kind of sweep beside it.
+#[test]
+fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
+    let plan = FootagePlan { kind: DemoKind::Courtyard, frames: 1, face_size: 24, probes: 3 };
+    plan.write(&place().join("three"), &Silent).unwrap();
+    let sweep = "three --sweep views=1,2 --sweep steps=4,16 --repeats 1 -o rendered";
+    let report = json(&format!("{sweep} --json -- --reference-probe 02"));
+    assert_eq!((report["probe"].as_str(), report["points"].as_array().unwrap().len()), (Some("02"), 4));
+    let folder = place().join("rendered");
+    let mut names: Vec<_> =
+        folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    assert_eq!(names, ["index.html", "rendering.csv", "rendering.json", "rendering.png", "rendering.svg"]);
+    let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+    assert!(page.contains("What rendering costs: three") && page.contains("4 points. Probe 02 was left out"), "{page}");
+    assert_eq!((page.matches("<svg ").count(), page.matches("<tr>").count()), (1, 1 + 4));
+    assert!(page.contains("--views=1 --steps=4 --null"), "{page}");
+    assert!(refused(&format!("{sweep} -- --reference-probe 02")).contains("--overwrite"));
+    let other = refused("scene --sweep cell=8 --repeats 1 -o rendered");
+    assert!(other.contains("rendering.csv") && other.contains("another folder"), "{other}");
+    let words = tradeoff(&format!("{sweep} --overwrite -- --reference-probe 02"));
+    let said = String::from_utf8(words.stdout).unwrap();
+    assert!(said.contains("rendered/index.html") && said.contains("PSNR dB"), "{said}");
+}
+
 #[test]
 fn the_knobs_are_listed() {
     let listed = json("--list-knobs --json");

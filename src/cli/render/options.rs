@@ -15,7 +15,8 @@ pub enum MethodArg {
     March,
     /// Draw every texel as a point of one pixel: what marching is to be better than
     Splat,
-    /// Take distances from the reference, not from marching: what marching cannot be better than
+    /// Take distances from the reference, not from marching, and blend views there: what marching comes near to, and goes
+    /// beyond in mirrors and glass, and where few probes know a surface
     Reproject,
 }
 

@@ -56,6 +56,8 @@ pub struct Report<'a> {
     pub pictures: u64,
     /// Views and times, frame by frame.
     pub frames: &'a Frames,
+    /// Whether rays end where they are told to, or cameras do not show all surfaces.
+    pub is_cut_off: bool,
     /// From the first frame to the last, writing included.
     pub seconds: f64,
     /// Bytes of pictures that were written.
@@ -191,7 +193,7 @@ impl Report<'_> {
                 super::options::HolesArg::Blank => "",
                 super::options::HolesArg::Nearest => ", filled with what comes nearest",
             };
-            let far = if self.args.march.far.is_some() { ", or where --far cuts them off" } else { "" };
+            let far = if self.is_cut_off { ", or where near and far cut them off" } else { "" };
             lines.push(format!(
                 "{} of {} rays ({percent:.2}%) end where no probe saw anything{far}: alpha is 0 there{filled}",
                 counters.hole_rays, counters.primary_rays

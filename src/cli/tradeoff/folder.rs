@@ -5,6 +5,7 @@ use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::Value;
+use tempfile::TempDir;
 
 use crate::cli::output;
 use crate::error::{Error, Result};
@@ -14,7 +15,9 @@ pub const REPORT: &str = "tradeoff.json";
 /// The file that is locked.
 const LOCK: &str = ".tradeoff.lock";
 /// How names of unfinished files and folders begin and end.
-pub const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
+const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
+/// The file that each kind of sweep leaves, of which a folder holds one: its page would take the place of another's.
+const SWEEPS: [&str; 3] = ["tradeoff.csv", "rendering.csv", "placement.csv"];
 /// Endings of files that are removed when they show other points.
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
@@ -50,6 +53,25 @@ impl Folder {
             }
         }
         Ok(folder)
+    }
+
+    /// Refuses a folder that holds a sweep of another kind than that of the file `own`.
+    pub fn refuse_others(&self, own: &Path) -> Result<()> {
+        let own = own.file_name().unwrap_or_default();
+        match SWEEPS.iter().find(|name| own != **name && self.path.join(name).is_file()) {
+            None => Ok(()),
+            Some(other) => Err(Error::Usage(format!(
+                "{}: holds {other}, and its page index.html would be lost; name another folder",
+                self.path.display()
+            ))),
+        }
+    }
+
+    /// A folder in it for unfinished work, which goes when it is dropped.
+    pub fn work(&self) -> Result<TempDir> {
+        let [begin, end] = UNFINISHED;
+        let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&self.path);
+        work.map_err(|error| Error::io(&self.path, error.kind().into()))
     }
 
     /// Names of the files that the last report lists and that are there.
@@ -100,6 +122,18 @@ mod tests {
         drop(first);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
         drop(Folder::open(&path).unwrap());
+    }
+
+    #[test]
+    fn a_folder_holds_sweeps_of_one_kind() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = Folder::open(place.path()).unwrap();
+        std::fs::write(place.path().join("rendering.csv"), "").unwrap();
+        folder.refuse_others(&place.path().join("rendering.csv")).unwrap();
+        let said = folder.refuse_others(&place.path().join("tradeoff.csv")).unwrap_err().to_string();
+        assert!(said.contains("rendering.csv") && said.contains("another folder"), "{said}");
+        let work = folder.work().unwrap();
+        assert!(work.path().starts_with(place.path()));
     }
 
     #[test]

@@ -1,21 +1,16 @@
 //! Sweeps of the options of `place`, where a scene was named instead of footage.
 
-use std::path::Path;
 use std::time::Instant;
 
 use clap::CommandFactory;
 use clap::parser::ValueSource;
 
-use super::child::Children;
-use super::folder::{self, Folder};
-use super::{Args, input, write_json};
-use crate::cli::output::{self, OutputFile};
-use crate::cli::progress::Progress;
+use super::grid::{Grid, Told};
+use super::{Args, grid, input};
 use crate::cli::{Cli, GlobalArgs, Outcome};
 use crate::error::{Error, Result};
-use crate::report::plot::save;
 use crate::report::tradeoff::knob::Stage;
-use crate::report::tradeoff::placement::{self, Placed, Sweep};
+use crate::report::tradeoff::placement::{self, Sweep};
 use crate::report::tradeoff::{Axis, Knob};
 use crate::scene::Scene;
 
@@ -25,9 +20,6 @@ const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compa
 const OF_THE_SEARCH: &[&str] =
     &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "spread", "threads"];
 
-/// Name of the picture of coverage by the value of a knob.
-const BY_VALUE: &str = "placement-by-value";
-
 /// Whether a scene is meant and not footage.
 pub fn is_scene(text: &str) -> bool {
     Scene::is_named_by(text)
@@ -36,7 +28,7 @@ pub fn is_scene(text: &str) -> bool {
 /// Measures what placing cameras costs.
 pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome> {
     let start = Instant::now();
-    refuse_others(args, "placing cameras in a scene")?;
+    grid::refuse_others(args, "placing cameras in a scene")?;
     let axes = axes(args)?;
     let (mut fixed, mut ruler) = options_of_all(scene, &args.fixed, &axes)?;
     for (name, value) in implied(&axes, &fixed) {
@@ -48,65 +40,31 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
     for settings in sweep.points() {
         input::parse(&sweep.command(&settings).into_iter().chain(["-o".into(), "a.json".into()]).collect::<Vec<_>>())?;
     }
-    let folder = Folder::open(&args.output)?;
-    let [csv_path, json_path] = placement::files(&args.output);
-    if csv_path.exists() && !args.overwrite {
-        return Err(Error::Usage(format!(
-            "{}: a sweep is there already; name another folder, or replace it by --overwrite",
-            csv_path.display()
-        )));
-    }
-    let [begin, end] = folder::UNFINISHED;
-    let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&args.output);
-    let work = work.map_err(|error| Error::io(&args.output, error.kind().into()))?;
-    let progress = Progress::start(global, "placing", sweep.runs())?;
-    let mut kept = 0;
-    let mut keep = |placed: &[Placed]| {
-        kept = placed.len();
-        write(&csv_path, &placement::to_csv(&axes, placed)?)
+    let grid = Grid {
+        args,
+        global,
+        start,
+        what: "placing",
+        runs: sweep.runs(),
+        points: sweep.points().len(),
+        files: placement::files(&args.output),
     };
-    let placed = sweep.measure(&Children::new(&progress, start)?, work.path(), &progress, &mut keep);
-    drop(progress);
-    if placed.is_err() && kept > 0 {
-        let (path, all) = (csv_path.display(), sweep.points().len());
-        output::note(format_args!("{path}: {kept} of {all} points are kept; to measure again is to start over"));
-    }
-    let placed = placed?;
-    let mut pictures = save::save(&placement::figure(&sweep, &placed), &args.output, "placement")?.to_vec();
-    if let Some(figure) = placement::figure_by_value(&sweep, &placed) {
-        pictures.extend(save::save(&figure, &args.output, BY_VALUE)?);
-    }
-    let report = placement::json(scene, &placed);
-    write_json(&report, &json_path)?;
-    drop(folder);
-    if args.json {
-        output::print_json(&report)?;
-    } else {
-        let files = [csv_path, json_path].into_iter().chain(pictures);
-        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
-        output::print_text(&format!(
-            "{}\nCoverage is that of the cameras by the same {} points on surfaces for all rows; own is by the row's.\n\n{}\n",
-            placement::table(&axes, &placed),
-            placement::RULER_SAMPLES,
-            files.join("\n")
-        ))?;
-    }
+    let (folder, placed) = grid.measure(
+        |runner, work, progress, keep| sweep.measure(runner, work, progress, keep),
+        |placed| placement::to_csv(&axes, placed),
+    )?;
+    let (about, commands) = (placement::about(), placement::commands(&sweep));
+    let told = Told {
+        title: format!("What placing cameras costs: {scene}"),
+        input: ("Scene", scene),
+        about: &about,
+        table: &placement::table(&axes, &placed),
+        figures: &placement::figures(&sweep, &placed),
+        commands: &commands,
+        report: &placement::json(scene, &placed),
+    };
+    grid.tell(&told, folder)?;
     Ok(Outcome::Fine)
-}
-
-/// What is for coding alone.
-pub fn refuse_others(args: &Args, what: &str) -> Result<()> {
-    let given = [
-        ("--preset", args.preset.is_some()),
-        ("--recommend", args.recommend.recommend),
-        ("--budget-seconds", args.budget_seconds.is_some()),
-        ("--weights", args.weights.is_some()),
-        ("--stream", !args.stream.is_empty()),
-    ];
-    match given.into_iter().find(|(_, given)| *given) {
-        Some((name, _)) => Err(Error::Usage(format!("{name} is for coding footage, and not for {what}"))),
-        None => Ok(()),
-    }
 }
 
 fn axes(args: &Args) -> Result<Vec<Axis>> {
@@ -182,13 +140,6 @@ fn options_of_all(scene: &str, words: &[String], axes: &[Axis]) -> Result<(Vec<S
         fixed.extend(words);
     }
     Ok((fixed, ruler))
-}
-
-/// Writes a file in one go.
-pub fn write(path: &Path, text: &str) -> Result<()> {
-    let mut file = OutputFile::create(path)?;
-    std::io::Write::write_all(&mut file, text.as_bytes()).map_err(|error| Error::io(path, error))?;
-    file.commit()
 }
 
 #[cfg(test)]

@@ -7,18 +7,14 @@ use clap::CommandFactory;
 use clap::parser::ValueSource;
 use glam::DVec3;
 
-use super::child::Children;
-use super::folder::{self, Folder};
-use super::{Args, input, placement, write_json};
-use crate::cli::output;
-use crate::cli::progress::Progress;
+use super::grid::{Grid, Told};
+use super::{Args, grid, input};
 use crate::cli::{Cli, GlobalArgs, Outcome};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
-use crate::report::plot::save;
 use crate::report::tradeoff::Axis;
 use crate::report::tradeoff::knob::Stage;
-use crate::report::tradeoff::rendering::{self, Shown, Sweep};
+use crate::report::tradeoff::rendering::{self, Sweep};
 
 /// Options of `render` that tradeoff gives itself.
 const OWN: &[&str] = &[
@@ -54,7 +50,7 @@ struct Fixed {
 /// Measures what rendering costs.
 pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<Outcome> {
     let start = Instant::now();
-    placement::refuse_others(args, "rendering")?;
+    grid::refuse_others(args, "rendering")?;
     let axes = axes(args)?;
     let fixed = options_of_all(&args.fixed, &axes)?;
     let probe = match &fixed.probe {
@@ -74,45 +70,30 @@ pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<Outcom
     for settings in sweep.points() {
         input::parse(&sweep.command(container, &settings))?;
     }
-    let folder = Folder::open(&args.output)?;
-    let [csv_path, json_path] = rendering::files(&args.output);
-    if csv_path.exists() && !args.overwrite {
-        return Err(Error::Usage(format!(
-            "{}: a sweep is there already; name another folder, or replace it by --overwrite",
-            csv_path.display()
-        )));
-    }
-    let [begin, end] = folder::UNFINISHED;
-    let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&args.output);
-    let work = work.map_err(|error| Error::io(&args.output, error.kind().into()))?;
-    let progress = Progress::start(global, "rendering", sweep.runs())?;
-    let mut kept = 0;
-    let mut keep = |shown: &[Shown]| {
-        kept = shown.len();
-        placement::write(&csv_path, &rendering::to_csv(&axes, shown)?)
+    let grid = Grid {
+        args,
+        global,
+        start,
+        what: "rendering",
+        runs: sweep.runs(),
+        points: sweep.points().len(),
+        files: rendering::files(&args.output),
     };
-    let shown = sweep.measure(&Children::new(&progress, start)?, work.path(), &progress, &mut keep);
-    drop(progress);
-    if shown.is_err() && kept > 0 {
-        let (path, all) = (csv_path.display(), sweep.points().len());
-        output::note(format_args!("{path}: {kept} of {all} points are kept; to measure again is to start over"));
-    }
-    let shown = shown?;
-    let pictures = save::save(&rendering::figure(&sweep, &shown), &args.output, "rendering")?;
-    let report = rendering::json(&sweep, &shown);
-    write_json(&report, &json_path)?;
-    drop(folder);
-    if args.json {
-        output::print_json(&report)?;
-    } else {
-        let files = [csv_path, json_path].into_iter().chain(pictures);
-        let files: Vec<String> = files.map(|path| path.display().to_string()).collect();
-        output::print_text(&format!(
-            "{}\nProbe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.\n\n{}\n",
-            rendering::table(&axes, &shown),
-            files.join("\n")
-        ))?;
-    }
+    let (folder, shown) = grid.measure(
+        |runner, work, progress, keep| sweep.measure(runner, work, progress, keep),
+        |shown| rendering::to_csv(&axes, shown),
+    )?;
+    let (about, commands) = (rendering::about(&sweep), rendering::commands(&sweep));
+    let told = Told {
+        title: format!("What rendering costs: {dataset}"),
+        input: ("Dataset", dataset),
+        about: &about,
+        table: &rendering::table(&axes, &shown),
+        figures: &rendering::figures(&sweep, &shown),
+        commands: &commands,
+        report: &rendering::json(&sweep, &shown),
+    };
+    grid.tell(&told, folder)?;
     Ok(Outcome::Fine)
 }
 

@@ -13,7 +13,7 @@ use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
 use crate::reconstruct::player::Change;
-use crate::reconstruct::render::Rendered;
+use crate::reconstruct::render::{EffectMode, Rendered};
 use crate::reconstruct::units_on_device::UnitsOnDevice;
 use crate::video::decode::Decoder;
 
@@ -68,6 +68,10 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Renderer for DeviceRenderer<'_> {
+    fn effects(&self) -> EffectMode {
+        self.options.effects
+    }
+
     fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
         self.device_units().map(|units| units as &mut dyn UnitsOnDevice)
     }

@@ -66,7 +66,8 @@ pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
             ("longest_segment", 1),
             ("first_segment", 1),
             ("ball_count", 1),
-            ("spare", 2),
+            ("near_m", 1),
+            ("far_m", 1),
         ],
     ),
     (
@@ -135,7 +136,9 @@ pub fn words(
         Acceleration::None => [1, 1],
         Acceleration::Pyramid => [points, (points / 4).max(1)],
     };
-    scene.extend([pyramid_rows, longest, first, glass.balls.len() as u32, 0, 0]);
+    // Shaders have no infinity.
+    let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX).to_bits());
+    scene.extend([pyramid_rows, longest, first, glass.balls.len() as u32, near_m, far_m]);
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;

@@ -84,6 +84,7 @@ pub fn cases() -> Result<Vec<PictureCase>> {
         courtyard.case("more images than layers", &crowd(courtyard.middle, reach), codes, eye)?,
         dull.case("materials that send nothing on", &around(courtyard.middle), codes, eye)?,
         mirrors.case("mirrors and glass", &corners(mirrors.middle, mirrors.reach * 0.4), codes, mirrors.middle)?,
+        courtyard.case("near and far planes", &around(courtyard.middle), codes, eye)?,
         courtyard.case("courtyard, twice as wide", &around(courtyard.middle), codes, eye)?,
     ];
     cases[1].settings.samples = 2;
@@ -93,6 +94,8 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     for (case, effects) in [(11, EffectMode::Force), (12, EffectMode::Auto)] {
         cases[case].settings.effects = effects;
     }
+    let lens = Lens { near_m: 2.0, far_m: 6.0, ..Lens::new(80.0) };
+    cases[13].camera = Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, lens)?;
     // Towards both balls.
     let eye = cases[12].camera.eye();
     cases[12].camera = Camera::look_at(eye, eye + DVec3::new(0.0, -0.8, -1.6), DVec3::Y, Lens::new(85.0))?;

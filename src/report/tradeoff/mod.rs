@@ -8,6 +8,8 @@ pub mod bench;
 pub mod commands;
 pub mod figures;
 pub mod findings;
+pub mod grid_page;
+pub mod html;
 pub mod json;
 pub mod knob;
 pub mod page;

@@ -6,36 +6,15 @@ use std::path::{Path, PathBuf};
 
 use super::figures::{self, Figure};
 use super::findings::{self, Finding, Verdict};
+use super::html;
 use super::knob::KNOBS;
 use super::point::{Measured, Quality, Timing};
 use super::score::Scored;
 use super::study::Results;
 use crate::dataset::stream::StreamKind;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::report::plot::number;
-use crate::report::plot::save::{self, escape};
-
-/// The page's own name.
-const PAGE: &str = "index.html";
-
-/// Look of the page: readable on a screen in the light, and on paper.
-const STYLE: &str = "\
-body{font:16px/1.5 'DejaVu Sans',Verdana,sans-serif;color:#222;background:#fff;max-width:1320px;margin:0 auto;padding:24px}\
-h1{font-size:26px;margin:0 0 4px}h2{font-size:20px;margin:40px 0 8px;border-bottom:1px solid #ddd;padding-bottom:4px}\
-p{margin:6px 0}.faint{color:#606060}figure{margin:24px 0 36px;break-inside:avoid}\
-figure svg{max-width:100%;height:auto;border:1px solid #e2e2e2}figcaption{font-size:14px;max-width:1000px;color:#444}\
-.scroll{overflow-x:auto}table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}\
-th,td{padding:3px 8px;text-align:right;border-bottom:1px solid #e2e2e2;white-space:nowrap;vertical-align:top}\
-th{background:#f5f5f5;border-bottom:2px solid #bbb;white-space:normal;vertical-align:bottom}\
-td small{display:block;font-size:10px;color:#606060}h4{font-size:14px;margin:16px 0 4px}tr.best td{background:#fdf3d7}\
-ol.findings{padding-left:24px}ol.findings li{margin:12px 0;max-width:1100px}\
-.verdict{display:inline-block;padding:0 8px;border-radius:3px;font-size:13px;font-weight:bold;color:#fff;margin-right:6px}\
-.found{background:#1b7a4b}.not-found{background:#b3261e}.not-measured{background:#6b6b6b}\
-.small{font-size:14px;color:#444}code{font:13px 'DejaVu Sans Mono',Consolas,monospace;background:#f5f5f5;padding:1px 4px;\
-overflow-wrap:anywhere}dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 16px;font-size:14px}dt{color:#606060}\
-dd{margin:0;overflow-wrap:anywhere}\
-@media print{body{max-width:none;padding:0;font-size:12px}h2{break-after:avoid}.scroll{overflow:visible}table{font-size:8px}\
-th,td{padding:1px 3px}}";
+use crate::report::plot::save::escape;
 
 /// Writes every figure as SVG and PNG, and `index.html`, which shows them, into a folder. Returns the files.
 ///
@@ -43,45 +22,22 @@ th,td{padding:1px 3px}}";
 /// When a file cannot be written.
 pub fn write(results: &Results, folder: &Path) -> Result<Vec<PathBuf>> {
     let figures = figures::all(results);
-    let mut files = Vec::new();
-    for figure in &figures {
-        files.extend(save::save(&figure.drawing, folder, &figure.name)?);
-    }
-    let path = folder.join(PAGE);
-    save::whole(&path, |partial| {
-        std::fs::write(partial, html(results, &figures)?).map_err(|error| Error::io(&path, error))
-    })?;
-    files.push(path);
-    Ok(files)
+    html::write(&figures, &html(results, &figures)?, folder)
 }
 
 /// The page's text.
 fn html(results: &Results, figures: &[Figure]) -> Result<String> {
-    let mut page = String::new();
-    let title = format!("What accuracy costs: {}", escape(&results.input));
-    // Writing into a string does not fail.
-    let _ = write!(
-        page,
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
-         <p class=\"faint\">{} in {}. Less is better for bytes, time and score.</p>\n",
+    let subtitle = format!(
+        "{} in {}. Less is better for bytes, time and score.",
         counted(results.measured.len(), "point", "points"),
         counted(results.studies.len(), "study", "studies")
     );
+    let mut page = html::begin(&format!("What accuracy costs: {}", results.input), &subtitle);
     page.push_str("<h2>Figures</h2>\n");
     if figures.is_empty() {
         page.push_str("<p>There is nothing to draw: no study has two points.</p>\n");
     }
-    for figure in figures {
-        let svg = save::to_svg(&figure.drawing)?;
-        let _ = write!(
-            page,
-            "<figure id=\"{}\">\n{svg}<figcaption>{}</figcaption>\n</figure>\n",
-            escape(&figure.name),
-            escape(&figure.caption)
-        );
-    }
+    figures.iter().try_for_each(|figure| html::figure(&mut page, figure))?;
     least_points(&mut page, results);
     findings_of(&mut page, &findings::judge(results));
     left_out(&mut page, results);
@@ -90,8 +46,7 @@ fn html(results: &Results, figures: &[Figure]) -> Result<String> {
         tables(&mut page, results, kind);
     }
     foot(&mut page, results);
-    page.push_str("</body>\n</html>\n");
-    Ok(page)
+    Ok(html::end(page))
 }
 
 /// A count with its noun.
@@ -317,17 +272,16 @@ fn table(page: &mut String, columns: &[Column], points: &[&Measured], tinted: &[
 }
 
 fn foot(page: &mut String, results: &Results) {
-    let _ = write!(
-        page,
-        "<h2>How this was measured</h2>\n<dl>\n<dt>Footage</dt><dd>{}</dd>\n<dt>Command</dt><dd><code>{}</code></dd>\n\
-         <dt>Machine</dt><dd>{}</dd>\n<dt>Version</dt><dd>lightfold {}</dd>\n</dl>\n\
-         <p class=\"small\">Each point was encoded, decoded and compared by commands of the program, which tradeoff.csv \
+    let how = html::How {
+        input: ("Footage", &results.input),
+        command_line: &results.command_line,
+        machine: &results.machine,
+    };
+    html::how(page, &how);
+    page.push_str(
+        "<p class=\"small\">Each point was encoded, decoded and compared by commands of the program, which tradeoff.csv \
          names. Rounds of timed runs went over all points in turn; times are medians of them. A frame is one moment of the \
          footage with all its probes and faces; a decoding time is that of decoding it with the container in memory.</p>\n",
-        escape(&results.input),
-        escape(&results.command_line),
-        escape(&results.machine),
-        env!("CARGO_PKG_VERSION")
     );
 }
 
@@ -344,7 +298,7 @@ mod tests {
         results.left_out = vec!["<i>depth-window</i> 16".to_owned()];
         let folder = tempfile::tempdir().unwrap();
         let files = write(&results, folder.path()).unwrap();
-        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(html::PAGE)).unwrap();
         for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href="] {
             assert!(!page.contains(bad), "{bad}");
         }

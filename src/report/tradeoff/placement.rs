@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::bench::Runner;
+use super::commands::shell_line;
+use super::figures::Figure;
 use super::knob::{Knob, Stage};
 use super::point::{self, Timing};
 use super::study::{Axis, product};
@@ -229,6 +231,35 @@ pub fn figure(sweep: &Sweep<'_>, placed: &[Placed]) -> Drawing {
     with_points(chart, placed, |point| Some(point.seconds())).draw(760, 460)
 }
 
+/// The figures of a page.
+pub fn figures(sweep: &Sweep<'_>, placed: &[Placed]) -> Vec<Figure> {
+    let along = sweep.axes.last().map_or("", |axis| axis.knob);
+    let caption = format!(
+        "Coverage by the seconds of the search. Up and to the left is better. Marks are the values of {along}; a line joins \
+         those that all other settings are alike of."
+    );
+    let mut figures = vec![Figure { name: "placement".to_owned(), caption, drawing: figure(sweep, placed) }];
+    figures.extend(figure_by_value(sweep, placed).map(|drawing| Figure {
+        name: "placement-by-value".to_owned(),
+        caption: format!("Coverage by {along}; a line for each setting of all others."),
+        drawing,
+    }));
+    figures
+}
+
+/// What the figures of the table are.
+pub fn about() -> String {
+    format!(
+        "Coverage is that of the cameras by the same {RULER_SAMPLES} points on surfaces for all rows; own is by the row's."
+    )
+}
+
+/// Commands for who wants to repeat a point, and what each is for.
+pub fn commands(sweep: &Sweep<'_>) -> Vec<(&'static str, String)> {
+    let point = sweep.points().into_iter().next();
+    point.map(|settings| ("First point", shell_line(&sweep.command(&settings)))).into_iter().collect()
+}
+
 /// Coverage by the value of the last knob, where that is a number: a line for each setting of all others.
 pub fn figure_by_value(sweep: &Sweep<'_>, placed: &[Placed]) -> Option<Drawing> {
     let knob = find(sweep.axes.last()?.knob)?;
@@ -327,6 +358,9 @@ mod tests {
         assert!(table(&axes, &placed).to_string().contains("75.00"));
         assert_eq!(json("a.glb", &placed)["points"][1]["settings"]["effort"], "normal");
         assert!(figure(&sweep, &placed).shapes.len() > 10);
+        let names: Vec<_> = figures(&sweep, &placed).into_iter().map(|figure| figure.name).collect();
+        assert_eq!(names, ["placement"]);
+        assert_eq!(commands(&sweep)[0].1, "lightfold place a.glb --region=0,0,0,1,1,1 --cameras=2 --effort=fast");
     }
 
     #[test]

@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::bench::Runner;
+use super::commands::shell_line;
+use super::figures::Figure;
 use super::knob::{Knob, Stage};
 use super::point::{self, Timing};
 use super::study::{Axis, product};
@@ -258,6 +260,32 @@ pub fn figure(sweep: &Sweep<'_>, shown: &[Shown]) -> Drawing {
     chart.draw(760, 460)
 }
 
+/// The figures of a page.
+pub fn figures(sweep: &Sweep<'_>, shown: &[Shown]) -> Vec<Figure> {
+    let along = sweep.axes.last().map_or("", |axis| axis.knob);
+    let caption = format!(
+        "PSNR by the time of rendering a million pixels. Up and to the left is better. Marks are the values of {along}; a line \
+         joins those that all other settings are alike of. Points that are exact have no place in it."
+    );
+    vec![Figure { name: "rendering".to_owned(), caption, drawing: figure(sweep, shown) }]
+}
+
+/// What the figures of the table are.
+pub fn about(sweep: &Sweep<'_>) -> String {
+    format!(
+        "Probe {} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.",
+        sweep.probe
+    )
+}
+
+/// Commands for who wants to repeat a point, and what each is for.
+pub fn commands(sweep: &Sweep<'_>) -> Vec<(&'static str, String)> {
+    let container = Path::new("field.lfold");
+    let encode = ("Container", shell_line(&sweep.encode(container)));
+    let point = sweep.points().into_iter().next().map(|settings| sweep.command(container, &settings));
+    std::iter::once(encode).chain(point.map(|words| ("First point", shell_line(&words)))).collect()
+}
+
 /// Names of the files of a report, below its folder.
 pub fn files(folder: &Path) -> [PathBuf; 2] {
     ["rendering.csv", "rendering.json"].map(|name| folder.join(name))
@@ -325,6 +353,10 @@ mod tests {
         assert!(table(&axes, &shown).to_string().contains("31.50"));
         assert_eq!(json(&sweep, &shown)["points"][1]["psnr_db"], "inf");
         assert!(figure(&sweep, &shown).shapes.len() > 5);
+        let [figure] = &figures(&sweep, &shown)[..] else { panic!("one figure") };
+        assert!(figure.name == "rendering" && figure.caption.contains("values of steps"), "{}", figure.caption);
+        let [(_, encode), (_, point)] = &commands(&sweep)[..] else { panic!("two commands") };
+        assert!(encode.starts_with("lightfold encode set ") && point.contains(" --views=8 --steps=64 "), "{point}");
     }
 
     #[test]
