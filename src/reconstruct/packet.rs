@@ -1,5 +1,8 @@
 //! Views as four rays ask them at once: the same questions as [`ActiveView::evidence`] and
 //! [`super::pyramid::is_segment_open`], with the same operations in the same order, so that the answers are the same bits.
+//!
+//! Points that are asked about together lie beside each other, and near those that were asked about before: they are taken to
+//! be in the same face. Where all four surely are, which the places in it tell, no face has to be found for each.
 
 use glam::Vec4;
 
@@ -27,9 +30,9 @@ pub(crate) struct PacketView<'a> {
     turn: [[Lanes; 3]; 3],
     /// Rows of the turns into right, down and forward of the faces of a cube.
     turns_of_faces: [[[Lanes; 3]; 3]; 6],
-    /// Whether it is worth a guess in which face a point is: [`PacketView::guessed`].
-    is_guessable: bool,
-    /// Metres, at least [`LEAST_M`].
+    /// Of a cube whose images are mapped alike, each to the whole of its face: [`PacketView::guessed`] is for these.
+    whole_faces: Option<Map>,
+    /// [`PacketView::near_m`], but above 0 whatever that is.
     least_guessed_m: Lanes,
     from_eye: [Lanes; 3],
     reach_m: f32,
@@ -149,7 +152,7 @@ impl<'a> PacketView<'a> {
         PacketView {
             turn,
             turns_of_faces: Face::CUBE.map(|face| turn_of_face(turn, face)),
-            is_guessable: !is_view && are_small && alike.is_some_and(is_whole),
+            whole_faces: alike.filter(|&map| !is_view && are_small && is_whole(map)),
             least_guessed_m: Lanes::splat(active.view.near_m.abs().max(LEAST_M)),
             from_eye: active.from_eye.to_array().map(Lanes::splat),
             reach_m: active.from_eye.abs().max_element(),
@@ -186,10 +189,12 @@ impl<'a> PacketView<'a> {
 
     /// Where points lie in its images, as long as all of them surely lie in a face of a cube, and none within near.
     ///
-    /// The axes of a face are those of the view but for signs, which change nothing in how numbers are rounded.
+    /// The axes of a face are those of the view but for signs, which change nothing in how numbers are rounded. Where no
+    /// coordinate in the plane at depth 1 is above [`SURELY_BELOW_ONE`], the point is in no other face, and its place is within
+    /// the image: it has not to be moved into it.
     #[inline(always)]
     fn guessed(&self, points: &Points, face: usize) -> Option<Places> {
-        let Map { size, scale, centre } = self.alike.filter(|_| self.is_guessable)?;
+        let Map { size, scale, centre } = self.whole_faces?;
         let x = points.x - self.from_eye[0];
         let y = points.y - self.from_eye[1];
         let z = points.z - self.from_eye[2];
@@ -474,7 +479,7 @@ mod tests {
                 let part = |prime: u32| ((at * prime) % 2003) as f32 / 1001.5 - 1.0;
                 // In the view's axes, also on the edges of faces and next to them, and near the centre.
                 let mut local = Vec3::new(part(7), part(11), part(13));
-                if at % 8 == 0 {
+                if at.is_multiple_of(8) {
                     local[at as usize / 8 % 3] = local[(at as usize / 8 + 1) % 3] * [1.0, -1.0][at as usize / 24 % 2];
                 }
                 let local = local * [4.0, 1.0, 0.02][at as usize % 3];

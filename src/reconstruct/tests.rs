@@ -136,10 +136,10 @@ fn hits_are_the_same_bits() {
         // Rays of a packet go their own ways, or lie beside each other as those of a picture do.
         let (spread, mut middle) = ([2.0, 0.1, 0.002][random.below(3) as usize], DVec3::X);
         let direction = |at: u32| {
-            if at % 16 == 0 {
+            if at.is_multiple_of(16) {
                 return axis(&mut random).as_vec3();
             }
-            if at % 4 == 0 {
+            if at.is_multiple_of(4) {
                 middle = random.unit();
             }
             (middle + spread * random.vector()).try_normalize().unwrap_or(DVec3::Y).as_vec3()
