@@ -18,6 +18,10 @@ REGIONS = {
     "object": ((0.0, 0.2, 1.4), (0.5, 0.3, 0.2)),
     "sponza.glb": ((-0.6, 1.7, -0.4), (0.5, 0.5, 0.5)),
 }
+# Scenes with mirrors or glass.
+SCENES_WITH_MIRRORS = ("mirrors",)
+# Glass reflects a few parts of a hundred of lamps that 8 bits store as white.
+KEEP_LAMPS = ["--hdr"]
 
 
 # How far from a straight way between two probes others may lie that count as being on it, in parts of its length.
@@ -121,10 +125,15 @@ def counts_of_views(probes):
     return [count for count in steps if count < probes] + [probes]
 
 
+def manifest_path(manifest):
+    """The file of a dataset that is named by it or by its folder."""
+    manifest = pathlib.Path(manifest)
+    return manifest / "lightfield.json" if manifest.is_dir() else manifest
+
+
 def probes_of(manifest):
     """(name, position) of the probes of a dataset."""
-    manifest = pathlib.Path(manifest)
-    path = manifest / "lightfield.json" if manifest.is_dir() else manifest
+    path = manifest_path(manifest)
     try:
         probes = json.loads(path.read_text())["probes"]
         return [(probe["name"], tuple(probe["position"])) for probe in probes]
@@ -207,7 +216,8 @@ def measure_dataset(binary, renderer, manifest, work, wanted, frames):
         raise Refused(f"{manifest}: it has one probe; one to leave out and one to render from were expected")
     left_out = held_out(probes, wanted)
     container = work / "field.lfold"
-    lf.run_json(binary, "encode", manifest, "--frames", frames, "-o", container, "--json")
+    lamps = KEEP_LAMPS if "material" in json.loads(manifest_path(manifest).read_text()) else []
+    lf.run_json(binary, "encode", manifest, "--frames", frames, *lamps, "-o", container, "--json")
     rows = []
     for probe in left_out:
         case = Case(container, pathlib.Path(manifest), probe, (probe,), frames)
@@ -241,7 +251,8 @@ def measure_scene(binary, renderer, scene, work, settings):
     for name in ("probes", "poses"):
         lf.run_json(binary, "capture", scene, "--cameras", work / f"{name}.json", *options, "-o", work / name, "--json")
     container = work / "field.lfold"
-    lf.run_json(binary, "encode", work / "probes", "-o", container, "--json")
+    lamps = KEEP_LAMPS if str(scene) in SCENES_WITH_MIRRORS else []
+    lf.run_json(binary, "encode", work / "probes", *lamps, "-o", container, "--json")
     rows = []
     for name, part in named.items():
         rows += renderer.rows("by pose", part, Case(container, work / "poses", name))

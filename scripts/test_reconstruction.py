@@ -90,6 +90,7 @@ class DatasetTest(Stubbed):
         self.assertFalse([row for row in rows if row.table == "effects"])
         encode, *renders = self.commands()
         self.assertEqual(encode[:2], ["encode", str(manifest)])
+        self.assertNotIn("--hdr", encode)
         for words in renders:
             left_out = words[words.index("--reference-probe") + 1]
             self.assertEqual(words[words.index("--exclude-probe") + 1], left_out)
@@ -140,6 +141,13 @@ class DatasetTest(Stubbed):
         self.assertEqual(rq.lines_of([("a", (0, 0, 0)), ("b", (0, 0, 0)), ("c", (1, 0, 0))]), [])
         self.assertEqual(len(rq.lines_of([("00", (0, 0, 0)), *cube], most=2)), 2)
 
+    def test_lamps_that_glass_reflects_are_kept(self):
+        binary = self.stub(material=True)
+        manifest = self.dataset(["a", "b"])
+        manifest.write_text(json.dumps(json.loads(manifest.read_text()) | {"material": {}}))
+        rq.measure_dataset(binary, rq.Renderer(binary, []), manifest, self.work, [], "0")
+        self.assertIn("--hdr", self.commands()[0])
+
     def test_many_probes_leave_out_the_most_central_one(self):
         probes = [(str(at), (at, 0, 0)) for at in range(9)]
         self.assertEqual(rq.held_out(probes, []), ["4"])
@@ -176,6 +184,7 @@ class SceneTest(Stubbed):
             module.main(["mirrors", "--size", "32", "--poses", "5", "-o", str(output), "--", "--refine", "4"])
         commands = self.commands()
         self.assertEqual([words[0] for words in commands[:3]], ["capture", "capture", "encode"])
+        self.assertIn("--hdr", commands[2])
         cameras = json.loads((output / "mirrors" / "probes.json").read_text())["cameras"]
         self.assertEqual(len(cameras), 8)
         poses = json.loads((output / "mirrors" / "poses.json").read_text())["cameras"]

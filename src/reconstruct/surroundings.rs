@@ -29,6 +29,9 @@ use crate::reconstruct::solid::{Ball, refract};
 pub const MOST_TEXELS: u32 = 128;
 /// Texels of glass that let less than this part of the light straight through say nothing of what is behind.
 pub const LEAST_THROUGH: f32 = 0.5;
+/// How much what a view sees through a ball counts, as a power of its weight for the distance from the eye: what is bent
+/// twice differs more from view to view than surfaces do.
+pub const NEARNESS: i32 = 4;
 
 /// Images of the six faces of a cube, row by row: sums of weighted values, and of their weights.
 struct Cube {
@@ -235,7 +238,9 @@ fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Vec<
             cube.add(at, *color, 1.0);
         }
     }
-    for active in &views.views {
+    let greatest = looking.camera_weights.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+    for (active, camera_weight) in views.views.iter().zip(looking.camera_weights) {
+        let nearness = (camera_weight / greatest).powi(NEARNESS);
         for (face, texels) in active.view.faces.iter().enumerate() {
             let Some(texels) = texels.as_ref().filter(|texels| texels.calls_for_effects) else { continue };
             let ends = |at: usize| {
@@ -257,7 +262,7 @@ fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Vec<
                 for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
                     let at = end.face * onto.inverse_depth.len() + texel;
                     if matches!(known[at], Known::Hidden) {
-                        cube.add(at, color, weight * part);
+                        cube.add(at, color, weight * part * nearness);
                     }
                 }
             }
