@@ -211,6 +211,14 @@ impl Setup {
         }
     }
 
+    /// The picture that a device makes of it.
+    fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
+        // Devices tell images by the probes that they are of.
+        self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
+        let views = (0..self.field.views.len()).collect();
+        Ok(PictureCase { label, views, camera: camera(self.eye, DVec3::NEG_Z)?, field: self.field, settings })
+    }
+
     fn picture(&self, side: u32) -> Result<Rendered> {
         render(&self.views(), &camera(self.eye, DVec3::X)?, &self.settings(side), &Silent)
     }
@@ -219,9 +227,8 @@ impl Setup {
 impl Measured {
     /// The same, with a picture of a setup.
     fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
-        let (camera, settings) = (camera(setup.eye, DVec3::NEG_Z)?, setup.settings(SIDE));
-        let views = (0..setup.field.views.len()).collect();
-        Ok(self.with_pictures(vec![PictureCase { label, field: setup.field, views, camera, settings }]))
+        let settings = setup.settings(SIDE);
+        Ok(self.with_pictures(vec![setup.on_device(label, settings)?]))
     }
 }
 

@@ -6,7 +6,6 @@
 use glam::DVec3;
 
 use crate::error::Result;
-use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
 use crate::math::Camera;
 use crate::monitor::Silent;
@@ -109,8 +108,6 @@ fn wrong(holes: HoleFill) -> Result<Measured> {
         }
     }
     let setup = setup();
-    let (camera, settings) = (camera(setup.eye, DVec3::NEG_Z)?, settings(&setup, holes));
-    let views = (0..setup.field.views.len()).collect();
-    let case = PictureCase { label: "hidden from all probes", field: setup.field, views, camera, settings };
-    Ok(Measured::count(wrong, first).with_pictures(vec![case]))
+    let settings = settings(&setup, holes);
+    Ok(Measured::count(wrong, first).with_pictures(vec![setup.on_device("hidden from all probes", settings)?]))
 }
