@@ -140,12 +140,16 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     check_budgets("diff . q.lfold --frames 0-9 --ssim none", None, at);
     // Rendering counts all chunks that views may come to hold, so that these are of few frames.
     run("encode . -o r.lfold --frames 0-3 --depth-codec aabb", at);
-    let eye = "--eye 0.1,0,0 --look-at 1,0,0 --fov 60 --steps 8";
+    let eye = "--eye 0.1,1,2 --look-at 1,1,2 --fov 60 --steps 8";
     for (line, output) in [
-        (format!("render r.lfold {eye} --frames 0-3 --size 512 -o view.%04d.png"), "view.0003.png"),
-        (format!("render r.lfold {eye} --frames 1 --size 1024 --stereo 0.06 --effects none -o two.exr"), "two.exr"),
-        (format!("render r.lfold {eye} --frames 1 --size 1024 --method splat -o points.png"), "points.png"),
-        ("render r.lfold --reference . --reference-probe 00 --frames 0 --steps 8 -o again.png".to_owned(), "again.png"),
+        (format!("render r.lfold {eye} --frames 0-3 --size 384 -o view.%04d.png"), "view.0003.png"),
+        (format!("render r.lfold {eye} --frames 1 --size 768 --stereo 0.06 --effects none -o two.exr"), "two.exr"),
+        (format!("render r.lfold {eye} --frames 1 --size 768 --method splat -o points.png"), "points.png"),
+        (
+            "render r.lfold --reference . --reference-probe 00 --frames 0 --steps 8 --effects none -o again.png"
+                .to_owned(),
+            "again.png",
+        ),
     ] {
         check_budgets(&line, Some(output), at);
     }
