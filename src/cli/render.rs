@@ -69,13 +69,13 @@ const POINT_BYTES: u64 = 64;
     that moves has a \"frame\" in each pose, and between them it goes straight and turns evenly: {\"cameras\": [{\"eye\": \
     [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
     \"fov_y_deg\": 60, \"frame\": 95}]}. Surfaces nearer than near_m or farther than far_m of a camera, in metres along its \
-    axis, are not shown, and what lies behind them is, as far as a probe saw it; --near and --far are distances from the \
-    eye, and the steps lie between them. The aspect of --size WxH goes before that of a camera.\n\n\
+    axis, are not shown; behind one that is too near shows what a probe saw there. --near and --far are distances from the \
+    eye, and the steps of rays lie between them. The aspect of --size WxH goes before that of a camera.\n\n\
     The number in a file name is that of the frame. Where several cameras look in one frame it is the place of the picture \
     in the path, from 0, for all pictures. With --reference it is the frame's, and a folder's files are called after \
     probe and face, 00_px.0000.png. A folder takes PNG; for EXR name a pattern.\n\n\
     Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \
-    probe saw what is there, or near and far leave nothing, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
+    probe saw what is there or near and far leave nothing, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
     would make what it fills in black.\n\n\
     Lines of --trace: shot counts from 0; frame; eye in metres; active probes by priority, with slot (a place that a probe \
     keeps while it is active), distance_m from the eye and angle_deg at --pivot; culled probes and why: limit (--views), \

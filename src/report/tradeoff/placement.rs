@@ -236,7 +236,7 @@ pub fn figures(sweep: &Sweep<'_>, placed: &[Placed]) -> Vec<Figure> {
     let along = sweep.axes.last().map_or("", |axis| axis.knob);
     let caption = format!(
         "Coverage by the seconds of the search. Up and to the left is better. Marks are the values of {along}; a line joins \
-         those that all other settings are alike of."
+         points whose other settings are the same."
     );
     let mut figures = vec![Figure { name: "placement".to_owned(), caption, drawing: figure(sweep, placed) }];
     figures.extend(figure_by_value(sweep, placed).map(|drawing| Figure {

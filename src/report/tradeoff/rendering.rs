@@ -265,7 +265,7 @@ pub fn figures(sweep: &Sweep<'_>, shown: &[Shown]) -> Vec<Figure> {
     let along = sweep.axes.last().map_or("", |axis| axis.knob);
     let caption = format!(
         "PSNR by the time of rendering a million pixels. Up and to the left is better. Marks are the values of {along}; a line \
-         joins those that all other settings are alike of. Points that are exact have no place in it."
+         joins points whose other settings are the same. Points that are exact have no place in it."
     );
     vec![Figure { name: "rendering".to_owned(), caption, drawing: figure(sweep, shown) }]
 }
