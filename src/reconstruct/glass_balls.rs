@@ -27,6 +27,8 @@ pub const FITTING: f64 = 0.95;
 pub const LEAST_REACH: f64 = 0.5;
 /// Whether no view sees past a ball is asked at this part of its radius.
 pub const WITHIN: f32 = 0.7;
+/// No ball is smaller, in metres: steps around it would not be told apart.
+pub const LEAST_RADIUS_M: f32 = 1e-6;
 /// A point belongs to a ball where it is at most so far from its surface, in parts of its radius.
 pub const NEAR_BALL: f32 = 0.03;
 
@@ -176,8 +178,9 @@ fn fitted(views: &ActiveViews<'_>) -> Vec<(Ball, f32)> {
     }
     let of_cluster = |cluster: &mut Cluster| {
         let ball = Ball { centre: cluster.centre.as_vec3(), radius_m: cluster.radius_m as f32 };
+        let is_outside = ball.radius_m >= LEAST_RADIUS_M && ball.centre.length() > ball.radius_m;
         let ior = (cluster.ior_sum / cluster.points.len() as f64) as f32;
-        (cluster.fit() && ball.centre.length() > ball.radius_m && is_whole(views, &ball)).then_some((ball, ior))
+        (cluster.fit() && is_outside && is_whole(views, &ball)).then_some((ball, ior))
     };
     clusters.iter_mut().filter_map(of_cluster).collect()
 }
