@@ -1,8 +1,9 @@
 //! Playback on a graphics device: what changed goes there once for each shot, and all its cameras see it. The device decodes
-//! depth and colour itself where it can; materials, and what has half floats, the CPU decodes.
+//! depth and colour itself where it can; materials, what has half floats, and what mirrors and glass show, the CPU decodes.
 
 use glam::DVec3;
 
+use crate::dataset::stream::StreamKind;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::render::units::{DeviceUnits, can_decode};
@@ -34,11 +35,14 @@ impl<'a> DeviceRenderer<'a> {
     }
 
     /// The same, where the device decodes depth and colour of the container that is shown, if it can. `coding` is that of the
-    /// light field.
+    /// light field. Where mirrors and glass may send rays on, the CPU decodes: it looks for balls of glass in the texels.
     #[must_use]
     pub fn decoding(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
         let gpu = self.gpu;
-        let renderer = can_decode(decoder).then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
+        let has_material = decoder.streams().iter().any(|stream| stream.kind == StreamKind::Material);
+        let is_apart = self.options.effects == EffectMode::None || !has_material;
+        let renderer = (is_apart && can_decode(decoder))
+            .then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
         DeviceRenderer { renderer, ..self }
     }
 
