@@ -19,6 +19,8 @@ use crate::video::convert::IOR_RANGE;
 
 /// A ball is fitted to at least so many texels that are connected in an image.
 pub const LEAST_TEXELS: usize = 32;
+/// At most so many balls are known as wholes, those with the most texels in one image: each has a view of its own.
+pub const MOST_BALLS: usize = 16;
 /// Texels lie on a ball where they are at most so far from it, in parts of its radius.
 pub const ON_BALL: f64 = 0.02;
 /// A ball fits where so many of its texels lie on it.
@@ -172,7 +174,9 @@ fn fitted(views: &ActiveViews<'_>) -> Vec<(Ball, f32)> {
                 cluster.ior_sum += piece.ior_sum;
                 cluster.fit();
             }
-            None if piece.points.len() >= LEAST_TEXELS && piece.fit() => clusters.push(piece),
+            None if clusters.len() < MOST_BALLS && piece.points.len() >= LEAST_TEXELS && piece.fit() => {
+                clusters.push(piece);
+            }
             None => {}
         }
     }
@@ -249,4 +253,58 @@ fn fit(points: &[DVec3]) -> Option<(DVec3, f64)> {
     let to_centre = spread.inverse() * pull;
     let radius_m = (to_centre.length_squared() + squares / count).sqrt();
     (to_centre.is_finite() && radius_m.is_finite() && radius_m > 0.0).then_some((middle + to_centre, radius_m))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::transfer::ToneMap;
+    use crate::reconstruct::interpolate::camera_weights;
+    use crate::reconstruct::light_field::LightField;
+    use crate::reconstruct::made::{Made, field};
+
+    const AWAY_M: f64 = 3.0;
+    const RADIUS_M: f64 = 0.5;
+
+    /// Beads of glass around a probe, and where they are.
+    fn beads(count: usize) -> (LightField, Vec<DVec3>) {
+        // Turned by the golden angle from one to the next.
+        let centre = |at: usize| {
+            let y = 1.0 - (2 * at + 1) as f64 / count as f64;
+            let (sin, cos) = (2.399_963_23 * at as f64).sin_cos();
+            AWAY_M * DVec3::new((1.0 - y * y).sqrt() * cos, y, (1.0 - y * y).sqrt() * sin)
+        };
+        let centres: Vec<DVec3> = (0..count).map(centre).collect();
+        let sight = |direction: DVec3| {
+            let met_m = |centre: &DVec3| {
+                let along = centre.dot(direction);
+                let squared = RADIUS_M * RADIUS_M - (centre.length_squared() - along * along);
+                (along > 0.0 && squared > 0.0).then(|| along - squared.sqrt())
+            };
+            centres.iter().find_map(met_m).map(|distance_m| (distance_m, [50; 3]))
+        };
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let mut view = Made::new(DVec3::ZERO, 64).cube(coding, &sight);
+        for texels in view.faces.iter_mut().flatten() {
+            let glass = |&inverse: &f32| if inverse == BACKGROUND { [0; 4] } else { [0, 255, 64, 0] };
+            texels.material = Some(texels.inverse_depth.iter().map(glass).collect());
+            texels.material_changed();
+        }
+        (field(vec![view], coding), centres)
+    }
+
+    #[test]
+    fn beads_are_found_up_to_a_number() {
+        for count in [1, 5, MOST_BALLS, MOST_BALLS + 4] {
+            let (field, centres) = beads(count);
+            let views = ActiveViews::new(&field, &[0], DVec3::ZERO);
+            let found = GlassBalls::of(&views, &camera_weights(&views));
+            assert_eq!(found.balls.len(), count.min(MOST_BALLS));
+            for GlassBall { ball, ior, .. } in &found.balls {
+                let off_m = |centre: &DVec3| (*centre - ball.centre.as_dvec3()).length();
+                assert_eq!(centres.iter().filter(|centre| off_m(centre) < 1e-3).count(), 1, "{ball:?}");
+                assert!((f64::from(ball.radius_m) - RADIUS_M).abs() < 1e-3 && (1.0..=3.0).contains(ior), "{ball:?}");
+            }
+        }
+    }
 }
