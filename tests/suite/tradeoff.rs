@@ -348,7 +348,12 @@ fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
     assert!(page.contains("--views=1 --steps=4 --null"), "{page}");
     assert!(refused(&format!("{sweep} -- --reference-probe 02")).contains("--overwrite"));
     let other = refused("scene --sweep cell=8 --repeats 1 -o rendered");
-    assert!(other.contains("rendering.csv") && other.contains("another folder"), "{other}");
+    assert!(other.contains("index.html") && other.contains("another folder"), "{other}");
+    let mine = place().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    std::fs::write(mine.join("index.html"), "mine").unwrap();
+    let said = refused(&format!("{sweep} -- --reference-probe 02").replace("-o rendered", "-o mine"));
+    assert!(said.contains("index.html") && std::fs::read(mine.join("index.html")).unwrap() == b"mine", "{said}");
     let words = tradeoff(&format!("{sweep} --overwrite -- --reference-probe 02"));
     let said = String::from_utf8(words.stdout).unwrap();
     assert!(said.contains("rendered/index.html") && said.contains("PSNR dB"), "{said}");

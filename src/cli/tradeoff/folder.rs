@@ -16,8 +16,8 @@ pub const REPORT: &str = "tradeoff.json";
 const LOCK: &str = ".tradeoff.lock";
 /// How names of unfinished files and folders begin and end.
 const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
-/// The file that each kind of sweep leaves, of which a folder holds one: its page would take the place of another's.
-const SWEEPS: [&str; 3] = ["tradeoff.csv", "rendering.csv", "placement.csv"];
+/// The page that each kind of sweep writes.
+pub const PAGE: &str = "index.html";
 /// Endings of files that are removed when they show other points.
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
@@ -55,16 +55,27 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Refuses a folder that holds a sweep of another kind than that of the file `own`.
-    pub fn refuse_others(&self, own: &Path) -> Result<()> {
-        let own = own.file_name().unwrap_or_default();
-        match SWEEPS.iter().find(|name| own != **name && self.path.join(name).is_file()) {
+    /// Refuses to replace files of these names that are not of the sweep itself.
+    pub fn refuse_to_replace(&self, names: &[&str], own: &[String]) -> Result<()> {
+        let is_lost = |name: &&&str| self.path.join(name).exists() && !own.iter().any(|other| other == **name);
+        match names.iter().find(is_lost) {
             None => Ok(()),
-            Some(other) => Err(Error::Usage(format!(
-                "{}: holds {other}, and its page index.html would be lost; name another folder",
-                self.path.display()
+            Some(name) => Err(Error::Usage(format!(
+                "{}: there already, and would be lost; name another folder, or replace it by --overwrite",
+                self.path.join(name).display()
             ))),
         }
+    }
+
+    /// Removes files of these names, and pictures whose names begin with `stem`.
+    pub fn remove(&self, names: &[&str], stem: &str) -> Result<()> {
+        let is_picture = |path: &Path| {
+            let begins = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(stem));
+            begins && path.extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end))
+        };
+        let entries = std::fs::read_dir(&self.path).map_err(|error| Error::io(&self.path, error))?;
+        let pictures = entries.flatten().map(|entry| entry.path()).filter(|path| is_picture(path));
+        names.iter().map(|name| self.path.join(name)).chain(pictures).try_for_each(|path| remove(&path))
     }
 
     /// A folder in it for unfinished work, which goes when it is dropped.
@@ -91,13 +102,17 @@ impl Folder {
         let is_picture =
             |name: &String| Path::new(name).extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end));
         for name in self.files().into_iter().filter(is_picture).chain([REPORT.to_owned()]) {
-            let path = self.path.join(name);
-            match std::fs::remove_file(&path) {
-                Err(error) if error.kind() != ErrorKind::NotFound => return Err(Error::io(&path, error)),
-                _ => {}
-            }
+            remove(&self.path.join(name))?;
         }
         Ok(())
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io(path, error)),
+        _ => Ok(()),
     }
 }
 
@@ -125,15 +140,22 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_holds_sweeps_of_one_kind() {
+    fn nothing_is_replaced_but_what_a_report_lists() {
         let place = tempfile::tempdir().unwrap();
         let folder = Folder::open(place.path()).unwrap();
-        std::fs::write(place.path().join("rendering.csv"), "").unwrap();
-        folder.refuse_others(&place.path().join("rendering.csv")).unwrap();
-        let said = folder.refuse_others(&place.path().join("tradeoff.csv")).unwrap_err().to_string();
-        assert!(said.contains("rendering.csv") && said.contains("another folder"), "{said}");
+        for name in [PAGE, "rendering.csv", "rendering.svg", "render.svg", "rendering.txt"] {
+            std::fs::write(place.path().join(name), "").unwrap();
+        }
+        let said = folder.refuse_to_replace(&["a.csv", PAGE], &folder.files()).unwrap_err().to_string();
+        assert!(said.contains(PAGE) && said.contains("another folder") && said.contains("--overwrite"), "{said}");
+        std::fs::write(place.path().join(REPORT), r#"{ "files": ["index.html"] }"#).unwrap();
+        folder.refuse_to_replace(&["a.csv", PAGE], &folder.files()).unwrap();
+        assert!(folder.refuse_to_replace(&["rendering.csv"], &folder.files()).is_err());
         let work = folder.work().unwrap();
         assert!(work.path().starts_with(place.path()));
+        folder.remove(&["rendering.csv", "a.csv"], "rendering").unwrap();
+        let left = [PAGE, "rendering.csv", "rendering.svg", "render.svg", "rendering.txt"];
+        assert_eq!(left.map(|name| place.path().join(name).exists()), [true, false, false, true, true]);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::child::Children;
-use super::folder::Folder;
+use super::folder::{Folder, PAGE};
 use super::{Args, write_json};
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, OutputFile};
@@ -75,6 +75,11 @@ pub struct Told<'a> {
 type Keep<'k, T> = dyn FnMut(&[T]) -> Result<()> + 'k;
 
 impl Grid<'_> {
+    /// Names of the CSV and of the JSON.
+    fn names(&self) -> [String; 2] {
+        self.files.each_ref().map(|path| path.file_name().unwrap_or_default().to_string_lossy().into_owned())
+    }
+
     /// Measures all points, in a folder that is locked as long as what is answered lives. What is known is in the CSV after
     /// each point, also where the sweep is stopped.
     ///
@@ -88,12 +93,11 @@ impl Grid<'_> {
         let args = self.args;
         let folder = Folder::open(&args.output)?;
         let [csv_path, _] = &self.files;
-        folder.refuse_others(csv_path)?;
-        if csv_path.exists() && !args.overwrite {
-            return Err(Error::Usage(format!(
-                "{}: a sweep is there already; name another folder, or replace it by --overwrite",
-                csv_path.display()
-            )));
+        let [csv, json] = self.names();
+        match args.overwrite {
+            false => folder.refuse_to_replace(&[&csv, &json, PAGE], &[])?,
+            // Else a sweep that is stopped would leave its points beside the pictures of another.
+            true => folder.remove(&[&csv, &json, PAGE], csv.trim_end_matches(".csv"))?,
         }
         let work = folder.work()?;
         let progress = Progress::start(self.global, self.what, self.runs)?;
