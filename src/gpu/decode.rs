@@ -7,11 +7,11 @@
 //!
 //! Based on: GDC 5, algorithm 2.
 
+mod read;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
-
-use half::f16;
 
 use crate::color::cells::LEADS_NOWHERE;
 use crate::container::ChunkEntry;
@@ -20,13 +20,11 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
-use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use crate::gpu::prepare::{self, Prepared};
 use crate::gpu::resident::{Growing, Resident, Slot};
-use crate::image::plane::Plane;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::decode::{DecodeCost, Decoder, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together, at most.
@@ -113,11 +111,27 @@ struct Batch {
     work: u64,
 }
 
-/// Words of the pictures of a stream.
-pub fn picture_words(stream: &StreamInfo) -> u64 {
-    let family = Family::of(&stream.header);
-    let rects = (0..stream.entry.unit_count()).map(|unit| stream.entry.unit_rect(unit));
-    rects.map(|[_, _, width, height]| u64::from(family.stride(width)) * u64::from(height)).sum()
+/// Words of the pictures of a stream, where rows of 8-bit colours take a multiple of `row_words` words.
+pub fn picture_words(stream: &StreamInfo, row_words: u32) -> u64 {
+    let (entry, family) = (&stream.entry, Family::of(&stream.header));
+    let stride = |width: u32| u64::from(stride_of(family, width, row_words));
+    let unit = entry.unit_width.min(entry.width).max(1);
+    // Units of a column are as wide, and their heights add up to that of the image.
+    (u64::from(entry.width / unit) * stride(unit) + stride(entry.width % unit)) * u64::from(entry.height)
+}
+
+/// Words of the largest buffer of a decoder of these streams of one family, but for what its chunks take.
+pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
+    let pictures = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
+    let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
+    let lists = [(0, Unit::WORDS), (0, State::WORDS), (LIST_HEAD_WORDS, Item::WORDS), (LIST_HEAD_WORDS, Job::WORDS)];
+    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures, u64::max)
+}
+
+/// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
+fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
+    let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
+    family.stride(width).next_multiple_of(if is_padded { row_words.max(1) } else { 1 })
 }
 
 impl<'a> GpuDecoder<'a> {
@@ -144,15 +158,7 @@ impl<'a> GpuDecoder<'a> {
         if families.iter().any(|&other| other != family) {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
         }
-        let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
-        let multiple = if is_padded { row_words.max(1) } else { 1 };
-        let stride = |width: u32| family.stride(width).next_multiple_of(multiple);
-        let rects = |stream: &StreamInfo| {
-            let entry = stream.entry.clone();
-            (0..entry.unit_count()).map(move |unit| entry.unit_rect(unit))
-        };
-        let words = |[_, _, width, height]: [u32; 4]| u64::from(stride(width)) * u64::from(height);
-        let total: u64 = streams.iter().flat_map(|stream| rects(stream)).map(words).sum();
+        let total: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
         // A buffer says itself what it would need and what is allowed.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
@@ -160,10 +166,11 @@ impl<'a> GpuDecoder<'a> {
         let (mut units, mut first_units, mut at) = (Vec::new(), Vec::new(), 0);
         for stream in streams {
             first_units.push(units.len());
-            for [_, _, width, height] in rects(stream) {
-                let unit = family.unit(&stream.header, [width, height], at);
-                units.push(Unit { stride: stride(width), ..unit });
-                at += stride(width) * height;
+            for number in 0..stream.entry.unit_count() {
+                let [_, _, width, height] = stream.entry.unit_rect(number);
+                let stride = stride_of(family, width, row_words);
+                units.push(Unit { stride, ..family.unit(&stream.header, [width, height], at) });
+                at += stride * height;
             }
         }
         let filled = |label: &str, words: &[u32]| {
@@ -546,74 +553,6 @@ impl<'a> GpuDecoder<'a> {
         self.gpu.wait()?;
         self.cost.applying += start.elapsed();
         Ok(())
-    }
-
-    /// The pictures of all streams, brought back from the device.
-    ///
-    /// # Errors
-    /// The device was lost or has no memory.
-    pub fn read(&mut self) -> Result<Vec<Picture>> {
-        self.wait()?;
-        let words = self.gpu.read(&self.buffers.pictures, self.buffers.picture_words)?;
-        Ok(self
-            .streams
-            .iter()
-            .zip(&self.first_units)
-            .map(|(stream, &first)| self.picture(stream, first, &words))
-            .collect())
-    }
-
-    /// The same without the units that a filter does not want in a frame: they are background where it is depth, else 0.
-    ///
-    /// # Errors
-    /// As for [`GpuDecoder::read`].
-    pub fn read_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Vec<Picture>> {
-        let mut pictures = self.read()?;
-        for (picture, stream) in pictures.iter_mut().zip(&self.streams) {
-            let unwanted = (0..stream.entry.unit_count()).filter(|&unit| !filter.wants(stream, unit, frame));
-            unwanted.for_each(|unit| leave_out(picture, stream.entry.unit_rect(unit)));
-        }
-        Ok(pictures)
-    }
-
-    fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
-        match self.family.words() {
-            PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
-            PixelWords::Bytes if self.family.is_color() => {
-                Picture::Color8(self.assemble(stream, first, words, bytes_of))
-            }
-            PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),
-            PixelWords::Halves => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
-        }
-    }
-
-    /// Puts the units of a stream together; `unpack` makes pixels of the words of a row.
-    fn assemble<T: Copy + Default>(
-        &self,
-        stream: &StreamInfo,
-        first: usize,
-        words: &[u32],
-        unpack: impl Fn(&[u32], &mut [T]),
-    ) -> Plane<T> {
-        let mut plane = Plane::filled(stream.entry.width, stream.entry.height, T::default());
-        for (number, unit) in (0..stream.entry.unit_count()).zip(&self.units[first..]) {
-            let [left, top, width, height] = stream.entry.unit_rect(number);
-            for y in 0..height {
-                let row = &words[(unit.picture + y * unit.stride) as usize..][..unit.stride as usize];
-                unpack(row, &mut plane.row_mut(top + y)[left as usize..(left + width) as usize]);
-            }
-        }
-        plane
-    }
-}
-
-fn bytes_of(words: &[u32], out: &mut [[u8; 3]]) {
-    out.iter_mut().zip(words).for_each(|(pixel, &word)| *pixel = unpack_bytes(word));
-}
-
-fn halves_of(words: &[u32], out: &mut [[f16; 3]]) {
-    for (pixel, &words) in out.iter_mut().zip(words.as_chunks().0) {
-        *pixel = unpack_halves(words).map(f16::from_bits);
     }
 }
 

@@ -7,6 +7,7 @@ use glam::DVec3;
 use libtest_mimic::Failed;
 use lightfold::gpu::render::scene::Origin;
 use lightfold::gpu::render::texels::DeviceTexels;
+use lightfold::gpu::render::units::buffer_bytes;
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
@@ -20,7 +21,7 @@ use lightfold::reconstruct::selection::SelectionSettings;
 use lightfold::video::decode::Decoder;
 use lightfold::{Error, Result};
 
-use crate::{lightfold, with_gpu};
+use crate::{lightfold, pick, with_gpu};
 
 /// Words that a row of a copy takes a multiple of.
 const ROW_WORDS: u32 = 64;
@@ -240,6 +241,42 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
         false => Ok(()),
         true => Err(format!("{manifest} {options:?}: black, or decoded on the device").into()),
     }
+}
+
+/// Where a buffer would be larger than the device allows, the CPU decodes, and at just that size the device does: once pictures
+/// are the largest, once planes of depth.
+pub fn buffers_of_any_size() -> Result<(), Failed> {
+    let mut gpu = Gpu::open(&pick()).map_err(said)?;
+    let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0.0, 1.5, 0.0]}]}"#)?;
+    for (size, cell) in [("44", "4"), ("100", "64")] {
+        let fixed = ["capture", "courtyard", "--depth", "planar", "--samples", "1", "--frames", "0-1", "-q"];
+        let (cameras, set) = (path("cameras.json"), path(size));
+        lightfold(&[&fixed[..], &["--size", size, "--cameras", &cameras, "-o", &set]].concat())?;
+        let (container, fixed) = (path("film.lfold"), ["--tiles", "1", "--effort", "fast", "--quiet"]);
+        lightfold(&[&["encode", &set, "--cell", cell, "-o", &container], &fixed[..]].concat())?;
+        let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
+        let needed = buffer_bytes(&decoder);
+        let mut pictures = Vec::new();
+        for (most, decodes) in [(needed, true), (needed - 16, false)] {
+            gpu.info.max_binding_bytes = most;
+            let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
+            let options = PictureOptions { size: [24, 24], steps: 32, ..PictureOptions::default() };
+            let coding = playback.player().field().coding;
+            let mut renderer = DeviceRenderer::new(&gpu, options).decoding(&decoder, coding);
+            if renderer.decodes() != decodes {
+                return Err(format!("{size}, cells of {cell}: {needed} bytes needed, {most} allowed").into());
+            }
+            for shot in walk(&playback, 3).map_err(said)? {
+                pictures.push(playback.show(&shot, &mut renderer, &Silent).map_err(said)?.pictures);
+            }
+        }
+        if pictures[..3] != pictures[3..] {
+            return Err(format!("{size}, cells of {cell}: pictures differ").into());
+        }
+    }
+    Ok(())
 }
 
 /// What was read before an error is not taken for right after it: a playback goes on as a new one would begin.

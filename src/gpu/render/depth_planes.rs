@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use crate::dataset::stream::DepthKind;
+use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::groups;
@@ -70,6 +71,34 @@ pub struct DepthPlanes {
     faces: BTreeMap<usize, FacePlanes>,
 }
 
+/// Columns and rows of the planes of a face: its texels, and the levels above them.
+fn plane_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    std::iter::once(size).chain(DepthPyramid::sizes(size))
+}
+
+/// Words of a plane.
+fn plane_words([width, height]: [u32; 2]) -> u64 {
+    u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
+}
+
+/// Words of the larger buffer of a probe, at most: the planes of its faces, or the tables. Of each face the size of its image,
+/// and the range and kind of its depths.
+pub fn buffer_words(faces: &[([u32; 2], (DepthRange, DepthKind))]) -> u64 {
+    let planes = faces.iter().flat_map(|(size, _)| plane_sizes(*size)).map(plane_words).sum::<u64>();
+    let mut ranges = Vec::new();
+    let mut tables = 0;
+    for (size, range) in faces {
+        if !ranges.contains(range) {
+            ranges.push(*range);
+            tables += 1 << u16::BITS;
+        }
+        if range.1 == DepthKind::Distance {
+            tables += u64::from(size[0]) * u64::from(size[1]);
+        }
+    }
+    tables.max(u64::from(HEAD_WORDS) + planes)
+}
+
 /// A dispatch: its kernel, and where its list lies among the jobs.
 #[derive(Debug)]
 struct Step<'p> {
@@ -121,12 +150,11 @@ impl DepthPlanes {
     pub fn new(gpu: &Gpu, faces: &[NewFace<'_>]) -> Result<(DepthPlanes, u64)> {
         let (mut tables, mut known, mut at) = (Tables::default(), BTreeMap::new(), u64::from(HEAD_WORDS));
         for new in faces {
-            let sizes = std::iter::once(new.texels.size).chain(DepthPyramid::sizes(new.texels.size));
             let mut levels: Vec<Plane> = Vec::new();
-            for size in sizes {
+            for size in plane_sizes(new.texels.size) {
                 let pitch = size[0].next_multiple_of(ROW_WORDS);
                 levels.push(Plane { at: u32::try_from(at).unwrap_or(u32::MAX), pitch, size });
-                at += u64::from(pitch) * u64::from(size[1]);
+                at += plane_words(size);
             }
             if let Some(top) = levels.last_mut() {
                 top.at = new.face as u32;
@@ -241,7 +269,11 @@ impl DepthPlanes {
     fn send_jobs(&mut self, gpu: &Gpu, words: &[u32]) -> Result<()> {
         let buffer = match self.jobs.take().filter(|buffer| buffer.size() >= 4 * words.len() as u64) {
             Some(buffer) => buffer,
-            None => gpu.buffer("jobs", words.len().next_power_of_two(), wgpu::BufferUsages::empty())?,
+            None => {
+                let most = gpu.info.max_binding_bytes as usize / 4;
+                let room = words.len().next_power_of_two().min(most).max(words.len());
+                gpu.buffer("jobs", room, wgpu::BufferUsages::empty())?
+            }
         };
         gpu.guard("jobs", || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
         self.jobs = Some(buffer);

@@ -10,11 +10,11 @@ use std::time::{Duration, Instant};
 
 use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::error::{Error, Result};
-use crate::gpu::decode::{GpuDecoder, Wanted};
+use crate::gpu::decode::{self, GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{DepthPlanes, ROW_WORDS, TileParts};
+use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TileParts};
 use crate::reconstruct::rects::{Rect, overlap};
 use crate::reconstruct::shown_face::units_under;
 use crate::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
@@ -107,17 +107,61 @@ impl ProbeUnits<'_> {
     }
 }
 
-/// Whether a device can decode the depth and colour of a container for rendering: colours are 8-bit codes, and depths that
-/// are multiplied are numbers that it multiplies as the CPU does.
-pub fn can_decode(decoder: &Decoder) -> bool {
-    decoder.streams().iter().all(|stream| match stream.header {
+/// Streams by their families, in the order in which they come.
+fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s StreamInfo>> {
+    let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
+    for stream in streams {
+        let family = Family::of(&stream.header);
+        match families.iter_mut().find(|(other, _)| *other == family) {
+            Some((_, streams)) => streams.push(stream),
+            None => families.push((family, vec![stream])),
+        }
+    }
+    families.into_iter().map(|(_, streams)| streams).collect()
+}
+
+/// Whether a device can decode the depth and colour of a container for rendering, where a buffer takes at most `most_bytes`
+/// bytes: what each probe takes fits, colours are 8-bit codes, and depths that are multiplied are numbers that it multiplies as
+/// the CPU does.
+pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
+    let is_apt = |stream: &StreamInfo| match stream.header {
         CodecHeader::Depth(header) => {
             let [least_m, most_m] = MULTIPLIED_M;
             header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
         }
         CodecHeader::Color(_) => Family::of(&stream.header).words() == PixelWords::Bytes,
         CodecHeader::Material(_) => true,
-    })
+    };
+    decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
+}
+
+/// Bytes of the largest buffer that any probe of a container takes, where depth and colour of all its faces are shown.
+pub fn buffer_bytes(decoder: &Decoder) -> u64 {
+    let is_decoded = |stream: &StreamInfo| stream.kind != StreamKind::Material;
+    let mut probes: BTreeMap<usize, Vec<&StreamInfo>> = BTreeMap::new();
+    for stream in decoder.streams().iter().filter(|stream| is_decoded(stream)) {
+        probes.entry(stream.probe).or_default().push(stream);
+    }
+    let of_probe = |streams: &Vec<&StreamInfo>| {
+        let faces: Vec<_> = streams
+            .iter()
+            .filter_map(|stream| match stream.header {
+                CodecHeader::Depth(header) => {
+                    Some(([stream.entry.width, stream.entry.height], (header.range, header.kind)))
+                }
+                _ => None,
+            })
+            .collect();
+        let families = by_family(streams.iter().copied());
+        let words = families.iter().map(|streams| decode::buffer_words(streams, ROW_WORDS));
+        words.fold(depth_planes::buffer_words(&faces), u64::max)
+    };
+    let words = probes.values().map(of_probe).max().unwrap_or(0);
+    // What lies between two chunks of colour takes both.
+    let chunks = decoder.reader().index().chunks.iter();
+    let chunks = chunks.filter(|chunk| decoder.streams().get(chunk.key.stream as usize).is_some_and(is_decoded));
+    let chunk_bytes = chunks.map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
+    words.saturating_mul(4).max(2 * chunk_bytes)
 }
 
 impl<'a> DeviceUnits<'a> {
@@ -181,17 +225,10 @@ impl UnitCost {
 
 impl UnitsOnDevice for DeviceUnits<'_> {
     fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
-        let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
-        for stream in faces.iter().flat_map(|face| [face.depth, face.color]) {
-            let stream = &self.decoder.streams()[stream as usize];
-            let family = Family::of(&stream.header);
-            match families.iter_mut().find(|(other, _)| *other == family) {
-                Some((_, streams)) => streams.push(stream),
-                None => families.push((family, vec![stream])),
-            }
-        }
+        let streams = faces.iter().flat_map(|face| [face.depth, face.color]);
+        let streams = streams.map(|stream| &self.decoder.streams()[stream as usize]);
         let (mut decoders, mut places) = (Vec::new(), HashMap::new());
-        for (_, streams) in &families {
+        for streams in &by_family(streams) {
             for (position, stream) in streams.iter().enumerate() {
                 places.insert(stream.index, [decoders.len(), position]);
             }
