@@ -167,6 +167,7 @@ fn fitted(views: &ActiveViews<'_>) -> Vec<(Ball, f32)> {
     pieces.sort_by_key(|piece: &Cluster| std::cmp::Reverse(piece.points.len()));
     let mut clusters: Vec<Cluster> = Vec::new();
     for mut piece in pieces {
+        let has_room = clusters.len() < MOST_BALLS;
         match clusters.iter_mut().find(|cluster| cluster.fitting(&piece.points) >= FITTING) {
             Some(cluster) => {
                 cluster.points.append(&mut piece.points);
@@ -174,7 +175,7 @@ fn fitted(views: &ActiveViews<'_>) -> Vec<(Ball, f32)> {
                 cluster.ior_sum += piece.ior_sum;
                 cluster.fit();
             }
-            None if clusters.len() < MOST_BALLS && piece.points.len() >= LEAST_TEXELS && piece.fit() => {
+            None if has_room && piece.points.len() >= LEAST_TEXELS && piece.fit() => {
                 clusters.push(piece);
             }
             None => {}

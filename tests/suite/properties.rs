@@ -268,7 +268,7 @@ proptest! {
     }
 
     #[test]
-    fn every_half_float_is_kept_by_keyframes((size, images) in images(any::<[u16; 3]>(), 3)) {
+    fn half_floats_are_kept_by_keyframes_as_they_are_seen((size, images) in images(any::<[u16; 3]>(), 3)) {
         let finite = |bits: u16| Some(f16::from_bits(bits)).filter(|half| half.is_finite()).unwrap_or(f16::ONE);
         let halves: Vec<Vec<[f16; 3]>> =
             images.iter().map(|image| image.iter().map(|pixel| pixel.map(finite)).collect()).collect();
