@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
-use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::prepare::{self, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
@@ -51,8 +51,16 @@ pub struct Wanted {
     pub frame: u32,
 }
 
-/// What a unit's picture shows, as the host knows it: the chunk's key and the frame in it.
-type Shown = Option<(u32, u32)>;
+/// What a unit's picture shows, as the host knows it.
+#[derive(Debug, Clone)]
+struct Shown {
+    /// The chunk's key.
+    key: u32,
+    /// The frame in it.
+    frame: u32,
+    /// What is known of the chunk, also where it was dropped.
+    timeline: Arc<Timeline>,
+}
 
 /// Decodes streams of one family.
 #[derive(Debug)]
@@ -64,8 +72,10 @@ pub struct GpuDecoder<'a> {
     /// Position of each stream's first unit among all units.
     first_units: Vec<usize>,
     units: Vec<Unit>,
-    shown: Vec<Shown>,
+    shown: Vec<Option<Shown>>,
     resident: Resident,
+    /// Calls so far.
+    calls: u64,
     most_work: u64,
     /// Words of chunks that are kept from call to call.
     kept_words: usize,
@@ -199,6 +209,7 @@ impl<'a> GpuDecoder<'a> {
             written: vec![0; units.len()],
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
+            calls: 0,
             most_work: MOST_WORK,
             kept_words: usize::MAX,
             buffers,
@@ -227,7 +238,8 @@ impl<'a> GpuDecoder<'a> {
         self.most_work = invocations.min(MOST_WORK);
     }
 
-    /// Drops all chunks before a call where they take more than `words` words, so that a long playback does not fill the device.
+    /// Drops chunks that a call does not need where all take more than `words` words, so that a long playback does not fill the
+    /// device.
     pub fn limit_kept(&mut self, words: usize) {
         self.kept_words = words;
     }
@@ -255,8 +267,9 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// A stream lacks a frame, a chunk is damaged, or the device fails.
     pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
+        self.calls += 1;
         if self.resident.stream_words() > self.kept_words {
-            self.resident.clear();
+            self.drop_chunks(wanted)?;
         }
         for one in wanted {
             let unit = self.number(*one);
@@ -276,6 +289,21 @@ impl<'a> GpuDecoder<'a> {
         decoded
     }
 
+    /// Drops chunks that these units do not need, until no more are left than are kept.
+    fn drop_chunks(&mut self, wanted: &[Wanted]) -> Result<()> {
+        for &one in wanted {
+            let (key, entry) = self.chunk(one)?;
+            self.resident.needed(key, self.calls);
+            let frame = one.frame - entry.key.first_frame;
+            if self.resident.slot(key).is_some_and(|slot| slot.timeline.blend(frame).1) {
+                self.resident.needed(key + 1, self.calls);
+            }
+        }
+        self.resident.flush(self.gpu)?;
+        self.resident.drop_unneeded(self.calls, self.kept_words);
+        Ok(())
+    }
+
     /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
     fn list(&mut self, mut wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
@@ -290,6 +318,11 @@ impl<'a> GpuDecoder<'a> {
                     continue;
                 }
                 self.submit(batch)?;
+                self.resident.flush(self.gpu)?;
+                self.resident.drop_unneeded(self.calls, 0);
+                if self.add(one, &mut fetched, batch)? {
+                    continue;
+                }
                 self.resident.clear();
                 if !self.add(one, &mut fetched, batch)? {
                     let most = self.gpu.info.max_binding_bytes;
@@ -314,12 +347,17 @@ impl<'a> GpuDecoder<'a> {
 
     /// Whether what a unit's picture shows is known to be right for a frame.
     pub fn shows(&self, one: Wanted) -> bool {
-        let Some((key, at)) = self.shown[self.number(one)] else { return false };
-        let Ok((held, entry)) = self.chunk(one) else { return false };
+        let Some(shown) = &self.shown[self.number(one)] else { return false };
+        let Ok((key, entry)) = self.chunk(one) else { return false };
         let frame = one.frame - entry.key.first_frame;
-        let blend = |frame: u32| self.resident.slot(key).map(|slot| slot.timeline.blend(frame).0);
-        let alike = || self.family.is_color() && blend(at).is_some() && blend(at) == blend(frame);
-        held == key && (at == frame || alike())
+        let blend = |frame: u32| shown.timeline.blend(frame).0;
+        let alike = || self.family.is_color() && blend(shown.frame) == blend(frame);
+        shown.key == key && (shown.frame == frame || alike())
+    }
+
+    /// The frame of a chunk that a unit's picture shows, if it is one of this chunk.
+    fn frame_of(&self, unit: usize, key: u32) -> Option<u32> {
+        self.shown[unit].as_ref().filter(|shown| shown.key == key).map(|shown| shown.frame)
     }
 
     /// Where a unit's picture lies among [`GpuDecoder::pictures`].
@@ -394,7 +432,8 @@ impl<'a> GpuDecoder<'a> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {
             let (key, entry) = self.chunk(one)?;
-            if self.resident.slot(key).is_none() {
+            let is_shown = self.frame_of(self.number(one), key) == Some(one.frame - entry.key.first_frame);
+            if !is_shown && self.resident.slot(key).is_none() {
                 bytes += u64::from(entry.raw_bytes);
                 if bytes > FETCH_BYTES && !missing.is_empty() {
                     break;
@@ -412,6 +451,7 @@ impl<'a> GpuDecoder<'a> {
     /// Brings a chunk onto the device; `false` where there is no room.
     fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
         if self.resident.slot(key).is_some() {
+            self.resident.needed(key, self.calls);
             return Ok(true);
         }
         let chunk = match fetched.remove(&key) {
@@ -423,7 +463,7 @@ impl<'a> GpuDecoder<'a> {
         };
         let room = self.resident.has_room(&chunk);
         if room {
-            self.resident.place(key, chunk);
+            self.resident.place(key, chunk, self.calls);
         } else {
             fetched.insert(key, chunk);
         }
@@ -435,7 +475,7 @@ impl<'a> GpuDecoder<'a> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
         let unit = self.number(one);
-        if self.shown[unit] == Some((key, frame)) {
+        if self.frame_of(unit, key) == Some(frame) {
             return Ok(true);
         }
         if !self.make_resident(key, &entry, fetched)? {
@@ -454,14 +494,15 @@ impl<'a> GpuDecoder<'a> {
             let why = format!("frame {} is {rounds} steps behind, at most {MAX_ROUNDS} are taken", one.frame);
             return Err(self.gpu.failed("a tile", &why));
         }
-        let Some(&Slot { chunk, most_work, .. }) = self.resident.slot(key) else { return Ok(false) };
+        let Some(Slot { chunk, most_work, timeline, .. }) = self.resident.slot(key) else { return Ok(false) };
+        let (chunk, most_work, timeline) = (*chunk, *most_work, Arc::clone(timeline));
         if batch.work + u64::from(most_work) > self.most_work {
             self.submit(batch)?;
         }
         batch.items.push(Item { unit: unit as u32, chunk, next, frame, key });
         batch.work += u64::from(most_work);
         batch.rounds = batch.rounds.max(rounds);
-        self.shown[unit] = Some((key, frame));
+        self.shown[unit] = Some(Shown { key, frame, timeline });
         self.written[unit] = pixels;
         self.cost.updated_pixels += pixels;
         Ok(true)
@@ -470,7 +511,7 @@ impl<'a> GpuDecoder<'a> {
     /// Rounds that a unit takes to a frame of a chunk on the device, at least one, and the pixels that it writes.
     fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
         let Some(slot) = self.resident.slot(key) else { return (1, 0) };
-        let at = self.shown[unit].filter(|shown| shown.0 == key).map(|shown| shown.1);
+        let at = self.frame_of(unit, key);
         let pixels = u64::from(self.units[unit].width) * u64::from(self.units[unit].height);
         if self.family.is_color() {
             let same = at.is_some_and(|at| slot.timeline.blend(at).0 == slot.timeline.blend(frame).0);

@@ -21,7 +21,7 @@ use crate::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDev
 use crate::video::codec::CodecHeader;
 use crate::video::decode::{Decoder, StreamInfo};
 
-/// Words of chunks that a decoder keeps from frame to frame.
+/// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;
 /// Depths in metres whose inverse is a number that devices multiply without loss.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
@@ -66,6 +66,8 @@ pub struct DeviceUnits<'a> {
     /// What probes have cost that were given up, and all but decoding.
     cost: UnitCost,
     waits: bool,
+    /// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
+    kept_words: usize,
 }
 
 /// Units of a probe.
@@ -167,12 +169,18 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
 impl<'a> DeviceUnits<'a> {
     /// No units yet, of a container that [`can_decode`] allows.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> DeviceUnits<'a> {
-        DeviceUnits { gpu, decoder, probes: HashMap::new(), cost: UnitCost::default(), waits: false }
+        let (probes, cost) = (HashMap::new(), UnitCost::default());
+        DeviceUnits { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
     }
 
     /// From now on the device is waited for after each part of the work, so that times are those of the parts.
     pub fn wait_for_parts(&mut self) {
         self.waits = true;
+    }
+
+    /// Decoders of probes that begin from now on keep so many words of chunks: for tests of what then happens.
+    pub fn limit_kept(&mut self, words: usize) {
+        self.kept_words = words;
     }
 
     /// What it has cost so far.
@@ -233,7 +241,7 @@ impl UnitsOnDevice for DeviceUnits<'_> {
                 places.insert(stream.index, [decoders.len(), position]);
             }
             let mut decoder = GpuDecoder::with_rows(self.gpu, self.decoder, streams, ROW_WORDS)?;
-            decoder.limit_kept(KEPT_WORDS);
+            decoder.limit_kept(self.kept_words);
             decoders.push(decoder);
         }
         let (planes, sent) = DepthPlanes::new(self.gpu, faces)?;
