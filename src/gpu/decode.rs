@@ -380,6 +380,13 @@ impl<'a> GpuDecoder<'a> {
         self.resident.bytes_sent() + self.buffers.items.bytes_sent()
     }
 
+    /// Bytes of the device that it takes.
+    pub fn bytes(&self) -> u64 {
+        let Buffers { units, states, pictures, log2_table, dispatch, items, jobs, .. } = &self.buffers;
+        let buffers = [units, states, pictures, log2_table, dispatch, items.buffer(), jobs];
+        self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
+    }
+
     /// Pixels of the units that were wanted, over all calls so far.
     pub fn wanted_pixels(&self) -> u64 {
         self.wanted_pixels

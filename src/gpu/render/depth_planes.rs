@@ -108,37 +108,50 @@ struct Step<'p> {
     invocations: u32,
 }
 
-/// Words of tables: inverse depths of codes, once for each range, and stretches, once for each projection.
+/// Tables, and where each starts: inverse depths of codes, once for each range, and stretches, once for each projection.
 #[derive(Default)]
 struct Tables<'f> {
-    words: Vec<u32>,
-    inverse: Vec<(&'f Arc<InverseDepth>, u32)>,
-    stretch: Vec<(&'f FaceTexels, u32)>,
+    words: usize,
+    inverse: Vec<(&'f Arc<InverseDepth>, usize)>,
+    stretch: Vec<(&'f FaceTexels, usize)>,
 }
 
 impl<'f> Tables<'f> {
     fn inverse(&mut self, table: &'f Arc<InverseDepth>) -> u32 {
         if let Some((_, at)) = self.inverse.iter().find(|(other, _)| Arc::ptr_eq(other, table)) {
-            return *at;
+            return *at as u32;
         }
-        let at = self.words.len() as u32;
-        self.words.extend(table.of_codes().iter().map(|inverse| inverse.to_bits()));
+        let at = self.words;
+        self.words += table.of_codes().len();
         self.inverse.push((table, at));
-        at
+        at as u32
     }
 
     fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
         let alike =
             |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
         if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
-            return *at;
+            return *at as u32;
         }
-        let at = self.words.len() as u32;
-        let [width, height] = face.size;
-        let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-        self.words.extend(texels.map(|[column, row]| face.stretch(column, row).to_bits()));
+        let at = self.words;
+        self.words += face.size[0] as usize * face.size[1] as usize;
         self.stretch.push((face, at));
-        at
+        at as u32
+    }
+
+    /// All their words.
+    fn values(&self) -> Vec<u32> {
+        let mut words = vec![0; self.words];
+        for (table, at) in &self.inverse {
+            words[*at..].iter_mut().zip(table.of_codes()).for_each(|(word, inverse)| *word = inverse.to_bits());
+        }
+        for (face, at) in &self.stretch {
+            let [width, height] = face.size;
+            let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+            let stretches = texels.map(|[column, row]| face.stretch(column, row).to_bits());
+            words[*at..].iter_mut().zip(stretches).for_each(|(word, stretch)| *word = stretch);
+        }
+        words
     }
 }
 
@@ -167,15 +180,22 @@ impl DepthPlanes {
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let planes = gpu.buffer("planes", words, none)?;
-        let buffer = gpu.buffer("tables", tables.words.len(), none)?;
+        let buffer = gpu.buffer("tables", tables.words, none)?;
+        // Only now that there is room for them.
+        let values = tables.values();
         let mut start = vec![UNKNOWN.to_bits(); words];
         start[GREATEST_WORD as usize] = NO_BOUND.to_bits();
         gpu.guard("planes", || {
             gpu.queue.write_buffer(&planes, 0, bytemuck::cast_slice(&start));
-            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tables.words));
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&values));
         })?;
-        let sent = 4 * (words + tables.words.len()) as u64;
+        let sent = 4 * (words + values.len()) as u64;
         Ok((DepthPlanes { planes, tables: buffer, jobs: None, faces: known }, sent))
+    }
+
+    /// Bytes of the device that they take.
+    pub fn bytes(&self) -> u64 {
+        self.planes.size() + self.tables.size() + self.jobs.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
     /// All planes.

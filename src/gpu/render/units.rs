@@ -231,8 +231,9 @@ impl UnitCost {
     }
 }
 
-impl UnitsOnDevice for DeviceUnits<'_> {
-    fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
+impl<'a> DeviceUnits<'a> {
+    /// The units of a probe that comes to be shown, and the bytes that were sent for them.
+    fn units_of(&self, faces: &[NewFace<'_>]) -> Result<(ProbeUnits<'a>, u64)> {
         let streams = faces.iter().flat_map(|face| [face.depth, face.color]);
         let streams = streams.map(|stream| &self.decoder.streams()[stream as usize]);
         let (mut decoders, mut places) = (Vec::new(), HashMap::new());
@@ -245,10 +246,28 @@ impl UnitsOnDevice for DeviceUnits<'_> {
             decoders.push(decoder);
         }
         let (planes, sent) = DepthPlanes::new(self.gpu, faces)?;
-        self.cost.bytes_sent += sent;
         let streams = faces.iter().map(|face| (face.face, [face.depth, face.color])).collect();
-        self.probes.insert(probe, ProbeUnits { decoders, places, streams, planes });
+        Ok((ProbeUnits { decoders, places, streams, planes }, sent))
+    }
+}
+
+impl UnitsOnDevice for DeviceUnits<'_> {
+    fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
+        let made = self.units_of(faces);
+        if made.is_err() {
+            // What is given up next is free at once where no work needs it any more.
+            self.gpu.wait()?;
+        }
+        let (units, sent) = made?;
+        self.cost.bytes_sent += sent;
+        self.probes.insert(probe, units);
         Ok(())
+    }
+
+    fn bytes(&self, probe: usize) -> u64 {
+        let of =
+            |units: &ProbeUnits<'_>| units.decoders.iter().map(GpuDecoder::bytes).sum::<u64>() + units.planes.bytes();
+        self.probes.get(&probe).map_or(0, of)
     }
 
     fn give_up(&mut self, probe: usize) {
