@@ -446,7 +446,7 @@ fn idle_views_make_room_on_a_device() {
     assert_eq!(device.held, [2]);
     assert!(show(&mut device, &[0, 1, 2]).unwrap_err().to_string().contains("full"));
     assert!(device.held.is_empty());
-    // What the device says of a probe counts, and not what the CPU would take.
+    // What the device says of a probe counts where it is more than the CPU would take.
     device.each_bytes = 3 << 30;
     show(&mut device, &[0]).unwrap();
     show(&mut device, &[1]).unwrap();
