@@ -258,7 +258,8 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
         let folder = tempfile::tempdir()?;
         let path = |name: &str| folder.path().join(name).display().to_string();
         let (set, container) = (path("set"), path("film.lfold"));
-        lightfold(&["capture", "courtyard", "--samples", "1", "--size", "44", "--frames", "0-11", "-q", "-o", &set])?;
+        let fixed = ["capture", "courtyard", "--samples", "1", "--size", "44", "--frames", "0-11", "--quiet"];
+        lightfold(&[&fixed[..], &["--position", "0,1.5,0", "-o", &set]].concat())?;
         let fixed = ["encode", &set, "--effort", "fast", "--quiet", "-o", &container];
         lightfold(&[&fixed[..], &["--cell", "12", "--tiles", "2", "--keyframe-interval", "4"]].concat())?;
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
