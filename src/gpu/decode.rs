@@ -7,11 +7,11 @@
 //!
 //! Based on: GDC 5, algorithm 2.
 
+mod read;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
-
-use half::f16;
 
 use crate::color::cells::LEADS_NOWHERE;
 use crate::container::ChunkEntry;
@@ -20,13 +20,11 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
-use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
-use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::prepare::{self, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, Slot};
-use crate::image::plane::Plane;
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::video::decode::{DecodeCost, Decoder, Picture, StreamInfo};
+use crate::video::decode::{DecodeCost, Decoder, StreamInfo};
 use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together, at most.
@@ -53,8 +51,16 @@ pub struct Wanted {
     pub frame: u32,
 }
 
-/// What a unit's picture shows, as the host knows it: the chunk's key and the frame in it.
-type Shown = Option<(u32, u32)>;
+/// What a unit's picture shows, as the host knows it.
+#[derive(Debug, Clone)]
+struct Shown {
+    /// The chunk's key.
+    key: u32,
+    /// The frame in it.
+    frame: u32,
+    /// What is known of the chunk, also where it was dropped.
+    timeline: Arc<Timeline>,
+}
 
 /// Decodes streams of one family.
 #[derive(Debug)]
@@ -66,8 +72,10 @@ pub struct GpuDecoder<'a> {
     /// Position of each stream's first unit among all units.
     first_units: Vec<usize>,
     units: Vec<Unit>,
-    shown: Vec<Shown>,
+    shown: Vec<Option<Shown>>,
     resident: Resident,
+    /// Calls so far.
+    calls: u64,
     most_work: u64,
     /// Words of chunks that are kept from call to call.
     kept_words: usize,
@@ -113,11 +121,27 @@ struct Batch {
     work: u64,
 }
 
-/// Words of the pictures of a stream.
-pub fn picture_words(stream: &StreamInfo) -> u64 {
-    let family = Family::of(&stream.header);
-    let rects = (0..stream.entry.unit_count()).map(|unit| stream.entry.unit_rect(unit));
-    rects.map(|[_, _, width, height]| u64::from(family.stride(width)) * u64::from(height)).sum()
+/// Words of the pictures of a stream, where rows of 8-bit colours take a multiple of `row_words` words.
+pub fn picture_words(stream: &StreamInfo, row_words: u32) -> u64 {
+    let (entry, family) = (&stream.entry, Family::of(&stream.header));
+    let stride = |width: u32| u64::from(stride_of(family, width, row_words));
+    let unit = entry.unit_width.min(entry.width).max(1);
+    // Units of a column are as wide, and their heights add up to that of the image.
+    (u64::from(entry.width / unit) * stride(unit) + stride(entry.width % unit)) * u64::from(entry.height)
+}
+
+/// Words of the largest buffer of a decoder of these streams of one family, but for what its chunks take.
+pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
+    let pictures = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
+    let units: u64 = streams.iter().map(|stream| u64::from(stream.entry.unit_count())).sum();
+    let lists = [(0, Unit::WORDS), (0, State::WORDS), (LIST_HEAD_WORDS, Item::WORDS), (LIST_HEAD_WORDS, Job::WORDS)];
+    lists.into_iter().map(|(head, words)| head as u64 + units * words as u64).fold(pictures, u64::max)
+}
+
+/// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
+fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
+    let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
+    family.stride(width).next_multiple_of(if is_padded { row_words.max(1) } else { 1 })
 }
 
 impl<'a> GpuDecoder<'a> {
@@ -144,15 +168,7 @@ impl<'a> GpuDecoder<'a> {
         if families.iter().any(|&other| other != family) {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
         }
-        let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
-        let multiple = if is_padded { row_words.max(1) } else { 1 };
-        let stride = |width: u32| family.stride(width).next_multiple_of(multiple);
-        let rects = |stream: &StreamInfo| {
-            let entry = stream.entry.clone();
-            (0..entry.unit_count()).map(move |unit| entry.unit_rect(unit))
-        };
-        let words = |[_, _, width, height]: [u32; 4]| u64::from(stride(width)) * u64::from(height);
-        let total: u64 = streams.iter().flat_map(|stream| rects(stream)).map(words).sum();
+        let total: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
         // A buffer says itself what it would need and what is allowed.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
@@ -160,10 +176,11 @@ impl<'a> GpuDecoder<'a> {
         let (mut units, mut first_units, mut at) = (Vec::new(), Vec::new(), 0);
         for stream in streams {
             first_units.push(units.len());
-            for [_, _, width, height] in rects(stream) {
-                let unit = family.unit(&stream.header, [width, height], at);
-                units.push(Unit { stride: stride(width), ..unit });
-                at += stride(width) * height;
+            for number in 0..stream.entry.unit_count() {
+                let [_, _, width, height] = stream.entry.unit_rect(number);
+                let stride = stride_of(family, width, row_words);
+                units.push(Unit { stride, ..family.unit(&stream.header, [width, height], at) });
+                at += stride * height;
             }
         }
         let filled = |label: &str, words: &[u32]| {
@@ -192,6 +209,7 @@ impl<'a> GpuDecoder<'a> {
             written: vec![0; units.len()],
             units,
             resident: Resident::new(gpu, gpu.info.max_binding_bytes as usize / 4)?,
+            calls: 0,
             most_work: MOST_WORK,
             kept_words: usize::MAX,
             buffers,
@@ -220,7 +238,8 @@ impl<'a> GpuDecoder<'a> {
         self.most_work = invocations.min(MOST_WORK);
     }
 
-    /// Drops all chunks before a call where they take more than `words` words, so that a long playback does not fill the device.
+    /// Drops chunks that a call does not need where all take more than `words` words, so that a long playback does not fill the
+    /// device.
     pub fn limit_kept(&mut self, words: usize) {
         self.kept_words = words;
     }
@@ -248,8 +267,9 @@ impl<'a> GpuDecoder<'a> {
     /// # Errors
     /// A stream lacks a frame, a chunk is damaged, or the device fails.
     pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
+        self.calls += 1;
         if self.resident.stream_words() > self.kept_words {
-            self.resident.clear();
+            self.drop_chunks(wanted)?;
         }
         for one in wanted {
             let unit = self.number(*one);
@@ -269,6 +289,21 @@ impl<'a> GpuDecoder<'a> {
         decoded
     }
 
+    /// Drops chunks that these units do not need, until no more are left than are kept.
+    fn drop_chunks(&mut self, wanted: &[Wanted]) -> Result<()> {
+        for &one in wanted {
+            let (key, entry) = self.chunk(one)?;
+            self.resident.needed(key, self.calls);
+            let frame = one.frame - entry.key.first_frame;
+            if self.resident.slot(key).is_some_and(|slot| slot.timeline.blend(frame).1) {
+                self.resident.needed(key + 1, self.calls);
+            }
+        }
+        self.resident.flush(self.gpu)?;
+        self.resident.drop_unneeded(self.calls, self.kept_words);
+        Ok(())
+    }
+
     /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
     fn list(&mut self, mut wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
@@ -283,6 +318,11 @@ impl<'a> GpuDecoder<'a> {
                     continue;
                 }
                 self.submit(batch)?;
+                self.resident.flush(self.gpu)?;
+                self.resident.drop_unneeded(self.calls, 0);
+                if self.add(one, &mut fetched, batch)? {
+                    continue;
+                }
                 self.resident.clear();
                 if !self.add(one, &mut fetched, batch)? {
                     let most = self.gpu.info.max_binding_bytes;
@@ -307,12 +347,17 @@ impl<'a> GpuDecoder<'a> {
 
     /// Whether what a unit's picture shows is known to be right for a frame.
     pub fn shows(&self, one: Wanted) -> bool {
-        let Some((key, at)) = self.shown[self.number(one)] else { return false };
-        let Ok((held, entry)) = self.chunk(one) else { return false };
+        let Some(shown) = &self.shown[self.number(one)] else { return false };
+        let Ok((key, entry)) = self.chunk(one) else { return false };
         let frame = one.frame - entry.key.first_frame;
-        let blend = |frame: u32| self.resident.slot(key).map(|slot| slot.timeline.blend(frame).0);
-        let alike = || self.family.is_color() && blend(at).is_some() && blend(at) == blend(frame);
-        held == key && (at == frame || alike())
+        let blend = |frame: u32| shown.timeline.blend(frame).0;
+        let alike = || self.family.is_color() && blend(shown.frame) == blend(frame);
+        shown.key == key && (shown.frame == frame || alike())
+    }
+
+    /// The frame of a chunk that a unit's picture shows, if it is one of this chunk.
+    fn frame_of(&self, unit: usize, key: u32) -> Option<u32> {
+        self.shown[unit].as_ref().filter(|shown| shown.key == key).map(|shown| shown.frame)
     }
 
     /// Where a unit's picture lies among [`GpuDecoder::pictures`].
@@ -333,6 +378,13 @@ impl<'a> GpuDecoder<'a> {
     /// Bytes that went to the device so far.
     pub fn bytes_sent(&self) -> u64 {
         self.resident.bytes_sent() + self.buffers.items.bytes_sent()
+    }
+
+    /// Bytes of the device that it takes.
+    pub fn bytes(&self) -> u64 {
+        let Buffers { units, states, pictures, log2_table, dispatch, items, jobs, .. } = &self.buffers;
+        let buffers = [units, states, pictures, log2_table, dispatch, items.buffer(), jobs];
+        self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
     /// Pixels of the units that were wanted, over all calls so far.
@@ -387,7 +439,8 @@ impl<'a> GpuDecoder<'a> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {
             let (key, entry) = self.chunk(one)?;
-            if self.resident.slot(key).is_none() {
+            let is_shown = self.frame_of(self.number(one), key) == Some(one.frame - entry.key.first_frame);
+            if !is_shown && self.resident.slot(key).is_none() {
                 bytes += u64::from(entry.raw_bytes);
                 if bytes > FETCH_BYTES && !missing.is_empty() {
                     break;
@@ -405,6 +458,7 @@ impl<'a> GpuDecoder<'a> {
     /// Brings a chunk onto the device; `false` where there is no room.
     fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
         if self.resident.slot(key).is_some() {
+            self.resident.needed(key, self.calls);
             return Ok(true);
         }
         let chunk = match fetched.remove(&key) {
@@ -416,7 +470,7 @@ impl<'a> GpuDecoder<'a> {
         };
         let room = self.resident.has_room(&chunk);
         if room {
-            self.resident.place(key, chunk);
+            self.resident.place(key, chunk, self.calls);
         } else {
             fetched.insert(key, chunk);
         }
@@ -428,7 +482,7 @@ impl<'a> GpuDecoder<'a> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
         let unit = self.number(one);
-        if self.shown[unit] == Some((key, frame)) {
+        if self.frame_of(unit, key) == Some(frame) {
             return Ok(true);
         }
         if !self.make_resident(key, &entry, fetched)? {
@@ -447,14 +501,15 @@ impl<'a> GpuDecoder<'a> {
             let why = format!("frame {} is {rounds} steps behind, at most {MAX_ROUNDS} are taken", one.frame);
             return Err(self.gpu.failed("a tile", &why));
         }
-        let Some(&Slot { chunk, most_work, .. }) = self.resident.slot(key) else { return Ok(false) };
+        let Some(Slot { chunk, most_work, timeline, .. }) = self.resident.slot(key) else { return Ok(false) };
+        let (chunk, most_work, timeline) = (*chunk, *most_work, Arc::clone(timeline));
         if batch.work + u64::from(most_work) > self.most_work {
             self.submit(batch)?;
         }
         batch.items.push(Item { unit: unit as u32, chunk, next, frame, key });
         batch.work += u64::from(most_work);
         batch.rounds = batch.rounds.max(rounds);
-        self.shown[unit] = Some((key, frame));
+        self.shown[unit] = Some(Shown { key, frame, timeline });
         self.written[unit] = pixels;
         self.cost.updated_pixels += pixels;
         Ok(true)
@@ -463,7 +518,7 @@ impl<'a> GpuDecoder<'a> {
     /// Rounds that a unit takes to a frame of a chunk on the device, at least one, and the pixels that it writes.
     fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
         let Some(slot) = self.resident.slot(key) else { return (1, 0) };
-        let at = self.shown[unit].filter(|shown| shown.0 == key).map(|shown| shown.1);
+        let at = self.frame_of(unit, key);
         let pixels = u64::from(self.units[unit].width) * u64::from(self.units[unit].height);
         if self.family.is_color() {
             let same = at.is_some_and(|at| slot.timeline.blend(at).0 == slot.timeline.blend(frame).0);
@@ -546,74 +601,6 @@ impl<'a> GpuDecoder<'a> {
         self.gpu.wait()?;
         self.cost.applying += start.elapsed();
         Ok(())
-    }
-
-    /// The pictures of all streams, brought back from the device.
-    ///
-    /// # Errors
-    /// The device was lost or has no memory.
-    pub fn read(&mut self) -> Result<Vec<Picture>> {
-        self.wait()?;
-        let words = self.gpu.read(&self.buffers.pictures, self.buffers.picture_words)?;
-        Ok(self
-            .streams
-            .iter()
-            .zip(&self.first_units)
-            .map(|(stream, &first)| self.picture(stream, first, &words))
-            .collect())
-    }
-
-    /// The same without the units that a filter does not want in a frame: they are background where it is depth, else 0.
-    ///
-    /// # Errors
-    /// As for [`GpuDecoder::read`].
-    pub fn read_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Vec<Picture>> {
-        let mut pictures = self.read()?;
-        for (picture, stream) in pictures.iter_mut().zip(&self.streams) {
-            let unwanted = (0..stream.entry.unit_count()).filter(|&unit| !filter.wants(stream, unit, frame));
-            unwanted.for_each(|unit| leave_out(picture, stream.entry.unit_rect(unit)));
-        }
-        Ok(pictures)
-    }
-
-    fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
-        match self.family.words() {
-            PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
-            PixelWords::Bytes if self.family.is_color() => {
-                Picture::Color8(self.assemble(stream, first, words, bytes_of))
-            }
-            PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),
-            PixelWords::Halves => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
-        }
-    }
-
-    /// Puts the units of a stream together; `unpack` makes pixels of the words of a row.
-    fn assemble<T: Copy + Default>(
-        &self,
-        stream: &StreamInfo,
-        first: usize,
-        words: &[u32],
-        unpack: impl Fn(&[u32], &mut [T]),
-    ) -> Plane<T> {
-        let mut plane = Plane::filled(stream.entry.width, stream.entry.height, T::default());
-        for (number, unit) in (0..stream.entry.unit_count()).zip(&self.units[first..]) {
-            let [left, top, width, height] = stream.entry.unit_rect(number);
-            for y in 0..height {
-                let row = &words[(unit.picture + y * unit.stride) as usize..][..unit.stride as usize];
-                unpack(row, &mut plane.row_mut(top + y)[left as usize..(left + width) as usize]);
-            }
-        }
-        plane
-    }
-}
-
-fn bytes_of(words: &[u32], out: &mut [[u8; 3]]) {
-    out.iter_mut().zip(words).for_each(|(pixel, &word)| *pixel = unpack_bytes(word));
-}
-
-fn halves_of(words: &[u32], out: &mut [[f16; 3]]) {
-    for (pixel, &words) in out.iter_mut().zip(words.as_chunks().0) {
-        *pixel = unpack_halves(words).map(f16::from_bits);
     }
 }
 

@@ -1,9 +1,11 @@
 //! What lies on the device: bytes of chunks, and the tables that lead into them (GDC 5).
 //!
-//! Chunks come as they are needed and stay. Where a buffer is full, all are dropped at once: the units that are being
-//! decoded soon have theirs again, and nothing has to be searched for room.
+//! Chunks come as they are needed and stay. Those that are dropped leave gaps, which later ones fill; nothing that stays is moved.
+//! Where a buffer is full all the same, all are dropped at once: the units that are being decoded soon have theirs again.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
+use std::sync::Arc;
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -13,17 +15,74 @@ use crate::gpu::prepare::{Prepared, Timeline};
 /// Words that a buffer starts with.
 const FIRST_WORDS: usize = 1 << 14;
 
-/// A buffer that words are appended to.
+/// A buffer that words are put into.
 #[derive(Debug)]
 pub struct Growing {
     label: &'static str,
     buffer: wgpu::Buffer,
     words: usize,
-    used: usize,
-    /// Words that follow, not yet on the device.
-    pending: Vec<u32>,
+    /// Words up to the last that is taken.
+    len: usize,
+    gaps: Gaps,
+    /// Words that are not yet on the device, and the place of the first.
+    pending: Vec<(usize, Vec<u32>)>,
     /// Bytes that went to the device so far.
     sent: u64,
+}
+
+/// Ranges that are free, none beside another.
+#[derive(Debug, Default)]
+struct Gaps {
+    /// Words of those that begin somewhere.
+    by_place: BTreeMap<usize, usize>,
+    /// Words, and where they begin.
+    by_words: BTreeSet<(usize, usize)>,
+    /// Words of all of them.
+    words: usize,
+}
+
+impl Gaps {
+    /// Where the smallest begins that has room for so many words.
+    fn find(&self, words: usize) -> Option<usize> {
+        self.by_words.range((words, 0)..).next().map(|gap| gap.1)
+    }
+
+    fn insert(&mut self, at: usize, words: usize) {
+        if words > 0 {
+            self.by_place.insert(at, words);
+            self.by_words.insert((words, at));
+            self.words += words;
+        }
+    }
+
+    /// Removes the gap that begins here; answers its words, none where there is no gap.
+    fn remove(&mut self, at: usize) -> usize {
+        let words = self.by_place.remove(&at).unwrap_or(0);
+        self.by_words.remove(&(words, at));
+        self.words -= words;
+        words
+    }
+
+    /// Takes words from the front of the gap that begins here.
+    fn take(&mut self, at: usize, words: usize) {
+        let all = self.remove(at);
+        self.insert(at + words, all.saturating_sub(words));
+    }
+
+    /// Adds a range, joined with the gaps beside it; answers the gap that it is part of.
+    fn add(&mut self, range: Range<usize>) -> Range<usize> {
+        let before = self.by_place.range(..range.start).next_back().map(|(at, words)| *at..at + words);
+        let start = match before.filter(|gap| gap.end == range.start) {
+            Some(gap) => {
+                self.remove(gap.start);
+                gap.start
+            }
+            None => range.start,
+        };
+        let end = range.end + self.remove(range.end);
+        self.insert(start, end - start);
+        start..end
+    }
 }
 
 impl Growing {
@@ -33,17 +92,13 @@ impl Growing {
     /// The device has no memory.
     pub fn new(gpu: &Gpu, label: &'static str) -> Result<Growing> {
         let buffer = gpu.buffer(label, FIRST_WORDS, wgpu::BufferUsages::empty())?;
-        Ok(Growing { label, buffer, words: FIRST_WORDS, used: 0, pending: Vec::new(), sent: 0 })
+        let (words, gaps) = (FIRST_WORDS, Gaps::default());
+        Ok(Growing { label, buffer, words, len: 0, gaps, pending: Vec::new(), sent: 0 })
     }
 
-    /// Words in it.
-    pub fn len(&self) -> usize {
-        self.used + self.pending.len()
-    }
-
-    /// Whether it is empty.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// Words in it, gaps apart.
+    pub fn taken(&self) -> usize {
+        self.len - self.gaps.words
     }
 
     /// Bytes that went to the device so far.
@@ -56,39 +111,79 @@ impl Growing {
         &self.buffer
     }
 
+    /// Whether there is a place for so many words beside others, where it may have `most` in all.
+    fn has_room(&self, words: usize, most: usize) -> bool {
+        self.gaps.find(words).is_some() || self.len + words <= most
+    }
+
+    /// A place for so many words: where the next words go that are put there.
+    fn place(&mut self, words: usize) -> usize {
+        match self.gaps.find(words) {
+            Some(at) => {
+                self.gaps.take(at, words);
+                at
+            }
+            None => {
+                self.len += words;
+                self.len - words
+            }
+        }
+    }
+
+    /// Puts words into a place of theirs.
+    fn put(&mut self, at: usize, words: Vec<u32>) {
+        match self.pending.last_mut() {
+            Some((start, pending)) if *start + pending.len() == at => pending.extend(words),
+            _ => self.pending.push((at, words)),
+        }
+    }
+
     /// Appends words.
     pub fn push(&mut self, words: &[u32]) {
-        self.pending.extend_from_slice(words);
+        let at = self.len;
+        self.len += words.len();
+        self.put(at, words.to_vec());
+    }
+
+    /// Words that were put there, and are on the device, are needed no more.
+    fn free(&mut self, range: Range<usize>) {
+        let gap = self.gaps.add(range);
+        if gap.end == self.len {
+            self.gaps.remove(gap.start);
+            self.len = gap.start;
+        }
     }
 
     /// Forgets all words; those not yet on the device must not be needed any more.
     pub fn clear(&mut self) {
-        self.used = 0;
+        self.len = 0;
+        self.gaps = Gaps::default();
         self.pending.clear();
     }
 
-    /// Brings what was appended onto the device.
+    /// Brings what was put there onto the device.
     ///
     /// # Errors
     /// The device has no memory, or allows no buffer of this size.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
-        let (needed, most) = (self.len(), gpu.info.max_binding_bytes as usize / 4);
+        let (needed, most) = (self.len, gpu.info.max_binding_bytes as usize / 4);
         if needed > self.words {
             let words = needed.next_power_of_two().min(most).max(needed);
             let larger = gpu.buffer(self.label, words, wgpu::BufferUsages::empty())?;
             gpu.guard(self.label, || {
                 let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-                encoder.copy_buffer_to_buffer(&self.buffer, 0, &larger, 0, 4 * self.used as u64);
+                encoder.copy_buffer_to_buffer(&self.buffer, 0, &larger, 0, self.buffer.size());
                 gpu.queue.submit([encoder.finish()]);
             })?;
             (self.buffer, self.words) = (larger, words);
         }
         if !self.pending.is_empty() {
             gpu.guard(self.label, || {
-                gpu.queue.write_buffer(&self.buffer, 4 * self.used as u64, bytemuck::cast_slice(&self.pending));
+                for (at, words) in &self.pending {
+                    gpu.queue.write_buffer(&self.buffer, 4 * *at as u64, bytemuck::cast_slice(words));
+                }
             })?;
-            self.used = needed;
-            self.sent += 4 * self.pending.len() as u64;
+            self.sent += self.pending.iter().map(|(_, words)| 4 * words.len() as u64).sum::<u64>();
             self.pending.clear();
         }
         Ok(())
@@ -103,7 +198,11 @@ pub struct Slot {
     /// Invocations that the largest of its records takes.
     pub most_work: u32,
     /// What the host knows of it.
-    pub timeline: Timeline,
+    pub timeline: Arc<Timeline>,
+    /// The call that needed it last.
+    last_used: u64,
+    /// Where it lies among the bytes, the records, the boxes, and the chunks.
+    places: [Range<usize>; 4],
 }
 
 /// All chunks of some streams that are on the device.
@@ -142,59 +241,92 @@ impl Resident {
         self.slots.get(&key)
     }
 
-    /// Whether there are no chunks.
-    pub fn is_empty(&self) -> bool {
-        self.slots.is_empty()
+    /// A call needs a chunk; it is dropped after those that were needed last by earlier ones.
+    pub fn needed(&mut self, key: u32, call: u64) {
+        if let Some(slot) = self.slots.get_mut(&key) {
+            slot.last_used = call;
+        }
     }
 
     /// Words of the chunks, tables apart.
     pub fn stream_words(&self) -> usize {
-        self.stream.len()
+        self.stream.taken()
     }
 
     /// Bytes that went to the device so far.
     pub fn bytes_sent(&self) -> u64 {
-        [&self.stream, &self.records, &self.boxes, &self.chunks].into_iter().map(Growing::bytes_sent).sum()
+        self.all().map(Growing::bytes_sent).sum()
+    }
+
+    /// Bytes of the device that the buffers take.
+    pub fn bytes(&self) -> u64 {
+        self.all().map(|growing| growing.buffer.size()).sum()
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Growing> {
+        [&self.stream, &self.records, &self.boxes, &self.chunks].into_iter()
+    }
+
+    fn all_mut(&mut self) -> [&mut Growing; 4] {
+        [&mut self.stream, &mut self.records, &mut self.boxes, &mut self.chunks]
     }
 
     /// Whether a chunk would find room.
     pub fn has_room(&self, chunk: &Prepared) -> bool {
-        let room = |growing: &Growing, words: usize| growing.len() + words <= self.most_words;
-        room(&self.stream, chunk.stream.len() + 4)
-            && room(&self.records, chunk.records.len() * Record::WORDS)
-            && room(&self.boxes, chunk.boxes.len() * BoxRow::WORDS)
-            && room(&self.chunks, Chunk::WORDS)
+        self.all().zip(words_taken(chunk)).all(|(growing, words)| growing.has_room(words, self.most_words))
+    }
+
+    /// Drops chunks that a call does not need, those first that were needed least lately, until no more than `words` words of
+    /// chunks are left; all that were placed must have been flushed.
+    pub fn drop_unneeded(&mut self, call: u64, words: usize) {
+        let unneeded = self.slots.iter().filter(|(_, slot)| slot.last_used != call);
+        let mut unneeded: Vec<(u64, u32)> = unneeded.map(|(key, slot)| (slot.last_used, *key)).collect();
+        unneeded.sort_unstable();
+        for (_, key) in unneeded {
+            if self.stream_words() <= words {
+                break;
+            }
+            let Some(slot) = self.slots.remove(&key) else { continue };
+            for (growing, place) in self.all_mut().into_iter().zip(slot.places) {
+                growing.free(place);
+            }
+        }
     }
 
     /// Drops all chunks.
     pub fn clear(&mut self) {
-        [&mut self.stream, &mut self.records, &mut self.boxes, &mut self.chunks].into_iter().for_each(Growing::clear);
+        self.all_mut().into_iter().for_each(Growing::clear);
         self.slots.clear();
     }
 
-    /// Puts a chunk behind the others.
-    pub fn place(&mut self, key: u32, chunk: Prepared) {
-        // Frames of nodes start on multiples of 16 bytes.
-        let padding = self.stream.len().next_multiple_of(4) - self.stream.len();
-        self.stream.pending.extend(std::iter::repeat_n(0, padding));
-        let word = self.stream.len() as u32;
-        let first_box = (self.boxes.len() / BoxRow::WORDS) as u32;
-        let first_record = (self.records.len() / Record::WORDS) as u32;
+    /// Puts a chunk where there is room, for a call that needs it.
+    pub fn place(&mut self, key: u32, chunk: Prepared, call: u64) {
+        let words = words_taken(&chunk);
+        let mut sizes = words.into_iter();
+        let starts = self.all_mut().map(|growing| growing.place(sizes.next().unwrap_or(0)));
+        let [word, records_at, boxes_at, chunk_at] = starts;
+        let [first_record, first_box, slot] =
+            [(records_at, Record::WORDS), (boxes_at, BoxRow::WORDS), (chunk_at, Chunk::WORDS)]
+                .map(|(at, words)| (at / words) as u32);
+        let at = word as u32;
         // Nodes are found by words, all else by bytes.
-        let start = if chunk.is_nodes() { word } else { 4 * word };
+        let start = if chunk.is_nodes() { at } else { 4 * at };
         let records = chunk.records.iter();
         let records = records.map(|row| Record { at: row.at + start, first: row.first + first_box, ..*row });
-        let boxes = chunk.boxes.iter().map(|row| BoxRow { at: row.at + 4 * word, ..*row });
+        let boxes = chunk.boxes.iter().map(|row| BoxRow { at: row.at + 4 * at, ..*row });
         let [weights_at, weight_count] = chunk.weights;
         let record_count = chunk.records.len() as u32;
         let most_work = chunk.records.iter().map(|row| row.work).max().unwrap_or(0);
-        let row = Chunk { first_record, record_count, weights_at: weights_at + 4 * word, weight_count };
-        let slot = (self.chunks.len() / Chunk::WORDS) as u32;
-        self.records.pending.extend(words_of(&records.collect::<Vec<_>>()));
-        self.boxes.pending.extend(words_of(&boxes.collect::<Vec<_>>()));
-        self.chunks.pending.extend(words_of(&[row]));
-        self.stream.pending.extend(chunk.stream);
-        self.slots.insert(key, Slot { chunk: slot, most_work, timeline: chunk.timeline });
+        let row = Chunk { first_record, record_count, weights_at: weights_at + 4 * at, weight_count };
+        self.records.put(records_at, words_of(&records.collect::<Vec<_>>()));
+        self.boxes.put(boxes_at, words_of(&boxes.collect::<Vec<_>>()));
+        self.chunks.put(chunk_at, words_of(&[row]));
+        let mut stream = chunk.stream;
+        stream.resize(words[0], 0);
+        self.stream.put(word, stream);
+        let places = [0, 1, 2, 3].map(|table| starts[table]..starts[table] + words[table]);
+        let timeline = Arc::new(chunk.timeline);
+        self.slots.insert(key, Slot { chunk: slot, most_work, timeline, last_used: call, places });
     }
 
     /// Brings what was placed onto the device.
@@ -202,8 +334,40 @@ impl Resident {
     /// # Errors
     /// The device has no memory, or allows no buffer of this size.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
-        [&mut self.stream, &mut self.records, &mut self.boxes, &mut self.chunks]
-            .into_iter()
-            .try_for_each(|growing| growing.flush(gpu))
+        self.all_mut().into_iter().try_for_each(|growing| growing.flush(gpu))
+    }
+}
+
+/// Words that a chunk takes of the bytes, the records, the boxes, and the chunks.
+fn words_taken(chunk: &Prepared) -> [usize; 4] {
+    [
+        // Frames of nodes start on multiples of 16 bytes.
+        chunk.stream.len().next_multiple_of(4),
+        chunk.records.len() * Record::WORDS,
+        chunk.boxes.len() * BoxRow::WORDS,
+        Chunk::WORDS,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_are_joined_and_the_smallest_that_suffices_is_filled() {
+        let mut gaps = Gaps::default();
+        assert_eq!(gaps.add(8..12), 8..12);
+        assert_eq!(gaps.add(20..30), 20..30);
+        assert_eq!((gaps.find(4), gaps.find(5), gaps.find(11)), (Some(8), Some(20), None));
+        // Between the two, beside the first.
+        assert_eq!(gaps.add(12..14), 8..14);
+        assert_eq!(gaps.add(14..20), 8..30);
+        assert_eq!((gaps.words, gaps.by_place.len(), gaps.by_words.len()), (22, 1, 1));
+        gaps.take(8, 22);
+        assert_eq!((gaps.words, gaps.find(1)), (0, None));
+        gaps.add(4..6);
+        gaps.add(2..4);
+        gaps.take(2, 1);
+        assert_eq!((gaps.words, gaps.find(3)), (3, Some(3)));
     }
 }

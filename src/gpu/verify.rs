@@ -25,7 +25,7 @@ fn groups<'a>(gpu: &Gpu, chosen: &[Chosen<'a>]) -> Vec<Vec<Chosen<'a>>> {
     let most = gpu.info.max_binding_bytes / 4;
     let mut groups: Vec<(Family, u64, Vec<Chosen<'a>>)> = Vec::new();
     for &(stream, frames) in chosen {
-        let (family, words) = (Family::of(&stream.header), picture_words(stream));
+        let (family, words) = (Family::of(&stream.header), picture_words(stream, 1));
         match groups.iter_mut().find(|(other, used, _)| *other == family && *used + words <= most) {
             Some((_, used, streams)) => {
                 *used += words;

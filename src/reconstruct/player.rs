@@ -284,7 +284,8 @@ impl<'a> Player<'a> {
     }
 
     /// The same, where a device decodes depth and colour and keeps their texels; the light field has none of them then. What was
-    /// shown without it, or on another, is given up.
+    /// shown without one is given up, and what was shown on one, where there is none now. It is to be the same from frame to
+    /// frame: another has begun none of the views, and refuses; after such an error all views begin anew.
     ///
     /// # Errors
     /// Those of [`Player::show`], and what the device refuses.
@@ -388,17 +389,23 @@ impl<'a> Player<'a> {
         let need = Need { what: "showing the views", fixed: taken_bytes, each: 0, instead: "fewer --views" };
         self.budget.at_once(&need, 1)?;
         let kept_bytes = self.budget.less(taken_bytes).at_most(KEPT_BYTES);
-        let mut idle: Vec<usize> =
-            (0..self.shown.len()).filter(|at| self.shown[*at].is_some() && taken.binary_search(at).is_err()).collect();
+        let mut idle = self.idle(&taken);
         idle.sort_by_key(|&at| self.shown[at].as_ref().map(|view| std::cmp::Reverse(view.last_used)));
-        let mut bytes = 0;
+        let mut bytes = 0u64;
         for at in idle {
-            bytes += self.sources[at].bytes;
+            let probe = self.field.views[at].probe;
+            let on_device = device.as_ref().map_or(0, |device| device.bytes(probe));
+            bytes = bytes.saturating_add(on_device.max(self.sources[at].bytes));
             if bytes > kept_bytes {
                 self.give_up(at, device);
             }
         }
         Ok(())
+    }
+
+    /// The views that are kept beside those that take part.
+    fn idle(&self, taking_part: &[usize]) -> Vec<usize> {
+        (0..self.shown.len()).filter(|at| self.shown[*at].is_some() && !taking_part.contains(at)).collect()
     }
 
     /// Forgets a view.
@@ -418,14 +425,14 @@ impl<'a> Player<'a> {
         for at in views.iter().copied().filter(|at| *at < known) {
             if self.shown[at].is_none() {
                 let faces: Vec<_> = (0..self.sources[at].faces.len()).map(|face| self.begin_face(at, face)).collect();
-                if let Some(device) = device {
-                    let view = &self.field.views[at];
-                    let new = self.sources[at].faces.iter().zip(&faces).filter_map(|(streams, shown)| {
-                        let face = streams.depth.face as usize;
-                        let (texels, inverse) = (view.faces[face].as_ref()?, shown.inverse());
-                        Some(NewFace { face, depth: streams.depth.index, color: streams.color.index, texels, inverse })
-                    });
-                    device.begin(view.probe, &new.collect::<Vec<_>>())?;
+                if let Err(error) = self.begin_on(device, at, &faces) {
+                    // What is only kept must not be why another is not shown.
+                    let idle = self.idle(views);
+                    if idle.is_empty() {
+                        return Err(error);
+                    }
+                    idle.into_iter().for_each(|at| self.give_up(at, device));
+                    self.begin_on(device, at, &faces)?;
                 }
                 self.shown[at] = Some(ShownView { faces, last_used: 0 });
             }
@@ -434,6 +441,18 @@ impl<'a> Player<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Has a device take in a view, where there is one.
+    fn begin_on(&self, device: &mut Device<'_>, at: usize, faces: &[ShownFace<'_>]) -> Result<()> {
+        let Some(device) = device else { return Ok(()) };
+        let view = &self.field.views[at];
+        let new = self.sources[at].faces.iter().zip(faces).filter_map(|(streams, shown)| {
+            let face = streams.depth.face as usize;
+            let (texels, inverse) = (view.faces[face].as_ref()?, shown.inverse());
+            Some(NewFace { face, depth: streams.depth.index, color: streams.color.index, texels, inverse })
+        });
+        device.begin(view.probe, &new.collect::<Vec<_>>())
     }
 
     fn begin_face(&mut self, at: usize, face: usize) -> ShownFace<'a> {

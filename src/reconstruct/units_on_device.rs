@@ -65,6 +65,9 @@ pub trait UnitsOnDevice {
     /// When there is no room for them.
     fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()>;
 
+    /// Bytes of the device that a probe takes; none where it has not begun.
+    fn bytes(&self, probe: usize) -> u64;
+
     /// Forgets a probe.
     fn give_up(&mut self, probe: usize);
 

@@ -120,7 +120,7 @@ fn measure(gpu: &Gpu, path: &str, count: usize) -> Result<()> {
     let frames = streams[0].frames;
     let mut on_gpu = GpuDecoder::new(gpu, &decoder, &streams)?;
     let pixels: u64 = streams.iter().map(|s| u64::from(s.entry.width) * u64::from(s.entry.height)).sum();
-    let bytes = 4 * streams.iter().map(|stream| picture_words(stream)).sum::<u64>();
+    let bytes = 4 * streams.iter().map(|stream| picture_words(stream, 1)).sum::<u64>();
     let copy = copy_seconds(gpu, bytes)?;
     let (mut key_times, mut later_times) = (Vec::new(), Vec::new());
     let (mut key_pixels, mut later_pixels) = (0, 0);

@@ -5,8 +5,10 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Failed;
+use lightfold::gpu::render::depth_planes::ROW_WORDS;
 use lightfold::gpu::render::scene::Origin;
 use lightfold::gpu::render::texels::DeviceTexels;
+use lightfold::gpu::render::units::{DeviceUnits, buffer_bytes};
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
@@ -14,16 +16,14 @@ use lightfold::monitor::Silent;
 use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField};
 use lightfold::reconstruct::path::Shot;
 use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
-use lightfold::reconstruct::player::ProbeChoice;
+use lightfold::reconstruct::player::{Player, ProbeChoice, Wanted};
 use lightfold::reconstruct::render::EffectMode;
 use lightfold::reconstruct::selection::SelectionSettings;
 use lightfold::video::decode::Decoder;
+use lightfold::video::unit_filter::AllUnits;
 use lightfold::{Error, Result};
 
-use crate::{lightfold, with_gpu};
-
-/// Words that a row of a copy takes a multiple of.
-const ROW_WORDS: u32 = 64;
+use crate::{lightfold, pick, with_gpu};
 
 fn said(error: Error) -> String {
     error.to_string()
@@ -135,7 +135,7 @@ fn compare_walk(
     gpu: &Gpu,
     container: &Path,
     count: u32,
-    (most, effects): (Option<usize>, EffectMode),
+    (most, effects, kept_words): (Option<usize>, EffectMode, Option<usize>),
 ) -> Result<Walked, Failed> {
     let decoder = Decoder::open(container).map_err(said)?;
     let selection = SelectionSettings { most, ..SelectionSettings::default() };
@@ -149,6 +149,9 @@ fn compare_walk(
     let mut decodes = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
     if !decodes.decodes() {
         return Err("the device does not decode it".into());
+    }
+    if let (Some(words), Some(units)) = (kept_words, decodes.device_units()) {
+        units.limit_kept(words);
     }
     let mut is_sent = DeviceRenderer::new(gpu, options.clone());
     let mut on_cpu = CpuRenderer { options };
@@ -201,13 +204,19 @@ pub fn texels() -> Result<(), Failed> {
         cube("distance", "mirrors", &["--size", "50", "--depth", "distance", "--aov", "depth,material"])?;
         let (none, auto) = (EffectMode::None, EffectMode::Auto);
         for (set, options, count, how) in [
-            ("planar", "", 8, (Some(2), auto)),
-            ("planar", "--cell 64 --tiles 1", 3, (None, none)),
-            ("planar", "--cell 12 --tiles 3 --depth-codec aabb --color-block bc1", 5, (None, none)),
-            ("planar", "--cell 16 --tiles 2 --depth-codec aabb --depth-block bc5 --color-block bc7", 5, (None, none)),
-            ("planar", "--cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none)),
-            ("distance", "--cell 20 --tiles 2", 6, (Some(2), none)),
-            ("distance", "--cell 15 --tiles 2 --material-block bc1", 4, (None, none)),
+            ("planar", "", 8, (Some(2), auto, None)),
+            ("planar", "--keyframe-interval 2", 8, (Some(2), auto, Some(0))),
+            ("planar", "--cell 64 --tiles 1", 3, (None, none, None)),
+            ("planar", "--cell 12 --tiles 3 --depth-codec aabb --color-block bc1", 5, (None, none, Some(2000))),
+            (
+                "planar",
+                "--cell 16 --tiles 2 --depth-codec aabb --depth-block bc5 --color-block bc7",
+                5,
+                (None, none, None),
+            ),
+            ("planar", "--cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none, Some(0))),
+            ("distance", "--cell 20 --tiles 2", 6, (Some(2), none, None)),
+            ("distance", "--cell 15 --tiles 2 --material-block bc1", 4, (None, none, None)),
         ] {
             let container = path("film.lfold");
             let manifest = path(set);
@@ -240,6 +249,80 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
         false => Ok(()),
         true => Err(format!("{manifest} {options:?}: black, or decoded on the device").into()),
     }
+}
+
+/// Chunks that frame after frame needs are read once, however few words of others are kept; in the end no more are kept than the
+/// last frame needs.
+pub fn chunks_that_are_needed() -> Result<(), Failed> {
+    with_gpu(|gpu| {
+        let folder = tempfile::tempdir()?;
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let (set, container) = (path("set"), path("film.lfold"));
+        let fixed = ["capture", "courtyard", "--samples", "1", "--size", "44", "--frames", "0-11", "--quiet"];
+        lightfold(&[&fixed[..], &["--position", "0,1.5,0", "-o", &set]].concat())?;
+        let fixed = ["encode", &set, "--effort", "fast", "--quiet", "-o", &container];
+        lightfold(&[&fixed[..], &["--cell", "12", "--tiles", "2", "--keyframe-interval", "4"]].concat())?;
+        let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
+        let mut read = Vec::new();
+        for kept_words in [usize::MAX, 0] {
+            let mut units = DeviceUnits::new(gpu, &decoder);
+            units.limit_kept(kept_words);
+            let mut player = Player::new(&decoder, &ProbeChoice::default()).map_err(said)?;
+            let views: Vec<usize> = (0..player.field().views.len()).collect();
+            let wanted = Wanted { filter: &AllUnits, effects: false };
+            let mut bytes = Vec::new();
+            for frame in (0..12).flat_map(|frame| [frame, frame]) {
+                let counts = player.show_on(frame, &views, wanted, Some(&mut units)).map_err(said)?;
+                bytes.push(counts.bytes_read);
+            }
+            // What is shown already takes no chunk.
+            if bytes.iter().skip(1).step_by(2).any(|bytes| *bytes > 0) {
+                return Err(format!("of {kept_words} words kept, bytes read: {bytes:?}").into());
+            }
+            read.push(bytes.iter().sum::<u64>());
+        }
+        println!("bytes read of each film: {read:?}");
+        match read[0] > 0 && read[0] == read[1] {
+            true => Ok(()),
+            false => Err(format!("with all chunks kept, and with none: {read:?}").into()),
+        }
+    })
+}
+
+/// Where a buffer would be larger than the device allows, the CPU decodes, and at just that size the device does: once pictures
+/// are the largest, once planes of depth.
+pub fn buffers_of_any_size() -> Result<(), Failed> {
+    let mut gpu = Gpu::open(&pick()).map_err(said)?;
+    let folder = tempfile::tempdir()?;
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("cameras.json"), r#"{"lightfold_cameras": 1, "cameras": [{"position": [0.0, 1.5, 0.0]}]}"#)?;
+    for (size, cell) in [("44", "4"), ("100", "64")] {
+        let fixed = ["capture", "courtyard", "--depth", "planar", "--samples", "1", "--frames", "0-1", "-q"];
+        let (cameras, set) = (path("cameras.json"), path(size));
+        lightfold(&[&fixed[..], &["--size", size, "--cameras", &cameras, "-o", &set]].concat())?;
+        let (container, fixed) = (path("film.lfold"), ["--tiles", "1", "--effort", "fast", "--quiet"]);
+        lightfold(&[&["encode", &set, "--cell", cell, "-o", &container], &fixed[..]].concat())?;
+        let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
+        let needed = buffer_bytes(&decoder);
+        let mut pictures = Vec::new();
+        for (most, decodes) in [(needed, true), (needed - 16, false)] {
+            gpu.info.max_binding_bytes = most;
+            let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
+            let options = PictureOptions { size: [24, 24], steps: 32, ..PictureOptions::default() };
+            let coding = playback.player().field().coding;
+            let mut renderer = DeviceRenderer::new(&gpu, options).decoding(&decoder, coding);
+            if renderer.decodes() != decodes {
+                return Err(format!("{size}, cells of {cell}: {needed} bytes needed, {most} allowed").into());
+            }
+            for shot in walk(&playback, 3).map_err(said)? {
+                pictures.push(playback.show(&shot, &mut renderer, &Silent).map_err(said)?.pictures);
+            }
+        }
+        if pictures[..3] != pictures[3..] {
+            return Err(format!("{size}, cells of {cell}: pictures differ").into());
+        }
+    }
+    Ok(())
 }
 
 /// What was read before an error is not taken for right after it: a playback goes on as a new one would begin.

@@ -340,6 +340,8 @@ fn main() {
         Trial::test("refusals", refusals),
         Trial::test("long_ways", long_ways),
         Trial::test("decoding::texels", decoding::texels),
+        Trial::test("decoding::buffers_of_any_size", decoding::buffers_of_any_size),
+        Trial::test("decoding::chunks_that_are_needed", decoding::chunks_that_are_needed),
         Trial::test("decoding::after_errors", decoding::after_errors),
         Trial::test("pictures::playback", pictures::playback),
         Trial::test("pictures::larger_images", pictures::larger_images),

@@ -11,13 +11,15 @@ use lightfold::monitor::Silent;
 use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField, UNKNOWN};
 use lightfold::reconstruct::path::Shot;
 use lightfold::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
-use lightfold::reconstruct::player::{Change, Player, ProbeChoice};
+use lightfold::reconstruct::player::{Change, Player, ProbeChoice, Wanted};
 use lightfold::reconstruct::pyramid::DepthPyramid;
 use lightfold::reconstruct::render::{Acceleration, EffectMode};
 use lightfold::reconstruct::selection::SelectionSettings;
+use lightfold::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
 use lightfold::reconstruct::wanted::SightLines;
 use lightfold::video::decode::{Decoder, StreamInfo};
 use lightfold::video::{AllUnits, UnitFilter};
+use lightfold::{Error, Result};
 use tempfile::TempDir;
 
 use crate::commands::fine;
@@ -386,6 +388,69 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     // What others take is not there for views.
     assert!(limited_beside(2 * one, one / 2).show(0, &[0], &AllUnits).is_ok());
     assert!(limited_beside(2 * one, one + one / 2).show(0, &[0], &AllUnits).is_err());
+}
+
+/// A device that has room for so many probes, each of so many bytes, and shows nothing.
+struct SmallDevice {
+    most: usize,
+    each_bytes: u64,
+    held: Vec<usize>,
+}
+
+impl UnitsOnDevice for SmallDevice {
+    fn begin(&mut self, probe: usize, _faces: &[NewFace<'_>]) -> Result<()> {
+        if self.held.len() == self.most {
+            return Err(Error::unsupported("the device is full"));
+        }
+        self.held.push(probe);
+        Ok(())
+    }
+
+    fn bytes(&self, probe: usize) -> u64 {
+        if self.held.contains(&probe) { self.each_bytes } else { 0 }
+    }
+
+    fn give_up(&mut self, probe: usize) {
+        self.held.retain(|held| *held != probe);
+    }
+
+    fn decode(&mut self, _frame: u32, units: &[UnitId]) -> Result<Vec<u64>> {
+        Ok(vec![1; units.len()])
+    }
+
+    fn shows(&self, _unit: UnitId, _frame: u32) -> bool {
+        false
+    }
+
+    fn write_depths(&mut self, _faces: &[FaceParts]) -> Result<()> {
+        Ok(())
+    }
+
+    fn bytes_read(&self) -> u64 {
+        0
+    }
+}
+
+#[test]
+fn idle_views_make_room_on_a_device() {
+    let folder = TempDir::new().unwrap();
+    let decoder = courtyard(folder.path(), "");
+    let wanted = Wanted { filter: &AllUnits, effects: false };
+    let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+    let mut device = SmallDevice { most: 2, each_bytes: 1, held: Vec::new() };
+    let mut show = |device: &mut SmallDevice, views: &[usize]| player.show_on(0, views, wanted, Some(device));
+    show(&mut device, &[0]).unwrap();
+    show(&mut device, &[1]).unwrap();
+    assert_eq!(device.held, [0, 1]);
+    show(&mut device, &[2]).unwrap();
+    assert_eq!(device.held, [2]);
+    assert!(show(&mut device, &[0, 1, 2]).unwrap_err().to_string().contains("full"));
+    assert!(device.held.is_empty());
+    // What the device says of a probe counts where it is more than the CPU would take.
+    device.each_bytes = 3 << 30;
+    show(&mut device, &[0]).unwrap();
+    show(&mut device, &[1]).unwrap();
+    assert_eq!(device.held, [1]);
 }
 
 #[test]

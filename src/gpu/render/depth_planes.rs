@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use crate::dataset::stream::DepthKind;
+use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::groups;
@@ -70,6 +71,34 @@ pub struct DepthPlanes {
     faces: BTreeMap<usize, FacePlanes>,
 }
 
+/// Columns and rows of the planes of a face: its texels, and the levels above them.
+fn plane_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    std::iter::once(size).chain(DepthPyramid::sizes(size))
+}
+
+/// Words of a plane.
+fn plane_words([width, height]: [u32; 2]) -> u64 {
+    u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
+}
+
+/// Words of the larger buffer of a probe, at most: the planes of its faces, or the tables. Of each face the size of its image,
+/// and the range and kind of its depths.
+pub fn buffer_words(faces: &[([u32; 2], (DepthRange, DepthKind))]) -> u64 {
+    let planes = faces.iter().flat_map(|(size, _)| plane_sizes(*size)).map(plane_words).sum::<u64>();
+    let mut ranges = Vec::new();
+    let mut tables = 0;
+    for (size, range) in faces {
+        if !ranges.contains(range) {
+            ranges.push(*range);
+            tables += 1 << u16::BITS;
+        }
+        if range.1 == DepthKind::Distance {
+            tables += u64::from(size[0]) * u64::from(size[1]);
+        }
+    }
+    tables.max(u64::from(HEAD_WORDS) + planes)
+}
+
 /// A dispatch: its kernel, and where its list lies among the jobs.
 #[derive(Debug)]
 struct Step<'p> {
@@ -79,37 +108,50 @@ struct Step<'p> {
     invocations: u32,
 }
 
-/// Words of tables: inverse depths of codes, once for each range, and stretches, once for each projection.
+/// Tables, and where each starts: inverse depths of codes, once for each range, and stretches, once for each projection.
 #[derive(Default)]
 struct Tables<'f> {
-    words: Vec<u32>,
-    inverse: Vec<(&'f Arc<InverseDepth>, u32)>,
-    stretch: Vec<(&'f FaceTexels, u32)>,
+    words: usize,
+    inverse: Vec<(&'f Arc<InverseDepth>, usize)>,
+    stretch: Vec<(&'f FaceTexels, usize)>,
 }
 
 impl<'f> Tables<'f> {
     fn inverse(&mut self, table: &'f Arc<InverseDepth>) -> u32 {
         if let Some((_, at)) = self.inverse.iter().find(|(other, _)| Arc::ptr_eq(other, table)) {
-            return *at;
+            return *at as u32;
         }
-        let at = self.words.len() as u32;
-        self.words.extend(table.of_codes().iter().map(|inverse| inverse.to_bits()));
+        let at = self.words;
+        self.words += table.of_codes().len();
         self.inverse.push((table, at));
-        at
+        at as u32
     }
 
     fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
         let alike =
             |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
         if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
-            return *at;
+            return *at as u32;
         }
-        let at = self.words.len() as u32;
-        let [width, height] = face.size;
-        let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-        self.words.extend(texels.map(|[column, row]| face.stretch(column, row).to_bits()));
+        let at = self.words;
+        self.words += face.size[0] as usize * face.size[1] as usize;
         self.stretch.push((face, at));
-        at
+        at as u32
+    }
+
+    /// All their words.
+    fn values(&self) -> Vec<u32> {
+        let mut words = vec![0; self.words];
+        for (table, at) in &self.inverse {
+            words[*at..].iter_mut().zip(table.of_codes()).for_each(|(word, inverse)| *word = inverse.to_bits());
+        }
+        for (face, at) in &self.stretch {
+            let [width, height] = face.size;
+            let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+            let stretches = texels.map(|[column, row]| face.stretch(column, row).to_bits());
+            words[*at..].iter_mut().zip(stretches).for_each(|(word, stretch)| *word = stretch);
+        }
+        words
     }
 }
 
@@ -121,12 +163,11 @@ impl DepthPlanes {
     pub fn new(gpu: &Gpu, faces: &[NewFace<'_>]) -> Result<(DepthPlanes, u64)> {
         let (mut tables, mut known, mut at) = (Tables::default(), BTreeMap::new(), u64::from(HEAD_WORDS));
         for new in faces {
-            let sizes = std::iter::once(new.texels.size).chain(DepthPyramid::sizes(new.texels.size));
             let mut levels: Vec<Plane> = Vec::new();
-            for size in sizes {
+            for size in plane_sizes(new.texels.size) {
                 let pitch = size[0].next_multiple_of(ROW_WORDS);
                 levels.push(Plane { at: u32::try_from(at).unwrap_or(u32::MAX), pitch, size });
-                at += u64::from(pitch) * u64::from(size[1]);
+                at += plane_words(size);
             }
             if let Some(top) = levels.last_mut() {
                 top.at = new.face as u32;
@@ -139,15 +180,22 @@ impl DepthPlanes {
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let planes = gpu.buffer("planes", words, none)?;
-        let buffer = gpu.buffer("tables", tables.words.len(), none)?;
+        let buffer = gpu.buffer("tables", tables.words, none)?;
+        // Only now that there is room for them.
+        let values = tables.values();
         let mut start = vec![UNKNOWN.to_bits(); words];
         start[GREATEST_WORD as usize] = NO_BOUND.to_bits();
         gpu.guard("planes", || {
             gpu.queue.write_buffer(&planes, 0, bytemuck::cast_slice(&start));
-            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&tables.words));
+            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&values));
         })?;
-        let sent = 4 * (words + tables.words.len()) as u64;
+        let sent = 4 * (words + values.len()) as u64;
         Ok((DepthPlanes { planes, tables: buffer, jobs: None, faces: known }, sent))
+    }
+
+    /// Bytes of the device that they take.
+    pub fn bytes(&self) -> u64 {
+        self.planes.size() + self.tables.size() + self.jobs.as_ref().map_or(0, wgpu::Buffer::size)
     }
 
     /// All planes.
@@ -241,7 +289,11 @@ impl DepthPlanes {
     fn send_jobs(&mut self, gpu: &Gpu, words: &[u32]) -> Result<()> {
         let buffer = match self.jobs.take().filter(|buffer| buffer.size() >= 4 * words.len() as u64) {
             Some(buffer) => buffer,
-            None => gpu.buffer("jobs", words.len().next_power_of_two(), wgpu::BufferUsages::empty())?,
+            None => {
+                let most = gpu.info.max_binding_bytes as usize / 4;
+                let room = words.len().next_power_of_two().min(most).max(words.len());
+                gpu.buffer("jobs", room, wgpu::BufferUsages::empty())?
+            }
         };
         gpu.guard("jobs", || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
         self.jobs = Some(buffer);

@@ -41,7 +41,7 @@ impl<'a> DeviceRenderer<'a> {
         let gpu = self.gpu;
         let has_material = decoder.streams().iter().any(|stream| stream.kind == StreamKind::Material);
         let is_apart = self.options.effects == EffectMode::None || !has_material;
-        let renderer = (is_apart && can_decode(decoder))
+        let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes))
             .then(|| GpuRenderer::decoding(gpu, coding, DeviceUnits::new(gpu, decoder)));
         DeviceRenderer { renderer, ..self }
     }

@@ -10,18 +10,18 @@ use std::time::{Duration, Instant};
 
 use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::error::{Error, Result};
-use crate::gpu::decode::{GpuDecoder, Wanted};
+use crate::gpu::decode::{self, GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{DepthPlanes, ROW_WORDS, TileParts};
+use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TileParts};
 use crate::reconstruct::rects::{Rect, overlap};
 use crate::reconstruct::shown_face::units_under;
 use crate::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
 use crate::video::codec::CodecHeader;
 use crate::video::decode::{Decoder, StreamInfo};
 
-/// Words of chunks that a decoder keeps from frame to frame.
+/// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;
 /// Depths in metres whose inverse is a number that devices multiply without loss.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
@@ -66,6 +66,8 @@ pub struct DeviceUnits<'a> {
     /// What probes have cost that were given up, and all but decoding.
     cost: UnitCost,
     waits: bool,
+    /// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
+    kept_words: usize,
 }
 
 /// Units of a probe.
@@ -107,28 +109,78 @@ impl ProbeUnits<'_> {
     }
 }
 
-/// Whether a device can decode the depth and colour of a container for rendering: colours are 8-bit codes, and depths that
-/// are multiplied are numbers that it multiplies as the CPU does.
-pub fn can_decode(decoder: &Decoder) -> bool {
-    decoder.streams().iter().all(|stream| match stream.header {
+/// Streams by their families, in the order in which they come.
+fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s StreamInfo>> {
+    let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
+    for stream in streams {
+        let family = Family::of(&stream.header);
+        match families.iter_mut().find(|(other, _)| *other == family) {
+            Some((_, streams)) => streams.push(stream),
+            None => families.push((family, vec![stream])),
+        }
+    }
+    families.into_iter().map(|(_, streams)| streams).collect()
+}
+
+/// Whether a device can decode the depth and colour of a container for rendering, where a buffer takes at most `most_bytes`
+/// bytes: what each probe takes fits, colours are 8-bit codes, and depths that are multiplied are numbers that it multiplies as
+/// the CPU does.
+pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
+    let is_apt = |stream: &StreamInfo| match stream.header {
         CodecHeader::Depth(header) => {
             let [least_m, most_m] = MULTIPLIED_M;
             header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
         }
         CodecHeader::Color(_) => Family::of(&stream.header).words() == PixelWords::Bytes,
         CodecHeader::Material(_) => true,
-    })
+    };
+    decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
+}
+
+/// Bytes of the largest buffer that any probe of a container takes, where depth and colour of all its faces are shown.
+pub fn buffer_bytes(decoder: &Decoder) -> u64 {
+    let is_decoded = |stream: &StreamInfo| stream.kind != StreamKind::Material;
+    let mut probes: BTreeMap<usize, Vec<&StreamInfo>> = BTreeMap::new();
+    for stream in decoder.streams().iter().filter(|stream| is_decoded(stream)) {
+        probes.entry(stream.probe).or_default().push(stream);
+    }
+    let of_probe = |streams: &Vec<&StreamInfo>| {
+        let faces: Vec<_> = streams
+            .iter()
+            .filter_map(|stream| match stream.header {
+                CodecHeader::Depth(header) => {
+                    Some(([stream.entry.width, stream.entry.height], (header.range, header.kind)))
+                }
+                _ => None,
+            })
+            .collect();
+        let families = by_family(streams.iter().copied());
+        let words = families.iter().map(|streams| decode::buffer_words(streams, ROW_WORDS));
+        words.fold(depth_planes::buffer_words(&faces), u64::max)
+    };
+    let words = probes.values().map(of_probe).max().unwrap_or(0);
+    // What lies between two chunks of colour takes both.
+    let chunks = decoder.reader().index().chunks.iter();
+    let chunks = chunks.filter(|chunk| decoder.streams().get(chunk.key.stream as usize).is_some_and(is_decoded));
+    let chunk_bytes = chunks.map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
+    words.saturating_mul(4).max(2 * chunk_bytes)
 }
 
 impl<'a> DeviceUnits<'a> {
     /// No units yet, of a container that [`can_decode`] allows.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> DeviceUnits<'a> {
-        DeviceUnits { gpu, decoder, probes: HashMap::new(), cost: UnitCost::default(), waits: false }
+        let (probes, cost) = (HashMap::new(), UnitCost::default());
+        DeviceUnits { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
     }
 
     /// From now on the device is waited for after each part of the work, so that times are those of the parts.
     pub fn wait_for_parts(&mut self) {
         self.waits = true;
+    }
+
+    /// Decoders of probes that begin from now on keep so many words of chunks: for tests of what then happens.
+    pub fn limit_kept(&mut self, words: usize) {
+        self.kept_words = words;
     }
 
     /// What it has cost so far.
@@ -179,31 +231,43 @@ impl UnitCost {
     }
 }
 
-impl UnitsOnDevice for DeviceUnits<'_> {
-    fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
-        let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
-        for stream in faces.iter().flat_map(|face| [face.depth, face.color]) {
-            let stream = &self.decoder.streams()[stream as usize];
-            let family = Family::of(&stream.header);
-            match families.iter_mut().find(|(other, _)| *other == family) {
-                Some((_, streams)) => streams.push(stream),
-                None => families.push((family, vec![stream])),
-            }
-        }
+impl<'a> DeviceUnits<'a> {
+    /// The units of a probe that comes to be shown, and the bytes that were sent for them.
+    fn units_of(&self, faces: &[NewFace<'_>]) -> Result<(ProbeUnits<'a>, u64)> {
+        let streams = faces.iter().flat_map(|face| [face.depth, face.color]);
+        let streams = streams.map(|stream| &self.decoder.streams()[stream as usize]);
         let (mut decoders, mut places) = (Vec::new(), HashMap::new());
-        for (_, streams) in &families {
+        for streams in &by_family(streams) {
             for (position, stream) in streams.iter().enumerate() {
                 places.insert(stream.index, [decoders.len(), position]);
             }
             let mut decoder = GpuDecoder::with_rows(self.gpu, self.decoder, streams, ROW_WORDS)?;
-            decoder.limit_kept(KEPT_WORDS);
+            decoder.limit_kept(self.kept_words);
             decoders.push(decoder);
         }
         let (planes, sent) = DepthPlanes::new(self.gpu, faces)?;
-        self.cost.bytes_sent += sent;
         let streams = faces.iter().map(|face| (face.face, [face.depth, face.color])).collect();
-        self.probes.insert(probe, ProbeUnits { decoders, places, streams, planes });
+        Ok((ProbeUnits { decoders, places, streams, planes }, sent))
+    }
+}
+
+impl UnitsOnDevice for DeviceUnits<'_> {
+    fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
+        let made = self.units_of(faces);
+        if made.is_err() {
+            // What is given up next is free at once where no work needs it any more.
+            self.gpu.wait()?;
+        }
+        let (units, sent) = made?;
+        self.cost.bytes_sent += sent;
+        self.probes.insert(probe, units);
         Ok(())
+    }
+
+    fn bytes(&self, probe: usize) -> u64 {
+        let of =
+            |units: &ProbeUnits<'_>| units.decoders.iter().map(GpuDecoder::bytes).sum::<u64>() + units.planes.bytes();
+        self.probes.get(&probe).map_or(0, of)
     }
 
     fn give_up(&mut self, probe: usize) {
