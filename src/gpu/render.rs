@@ -30,7 +30,7 @@ use crate::monitor::Monitor;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::counters::Counters;
 use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
-use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
+use crate::reconstruct::glass_balls::{GlassBall, GlassBalls};
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::{ColorCoding, FaceTexels, LightField};
 use crate::reconstruct::pyramid::LEAST_M;
@@ -74,6 +74,8 @@ pub struct RenderCost {
     pub bytes_copied: u64,
     /// What decoding on the device has cost.
     pub units: UnitCost,
+    /// Time in which the CPU looked for balls of glass and what is around them.
+    pub glass: Duration,
     /// Time in which the device marched, from the first dispatch to the end of the last.
     pub marching: Duration,
     /// Time for reading pictures back.
@@ -180,7 +182,7 @@ impl<'a> GpuRenderer<'a> {
                 }
             }
         }
-        let from_balls = glass.balls.iter().map(from_centre);
+        let from_balls = glass.balls.iter().map(GlassBall::around);
         let all = views.views.iter().copied().chain(from_balls).collect();
         self.bring(&ActiveViews { views: all, coding: views.coding })
     }
@@ -197,10 +199,12 @@ impl<'a> GpuRenderer<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Rendered> {
         monitor.check()?;
+        let start = Instant::now();
         let glass = match sends_on(views, settings.effects) {
-            true => GlassBalls::of(views, &camera_weights(views)),
+            true => GlassBalls::shown(views, &camera_weights(views), camera, monitor)?,
             false => GlassBalls::none(views.coding),
         };
+        self.cost.glass += start.elapsed();
         self.bring_glass(views, &glass)?;
         let place = |probe: usize, face: usize| self.texels.origin((probe, face));
         let words = scene::words((views, &glass), camera, settings, self.texels.pyramid_rows(), place);

@@ -20,7 +20,7 @@ use crate::reconstruct::counters::Counters;
 use crate::reconstruct::glass_balls::GlassBalls;
 use crate::reconstruct::interpolate::surface_color;
 use crate::reconstruct::march::{Ray, refine};
-use crate::reconstruct::material::surface_material;
+use crate::reconstruct::material::{Material, surface_material};
 use crate::reconstruct::normal::{Patch, patch};
 use crate::reconstruct::render::{Outcome, RenderSettings, background, light_of, surface};
 use crate::reconstruct::solid::{Inside, reflect};
@@ -116,7 +116,7 @@ impl<'a> Effects<'a> {
         counters.material_samples += 1;
         let Some(material) = surface_material(self.views, self.camera_weights, met.point) else { return whole };
         counters.normal_evals += 1;
-        let Some(front) = self.front(&met, material.refract > 0.0) else { return whole };
+        let Some(front) = self.front(&met, &material) else { return whole };
         let cosine = -met.direction.dot(front.patch.normal);
         if cosine <= 0.0 {
             return whole;
@@ -154,8 +154,8 @@ impl<'a> Effects<'a> {
     }
 
     /// How the surface lies that a ray met: that of a ball, if it is of glass and on one, else as views have it.
-    fn front(&self, met: &Met, is_glass: bool) -> Option<Front> {
-        let at = if is_glass { self.glass.at(met.point) } else { None };
+    fn front(&self, met: &Met, material: &Material) -> Option<Front> {
+        let at = if material.refract > 0.0 { self.glass.at(met.point) } else { None };
         let on_ball = || {
             let ball = self.glass.balls[at?].ball;
             let point = ball.entry(&Ray { origin: met.point, direction: met.direction })?;

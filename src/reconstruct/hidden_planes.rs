@@ -2,7 +2,11 @@
 //!
 //! Enters: points at the edge of what is hidden, seen from one centre. Leaves: the planes that many of them lie on.
 
-use glam::{Mat3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::monitor::Monitor;
 
 /// A plane counts where it goes through so large a part of the points.
 pub const LEAST_PART: f32 = 0.1;
@@ -27,21 +31,26 @@ fn lies_in(plane: Plane, edge: &Edge) -> bool {
     (plane.dot(edge.point) - 1.0).abs() <= IN_PLANE
 }
 
-/// The planes of some points, the one with the most points first.
-pub fn planes(edges: &[Edge]) -> Vec<Plane> {
+/// The planes of some points, the one with the most points first. The time grows as the square of their number.
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     let least = (LEAST_PART * edges.len() as f32).max(3.0) as usize;
     let (mut left, mut found) = (edges.to_vec(), Vec::new());
     while found.len() < MOST_PLANES && left.len() >= least {
-        let candidates = left.iter().filter_map(|edge| {
+        let count_of = |edge: &Edge| -> Result<Option<(usize, Plane)>> {
+            monitor.check()?;
             // The surface looks at the centre, or it would not be seen from there.
             let height_m = edge.normal.dot(edge.point);
             let plane = edge.normal / height_m;
-            (height_m < 0.0 && plane.is_finite())
-                .then(|| (left.iter().filter(|edge| lies_in(plane, edge)).count(), plane))
-        });
-        let Some((count, plane)) = candidates.reduce(|best, next| if next.0 > best.0 { next } else { best }) else {
-            break;
+            let count = || left.iter().filter(|edge| lies_in(plane, edge)).count();
+            Ok((height_m < 0.0 && plane.is_finite()).then(|| (count(), plane)))
         };
+        let candidates: Vec<_> = left.par_iter().map(count_of).collect::<Result<_>>()?;
+        let first_most =
+            candidates.into_iter().flatten().reduce(|best, next| if next.0 > best.0 { next } else { best });
+        let Some((count, plane)) = first_most else { break };
         if count < least {
             break;
         }
@@ -51,17 +60,37 @@ pub fn planes(edges: &[Edge]) -> Vec<Plane> {
         left.retain(|edge| !lies_in(plane, edge));
         found.push(plane);
     }
-    found
+    Ok(found)
 }
 
-/// The plane that points lie in, by least squares; none where they lie on a line.
-fn fit<'a>(edges: impl Iterator<Item = &'a Edge>) -> Option<Plane> {
-    let (mut spread, mut sum) = (Mat3::ZERO, Vec3::ZERO);
-    for Edge { point, .. } in edges {
-        spread += Mat3::from_cols(*point * point.x, *point * point.y, *point * point.z);
-        sum += *point;
+/// The plane that points lie in, by least squares of what its product with them differs from 1; none where they lie on a
+/// line, or in a plane through the centre.
+///
+/// The spread S of the points is taken around their middle m, and the normal equations (S + m·mᵀ)·p = m are solved by
+/// Sherman and Morrison's formula with the adjugate of S: what is flat, or small and far away, has an S that cannot be inverted.
+fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
+    let points = || edges.clone().map(|edge| edge.point.as_dvec3());
+    let count = points().count() as f64;
+    let middle = points().sum::<DVec3>() / count;
+    // In units of how far they are from their middle, and their middle in units of its distance.
+    let unit_m = (points().map(|point| (point - middle).length_squared()).sum::<f64>() / count).sqrt();
+    let spread = points()
+        .map(|point| (point - middle) / unit_m)
+        .fold(DMat3::ZERO, |spread, from| spread + DMat3::from_cols(from * from.x, from * from.y, from * from.z));
+    let spread = spread * count.recip();
+    let (away_m, way) = (middle.length(), middle.try_normalize()?);
+    // The columns of the adjugate; the spread is the same across its diagonal.
+    let [x, y, z] = [spread.x_axis, spread.y_axis, spread.z_axis];
+    let across = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * way;
+    let facing = way.dot(across);
+    // Single floats tell no more of where points are.
+    let rounding = f64::from(f32::EPSILON) * away_m.hypot(unit_m) / unit_m;
+    if facing.is_nan() || facing < rounding * rounding {
+        return None;
     }
-    let plane = spread.inverse() * sum;
+    // p = adj(S)·m / (det S + mᵀ·adj(S)·m), with S in units squared.
+    let scale = (unit_m / away_m).powi(2);
+    let plane = (across / away_m / (spread.determinant() * scale + facing)).as_vec3();
     plane.is_finite().then_some(plane)
 }
 
@@ -74,6 +103,7 @@ pub fn first_met(planes: &[Plane], direction: Vec3) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Silent;
 
     /// Points of a room of 2 by 2 by 2 metres, and of a small ball.
     fn edges() -> Vec<Edge> {
@@ -93,7 +123,7 @@ mod tests {
 
     #[test]
     fn walls_go_on_and_balls_do_not() {
-        let found = planes(&edges());
+        let found = planes(&edges(), &Silent).unwrap();
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_Y) < 0.01), "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_X) < 0.01), "{found:?}");
@@ -102,6 +132,32 @@ mod tests {
         assert!((first_met(&found, down).unwrap() - 0.8).abs() < 0.01);
         assert!((first_met(&found, Vec3::new(-0.8, -0.6, 0.0)).unwrap() - 0.8).abs() < 0.01);
         assert_eq!(first_met(&found, Vec3::X), None);
-        assert!(planes(&[]).is_empty());
+        assert!(planes(&[], &Silent).unwrap().is_empty());
+    }
+
+    /// A small part of a wall, which the least squares of single floats around the centre cannot tell from a line.
+    #[test]
+    fn planes_know_no_size() {
+        let wall = Vec3::new(0.3, -0.2, -1.0);
+        let part = |at: usize, breadth: f32| {
+            let [x, y] = [at % 10, at / 10].map(|at| (at as f32 - 4.5) * breadth);
+            Vec3::new(x, y, (1.0 - wall.x * x - wall.y * y) / wall.z)
+        };
+        for size in [1e-15, 1e-5, 1.0, 1e5, 1e15] {
+            for breadth in [0.1, 0.01, 0.003] {
+                let edge = |at: usize| Edge { point: size * part(at, breadth), normal: -wall.normalize() };
+                let edges: Vec<Edge> = (0..100).map(edge).collect();
+                let found = fit(edges.iter()).unwrap();
+                // Roundings of the plane, and of coordinates near 1 over the 9 breadths that the points reach.
+                let most = 4.0 * f32::EPSILON * (1.0 + 1.0 / (9.0 * breadth));
+                assert!((size * found).distance(wall) < most, "{size} {breadth}: {found}");
+                assert_eq!(fit(edges[..10].iter()), None, "a line, {size} {breadth}");
+            }
+        }
+        assert_eq!((fit([].iter()), fit(edges()[..1].iter())), (None, None));
+        // A plane through the centre.
+        let through = |at: usize| Edge { point: Vec3::new(at as f32, 1.0 + (at * at) as f32, 0.0), normal: Vec3::Z };
+        let edges: Vec<Edge> = (0..9).map(through).collect();
+        assert_eq!(fit(edges.iter()), None);
     }
 }

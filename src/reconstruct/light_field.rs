@@ -122,11 +122,20 @@ impl FaceTexels {
 
     /// √(1 + u² + v²) at the centre of a texel: how much farther its surface is than its planar depth.
     pub fn stretch(&self, column: u32, row: u32) -> f32 {
-        let [u, v] = [0, 1].map(|axis| {
-            let at = [column, row][axis] as f32 + 0.5;
-            (at - self.centre[axis]) / self.scale[axis]
-        });
+        let [u, v] = self.plane([column, row].map(|at| at as f32 + 0.5));
         (1.0 + u * u + v * v).sqrt()
+    }
+
+    /// u and v of a place, column and row in texels from the upper left corner: see `scale`.
+    pub fn plane(&self, at: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|axis| (at[axis] - self.centre[axis]) / self.scale[axis])
+    }
+
+    /// The way to such a place in the axes of the probe, if this is the image of a face: its planar depth is 1.
+    pub fn way(&self, face: Face, at: [f32; 2]) -> Vec3 {
+        let [forward, right, down] = face.axes().map(|axis| axis.as_vec3());
+        let [u, v] = self.plane(at);
+        forward + u * right + v * down
     }
 }
 

@@ -78,8 +78,7 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     if difference.is_nan() || difference > SAME_SURFACE {
         return None;
     }
-    let axes = Face::from_index(at.face as u8)?.axes().map(|axis| axis.as_vec3());
-    let image = Image { face, axes, texel };
+    let image = Image { face, number: Face::from_index(at.face as u8)?, texel };
     let normal = image.normal(&fit, offset)?;
     let facing = -normal.dot(local.normalize_or_zero());
     let curvature = if fit.bends { image.curvature(&fit) } else { None };
@@ -107,34 +106,31 @@ impl Fit {
     }
 }
 
-/// An image, its forward, right and down, and a texel of it.
+/// An image, of which face it is, and a texel of it.
 struct Image<'a> {
     face: &'a FaceTexels,
-    axes: [Vec3; 3],
+    number: Face,
     texel: [u32; 2],
 }
 
 impl Image<'_> {
-    /// Coordinates at distance 1 of a place in texels from the centre of the texel.
-    fn plane(&self, offset: [f32; 2]) -> [f32; 2] {
-        [0, 1]
-            .map(|axis| (self.texel[axis] as f32 + 0.5 + offset[axis] - self.face.centre[axis]) / self.face.scale[axis])
+    /// A place that is so many texels from the centre of the texel.
+    fn place(&self, offset: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|axis| self.texel[axis] as f32 + 0.5 + offset[axis])
     }
 
     /// The surface has `inverse depth = normal · (u, v, 1)`, up to the length of the normal.
     fn normal(&self, fit: &Fit, offset: [f32; 2]) -> Option<Vec3> {
-        let [u, v] = self.plane(offset);
+        let [u, v] = self.face.plane(self.place(offset));
         let [x, y] = fit.slope(offset);
         let [by_u, by_v] = [x * self.face.scale[0], y * self.face.scale[1]];
         let ahead = fit.value(offset) - by_u * u - by_v * v;
-        let [forward, right, down] = self.axes;
+        let [forward, right, down] = self.number.axes().map(|axis| axis.as_vec3());
         (-(by_u * right + by_v * down + ahead * forward)).try_normalize()
     }
 
     fn point(&self, fit: &Fit, offset: [f32; 2]) -> Vec3 {
-        let [u, v] = self.plane(offset);
-        let [forward, right, down] = self.axes;
-        (forward + u * right + v * down) / fit.value(offset)
+        self.face.way(self.number, self.place(offset)) / fit.value(offset)
     }
 
     /// How the normal turns over two texels along and two down, as it would on a ball.

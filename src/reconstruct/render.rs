@@ -145,7 +145,7 @@ pub fn render(
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
     let scene = PacketScene::new(views, &weights, ClipPlanes::of(camera));
-    let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
+    let glass = glass(views, &weights, (camera, settings), monitor)?;
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut row = scene.row(settings);
         let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
@@ -172,7 +172,7 @@ pub fn render_plainly(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let weights = camera_weights(views);
-    let glass = sends_on(views, settings.effects).then(|| GlassBalls::of(views, &weights));
+    let glass = glass(views, &weights, (camera, settings), monitor)?;
     let clip = ClipPlanes::of(camera);
     render_rows((camera, settings), monitor, |directions, counters| {
         let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
@@ -192,6 +192,16 @@ pub fn sends_on(views: &ActiveViews<'_>, effects: EffectMode) -> bool {
         EffectMode::Force => views.views.iter().any(|view| view.view.has_material()),
         EffectMode::Auto => views.views.iter().any(|view| view.view.calls_for_effects()),
     }
+}
+
+/// The balls of glass of a picture; None where no rays are sent on.
+fn glass(
+    views: &ActiveViews<'_>,
+    weights: &[f32],
+    (camera, settings): (&Camera, &RenderSettings),
+    monitor: &dyn Monitor,
+) -> Result<Option<GlassBalls>> {
+    sends_on(views, settings.effects).then(|| GlassBalls::shown(views, weights, camera, monitor)).transpose()
 }
 
 /// What a ray from the eye brings when mirrors and glass have sent it on, where they do.

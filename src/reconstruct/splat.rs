@@ -43,9 +43,9 @@ pub fn splat(
     let mut shown: Vec<Option<Point>> = vec![None; width as usize * height as usize];
     for view in &views.views {
         for (number, face) in view.view.faces.iter().enumerate() {
-            let (Some(face), Some(axes)) = (face, Face::from_index(number as u8).map(Face::axes)) else { continue };
+            let (Some(face), Some(number)) = (face, Face::from_index(number as u8)) else { continue };
             monitor.check()?;
-            let image = Image { view, face, axes: axes.map(|axis| axis.as_vec3()), clip };
+            let image = Image { view, face, number, clip };
             let row = |row: u32| -> Vec<_> {
                 (0..face.size[0]).filter_map(|column| image.point([column, row], camera, settings)).collect()
             };
@@ -79,8 +79,7 @@ pub fn splat(
 struct Image<'a> {
     view: &'a ActiveView<'a>,
     face: &'a FaceTexels,
-    /// Forward, right and down, in the axes of the probe.
-    axes: [Vec3; 3],
+    number: Face,
     /// Of the camera, where it has them.
     clip: Option<ClipPlanes>,
 }
@@ -88,15 +87,14 @@ struct Image<'a> {
 impl Image<'_> {
     /// Where a texel falls, and as what; none where it is not in the picture, or nothing is known of it.
     fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
-        let Image { view, face, axes: [forward, right, down], clip } = self;
+        let Image { view, face, number, clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
         let inverse_depth = face.inverse_depth[texel];
         if inverse_depth == UNKNOWN {
             return None;
         }
-        let [u, v] = [column, row].map(|at| at as f32 + 0.5);
-        let (u, v) = ((u - face.centre[0]) / face.scale[0], (v - face.centre[1]) / face.scale[1]);
-        let direction = view.probe_from_world.transpose() * (*forward + u * *right + v * *down);
+        let centre = [column, row].map(|at| at as f32 + 0.5);
+        let direction = view.probe_from_world.transpose() * face.way(*number, centre);
         let (from_eye, distance_m) = if inverse_depth == BACKGROUND {
             (direction, f32::INFINITY)
         } else {

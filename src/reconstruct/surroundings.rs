@@ -12,10 +12,12 @@ use glam::{DMat3, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
+use crate::error::Result;
 use crate::image::cube::Face;
+use crate::monitor::Monitor;
 use crate::reconstruct::active_views::{ActiveView, ActiveViews};
 use crate::reconstruct::counters::Counters;
-use crate::reconstruct::glass_balls::{NEAR_BALL, is_glass, steps_around, texel_point};
+use crate::reconstruct::glass_balls::{NEAR_BALL, faces, is_glass, steps_around, texel_point};
 use crate::reconstruct::hidden_planes::{Edge, Plane, first_met, planes};
 use crate::reconstruct::interpolate::{Taps, background_color, surface_color};
 use crate::reconstruct::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
@@ -29,6 +31,8 @@ use crate::reconstruct::solid::{Ball, refract};
 pub const MOST_TEXELS: u32 = 128;
 /// Texels of glass that let less than this part of the light straight through say nothing of what is behind.
 pub const LEAST_THROUGH: f32 = 0.5;
+/// Planes are looked for in at most so many points beside what is hidden: the time grows as their number squared.
+pub const MOST_EDGES: usize = 4096;
 /// How much what a view sees through a ball counts, as a power of its weight for the distance from the eye: what is bent
 /// twice differs more from view to view than surfaces do.
 pub const NEARNESS: i32 = 4;
@@ -97,14 +101,23 @@ enum Known {
     Hidden,
 }
 
-/// The view from the centre of a ball with an index of refraction.
-pub fn surroundings(views: &ActiveViews<'_>, camera_weights: &[f32], (ball, ior): (Ball, f32)) -> View {
+/// The view from the centre of a ball with an index of refraction. `camera_weights` are those of
+/// [`super::interpolate::camera_weights`].
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn surroundings(
+    (views, camera_weights): (&ActiveViews<'_>, &[f32]),
+    (ball, ior): (Ball, f32),
+    monitor: &dyn Monitor,
+) -> Result<View> {
     let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
     let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
     let steps = steps_around(views, &ball, size);
-    let looking = Looking { views, camera_weights, ball, steps: &steps };
-    let known: Vec<Known> =
-        (0..6 * size * size).into_par_iter().map(|at| looking.known(direction(at, size).normalize())).collect();
+    // Colours come later; the coding does not matter before.
+    let face = FaceTexels::unknown([size; 2], [[size as f32 / 2.0; 2]; 2], ColorCoding::Light);
+    let looking = Looking { views, camera_weights, ball, steps: &steps, face: &face, monitor };
+    let known = looking.all_known()?;
     let mut view = View {
         name: "ball".into(),
         probe: usize::MAX,
@@ -114,19 +127,29 @@ pub fn surroundings(views: &ActiveViews<'_>, camera_weights: &[f32], (ball, ior)
         far_m: views.far_m() + ball.centre.length(),
         faces: Default::default(),
     };
-    put_depths(&mut view, &known, &planes(&looking.edges(&known, size)), size);
-    let colors = colors(&looking, &known, &view, ior);
+    put_depths(&mut view, &known, &planes(&looking.edges(&known)?, monitor)?, &face);
+    let colors = colors(&looking, &known, &view, ior)?;
     for (texels, colors) in view.faces.iter_mut().flatten().zip(colors.chunks((size * size) as usize)) {
         texels.color = coded(colors, views.coding);
     }
-    view
+    Ok(view)
 }
 
-/// The way through the centre of a texel, counted through all faces; its planar depth is 1.
-fn direction(at: u32, size: u32) -> Vec3 {
-    let [forward, right, down] = Face::CUBE[(at / (size * size)) as usize].axes().map(|axis| axis.as_vec3());
-    let [u, v] = [at % size, at / size % size].map(|at| (at as f32 + 0.5) / size as f32 * 2.0 - 1.0);
-    forward + u * right + v * down
+/// A view from the centre of a ball, as the eye has it.
+pub fn from_centre<'a>(view: &'a View, ball: &Ball) -> ActiveView<'a> {
+    ActiveView {
+        view,
+        from_eye: ball.centre,
+        probe_from_world: glam::Mat3::IDENTITY,
+        greatest_inverse_depth: view.greatest_inverse_depth(),
+    }
+}
+
+/// The way through the centre of a texel, counted through all faces, which are such as this one.
+fn direction(at: usize, face: &FaceTexels) -> Vec3 {
+    let [width, height] = face.size.map(|size| size as usize);
+    let centre = [at % width, at / width % height].map(|at| at as f32 + 0.5);
+    face.way(Face::CUBE[at / (width * height)], centre)
 }
 
 /// How views look for what is around a ball.
@@ -135,9 +158,23 @@ struct Looking<'a> {
     camera_weights: &'a [f32],
     ball: Ball,
     steps: &'a Steps,
+    /// As all faces of the view from the centre are.
+    face: &'a FaceTexels,
+    monitor: &'a dyn Monitor,
 }
 
 impl Looking<'_> {
+    /// What views see in the direction of each texel, counted through all faces.
+    fn all_known(&self) -> Result<Vec<Known>> {
+        let [width, height] = self.face.size.map(|size| size as usize);
+        let row = |row: usize| -> Result<Vec<Known>> {
+            self.monitor.check()?;
+            let known = |at: usize| self.known(direction(at, self.face).normalize());
+            Ok((row * width..(row + 1) * width).map(known).collect())
+        };
+        Ok((0..6 * height).into_par_iter().map(row).collect::<Result<Vec<_>>>()?.concat())
+    }
+
     /// What views see in a direction from the ball: rays begin hidden, and have come into the open where a view sees past them.
     fn known(&self, direction: Vec3) -> Known {
         let ray = Ray { origin: self.ball.centre + self.ball.radius_m * direction, direction };
@@ -160,10 +197,10 @@ impl Looking<'_> {
         }
     }
 
-    /// Surfaces beside what is hidden.
-    fn edges(&self, known: &[Known], size: u32) -> Vec<Edge> {
-        let at_edge = |&(at, _): &(usize, &Known)| {
-            let size = size as usize;
+    /// Surfaces beside what is hidden, [`MOST_EDGES`] of them or fewer, everywhere alike.
+    fn edges(&self, known: &[Known]) -> Result<Vec<Edge>> {
+        let size = self.face.size[0] as usize;
+        let at_edge = |&at: &usize| {
             let (row, column) = (at / size % size, at % size);
             let beside = [
                 (column > 0, -1),
@@ -174,13 +211,17 @@ impl Looking<'_> {
             let next = |&(there, by): &(bool, isize)| there.then(|| at.checked_add_signed(by)).flatten();
             beside.iter().filter_map(next).any(|next| matches!(known[next], Known::Hidden))
         };
-        let edge = |(at, known): (usize, &Known)| {
-            let Known::Seen(distance_m, _) = *known else { return None };
-            let point = distance_m * direction(at as u32, size).normalize();
+        let edge = |at: usize| {
+            let Known::Seen(distance_m, _) = known[at] else { return None };
+            let point = distance_m * direction(at, self.face).normalize();
             let normal = patch(self.views, self.camera_weights, self.ball.centre + point)?.normal;
             Some(Edge { point, normal })
         };
-        known.iter().enumerate().filter(at_edge).filter_map(edge).collect()
+        let is_seen = |at: &usize| matches!(known[*at], Known::Seen(distance_m, _) if distance_m.is_finite());
+        let beside: Vec<usize> = (0..known.len()).filter(is_seen).filter(at_edge).collect();
+        self.monitor.check()?;
+        let some: Vec<usize> = beside.iter().copied().step_by(beside.len().div_ceil(MOST_EDGES).max(1)).collect();
+        Ok(some.into_par_iter().filter_map(edge).collect())
     }
 
     /// The way of a ray from a view straight through the ball, and the part of its light that goes there.
@@ -197,22 +238,21 @@ impl Looking<'_> {
 }
 
 /// Depths of the faces: where nothing is known, planes go on, else what is around fills it in inverse distance.
-fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], size: u32) {
+fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTexels) {
+    let size = like.size[0];
     let mut cube = Cube::empty(size as usize);
     for (at, known) in known.iter().enumerate() {
         let inverse = match known {
             Known::Seen(distance_m, _) => Some(distance_m.recip()),
-            Known::Hidden => first_met(planes, direction(at as u32, size).normalize()),
+            Known::Hidden => first_met(planes, direction(at, like).normalize()),
         };
         if let Some(inverse) = inverse {
             cube.add(at, Vec3::splat(inverse), 1.0);
         }
     }
     let inverse = cube.filled();
-    let half = size as f32 / 2.0;
     for (face, inverse) in inverse.chunks((size * size) as usize).enumerate() {
-        // Colours come later; the coding does not matter before.
-        let mut texels = FaceTexels::unknown([size; 2], [[half; 2]; 2], ColorCoding::Light);
+        let mut texels = like.clone();
         for (at, inverse) in inverse.iter().enumerate() {
             let stretch = texels.stretch(at as u32 % size, at as u32 / size);
             texels.inverse_depth[at] = if inverse.x > 0.0 { inverse.x * stretch } else { BACKGROUND };
@@ -223,52 +263,49 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], size: u32) {
 }
 
 /// Colours of the faces, as views code them.
-fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Vec<Vec3> {
-    let Looking { views, ball, steps, .. } = *looking;
-    let around = ActiveView {
-        view,
-        from_eye: ball.centre,
-        probe_from_world: glam::Mat3::IDENTITY,
-        greatest_inverse_depth: view.greatest_inverse_depth(),
-    };
-    let alone = ActiveViews { views: vec![around], coding: views.coding };
-    let mut cube = Cube::empty((known.len() as f64 / 6.0).sqrt() as usize);
+fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
+    let Looking { views, ball, steps, monitor, .. } = *looking;
+    let alone = ActiveViews { views: vec![from_centre(view, &ball)], coding: views.coding };
+    let mut cube = Cube::empty(looking.face.size[0] as usize);
     for (at, known) in known.iter().enumerate() {
         if let Known::Seen(_, color) = known {
             cube.add(at, *color, 1.0);
         }
     }
     let greatest = looking.camera_weights.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    for (active, camera_weight) in views.views.iter().zip(looking.camera_weights) {
-        let nearness = (camera_weight / greatest).powi(NEARNESS);
-        for (face, texels) in active.view.faces.iter().enumerate() {
-            let Some(texels) = texels.as_ref().filter(|texels| texels.calls_for_effects) else { continue };
-            let ends = |at: usize| {
-                let point = texel_point(active, face, texels, at).filter(|_| is_glass(texels, at))?.as_vec3();
-                let off_m = ((point - ball.centre).length() - ball.radius_m).abs();
-                if off_m > NEAR_BALL * ball.radius_m {
-                    return None;
-                }
-                let ray = Ray { origin: point, direction: (point - active.from_eye).try_normalize()? };
-                let (out, part) = looking.through(&ray, ior).filter(|(_, part)| *part >= LEAST_THROUGH)?;
-                let hit = Acceleration::Pyramid.intersect_from(&alone, &out, (steps, 0), &mut Counters::default());
-                let end = hit.map_or(out.direction, |distance_m| alone.views[0].local(out.at(distance_m)));
-                Some((view.project(end)?, part, texels.color.get(at)))
-            };
-            let ends: Vec<_> = (0..texels.inverse_depth.len()).into_par_iter().filter_map(ends).collect();
-            for (end, part, color) in ends {
-                let Some(onto) = &view.faces[end.face] else { continue };
-                let taps = Taps::around(end.at, onto);
-                for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
-                    let at = end.face * onto.inverse_depth.len() + texel;
-                    if matches!(known[at], Known::Hidden) {
-                        cube.add(at, color, weight * part * nearness);
-                    }
+    for (active, face, texels) in faces(views) {
+        let of_view = views.views.iter().position(|view| std::ptr::eq(view, active)).unwrap_or_default();
+        let nearness = (looking.camera_weights[of_view] / greatest).powi(NEARNESS);
+        let ends = |at: usize| {
+            let point = texel_point(active, face, texels, at).filter(|_| is_glass(texels, at))?.as_vec3();
+            let off_m = ((point - ball.centre).length() - ball.radius_m).abs();
+            if off_m > NEAR_BALL * ball.radius_m {
+                return None;
+            }
+            let ray = Ray { origin: point, direction: (point - active.from_eye).try_normalize()? };
+            let (out, part) = looking.through(&ray, ior).filter(|(_, part)| *part >= LEAST_THROUGH)?;
+            let hit = Acceleration::Pyramid.intersect_from(&alone, &out, (steps, 0), &mut Counters::default());
+            let end = hit.map_or(out.direction, |distance_m| alone.views[0].local(out.at(distance_m)));
+            Some((view.project(end)?, part, texels.color.get(at)))
+        };
+        let [width, height] = texels.size.map(|size| size as usize);
+        let of_row = |row: usize| -> Result<Vec<_>> {
+            monitor.check()?;
+            Ok((row * width..(row + 1) * width).filter_map(ends).collect())
+        };
+        let of_rows: Vec<Vec<_>> = (0..height).into_par_iter().map(of_row).collect::<Result<_>>()?;
+        for (end, part, color) in of_rows.into_iter().flatten() {
+            let Some(onto) = &view.faces[end.face] else { continue };
+            let taps = Taps::around(end.at, onto);
+            for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
+                let at = end.face * onto.inverse_depth.len() + texel;
+                if matches!(known[at], Known::Hidden) {
+                    cube.add(at, color, weight * part * nearness);
                 }
             }
         }
     }
-    cube.filled()
+    Ok(cube.filled())
 }
 
 fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
@@ -287,6 +324,7 @@ fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::Silent;
 
     #[test]
     fn what_is_missing_is_filled_by_what_is_around() {
@@ -316,7 +354,8 @@ mod tests {
         let ball = Ball { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 1.0 };
         let views = ActiveViews { views: Vec::new(), coding: ColorCoding::Light };
         let steps = Steps::new(4, 0.1, 1.0, 0);
-        let looking = Looking { views: &views, camera_weights: &[], ball, steps: &steps };
+        let face = &FaceTexels::unknown([1; 2], [[0.5; 2]; 2], ColorCoding::Light);
+        let looking = Looking { views: &views, camera_weights: &[], ball, steps: &steps, face, monitor: &Silent };
         let through = |x: f32, ior| looking.through(&Ray { origin: Vec3::X * x, direction: Vec3::NEG_Z }, ior);
         let (straight, part) = through(0.0, 1.5).unwrap();
         assert_eq!((straight.origin, straight.direction), (Vec3::NEG_Z * 4.0, Vec3::NEG_Z));

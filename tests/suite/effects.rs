@@ -268,7 +268,7 @@ fn balls_of_glass_are_known_as_wholes() {
     let field = field(&scene(), &corners(), 96);
     let indices: Vec<usize> = (0..8).collect();
     let views = ActiveViews::new(&field, &indices, MIDDLE);
-    let glass = GlassBalls::of(&views, &camera_weights(&views));
+    let glass = GlassBalls::of(&views, &camera_weights(&views), &Silent).unwrap();
     let [found] = &glass.balls[..] else { panic!("one ball of glass: {:?}", glass.balls.len()) };
     assert!(found.ball.centre.distance((GLASS.0 - MIDDLE).as_vec3()) < 1e-3, "{:?}", found.ball);
     assert!((f64::from(found.ball.radius_m) - GLASS.1).abs() < 1e-3 && (found.ior - 1.5).abs() < 0.01, "{found:?}");

@@ -6,7 +6,7 @@ use crate::image::transfer::Transfer;
 use crate::math::Camera;
 use crate::reconstruct::active_views::ActiveViews;
 use crate::reconstruct::effects::MAX_BOUNCES;
-use crate::reconstruct::glass_balls::{GlassBalls, from_centre};
+use crate::reconstruct::glass_balls::GlassBalls;
 use crate::reconstruct::interpolate::camera_weights;
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::pyramid::DepthPyramid;
@@ -142,7 +142,7 @@ pub fn words(
     let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
-    let from_balls = glass.balls.iter().map(|ball| (from_centre(ball), 1.0));
+    let from_balls = glass.balls.iter().map(|ball| (ball.around(), 1.0));
     for (active, camera_weight) in views.views.iter().copied().zip(camera_weights(views)).chain(from_balls) {
         let turn = active.probe_from_world;
         for (axis, last) in [
