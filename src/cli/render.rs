@@ -6,6 +6,7 @@ mod pictures;
 mod report;
 mod truth;
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,6 +16,7 @@ use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
 use crate::cli::output::{self, OutputFile};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
+use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::render::RenderCost;
@@ -24,12 +26,15 @@ use crate::math::Camera;
 use crate::memory::Need;
 use crate::reconstruct::TimedCamera;
 use crate::reconstruct::active_views::ActiveViews;
+use crate::reconstruct::glass_balls::{LEAST_TEXELS, MOST_BALLS};
 use crate::reconstruct::light_field::ColorCoding;
 use crate::reconstruct::methods::{ReprojectRenderer, SplatRenderer};
 use crate::reconstruct::path::{self, Shot};
 use crate::reconstruct::playback::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::reconstruct::player::ProbeChoice;
+use crate::reconstruct::render::RAYS_AT_ONCE;
 use crate::reconstruct::selection::{SelectionSettings, ViewPriority};
+use crate::reconstruct::surroundings::MOST_TEXELS;
 use crate::video::decode::Decoder;
 
 use options::{DecodeArg, EffectsArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
@@ -39,9 +44,17 @@ use truth::TruthArgs;
 /// Height of pictures where none is given.
 const DEFAULT_SIZE: u32 = 512;
 
-/// Bytes of each pixel of a shot, from its rays until it is written: light and alpha as they come row by row, as a picture,
-/// joined for two eyes, and as codes or channels of a file.
+/// Bytes of each pixel of a shot, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
+/// as codes or channels of a file. Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
+/// Bytes of each ray that a thread holds: its direction and what it brought.
+const RAY_BYTES: u64 = 64;
+/// Bytes of a texel of material that finding balls takes: its point, twice where a ball gathers them, and where its ray ends.
+const GLASS_BYTES: u64 = 64;
+/// Bytes of a direction from a ball of glass, as a texel of the view from its centre.
+const AROUND_BYTES: u64 = 16;
+/// Bytes of one while the view is made, one after the other: what is known of it, sums, weights, and coarser images.
+const MAKING_BYTES: u64 = 96;
 /// Bytes of each pixel of a reference: the faces of colour, depth and material that lie in one file, and errors.
 const REFERENCE_BYTES: u64 = 320;
 /// Bytes of a picture on a contact sheet.
@@ -343,10 +356,39 @@ impl Args {
             MethodArg::Splat => images.unwrap_or(0) * POINT_BYTES,
             MethodArg::March | MethodArg::Reproject => 0,
         };
-        let fixed = takes.iter().map(of_take).max().unwrap_or(0).saturating_add(sheet + points);
+        let of_pictures = takes.iter().map(of_take).max().unwrap_or(0).saturating_add(sheet + points);
+        let fixed = of_pictures.saturating_add(self.bytes_of_rays(decoder));
         let need = Need { what: "making the pictures", fixed, each: 0, instead: "a smaller --size" };
         self.memory.get().at_once(&need, 1)?;
         Ok(fixed)
+    }
+
+    /// The most bytes that following rays takes: those that threads hold, and where there may be balls of glass, finding them
+    /// in the views and looking around them.
+    fn bytes_of_rays(&self, decoder: &Decoder) -> u64 {
+        if self.march.method != MethodArg::March {
+            return 0;
+        }
+        let held = (rayon::current_num_threads() * RAYS_AT_ONCE) as u64 * RAY_BYTES;
+        if self.march.effects == EffectsArg::None {
+            return held;
+        }
+        let probes = self.playback_options().probes;
+        let mut of_probes = BTreeMap::<usize, u64>::new();
+        for stream in decoder.streams().iter().filter(|stream| stream.kind == StreamKind::Material) {
+            if probes.takes(&decoder.probe(stream).name) {
+                *of_probes.entry(stream.probe).or_default() += pixels([stream.entry.width, stream.entry.height]);
+            }
+        }
+        let mut of_probes: Vec<u64> = of_probes.into_values().collect();
+        of_probes.sort_unstable_by_key(|&texels| std::cmp::Reverse(texels));
+        let most = self.views.views.map_or(usize::MAX, |views| views as usize);
+        let texels: u64 = of_probes.into_iter().take(most).sum();
+        let balls = (texels / LEAST_TEXELS as u64).min(MOST_BALLS as u64);
+        let around = 6
+            * u64::from(MOST_TEXELS).pow(2)
+            * (balls * AROUND_BYTES + balls.min(rayon::current_num_threads() as u64) * MAKING_BYTES);
+        texels.saturating_mul(GLASS_BYTES).saturating_add(around + held)
     }
 
     /// Refuses to overwrite what is read, or a file by another.

@@ -127,11 +127,9 @@ impl Outcome {
     }
 }
 
-/// Colour and alpha.
-type Pixel = ([f32; 3], f32);
-
-/// Rays after which the monitor is asked whether to stop, also within a row: a multiple of four, so that packets stay whole.
-const RAYS_AT_ONCE: usize = 1024;
+/// Rays that are followed before the monitor is asked again whether to stop, and all of a row that is held at once: a
+/// multiple of four, so that packets stay whole.
+pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.
 ///
@@ -221,7 +219,7 @@ fn sent_on(
     }
 }
 
-/// Renders with what brings the outcomes of the rays of a row, by their directions.
+/// Renders with what brings the outcomes of rays of a row that follow each other, by their directions.
 fn render_rows(
     (camera, settings): (&Camera, &RenderSettings),
     monitor: &dyn Monitor,
@@ -229,62 +227,76 @@ fn render_rows(
 ) -> Result<Rendered> {
     let [width, height] = settings.size;
     let samples = settings.samples.max(1) as usize;
-    let row = |y: u32| -> Result<(Vec<Pixel>, Counters)> {
-        let mut counters = Counters::default();
-        let directions = directions(camera, settings, y);
-        counters.primary_rays += directions.len() as u64;
-        let mut brought = Vec::with_capacity(directions.len());
-        for some in directions.chunks(RAYS_AT_ONCE) {
+    let (rays_of_pixel, rays_of_row) = (samples * samples, samples * samples * width as usize);
+    let pixels = width as usize * height as usize;
+    let (mut color, mut alpha) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
+    let row = |(y, (color, alpha)): (usize, (&mut [[f32; 3]], &mut [f32]))| -> Result<Counters> {
+        let mut counters = Counters { primary_rays: rays_of_row as u64, ..Counters::default() };
+        let (mut pixels, mut brought) = (color.iter_mut().zip(alpha), Brought::default());
+        for first in (0..rays_of_row).step_by(RAYS_AT_ONCE) {
             monitor.check()?;
-            brought.extend(outcomes(some, &mut counters));
+            let some = first..rays_of_row.min(first + RAYS_AT_ONCE);
+            let directions: Vec<Vec3> = some.map(|ray| direction(camera, settings, [ray, y])).collect();
+            for outcome in outcomes(&directions, &mut counters) {
+                brought.add(outcome, settings.holes);
+                if brought.rays as usize == rays_of_pixel
+                    && let Some((color, alpha)) = pixels.next()
+                {
+                    counters.hole_rays += u64::from(brought.rays - brought.seen);
+                    (*color, *alpha) = std::mem::take(&mut brought).color_and_alpha();
+                }
+            }
         }
         monitor.advance(1);
-        let pixels = brought.chunks(samples * samples).map(|of_pixel| pixel(of_pixel, settings.holes, &mut counters));
-        Ok((pixels.collect(), counters))
+        Ok(counters)
     };
-    let rows: Vec<_> = (0..height).into_par_iter().map(row).collect::<Result<_>>()?;
-    let counters = rows.iter().fold(Counters::default(), |sum, (_, counters)| sum.plus(*counters));
-    let pixels = || rows.iter().flat_map(|(row, _)| row);
-    Ok(Rendered {
-        color: Plane::new(width, height, pixels().map(|pixel| pixel.0).collect())?,
-        alpha: Plane::new(width, height, pixels().map(|pixel| pixel.1).collect())?,
-        counters,
-    })
+    let in_row = (width as usize).max(1);
+    let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
+    let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum.plus(of_row)))?;
+    Ok(Rendered { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)?, counters })
 }
 
-/// Directions of the rays of a row, pixel by pixel, and in a pixel row by row.
-fn directions(camera: &Camera, settings: &RenderSettings, y: u32) -> Vec<Vec3> {
-    let samples = settings.samples.max(1);
-    let place = |pixel: u32, sample: u32, size: u32| {
-        (f64::from(pixel) + (f64::from(sample) + 0.5) / f64::from(samples)) / f64::from(size)
+/// Direction of a ray by its number in a row of pixels: pixel by pixel, and in a pixel row by row.
+fn direction(camera: &Camera, settings: &RenderSettings, [ray, y]: [usize; 2]) -> Vec3 {
+    let samples = settings.samples.max(1) as usize;
+    let (x, at) = (ray / (samples * samples), ray % (samples * samples));
+    let place = |pixel: usize, sample: usize, size: u32| {
+        (pixel as f64 + (sample as f64 + 0.5) / samples as f64) / f64::from(size)
     };
-    let direction = |x: u32, at: u32| {
-        let window = [place(x, at % samples, settings.size[0]), place(y, at / samples, settings.size[1])];
-        camera.direction(window).as_vec3()
-    };
-    (0..settings.size[0]).flat_map(|x| (0..samples * samples).map(move |at| direction(x, at))).collect()
+    let window = [place(x, at % samples, settings.size[0]), place(y, at / samples, settings.size[1])];
+    camera.direction(window).as_vec3()
 }
 
-/// A pixel of what its rays brought.
-fn pixel(outcomes: &[Outcome], holes: HoleFill, counters: &mut Counters) -> Pixel {
-    let (mut color, mut colored, mut seen) = (Vec3::ZERO, 0u32, 0u32);
-    for outcome in outcomes {
-        let light = match *outcome {
+/// What rays of a pixel have brought.
+#[derive(Debug, Clone, Copy, Default)]
+struct Brought {
+    /// Sum of the light of those that have a colour.
+    color: Vec3,
+    colored: u32,
+    /// Rays that end in something that a view saw.
+    seen: u32,
+    rays: u32,
+}
+
+impl Brought {
+    fn add(&mut self, outcome: Outcome, holes: HoleFill) {
+        self.rays += 1;
+        let light = match outcome {
             Outcome::Seen(light) => {
-                seen += 1;
+                self.seen += 1;
                 Some(light)
             }
-            Outcome::Hole(nearest) => {
-                counters.hole_rays += 1;
-                nearest.filter(|_| holes == HoleFill::Nearest)
-            }
+            Outcome::Hole(nearest) => nearest.filter(|_| holes == HoleFill::Nearest),
         };
         if let Some(light) = light {
-            color += light;
-            colored += 1;
+            self.color += light;
+            self.colored += 1;
         }
     }
-    ((color / colored.max(1) as f32).to_array(), seen as f32 / outcomes.len() as f32)
+
+    fn color_and_alpha(self) -> ([f32; 3], f32) {
+        ((self.color / self.colored.max(1) as f32).to_array(), self.seen as f32 / self.rays as f32)
+    }
 }
 
 fn outcome(

@@ -150,6 +150,8 @@ fn a_budget_is_kept_or_refused_by_every_command() {
                 .to_owned(),
             "again.png",
         ),
+        // A row has half a million rays.
+        (format!("render r.lfold {eye} --frames 1 --size 8192x4 --samples 8 --effects none -o wide.png"), "wide.png"),
     ] {
         check_budgets(&line, Some(output), at);
     }
@@ -162,6 +164,59 @@ fn a_budget_is_kept_or_refused_by_every_command() {
         assert!(refused.said.contains("leave out one of them"), "{}", refused.said);
     }
     assert_eq!(run("encode . -o a.lfold --memory lots", at).code, 2);
+}
+
+/// Writes a dataset of one face that shows a grid of balls of glass before a wall.
+fn beads(folder: &Path, size: u32, grid: u32) {
+    const AWAY_M: f64 = 2.0;
+    const WALL_M: f64 = 5.0;
+    let radius_m = 0.6 * AWAY_M / f64::from(grid);
+    // The distance at which a pixel shows a ball.
+    let bead_m = |face: Face, x: u32, y: u32| {
+        let to = face.direction(x, y, size).normalize();
+        let [forward, right, down] = face.axes();
+        let met_m = |at: u32| {
+            let [u, v] = [at % grid, at / grid].map(|at| f64::from(2 * at + 1) / f64::from(grid) - 1.0);
+            let centre = AWAY_M * (forward + u * right + v * down);
+            let along_m = centre.dot(to);
+            let squared = radius_m * radius_m - (centre.length_squared() - along_m * along_m);
+            (squared > 0.0).then(|| along_m - squared.sqrt())
+        };
+        (0..grid * grid).filter_map(met_m).reduce(f64::min)
+    };
+    let wall_m = |face: Face, x: u32, y: u32| WALL_M / face.direction(x, y, size).normalize().dot(face.axes()[0]);
+    let depth = |face: Face, _: u32| {
+        Plane::from_fn(size, size, |x, y| bead_m(face, x, y).unwrap_or_else(|| wall_m(face, x, y)) as f32)
+    };
+    let color = |_: Face, _: u32| {
+        Plane::from_fn(size, size, |x, y| [x, y, x + y].map(|at| f16::from_f32(at as f32 / (2 * size) as f32)))
+    };
+    let material = |face: Face, _: u32| {
+        let of = |bead_m: Option<f64>| if bead_m.is_some() { [0.0, 1.0, 1.5] } else { [0.0, 0.0, 1.0] };
+        Plane::from_fn(size, size, |x, y| of(bead_m(face, x, y)))
+    };
+    Footage {
+        frames: [0, 0],
+        depth: Some(&depth),
+        color: Some(&color),
+        material: Some(&material),
+        depth_keys: ", \"near\": 1, \"far\": 12",
+        ..Footage::new(size, size)
+    }
+    .write(folder);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_budget_is_kept_where_there_is_glass() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    beads(at, 256, 4);
+    assert_eq!(run("encode . -o beads.lfold", at).code, 0);
+    let line = "render beads.lfold --eye 0.1,1,2 --look-at 1,1,2 --fov 80 --steps 16 --size 20 --samples 8 --stats -o beads.png";
+    let all = run(line, at);
+    assert!(all.report["secondary_rays"].as_u64() > Some(1000), "{}", all.report);
+    check_budgets(line, Some("beads.png"), at);
 }
 
 #[cfg(target_os = "linux")]
