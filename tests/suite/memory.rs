@@ -150,8 +150,8 @@ fn a_budget_is_kept_or_refused_by_every_command() {
                 .to_owned(),
             "again.png",
         ),
-        // A row has half a million rays.
-        (format!("render r.lfold {eye} --frames 1 --size 8192x4 --samples 8 --effects none -o wide.png"), "wide.png"),
+        // A row has two million rays.
+        (format!("render r.lfold {eye} --frames 1 --size 8192x4 --samples 16 --effects none -o wide.png"), "wide.png"),
     ] {
         check_budgets(&line, Some(output), at);
     }
