@@ -2,9 +2,8 @@
 //! range of depth, coincident probes, one distance, no surfaces, all sizes.
 //!
 //! All of it is measured on the CPU; [`super::device`] makes the pictures on a device, too. Light fields are made from formulas, so
-//! that what must come out is known. Cases with an occluder are in [`hidden`], balls of glass in [`glass`].
+//! that what must come out is known. Cases with an occluder are in [`hidden`].
 
-mod glass;
 mod hidden;
 
 use glam::{DVec3, Vec3};
@@ -134,7 +133,6 @@ pub(super) fn cases() -> Vec<HardCase> {
     let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
     cases.push(copies.case("three", Bound::AtMost(most), coincident));
     cases.extend(hidden::cases());
-    cases.extend(glass::cases());
     cases
 }
 
