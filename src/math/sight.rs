@@ -41,7 +41,7 @@ impl Viewer {
     /// What it sees of a frustum and of the background behind it. [`Sight::Missed`] is certain.
     ///
     /// Frusta that are a little apart count as seen: by a part in 10¹³ of the lengths involved, which between two
-    /// endless ones are 2 / [`MARGIN`] times the distance of their tips, so about 2 · 10⁻⁶ of that distance.
+    /// endless ones are 2 / `MARGIN` times the distance of their tips, so about 2 · 10⁻⁶ of that distance.
     pub fn sight(&self, volume: &Frustum) -> Sight {
         let Some(wide) = self.wide.as_ref().filter(|_| volume.is_sound()) else { return Sight::Partly };
         if volume.rays.iter().all(|ray| self.frustum.contains_direction(*ray)) {
