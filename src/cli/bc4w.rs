@@ -13,10 +13,10 @@ use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
+use crate::encode::dataset::{DepthCodec, EncodeSettings};
+use crate::encode::tile_quality;
 use crate::error::{Error, Result};
 use crate::report::{Column, Table};
-use crate::video::encode::{DepthCodec, EncodeSettings};
-use crate::video::tile_quality;
 
 /// Length of the longest bar of the histogram.
 const BAR_COLUMNS: u64 = 8;

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::video::damage::DamagedChunk;
-use crate::video::decode::Decoder;
+use crate::decode::damage::DamagedChunk;
+use crate::decode::decoder::Decoder;
 
 /// One object for each chunk.
 pub fn json(decoder: &Decoder, damaged: &[DamagedChunk]) -> Vec<Value> {

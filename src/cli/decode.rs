@@ -13,16 +13,16 @@ use crate::cli::output::{self, OutputFolder, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::MANIFEST_NAME;
+use crate::decode::decoder::Decoder;
+use crate::decode::export::{
+    self, Decoded, Destination, FileFormat, ImageSource, IntactOnCpu, OnCpu, OnDamage, Request,
+};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
 use crate::report::tradeoff::Timing;
-use crate::video::decode::Decoder;
-use crate::video::export::{
-    self, Decoded, Destination, FileFormat, ImageSource, IntactOnCpu, OnCpu, OnDamage, Request,
-};
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;

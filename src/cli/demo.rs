@@ -8,19 +8,19 @@ use serde_json::json;
 use crate::cli::output::{self, OutputFile, OutputFolder, human_bytes, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
+use crate::compare::comparison::Comparison;
+use crate::compare::side::{self, SideOptions};
+use crate::compare::streams::{self, CompareSettings, Pairing, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
+use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::export::{self, Destination, FileFormat, OnCpu, Selection};
+use crate::encode::dataset::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
+use crate::inspect::container::{self, InspectSettings, Totals};
 use crate::report::tradeoff::commands::shell_word;
 use crate::report::{Column, Table};
 use crate::scene::{DemoKind, FootagePlan};
-use crate::video::compare::{self, CompareSettings, Pairing, SsimFrames};
-use crate::video::comparison::Comparison;
-use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::encode::{self, EncodeSettings, ErrorBound};
-use crate::video::export::{self, Destination, FileFormat, OnCpu, Selection};
-use crate::video::inspect::{self, InspectSettings, Totals};
-use crate::video::side::{self, SideOptions};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -134,7 +134,7 @@ fn encode(places: &Places, settings: &EncodeSettings, global: &GlobalArgs) -> Re
     let progress = Progress::start(global, "encoding", images)?;
     let path = &places.container;
     let file = OutputFile::create(path)?;
-    let (mut file, _) = encode::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
+    let (mut file, _) = dataset::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
     file.commit()
 }
 
@@ -154,15 +154,15 @@ fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     let settings = CompareSettings { ssim: SsimFrames::None, ..CompareSettings::default() };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
-    compare::compare(&pairing, &settings, &progress)
+    streams::compare(&pairing, &settings, &progress)
 }
 
 /// Sizes from the container, and the time to decode each kind without writing files.
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Totals)> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
-    let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
+    let progress = Progress::start(global, "measuring", container::steps(decoder, &streams))?;
     let settings = InspectSettings::default();
-    let inspection = inspect::inspect(decoder, &streams, settings, &progress)?;
+    let inspection = container::inspect(decoder, &streams, settings, &progress)?;
     let mut rows = Vec::new();
     for kind in StreamKind::ALL.into_iter().filter(|kind| streams.iter().any(|stream| stream.kind == *kind)) {
         let chosen = Selection { kinds: vec![kind], ..Selection::default() }.choose(decoder)?;

@@ -8,17 +8,17 @@ use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, diff_text};
 use crate::color::quality::PU_STEPS;
+use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
+use crate::compare::difference::{DepthErrors, Lowest, SampleErrors, Spot};
+use crate::compare::domain::{Domain, Origin};
+use crate::compare::side::{self, Coding, Side, SideOptions, StreamId};
+use crate::compare::streams::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::dataset::stream::StreamKind;
+use crate::decode::export::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
 use crate::image::transfer::Transfer;
-use crate::video::codec::ColorFormat;
-use crate::video::compare::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
-use crate::video::comparison::{Comparison, Measured, SampleTotal, StreamReport};
-use crate::video::difference::{DepthErrors, Lowest, SampleErrors, Spot};
-use crate::video::domain::{Domain, Origin};
-use crate::video::export::Selection;
-use crate::video::side::{self, Coding, Side, SideOptions, StreamId};
+use crate::streams::header::ColorFormat;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

@@ -4,14 +4,14 @@ use comfy_table::{Table, presets};
 
 use crate::cli::diff::{Broken, Verdict, side_name};
 use crate::color::quality::PU_STEPS;
+use crate::compare::comparison::{Comparison, Measured, StreamReport};
+use crate::compare::difference::Lowest;
+use crate::compare::domain::{Domain, Origin};
+use crate::compare::side::{Coding, Side};
 use crate::dataset::stream::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
-use crate::video::codec::ColorFormat;
-use crate::video::comparison::{Comparison, Measured, StreamReport};
-use crate::video::difference::Lowest;
-use crate::video::domain::{Domain, Origin};
-use crate::video::side::{Coding, Side};
+use crate::streams::header::ColorFormat;
 
 /// Rows of streams are printed unasked up to this many.
 const FEW: usize = 12;

@@ -12,8 +12,8 @@ use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
+use crate::encode::dataset::{self, EncodeSettings, EncodeSummary, Left, Resumable, Stopped};
 use crate::error::{Error, Result};
-use crate::video::encode::{self, EncodeSettings, EncodeSummary, Left, Resumable, Stopped};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -167,9 +167,9 @@ pub fn encode_file(
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }
     // Before an earlier encode is touched.
-    encode::check(source, settings)?;
+    dataset::check(source, settings)?;
     let start = Instant::now();
-    let images = encode::selected_groups(source, settings)
+    let images = dataset::selected_groups(source, settings)
         .iter()
         .map(|(_, group)| group.frames.count() * group.faces.len() as u64)
         .sum();
@@ -207,7 +207,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// All or nothing.
     fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
-        let done = encode::encode(self.source, self.settings, file, self.progress);
+        let done = dataset::encode(self.source, self.settings, file, self.progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.path))?;
         file.commit().map(|()| summary)
     }
@@ -225,9 +225,9 @@ impl Work<'_> {
         let begun = file.recover(self.progress).map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
-                encode::check_recovered(self.source, self.settings, &begun)
+                dataset::check_recovered(self.source, self.settings, &begun)
                     .map_err(|error| error.context(self.path.display()))?;
-                let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
+                let words = dataset::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
                 say(global, self.path, &format!("going on behind {words}"), true);
                 Some(begun)
             }
@@ -235,7 +235,7 @@ impl Work<'_> {
                 let words = "there is nothing to resume, so the encode begins at the start";
                 say(global, self.path, words, true);
                 // What a scan found may still serve.
-                begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
+                begun.filter(|begun| dataset::check_recovered(self.source, self.settings, begun).is_ok())
             }
             (begun, _) => {
                 let chunks = begun.map_or(0, |begun| begun.chunks().len());
@@ -248,7 +248,7 @@ impl Work<'_> {
         let journal =
             file.go_on(recovered.as_ref()).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
-        let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
+        let done = dataset::encode_resumable(self.source, self.settings, resumable, self.progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
             Ok(summary) => match file.commit() {
@@ -297,7 +297,7 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
 fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
     let Ok(output) = path.canonicalize() else { return false };
     let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == output);
-    encode::selected_groups(source, settings)
+    dataset::selected_groups(source, settings)
         .iter()
         .any(|(_, group)| group.frames.iter().any(|frame| source.file(group, frame).is_ok_and(|file| same(&file))))
 }

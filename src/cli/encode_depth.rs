@@ -5,8 +5,8 @@ use crate::cli::options::{DepthArgs, EffortArgs, FrameArgs, OutputArgs, ResumeAr
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
+use crate::encode::dataset::EncodeSettings;
 use crate::error::Result;
-use crate::video::encode::EncodeSettings;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

@@ -15,12 +15,12 @@ use serde_json::Value;
 use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs, is_dataset};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, output};
+use crate::decode::decoder::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
+use crate::inspect::container::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
 use crate::report;
 use crate::scene::Scene;
-use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::inspect::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -144,8 +144,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
         memory: args.memory.get(),
     };
-    let progress = Progress::start(global, "inspecting", inspect::steps(&decoder, &streams))?;
-    let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
+    let progress = Progress::start(global, "inspecting", container::steps(&decoder, &streams))?;
+    let inspection = container::inspect(&decoder, &streams, settings, &progress)?;
     drop(progress);
     let report = Report { args, decoder: &decoder, inspection: &inspection };
     // Of a damaged container there is no picture: the verdict is what counts.

@@ -13,13 +13,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::dataset::stream::StreamKind;
+use crate::decode::export::Selection;
 use crate::effort::Effort;
+use crate::encode::dataset::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 use crate::memory::Budget;
-use crate::video::encode::EncodeSettings;
-use crate::video::export::Selection;
 
 pub use camera::{CameraArgs, View, parse_aspect, parse_point};
 pub use color::{ColorArgs, InvalidColorArg};

@@ -10,8 +10,8 @@ use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
 use crate::error::Result;
-use crate::video::flatten::FlattenSettings;
-use crate::video::pack::{self, PackSettings, PackSummary, Repack};
+use crate::pack::flatten::FlattenSettings;
+use crate::pack::merge::{self, PackSettings, PackSummary, Repack};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -75,7 +75,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let path = &args.output.path;
     let file = OutputFile::create(path)?;
     let (mut file, summary) =
-        pack::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
+        merge::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();

@@ -7,8 +7,8 @@ use crate::cli::options::{
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
+use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound};
 use crate::error::Result;
-use crate::video::encode::{DepthCodec, EncodeSettings, ErrorBound};
 
 /// Largest error where none is given, in codes.
 const DEFAULT_MAX_ERROR: u16 = 300;

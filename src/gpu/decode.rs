@@ -15,6 +15,8 @@ use std::time::Instant;
 
 use crate::color::cells::LEADS_NOWHERE;
 use crate::container::ChunkEntry;
+use crate::decode::decoder::{DecodeCost, Decoder, StreamInfo};
+use crate::decode::unit_filter::{AllUnits, UnitFilter};
 use crate::depth::record_table;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
@@ -24,8 +26,6 @@ use crate::gpu::prepare::{self, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
-use crate::video::decode::{DecodeCost, Decoder, StreamInfo};
-use crate::video::unit_filter::{AllUnits, UnitFilter};
 
 /// Units whose chunks are fetched and checked together, at most.
 const FETCH_TOGETHER: usize = 32;

@@ -301,7 +301,7 @@ pub static BC7: Kernel = Kernel {
 pub static TEXELS: Kernel = Kernel {
     name: "texels",
     entry: "write_depths",
-    files: &[LAYOUT, JOBS, file!("reconstruct/texels.wgsl")],
+    files: &[LAYOUT, JOBS, file!("march/texels.wgsl")],
     bindings: &[Read("pictures"), Read("tables"), Read("jobs"), Write("planes")],
     workgroup: 64,
 };
@@ -310,22 +310,22 @@ pub static TEXELS: Kernel = Kernel {
 pub static SQUARES: Kernel = Kernel {
     name: "squares",
     entry: "write_squares",
-    files: &[LAYOUT, JOBS, file!("reconstruct/squares.wgsl")],
+    files: &[LAYOUT, JOBS, file!("march/squares.wgsl")],
     bindings: &[Read("jobs"), Write("planes")],
     workgroup: 64,
 };
 
-const VIEWS: ShaderFile = file!("reconstruct/layout.wgsl");
-const LIGHT_FIELD: ShaderFile = file!("reconstruct/light_field.wgsl");
-const ASKED_ALL: ShaderFile = file!("reconstruct/asked_all.wgsl");
-const ACTIVE_VIEWS: ShaderFile = file!("reconstruct/active_views.wgsl");
-const COUNTERS: ShaderFile = file!("reconstruct/counters.wgsl");
-const RAY: ShaderFile = file!("reconstruct/ray.wgsl");
-const PYRAMID: ShaderFile = file!("reconstruct/pyramid.wgsl");
-const INTERPOLATE: ShaderFile = file!("reconstruct/interpolate.wgsl");
-const LIGHT: ShaderFile = file!("reconstruct/light.wgsl");
-const DIFFUSE: ShaderFile = file!("reconstruct/diffuse.wgsl");
-const PICTURE: ShaderFile = file!("reconstruct/render.wgsl");
+const VIEWS: ShaderFile = file!("march/layout.wgsl");
+const LIGHT_FIELD: ShaderFile = file!("march/light_field.wgsl");
+const ASKED_ALL: ShaderFile = file!("march/asked_all.wgsl");
+const ACTIVE_VIEWS: ShaderFile = file!("march/active_views.wgsl");
+const COUNTERS: ShaderFile = file!("march/counters.wgsl");
+const RAY: ShaderFile = file!("march/ray.wgsl");
+const PYRAMID: ShaderFile = file!("march/pyramid.wgsl");
+const INTERPOLATE: ShaderFile = file!("march/interpolate.wgsl");
+const LIGHT: ShaderFile = file!("march/light.wgsl");
+const DIFFUSE: ShaderFile = file!("march/diffuse.wgsl");
+const PICTURE: ShaderFile = file!("march/render.wgsl");
 
 /// Pictures from any eye: every point of a ray is looked at, and neither mirrors nor glass send rays on.
 pub static RENDER: Kernel = Kernel {
@@ -338,7 +338,7 @@ pub static RENDER: Kernel = Kernel {
         ACTIVE_VIEWS,
         COUNTERS,
         RAY,
-        file!("reconstruct/march.wgsl"),
+        file!("march/march.wgsl"),
         INTERPOLATE,
         LIGHT,
         DIFFUSE,
@@ -383,17 +383,17 @@ pub static RENDER_EFFECTS: Kernel = Kernel {
     files: &[
         VIEWS,
         LIGHT_FIELD,
-        file!("reconstruct/asked_alone.wgsl"),
+        file!("march/asked_alone.wgsl"),
         ACTIVE_VIEWS,
         COUNTERS,
         RAY,
         PYRAMID,
         INTERPOLATE,
         LIGHT,
-        file!("reconstruct/material.wgsl"),
-        file!("reconstruct/normal.wgsl"),
-        file!("reconstruct/solid.wgsl"),
-        file!("reconstruct/effects.wgsl"),
+        file!("march/material.wgsl"),
+        file!("march/normal.wgsl"),
+        file!("march/solid.wgsl"),
+        file!("march/effects.wgsl"),
         PICTURE,
     ],
     bindings: &[

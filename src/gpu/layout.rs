@@ -342,7 +342,7 @@ mod tests {
             let rows: Vec<_> = rows.map(|(at, b)| (at as u32, b.name().to_owned(), b.is_written())).collect();
             assert_eq!(bound, rows, "bindings of {}", kernel.name);
             // What is rendered is measured in decibels; what is decoded is right to the bit.
-            let renders = kernel.files.iter().any(|file| file.path.starts_with("reconstruct/"));
+            let renders = kernel.files.iter().any(|file| file.path.starts_with("march/"));
             for (_, found) in module.types.iter().filter(|_| !renders) {
                 let scalar = found.inner.scalar_kind();
                 assert!(scalar != Some(naga::ScalarKind::Float), "{} has a float", kernel.name);

@@ -5,9 +5,9 @@
 
 use half::f16;
 
+use crate::decode::decoder::Picture;
 use crate::depth::BACKGROUND_CODE;
 use crate::image::plane::Plane;
-use crate::video::decode::Picture;
 
 /// Words of a row of codes.
 pub fn code_stride(width: u32) -> u32 {

@@ -14,9 +14,9 @@ use crate::depth::texel::Texel;
 use crate::error::Result;
 use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;
-use crate::video::codec::{CodecHeader, ColorFormat};
-use crate::video::depth_chunk::DepthChunk;
-use crate::video::material_chunk::MaterialChunk;
+use crate::streams::depth_chunk::DepthChunk;
+use crate::streams::header::{CodecHeader, ColorFormat};
+use crate::streams::material_chunk::MaterialChunk;
 
 /// What the host keeps of a chunk that is on the device.
 #[derive(Debug, Clone)]

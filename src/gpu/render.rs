@@ -1,4 +1,4 @@
-//! Pictures of a light field on a graphics device: what `reconstruct::render` makes, by the same steps (CALF 6).
+//! Pictures of a light field on a graphics device: what `march::render` makes, by the same steps (CALF 6).
 //!
 //! Enters: active views with their texels, a camera, settings. Leaves: a picture in linear light with alpha, and what it
 //! came to. The device keeps the texels (`texels`); only those that have changed go there, with a few words for each
@@ -25,16 +25,16 @@ use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords, VIEW_WORD
 use crate::gpu::render::texels::DeviceTexels;
 use crate::gpu::render::units::{DeviceUnits, UnitCost};
 use crate::image::plane::Plane;
+use crate::march::active_views::ActiveViews;
+use crate::march::counters::Counters;
+use crate::march::interpolate::camera_weights;
+use crate::march::pyramid::LEAST_M;
+use crate::march::render::{Acceleration, RenderSettings, Rendered, sends_on};
+use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
+use crate::march::specular::sphere_fit::{GlassBall, GlassBalls};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::counters::Counters;
-use crate::reconstruct::effects::{LEAST_SHARE, MAX_BOUNCES};
-use crate::reconstruct::glass_balls::{GlassBall, GlassBalls};
-use crate::reconstruct::interpolate::camera_weights;
-use crate::reconstruct::light_field::{ColorCoding, FaceTexels, LightField};
-use crate::reconstruct::pyramid::LEAST_M;
-use crate::reconstruct::render::{Acceleration, RenderSettings, Rendered, sends_on};
+use crate::views::light_field::{ColorCoding, FaceTexels, LightField};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
@@ -43,7 +43,7 @@ type Counter = fn(&mut Counters) -> &mut u64;
 
 /// Words that a workgroup counts in.
 const COUNTERS: usize = COUNTED.len();
-/// What each of these words counts, by its name in `shaders/reconstruct/counters.wgsl`.
+/// What each of these words counts, by its name in `shaders/march/counters.wgsl`.
 const COUNTED: [(&str, Counter); 8] = [
     ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
     ("MARCH_STEPS", |counters| &mut counters.march_steps),

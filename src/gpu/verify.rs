@@ -1,5 +1,8 @@
 //! Decodes what was chosen on a graphics device: into nothing, beside the CPU, or as images.
 
+use crate::decode::decoder::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
+use crate::decode::export::{Chosen, DecodeSummary, ImageSource, Images, Request, decoded_pixel_bytes};
+use crate::decode::unit_filter::UnitFilter;
 use crate::error::{Error, Result};
 use crate::gpu::decode::{GpuDecoder, Wanted, picture_words};
 use crate::gpu::device::Gpu;
@@ -7,9 +10,6 @@ use crate::gpu::family::Family;
 use crate::gpu::pictures::mismatched_words;
 use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
-use crate::video::decode::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
-use crate::video::export::{Chosen, DecodeSummary, ImageSource, Images, Request, decoded_pixel_bytes};
-use crate::video::unit_filter::UnitFilter;
 
 /// What came of decoding on two devices.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,6 +1,7 @@
 //! Hard cases on a graphics device: streams in order and entered anywhere, word by word as the CPU shows them; pictures as near to
 //! the CPU's as any must be.
 
+use crate::decode::decoder::StreamInfo;
 use crate::error::{Error, Result};
 use crate::gpu::decode::GpuDecoder;
 use crate::gpu::device::Gpu;
@@ -11,7 +12,6 @@ use crate::gpu::selftest::pictures;
 use crate::hard_cases::Inputs;
 use crate::hard_cases::clip::{Clip, open};
 use crate::monitor::Monitor;
-use crate::video::decode::StreamInfo;
 
 /// Pixels of the pictures that are held on the device together.
 const PIXELS_TOGETHER: u64 = 8 << 20;

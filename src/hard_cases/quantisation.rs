@@ -4,6 +4,7 @@
 
 use rayon::prelude::*;
 
+use crate::decode::decoder::Picture;
 use crate::depth::domain::{Domain, DomainKind, integer_log2};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::quantise::FAR_CODE;
@@ -11,7 +12,6 @@ use crate::depth::{BACKGROUND_CODE, DepthRange, Quantiser};
 use crate::error::{Error, Result};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
-use crate::video::decode::Picture;
 
 /// Name, near and far in metres.
 const RANGES: [(&str, f32, f32); 14] = [

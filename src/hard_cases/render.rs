@@ -14,17 +14,15 @@ use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use crate::image::cube::{Face, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::march::active_views::ActiveViews;
+use crate::march::counters::Counters;
+use crate::march::intersect::{self, Ray, Steps};
+use crate::march::pyramid;
+use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use crate::march::synthetic::{Made, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::counters::Counters;
-use crate::reconstruct::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
-use crate::reconstruct::made::{Made, room};
-use crate::reconstruct::march::{self, Ray, Steps};
-use crate::reconstruct::pyramid;
-use crate::reconstruct::render::{
-    Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly,
-};
+use crate::views::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
 
 /// Width and height of faces in texels, unless a case says otherwise.
 const SIDE: u32 = 32;
@@ -196,7 +194,7 @@ impl Setup {
     }
 
     fn hit(&self, views: &ActiveViews<'_>, direction: Vec3) -> Option<f32> {
-        march::intersect(views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
+        intersect::intersect(views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
     }
 
     fn settings(&self, side: u32) -> RenderSettings {
@@ -261,7 +259,7 @@ fn by_segments(setup: &Setup) -> Measured {
     let (mut wrong, mut first) = (0, None);
     for direction in directions() {
         let ray = Ray { origin: Vec3::ZERO, direction };
-        let all = march::intersect(&views, &ray, &steps, &mut dense);
+        let all = intersect::intersect(&views, &ray, &steps, &mut dense);
         let some = pyramid::intersect(&views, &ray, &steps, &mut few);
         if some != all {
             wrong += 1;
@@ -385,7 +383,7 @@ fn at_the_last_step() -> Measured {
     let mut wrong = 0;
     for direction in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let ray = Ray { origin: Vec3::ZERO, direction };
-        for hit in [march::intersect, pyramid::intersect] {
+        for hit in [intersect::intersect, pyramid::intersect] {
             wrong += u64::from(hit(&views, &ray, &setup.steps(), &mut Counters::default()).is_none());
         }
     }

@@ -10,7 +10,11 @@ use crate::gpu::random::Random;
 use crate::hard_cases::{Bound, Family, HardCase, Inputs, Measured, Shelf};
 use crate::image::cube::Face;
 use crate::math::{Camera, Lens, Viewer};
-use crate::reconstruct::{DepthSpan, FaceImage, UnitGrid, cull, cull_all};
+use crate::views::face_frustum::DepthSpan;
+use crate::views::face_frustum::FaceImage;
+use crate::views::visibility::UnitGrid;
+use crate::views::visibility::cull;
+use crate::views::visibility::cull_all;
 
 /// Cameras of a case, and points that are asked of each.
 const CAMERAS: u64 = 300;

@@ -15,16 +15,16 @@ pub(super) mod sheet;
 
 use std::path::Path;
 
+use crate::compare::error_map::error_map;
+use crate::compare::side::Side;
+use crate::compare::streams::{Pair, Pairing};
 use crate::dataset::stream::StreamKind;
+use crate::decode::decoder::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::png;
+use crate::inspect::coding_map::{Survey, frame_anatomy, survey, survey_steps};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
-use crate::video::anatomy::{Survey, frame_anatomy, survey, survey_steps};
-use crate::video::compare::{Pair, Pairing};
-use crate::video::decode::{Decoder, StreamInfo};
-use crate::video::error_map::error_map;
-use crate::video::side::Side;
 
 pub use sheet::Sheet;
 

@@ -17,16 +17,16 @@ use std::time::{Duration, Instant};
 
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::StreamKind;
+use lightfold::decode::decoder::{Decoder, StreamInfo};
+use lightfold::evaluate::path::Shot;
 use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
 use lightfold::gpu::render::RenderCost;
+use lightfold::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
-use lightfold::reconstruct::path::Shot;
-use lightfold::reconstruct::playback::{PictureOptions, Playback, PlaybackOptions};
-use lightfold::video::decode::{Decoder, StreamInfo};
 use lightfold::{Error, Result};
 
 /// Times that all frames are shown.

@@ -15,14 +15,14 @@ use lightfold::Result;
 use lightfold::color::blend::lerp_all;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::export::{self, Chosen, Selection, decoded_pixel_bytes};
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
 use lightfold::depth::temporal::{TemporalEncoder, TemporalSettings};
 use lightfold::monitor::Silent;
-use lightfold::video::codec::{CodecHeader, DepthCoding, DepthHeader};
-use lightfold::video::decode::Decoder;
-use lightfold::video::depth_chunk::DepthChunk;
-use lightfold::video::export::{self, Chosen, Selection, decoded_pixel_bytes};
+use lightfold::streams::depth_chunk::DepthChunk;
+use lightfold::streams::header::{CodecHeader, DepthCoding, DepthHeader};
 use rayon::prelude::*;
 
 /// Turns of two copies and a decode.

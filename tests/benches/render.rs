@@ -12,24 +12,24 @@ use std::path::{Path, PathBuf};
 
 use clock::Clock;
 use glam::DVec3;
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::unit_filter::AllUnits;
 use lightfold::error::Result;
 use lightfold::image::cube::Face;
 use lightfold::image::transfer::ToneMap;
+use lightfold::march::active_views::ActiveViews;
+use lightfold::march::counters::Counters;
+use lightfold::march::intersect::Steps;
+use lightfold::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use lightfold::march::synthetic::{Made, room};
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
-use lightfold::reconstruct::active_views::ActiveViews;
-use lightfold::reconstruct::counters::Counters;
-use lightfold::reconstruct::light_field::{ColorCoding, LightField};
-use lightfold::reconstruct::made::{Made, room};
-use lightfold::reconstruct::march::Steps;
-use lightfold::reconstruct::player::{Player, ProbeChoice};
-use lightfold::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
 use lightfold::report::plot::axis::Axis;
 use lightfold::report::plot::chart::{Chart, Kind, Mark, Series};
 use lightfold::report::plot::marker::Look;
 use lightfold::report::plot::save;
-use lightfold::video::decode::Decoder;
-use lightfold::video::unit_filter::AllUnits;
+use lightfold::views::light_field::{ColorCoding, LightField};
+use lightfold::views::player::{Player, ProbeChoice};
 
 /// Turns of each measurement.
 const TURNS: usize = 3;

@@ -5,22 +5,22 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Failed;
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::unit_filter::AllUnits;
+use lightfold::evaluate::path::Shot;
 use lightfold::gpu::render::depth_planes::ROW_WORDS;
 use lightfold::gpu::render::scene::Origin;
 use lightfold::gpu::render::texels::DeviceTexels;
 use lightfold::gpu::render::units::{DeviceUnits, buffer_bytes};
 use lightfold::gpu::{DeviceRenderer, Gpu};
+use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
+use lightfold::march::playback::selection::SelectionSettings;
+use lightfold::march::render::EffectMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
-use lightfold::reconstruct::light_field::{ColorTexels, FaceTexels, LightField};
-use lightfold::reconstruct::path::Shot;
-use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
-use lightfold::reconstruct::player::{Player, ProbeChoice, Wanted};
-use lightfold::reconstruct::render::EffectMode;
-use lightfold::reconstruct::selection::SelectionSettings;
-use lightfold::video::decode::Decoder;
-use lightfold::video::unit_filter::AllUnits;
+use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField};
+use lightfold::views::player::{Player, ProbeChoice, Wanted};
 use lightfold::{Error, Result};
 
 use crate::{lightfold, pick, with_gpu};
@@ -174,7 +174,7 @@ fn compare_walk(
         if on_device.pictures != sent.pictures {
             return Err(format!("shot {at}: pictures differ").into());
         }
-        let counts = |of: &lightfold::reconstruct::player::ShowCounts| {
+        let counts = |of: &lightfold::views::player::ShowCounts| {
             [of.cells_decoded, of.cells_unchanged, of.cells_unseen, of.bytes_all]
         };
         if counts(&on_device.counts) != counts(&shown.counts) {

@@ -15,16 +15,16 @@ use lightfold::cli::device::{DeviceArg, or_on_cpu};
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
+use lightfold::decode::decoder::{Decoder, StreamInfo};
+use lightfold::decode::export::{Request, Selection};
+use lightfold::decode::unit_filter::{AllUnits, UnitFilter};
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
 use lightfold::hard_cases;
 use lightfold::monitor::{Monitor, Silent};
-use lightfold::video::codec::{CodecHeader, DepthCoding, DepthHeader};
-use lightfold::video::decode::{Decoder, StreamInfo};
-use lightfold::video::export::{Request, Selection};
-use lightfold::video::unit_filter::{AllUnits, UnitFilter};
+use lightfold::streams::header::{CodecHeader, DepthCoding, DepthHeader};
 
 /// Random streams that are decoded; `lightfold selftest --streams` takes more.
 const STREAMS: u64 = 400;

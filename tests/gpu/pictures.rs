@@ -4,19 +4,19 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Failed;
+use lightfold::decode::decoder::Decoder;
+use lightfold::evaluate::path::Shot;
 use lightfold::gpu::kernels::KERNELS;
 use lightfold::gpu::render::agreement::Agreement;
 use lightfold::gpu::selftest::pictures;
 use lightfold::gpu::{DeviceRenderer, Gpu, GpuRenderer};
+use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
+use lightfold::march::playback::selection::SelectionSettings;
+use lightfold::march::render::{Acceleration, EffectMode, Rendered, render};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::{Monitor, Silent};
-use lightfold::reconstruct::path::Shot;
-use lightfold::reconstruct::playback::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
-use lightfold::reconstruct::player::Change;
-use lightfold::reconstruct::render::{Acceleration, EffectMode, Rendered, render};
-use lightfold::reconstruct::selection::SelectionSettings;
-use lightfold::video::decode::Decoder;
+use lightfold::views::player::Change;
 use lightfold::{Error, Result};
 
 use crate::{lightfold, with_gpu};

@@ -4,17 +4,18 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use half::f16;
+use lightfold::compare::comparison::Measured;
+use lightfold::compare::error_map::error_map;
+use lightfold::compare::side::{SideOptions, open_both};
+use lightfold::compare::streams::{CompareSettings, Coverage, Pairing, compare};
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::decoder::Picture;
+use lightfold::decode::decoder::StreamInfo;
 use lightfold::image::{DepthPlane, Face, Plane};
+use lightfold::inspect::coding_map::{FrameAnatomy, Writing, frame_anatomy, survey, survey_steps};
+use lightfold::inspect::container::{FrameRows, InspectSettings, inspect};
 use lightfold::monitor::Silent;
 use lightfold::report::anatomy::{Request, plot};
-use lightfold::video::anatomy::{FrameAnatomy, Writing, frame_anatomy, survey, survey_steps};
-use lightfold::video::compare::{CompareSettings, Coverage, Pairing, compare};
-use lightfold::video::comparison::Measured;
-use lightfold::video::decode::StreamInfo;
-use lightfold::video::error_map::error_map;
-use lightfold::video::inspect::{FrameRows, InspectSettings, inspect};
-use lightfold::video::side::{SideOptions, open_both};
-use lightfold::video::{Decoder, Picture};
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -6,16 +6,16 @@ use std::path::Path;
 use half::f16;
 use lightfold::Error;
 use lightfold::color::SearchSettings;
+use lightfold::decode::decoder::Picture;
 use lightfold::depth::temporal::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
-use lightfold::monitor::Silent;
-use lightfold::video::codec::{CodecHeader, ColorBlocks, ColorFormat};
-use lightfold::video::convert;
-use lightfold::video::decode::Picture;
-use lightfold::video::encode::{
+use lightfold::encode::dataset::{
     ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
 };
+use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
+use lightfold::monitor::Silent;
+use lightfold::streams::convert;
+use lightfold::streams::header::{CodecHeader, ColorBlocks, ColorFormat};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

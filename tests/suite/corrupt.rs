@@ -4,9 +4,9 @@
 use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::container::{ChunkEntry, ChunkKey, Index, OpenLimits, Reader, Storage, StreamEntry};
+use lightfold::decode::decoder::Decoder;
 use lightfold::depth::TemporalSettings;
-use lightfold::video::codec::ColorBlocks;
-use lightfold::video::decode::Decoder;
+use lightfold::streams::header::ColorBlocks;
 use rayon::prelude::*;
 
 use crate::samples::{self, Images, Random, Shape};

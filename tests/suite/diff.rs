@@ -5,10 +5,14 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::export;
+use lightfold::encode::dataset::DepthCodec;
+use lightfold::encode::dataset::encode;
+use lightfold::encode::settings::EncodeSettings;
 use lightfold::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits, exr, png};
 use lightfold::monitor::Silent;
-use lightfold::video::encode::DepthCodec;
-use lightfold::video::{ColorFormat, Decoder, EncodeSettings, encode, export};
+use lightfold::streams::header::ColorFormat;
 use serde_json::Value;
 use tempfile::TempDir;
 

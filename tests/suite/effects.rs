@@ -6,24 +6,22 @@ use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::DepthRange;
 use lightfold::image::Face;
 use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
+use lightfold::march::active_views::ActiveViews;
+use lightfold::march::counters::Counters;
+use lightfold::march::interpolate::camera_weights;
+use lightfold::march::intersect::{Ray, Steps};
+use lightfold::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use lightfold::march::specular::normal::patch;
+use lightfold::march::specular::sphere_fit::GlassBalls;
+use lightfold::march::synthetic::Made;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
-use lightfold::reconstruct::active_views::ActiveViews;
-use lightfold::reconstruct::counters::Counters;
-use lightfold::reconstruct::glass_balls::GlassBalls;
-use lightfold::reconstruct::interpolate::camera_weights;
-use lightfold::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
-use lightfold::reconstruct::made::Made;
-use lightfold::reconstruct::march::{Ray, Steps};
-use lightfold::reconstruct::normal::patch;
-use lightfold::reconstruct::render::{
-    Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly,
-};
 use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
 use lightfold::scene::procedural::{DemoKind, DemoScene};
 use lightfold::scene::raycast::SceneAtTime;
-use lightfold::video::convert::{color_codes, material_codes};
+use lightfold::streams::convert::{color_codes, material_codes};
+use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
 
 /// Where the glass ball of the built-in scene is, and its radius.
 const GLASS: (DVec3, f64) = (DVec3::new(0.1, 0.5, -0.5), 0.45);

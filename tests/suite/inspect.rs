@@ -9,13 +9,16 @@ use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
+use lightfold::decode::decoder::Decoder;
+use lightfold::decode::decoder::Picture;
 use lightfold::depth::TemporalSettings;
+use lightfold::encode::dataset::DepthCodec;
+use lightfold::encode::dataset::encode;
+use lightfold::encode::settings::EncodeSettings;
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
+use lightfold::inspect::container::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
-use lightfold::video::encode::DepthCodec;
-use lightfold::video::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
-use lightfold::video::{Decoder, EncodeSettings, Picture, encode};
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message};
@@ -148,7 +151,7 @@ fn same_inside(a: &Picture, b: &Picture, [left, top, width, height]: [u32; 4]) -
 #[test]
 fn rows_of_frames_are_what_a_decoder_does() {
     let mut half = settings();
-    half.color = lightfold::video::ColorFormat::Half { white_cd_m2: 100.0 };
+    half.color = lightfold::streams::header::ColorFormat::Half { white_cd_m2: 100.0 };
     let mut blended = settings();
     // Few keyframes and weights between them.
     blended.search.min_psnr_db = 6.0;
@@ -170,7 +173,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
                 let updated: u64 = units.iter_mut().map(|unit| unit.decode(frame).unwrap()).sum();
                 assert_eq!(row.cost.updated_pixels, updated, "{} frame {frame}", stream.kind.name());
             }
-            let sum = |count: fn(&lightfold::video::inspect::FrameCost) -> u64| -> u64 {
+            let sum = |count: fn(&lightfold::inspect::container::FrameCost) -> u64| -> u64 {
                 rows.iter().map(|row| count(&row.cost)).sum()
             };
             assert_eq!(stats.updated_pixels, sum(|cost| cost.updated_pixels));

@@ -8,11 +8,11 @@ use std::process::Command;
 use half::f16;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::decode::decoder::Decoder;
 use lightfold::depth::TemporalSettings;
+use lightfold::encode::dataset::{self, EncodeSettings};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
-use lightfold::video::decode::Decoder;
-use lightfold::video::encode::{self, EncodeSettings};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -383,7 +383,7 @@ fn soak_child() {
     let mut settled = 0;
     for cycle in 0..SOAK_CYCLES {
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
-        let (file, _) = encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
+        let (file, _) = dataset::encode(&source, &settings, Vec::new(), &Silent).unwrap();
         let decoder = Decoder::new(Reader::from_memory(file.clone()).unwrap()).unwrap();
         assert_eq!(decoder.streams().len(), 3);
         assert!(samples::decode_all(file).unwrap().iter().all(|images| images.len() == 6));

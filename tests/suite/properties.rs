@@ -11,9 +11,9 @@ use lightfold::depth::domain::DomainKind;
 use lightfold::depth::node_encoder::NodeSettings;
 use lightfold::depth::quantise::Quantiser;
 use lightfold::depth::{DepthRange, TemporalSettings};
+use lightfold::evaluate::camera_file::{CameraEntry, CameraFile};
 use lightfold::image::{FrameRange, Pattern};
-use lightfold::reconstruct::camera_file::{CameraEntry, CameraFile};
-use lightfold::video::codec::ColorBlocks;
+use lightfold::streams::header::ColorBlocks;
 use proptest::collection::vec;
 use proptest::prelude::*;
 

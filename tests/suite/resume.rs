@@ -12,12 +12,12 @@ use lightfold::Error;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::dataset::stream::StreamKind;
-use lightfold::image::{Plane, exr, png};
-use lightfold::monitor::{Monitor, Silent};
-use lightfold::video::codec::{ColorBlocks, ColorFormat};
-use lightfold::video::encode::{
+use lightfold::encode::dataset::{
     self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Left, Resumable, Stopped,
 };
+use lightfold::image::{Plane, exr, png};
+use lightfold::monitor::{Monitor, Silent};
+use lightfold::streams::header::{ColorBlocks, ColorFormat};
 use tempfile::TempDir;
 
 use crate::samples::{self, Random};
@@ -69,7 +69,7 @@ impl State {
         let container = of(&self.container, recovered.as_ref().map(Recovered::container_bytes));
         let journal = of(&self.journal, recovered.as_ref().map(Recovered::journal_bytes));
         let resumable = Resumable { out: container.clone(), journal: Box::new(journal.clone()), recovered };
-        let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
+        let done = dataset::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
         let state = State { container: container.bytes(), journal: journal.bytes() };
         (state, done.map(|(_, summary)| summary))
     }
@@ -115,7 +115,7 @@ impl Footage {
     fn whole(&self) -> (State, EncodeSummary) {
         let (state, summary) = State::default().go_on(self, &Silent);
         let summary = summary.unwrap();
-        let (plain, _) = encode::encode(&self.source(), &self.settings, Vec::new(), &Silent).unwrap();
+        let (plain, _) = dataset::encode(&self.source(), &self.settings, Vec::new(), &Silent).unwrap();
         assert!(plain == state.container, "a journal changes the container");
         (state, timeless(summary))
     }
@@ -414,7 +414,7 @@ fn write_errors_leave_what_is_safe() {
                 Failing { out: container.clone(), room: room(&whole.0.container, in_container, &mut random), code };
             let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
             let resumable = Resumable { out: BufWriter::new(out), journal: Box::new(log), recovered: None };
-            let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
+            let stopped = dataset::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
             // What a buffer still holds is written, or not, when it goes.
             let Err(Stopped { error, left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
             let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
@@ -620,7 +620,7 @@ fn what_is_safe_is_told_in_words() {
     let footage = dataset();
     let whole = footage.whole();
     let recovered = whole.0.recovered().unwrap();
-    let words = encode::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
+    let words = dataset::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
     let count = recovered.chunks().len();
     assert_eq!(words, format!("{count} chunks, the last of frames 19-19 of probe b, material ny"));
 }

@@ -10,6 +10,7 @@ use lightfold::container::{
     ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
 use lightfold::dataset::stream::DepthKind;
+use lightfold::decode::decoder::{Decoder, Picture};
 use lightfold::depth::block_chunk::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
@@ -19,10 +20,9 @@ use lightfold::depth::tree_chunk::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
 use lightfold::image::transfer::ToneMap;
-use lightfold::video::codec::{
+use lightfold::streams::header::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
-use lightfold::video::decode::{Decoder, Picture};
 
 /// A seeded generator, the same on every machine.
 #[derive(Debug, Clone)]

@@ -11,8 +11,8 @@ use lightfold::Error;
 use lightfold::color::cells::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
 use lightfold::container::{Index, Reader, Storage, Writer};
+use lightfold::decode::decoder::Decoder;
 use lightfold::depth::TemporalSettings;
-use lightfold::video::decode::Decoder;
 
 use crate::samples::{self, Random, Shape, Stream};
 use crate::{vectors_of_blocks, vectors_of_limits, vectors_of_nodes};

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use lightfold::color::SearchSettings;
 use lightfold::color::cells::{CellBuilder, LEADS_NOWHERE};
+use lightfold::decode::decoder::Decoder;
 use lightfold::gpu::prepare;
+use lightfold::inspect::coding_map::{frame_anatomy, survey};
+use lightfold::inspect::container::{self, InspectSettings};
 use lightfold::monitor::Silent;
-use lightfold::video::anatomy::{frame_anatomy, survey};
-use lightfold::video::decode::Decoder;
-use lightfold::video::inspect::{self, InspectSettings};
 
 use crate::samples;
 use crate::vectors::{one, shape};
@@ -55,7 +55,7 @@ fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
         decoder.face(stream).decode(0).err(),
         frame_anatomy(&decoder, stream, 0).err(),
         survey(&decoder, stream, &Silent).err(),
-        inspect::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
+        container::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
         prepare::prepare(&stream.header, reader.fetch(&chunk).unwrap(), [1, 1], 3, place).err(),
     ];
     for (way, error) in said.into_iter().enumerate() {

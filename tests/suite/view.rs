@@ -4,13 +4,15 @@ use std::fs;
 use std::path::Path;
 
 use half::f16;
+use lightfold::decode::decoder::{Decoder, Picture, StreamInfo};
+use lightfold::decode::export::{Request, Selection, decode_to_nothing};
+use lightfold::decode::unit_filter::AllUnits;
+use lightfold::decode::unit_filter::UnitFilter;
 use lightfold::depth::BACKGROUND_CODE;
+use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
-use lightfold::reconstruct::{CameraFile, SeenUnits};
-use lightfold::video::decode::{Decoder, Picture, StreamInfo};
-use lightfold::video::export::{Request, Selection, decode_to_nothing};
-use lightfold::video::{AllUnits, UnitFilter};
+use lightfold::views::seen_units::SeenUnits;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -9,7 +9,12 @@ use lightfold::image::Face;
 use lightfold::image::cube::direction_to_face;
 use lightfold::math::camera::rotation;
 use lightfold::math::{Camera, Lens, Sight, Viewer};
-use lightfold::reconstruct::{Culled, DepthSpan, FaceImage, UnitGrid, cull, cull_all};
+use lightfold::views::face_frustum::DepthSpan;
+use lightfold::views::face_frustum::FaceImage;
+use lightfold::views::visibility::Culled;
+use lightfold::views::visibility::UnitGrid;
+use lightfold::views::visibility::cull;
+use lightfold::views::visibility::cull_all;
 use rayon::prelude::*;
 
 use crate::footage::Random;

@@ -10,9 +10,9 @@ use crate::cli::options;
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
+use crate::evaluate::camera_file::CameraFile;
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
-use crate::reconstruct::CameraFile;
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
 

@@ -12,8 +12,8 @@ use crate::depth::census::Share;
 use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::image::transfer::Transfer;
-use crate::video::codec::{CodecHeader, ColorFormat, DepthCoding, DepthHeader};
-use crate::video::inspect::{StreamStats, Totals};
+use crate::inspect::container::{StreamStats, Totals};
+use crate::streams::header::{CodecHeader, ColorFormat, DepthCoding, DepthHeader};
 
 /// Columns of the CSV with one row for each stream.
 pub const COLUMNS: &[&str] = &[

@@ -9,12 +9,12 @@ use super::{Args, Report};
 use crate::cli::GlobalArgs;
 use crate::cli::output::OutputFolder;
 use crate::cli::progress::Progress;
+use crate::compare::side;
+use crate::compare::streams::{Coverage, Pairing};
+use crate::decode::decoder::StreamInfo;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::report::anatomy::{self, Request, What};
-use crate::video::compare::{Coverage, Pairing};
-use crate::video::decode::StreamInfo;
-use crate::video::side;
 
 /// More pictures than this are only counted.
 const MAX_LINES: usize = 24;

@@ -7,12 +7,15 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::cli::output::{self, human_bytes};
+use crate::decode::decoder::Decoder;
+use crate::decode::export::{self, Chosen, DecodeSummary};
+use crate::decode::unit_filter::{AllUnits, UnitFilter};
 use crate::error::Result;
+use crate::evaluate::camera_file::CameraFile;
+use crate::evaluate::camera_file::TimedCamera;
 use crate::math::{Camera, Lens};
-use crate::reconstruct::{CameraFile, SeenCounts, SeenUnits, TimedCamera};
-use crate::video::decode::Decoder;
-use crate::video::export::{self, Chosen, DecodeSummary};
-use crate::video::unit_filter::{AllUnits, UnitFilter};
+use crate::views::seen_units::SeenCounts;
+use crate::views::seen_units::SeenUnits;
 
 /// Parses `x,y,z`.
 pub fn parse_point(text: &str) -> Result<DVec3, String> {

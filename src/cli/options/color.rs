@@ -4,11 +4,11 @@ use clap::{Args, ValueEnum};
 
 use crate::color::keyframes::SearchSettings;
 use crate::dataset::source::{InvalidColor, SourceOptions};
+use crate::encode::dataset::{ColorBlockSettings, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
-use crate::video::codec::{ColorBlocks, ColorFormat};
-use crate::video::encode::{ColorBlockSettings, EncodeSettings};
+use crate::streams::header::{ColorBlocks, ColorFormat};
 
 /// How colour is read and coded.
 #[derive(Debug, Clone, Args)]

@@ -8,8 +8,8 @@ use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::temporal::TemporalSettings;
+use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound};
 use crate::error::{Error, Result};
-use crate::video::encode::{DepthCodec, EncodeSettings, ErrorBound};
 
 /// Parses a background: a finite float, or +inf.
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {

@@ -5,11 +5,11 @@ use clap::Args;
 use super::depth::InvalidDepthArg;
 use super::sequence::LayoutArg;
 use super::{ColorSpaceArg, DepthReadingArgs, ImageArgs, InvalidColorArg};
+use crate::compare::side::SideOptions;
 use crate::dataset::source::{SequenceLayout, SourceOptions};
+use crate::decode::export::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
-use crate::video::export::Selection;
-use crate::video::side::SideOptions;
 
 /// How files that are compared are read.
 #[derive(Debug, Clone, Args)]

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use crate::cli::options::{parse_not_negative, parse_point, parse_positive};
-use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill};
+use crate::march::render::{Acceleration, EffectMode, HoleFill};
 
 /// `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -11,7 +11,7 @@ use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
-use crate::reconstruct::render::{HoleFill, Rendered};
+use crate::march::render::{HoleFill, Rendered};
 use crate::report::contact_sheet::ContactSheet;
 
 /// What stands for the eye in a pattern.

@@ -8,8 +8,8 @@ use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};
 use crate::error::Result;
 use crate::gpu::render::RenderCost;
-use crate::reconstruct::playback::PlaybackSummary;
-use crate::reconstruct::trace::FrameTrace;
+use crate::march::playback::frames::PlaybackSummary;
+use crate::march::playback::trace::FrameTrace;
 
 /// What differs from frame to frame.
 #[derive(Debug, Default)]

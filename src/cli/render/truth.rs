@@ -12,14 +12,14 @@ use super::pictures::PictureName;
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, OutputFolder};
 use crate::error::{Error, Result};
+use crate::evaluate::path::Shot;
+use crate::evaluate::reference::Reference;
+use crate::evaluate::similarity::{Similarity, difference, truth_codes};
 use crate::image::FrameRange;
 use crate::image::plane::DepthPlane;
 use crate::image::png;
 use crate::image::transfer::ToneMap;
-use crate::reconstruct::path::Shot;
-use crate::reconstruct::reference::Reference;
-use crate::reconstruct::render::Rendered;
-use crate::reconstruct::similarity::{Similarity, difference, truth_codes};
+use crate::march::render::Rendered;
 use crate::report::error_picture;
 
 /// What pictures are compared with.

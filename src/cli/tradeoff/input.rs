@@ -11,13 +11,13 @@ use crate::cli::{Cli, Command, GlobalArgs, options};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::dataset::stream::StreamKind;
+use crate::encode::dataset::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::ordered::try_map_ordered;
 use crate::report::machine;
 use crate::report::tradeoff::Point;
 use crate::report::tradeoff::commands::{self, Form, Input, into_file};
 use crate::report::tradeoff::knob::{self, KNOBS};
-use crate::video::encode::EncodeSettings;
 
 /// Options of encoding that tradeoff gives itself.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];

@@ -7,9 +7,9 @@ use super::input::Footage;
 use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
 use crate::depth::tile_psnr::TilePsnr;
+use crate::encode::tile_quality;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
-use crate::video::tile_quality;
 
 /// Part of the budget that the statistics may take; the points have the rest.
 const SHARE: f64 = 1.0 / 3.0;

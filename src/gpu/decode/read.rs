@@ -2,13 +2,13 @@
 
 use half::f16;
 
+use crate::decode::decoder::{Picture, StreamInfo};
+use crate::decode::unit_filter::UnitFilter;
 use crate::error::Result;
 use crate::gpu::decode::GpuDecoder;
 use crate::gpu::family::PixelWords;
 use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves};
 use crate::image::plane::Plane;
-use crate::video::decode::{Picture, StreamInfo};
-use crate::video::unit_filter::UnitFilter;
 
 impl GpuDecoder<'_> {
     /// The pictures of all streams, brought back from the device.

@@ -1,11 +1,11 @@
 //! How far a picture of a device is from the CPU's, and how far it may be.
 
 use crate::error::Result;
+use crate::evaluate::similarity::difference;
 use crate::image::transfer::ToneMap;
+use crate::march::render::Rendered;
 use crate::metrics::psnr::CodeError;
 use crate::metrics::ssim_rgb8;
-use crate::reconstruct::render::Rendered;
-use crate::reconstruct::similarity::difference;
 
 /// Codes by which the channels of a pixel may differ.
 pub const CODES: u8 = 2;
@@ -75,7 +75,7 @@ impl Agreement {
 mod tests {
     use super::*;
     use crate::image::plane::Plane;
-    use crate::reconstruct::counters::Counters;
+    use crate::march::counters::Counters;
 
     fn picture() -> Rendered {
         Rendered {

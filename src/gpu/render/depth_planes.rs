@@ -1,7 +1,7 @@
 //! Inverse depths of a probe and the pyramids above them, as they lie on a device: planes of words, one for the texels of each
 //! face and one for each level of its pyramid (CALF 6.2). Kernels write them of what tiles show; textures are copied of them.
 //!
-//! The words are those that `reconstruct::shown_face` and `reconstruct::pyramid` come to on the CPU.
+//! The words are those that `views::face_cache` and `march::pyramid` come to on the CPU.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -16,10 +16,10 @@ use crate::gpu::layout::{DepthJob, LIST_HEAD_WORDS, NONE, SquareJob, Unit, Words
 use crate::gpu::render::scene::NO_BOUND;
 use crate::gpu::render::texels::above;
 use crate::image::cube::Face;
-use crate::reconstruct::light_field::{FaceTexels, InverseDepth, UNKNOWN};
-use crate::reconstruct::pyramid::DepthPyramid;
-use crate::reconstruct::rects::{Rect, bounds};
-use crate::reconstruct::units_on_device::{DepthPart, NewFace};
+use crate::march::pyramid::DepthPyramid;
+use crate::views::light_field::{FaceTexels, InverseDepth, UNKNOWN};
+use crate::views::rects::{Rect, bounds};
+use crate::views::units_on_device::{DepthPart, NewFace};
 
 /// Rows take a multiple of so many words: copies into textures want it.
 pub const ROW_WORDS: u32 = 64;

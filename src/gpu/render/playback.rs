@@ -4,19 +4,19 @@
 use glam::DVec3;
 
 use crate::dataset::stream::StreamKind;
+use crate::decode::decoder::Decoder;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::render::units::{DeviceUnits, can_decode};
 use crate::gpu::render::{GpuRenderer, RenderCost};
+use crate::march::active_views::ActiveViews;
+use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
+use crate::march::render::{EffectMode, Rendered};
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::light_field::ColorCoding;
-use crate::reconstruct::playback::{PictureOptions, Renderer, Stage};
-use crate::reconstruct::player::Change;
-use crate::reconstruct::render::{EffectMode, Rendered};
-use crate::reconstruct::units_on_device::UnitsOnDevice;
-use crate::video::decode::Decoder;
+use crate::views::light_field::ColorCoding;
+use crate::views::player::Change;
+use crate::views::units_on_device::UnitsOnDevice;
 
 /// Makes the pictures of a playback on a device.
 #[derive(Debug)]

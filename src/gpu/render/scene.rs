@@ -1,16 +1,16 @@
-//! What a picture is rendered of, as words for `shaders/reconstruct/layout.wgsl`: camera, settings, views and their images.
+//! What a picture is rendered of, as words for `shaders/march/layout.wgsl`: camera, settings, views and their images.
 
 use glam::Vec3;
 
 use crate::image::transfer::Transfer;
+use crate::march::active_views::ActiveViews;
+use crate::march::interpolate::camera_weights;
+use crate::march::pyramid::DepthPyramid;
+use crate::march::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
+use crate::march::specular::secondary_rays::MAX_BOUNCES;
+use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::effects::MAX_BOUNCES;
-use crate::reconstruct::glass_balls::GlassBalls;
-use crate::reconstruct::interpolate::camera_weights;
-use crate::reconstruct::light_field::ColorCoding;
-use crate::reconstruct::pyramid::DepthPyramid;
-use crate::reconstruct::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
+use crate::views::light_field::ColorCoding;
 
 /// Where an image lies on the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -227,10 +227,16 @@ mod tests {
     use crate::gpu::kernels::{KERNELS, Kernel};
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
     use crate::image::cube::Face;
-    use crate::reconstruct::interpolate::DEPTH_EPSILON;
-    use crate::reconstruct::light_field::{BACKGROUND, UNKNOWN};
-    use crate::reconstruct::{effects, glass_balls, march, material, normal, pyramid, solid};
-    use crate::video::convert::IOR_RANGE;
+    use crate::march::interpolate::DEPTH_EPSILON;
+    use crate::march::intersect;
+    use crate::march::pyramid;
+    use crate::march::specular::material;
+    use crate::march::specular::normal;
+    use crate::march::specular::secondary_rays;
+    use crate::march::specular::solid;
+    use crate::march::specular::sphere_fit;
+    use crate::streams::convert::IOR_RANGE;
+    use crate::views::light_field::{BACKGROUND, UNKNOWN};
 
     fn renders(kernel: &&&Kernel) -> bool {
         kernel.entry == "render"
@@ -278,11 +284,11 @@ mod tests {
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
-            ("MOST_BEFORE_STEPS", march::MOST_BEFORE_STEPS),
+            ("MOST_BEFORE_STEPS", intersect::MOST_BEFORE_STEPS),
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
-            ("GROWTH", march::GROWTH),
+            ("GROWTH", intersect::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", pyramid::ROUNDING),
             ("SURELY_BELOW_ONE", pyramid::SURELY_BELOW_ONE),
@@ -298,10 +304,10 @@ mod tests {
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),
             ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
-            ("NEAR_BALL", glass_balls::NEAR_BALL),
-            ("LEAST_SHARE", effects::LEAST_SHARE),
-            ("LIFT_TEXELS", effects::LIFT_TEXELS),
-            ("HIDDEN_TEXELS", effects::HIDDEN_TEXELS),
+            ("NEAR_BALL", sphere_fit::NEAR_BALL),
+            ("LEAST_SHARE", secondary_rays::LEAST_SHARE),
+            ("LIFT_TEXELS", secondary_rays::LIFT_TEXELS),
+            ("HIDDEN_TEXELS", secondary_rays::HIDDEN_TEXELS),
         ];
         let counted = (0..).zip(COUNTED).map(|(at, (name, _))| (name, f64::from(at)));
         let numbers = numbers.into_iter().map(|(name, value)| (name, value.into()));

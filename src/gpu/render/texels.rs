@@ -14,9 +14,9 @@ use crate::gpu::device::Gpu;
 use crate::gpu::render::depth_planes::Plane;
 use crate::gpu::render::scene::Origin;
 use crate::gpu::render::units::DeviceUnits;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::light_field::{ColorCoding, ColorTexels, FaceTexels};
-use crate::reconstruct::rects::{bounds, overlap};
+use crate::march::active_views::ActiveViews;
+use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};
+use crate::views::rects::{bounds, overlap};
 
 /// Rectangles of an image that are sent one by one; of more, the whole image is sent.
 const MOST_RECTANGLES: usize = 64;

@@ -9,17 +9,17 @@ use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
 
 use crate::dataset::stream::{DepthKind, StreamKind};
+use crate::decode::decoder::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{self, GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
 use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TileParts};
-use crate::reconstruct::rects::{Rect, overlap};
-use crate::reconstruct::shown_face::units_under;
-use crate::reconstruct::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
-use crate::video::codec::CodecHeader;
-use crate::video::decode::{Decoder, StreamInfo};
+use crate::streams::header::CodecHeader;
+use crate::views::face_cache::units_under;
+use crate::views::rects::{Rect, overlap};
+use crate::views::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
 
 /// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;

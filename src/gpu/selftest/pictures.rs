@@ -15,16 +15,16 @@ use crate::gpu::render::agreement::Agreement;
 use crate::gpu::selftest::KernelReport;
 use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::march::active_views::ActiveViews;
+use crate::march::intersect::Steps;
+use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
 use crate::math::Camera;
 use crate::math::camera::Lens;
 use crate::monitor::Silent;
-use crate::reconstruct::active_views::ActiveViews;
-use crate::reconstruct::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, UNKNOWN, View};
-use crate::reconstruct::march::Steps;
-use crate::reconstruct::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
 use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
 use crate::scene::{DemoKind, DemoScene, SceneAtTime};
-use crate::video::convert::material_codes;
+use crate::streams::convert::material_codes;
+use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, UNKNOWN, View};
 
 /// Pixels along a side of a captured image.
 const FACE: u32 = 48;

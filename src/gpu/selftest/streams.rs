@@ -8,6 +8,7 @@ use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::dataset::stream::DepthKind;
+use crate::decode::decoder::{Decoder, FaceDecoder, StreamInfo};
 use crate::depth::DomainParts;
 use crate::depth::block_chunk::picture_bytes;
 use crate::depth::domain::{Domain, DomainKind};
@@ -31,10 +32,9 @@ use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::monitor::Monitor;
-use crate::video::codec::{
+use crate::streams::header::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
-use crate::video::decode::{Decoder, FaceDecoder, StreamInfo};
 
 /// Faces of a probe, each with a stream of depth, of colour and of material.
 const FACES: u8 = 6;

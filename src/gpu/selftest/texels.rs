@@ -7,8 +7,8 @@ use crate::gpu::layout::{DepthJob, NONE, SquareJob, Words, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
 use crate::gpu::random::Random;
 use crate::image::transfer::ToneMap;
-use crate::reconstruct::light_field::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
-use crate::reconstruct::pyramid::DepthPyramid;
+use crate::march::pyramid::DepthPyramid;
+use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
 
 /// A list: the sum of all work and the count, then the rows.
 fn listed<T: Words>(jobs: &[T], total: u32) -> Vec<u32> {

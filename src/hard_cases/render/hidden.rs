@@ -7,12 +7,12 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
+use crate::march::intersect::Steps;
+use crate::march::render::{HOLE_DIFFERENCE, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use crate::march::synthetic::{Made, room};
 use crate::math::Camera;
 use crate::monitor::Silent;
-use crate::reconstruct::light_field::LightField;
-use crate::reconstruct::made::{Made, room};
-use crate::reconstruct::march::Steps;
-use crate::reconstruct::render::{HOLE_DIFFERENCE, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use crate::views::light_field::LightField;
 
 use super::{CODES, SIDE, Setup, camera};
 

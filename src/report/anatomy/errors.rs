@@ -6,12 +6,12 @@ use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
+use crate::compare::difference::PixelError;
+use crate::compare::error_map::ErrorMap;
+use crate::compare::side::Coding;
 use crate::error::Result;
 use crate::image::plane::Plane;
-use crate::video::codec::{CodecHeader, ColorFormat};
-use crate::video::difference::PixelError;
-use crate::video::error_map::ErrorMap;
-use crate::video::side::Coding;
+use crate::streams::header::{CodecHeader, ColorFormat};
 
 /// The sheet of a frame's errors against the source that the user named.
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {
@@ -138,7 +138,7 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
     let most = finite().chain(asked).fold(f64::NEG_INFINITY, f64::max).ceil().max(least + 1.0);
     // What is worse is lighter, as in the picture beside it.
     let part = |db: f64| 1.0 - (db - least) / (most - least);
-    let mark = |cell: &crate::video::error_map::CellPsnr| CellMark {
+    let mark = |cell: &crate::compare::error_map::CellPsnr| CellMark {
         rect: cell.rect,
         color: if cell.psnr_db.is_finite() { palette::heat(part(cell.psnr_db)) } else { palette::EXACT },
         words: if cell.psnr_db.is_finite() { format!("{:.1}", cell.psnr_db) } else { String::new() },

@@ -5,16 +5,16 @@ use super::palette::{self, Rgb};
 use super::raster::{HALF_ROOM, Scale};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted};
+use crate::decode::decoder::Picture;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
+use crate::inspect::coding_map::{FrameAnatomy, Survey};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
-use crate::video::anatomy::{FrameAnatomy, Survey};
-use crate::video::codec::{CodecHeader, ColorFormat, ColorHeader};
-use crate::video::convert;
-use crate::video::decode::Picture;
+use crate::streams::convert;
+use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
 
 /// A cell as it is drawn.
 pub(super) struct CellMark {

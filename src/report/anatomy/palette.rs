@@ -2,8 +2,8 @@
 //! all the way, so that they can be read in grey.
 
 use crate::depth::nodes::Function;
+use crate::inspect::coding_map::Writing;
 use crate::report::plot::{Ink, palette};
-use crate::video::anatomy::Writing;
 
 /// sRGB codes.
 pub type Rgb = [u8; 3];

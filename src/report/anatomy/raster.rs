@@ -2,7 +2,7 @@
 
 use super::palette::{Rgb, contrast, hatched, outlined};
 use crate::image::plane::Plane;
-use crate::video::anatomy::Patch;
+use crate::inspect::coding_map::Patch;
 
 /// The longest side of a drawn image in pixels, where there is one in a picture.
 pub const ROOM: u32 = 2048;
@@ -167,7 +167,7 @@ pub fn is_hatched(x: u32, y: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::video::anatomy::Writing;
+    use crate::inspect::coding_map::Writing;
 
     #[test]
     fn factors_are_whole_and_images_stay_within_their_room() {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use super::knob::{self, Stage};
 use super::point::Point;
 use crate::dataset::stream::StreamKind;
-use crate::video::codec::ColorBlocks;
-use crate::video::encode::ColorBlockSettings;
+use crate::encode::dataset::ColorBlockSettings;
+use crate::streams::header::ColorBlocks;
 
 /// Seconds of decoding in one timed run of a point, about: what takes a fraction of a millisecond varies most, and is
 /// decoded more often.

@@ -3,21 +3,21 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use lightfold::container::{OpenLimits, Reader, lzma2};
+use lightfold::decode::decoder::{Decoder, FaceDecoder, Picture, StreamInfo};
+use lightfold::decode::export::{self, OnDamage, Request};
+use lightfold::decode::unit_filter::AllUnits;
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
+use lightfold::encode::dataset::ErrorBound;
 use lightfold::error::{Error, Result};
 use lightfold::image::FrameRange;
+use lightfold::inspect::coding_map::frame_anatomy;
+use lightfold::inspect::container::{self, Check, FrameRows, InspectSettings};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
-use lightfold::video::anatomy::frame_anatomy;
-use lightfold::video::codec::CodecHeader;
-use lightfold::video::decode::{Decoder, FaceDecoder, Picture, StreamInfo};
-use lightfold::video::encode::ErrorBound;
-use lightfold::video::export::{self, OnDamage, Request};
-use lightfold::video::flatten::FlattenSettings;
-use lightfold::video::inspect::{self, Check, FrameRows, InspectSettings};
-use lightfold::video::pack::{self, PackSettings, Repack};
-use lightfold::video::unit_filter::AllUnits;
+use lightfold::pack::flatten::FlattenSettings;
+use lightfold::pack::merge::{self, PackSettings, Repack};
+use lightfold::streams::header::CodecHeader;
 
 use super::{Judged, Verdict, judge, refused};
 
@@ -99,16 +99,16 @@ fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
             min_children: 3,
         };
         let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten), memory: Budget::UNLIMITED };
-        judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
+        judge(&merge::pack(&readers, &settings, Vec::new(), &Silent))?;
     }
     let settings = PackSettings { repack: Repack::Keep, flatten: None, memory: Budget::UNLIMITED };
-    judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))
+    judge(&merge::pack(&readers, &settings, Vec::new(), &Silent))
 }
 
 fn inspect_all(decoder: &Decoder) -> Judged {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().take(MAX_STREAMS).collect();
     let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll, memory: Budget::UNLIMITED };
-    let inspection = match inspect::inspect(decoder, &streams, listed, &Silent) {
+    let inspection = match container::inspect(decoder, &streams, listed, &Silent) {
         Ok(inspection) => inspection,
         Err(error) => return refused(&error),
     };
@@ -119,7 +119,7 @@ fn inspect_all(decoder: &Decoder) -> Judged {
         return Ok(Verdict::Accepted);
     }
     // The first error is that of the list.
-    match inspect::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
+    match container::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
         Err(error) => refused(&error),
         // Only the comparison of two decoders finds that.
         Ok(_) => Ok(Verdict::Refused),

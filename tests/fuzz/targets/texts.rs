@@ -5,11 +5,11 @@ use std::path::Path;
 use lightfold::container::Reader;
 use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Manifest, Source, SourceOptions};
+use lightfold::decode::decoder::Decoder;
+use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, FrameRange, Pattern};
-use lightfold::reconstruct::SeenUnits;
-use lightfold::reconstruct::camera_file::CameraFile;
 use lightfold::report::tradeoff::store::{FILE_NAME, Store};
-use lightfold::video::decode::Decoder;
+use lightfold::views::seen_units::SeenUnits;
 use tempfile::TempDir;
 
 use super::{Judged, Verdict, judge, refused};

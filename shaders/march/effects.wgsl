@@ -1,0 +1,211 @@
+// What mirrors and glass show: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
+//
+// In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
+// `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `background_color` and `light_of`.
+
+const LEAST_SHARE: f32 = 1.0 / 256.0;
+const LIFT_TEXELS: f32 = 1.0;
+const HIDDEN_TEXELS: f32 = 12.0;
+const NEAR_BALL: f32 = 0.03;
+// Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
+const MOST_PENDING = 32u;
+
+// A surface that a ray met, in linear light, and whose share of a pixel is not divided yet.
+struct Pending {
+    point: vec3<f32>,
+    direction: vec3<f32>,
+    light: vec3<f32>,
+    share: f32,
+    bounces: u32,
+}
+
+const FOUND_NOTHING = 0u;
+// Light that is not sent on.
+const FOUND_LIGHT = 1u;
+const FOUND_SURFACE = 2u;
+
+struct Found {
+    kind: u32,
+    point: vec3<f32>,
+    light: vec3<f32>,
+}
+
+var<private> pending: array<Pending, MOST_PENDING>;
+var<private> pending_count: u32;
+
+// How a ray left the surface that sent it on: it met another one, or is open at the step `first`.
+struct Left {
+    found: bool,
+    hit: Hit,
+    first: u32,
+}
+
+fn leave(ray: Ray, texel_m: f32) -> Left {
+    var at = IN_SURFACE;
+    var is_open = false;
+    var open_m = 0.0;
+    while (at.step < scene.distance_count) {
+        at = next_from_surface(at, texel_m);
+        counted[MARCH_STEPS]++;
+        if (!is_surface(point_at(ray, at.distance_m))) {
+            if (at.is_step) {
+                return Left(true, Hit(false, 0.0), at.step - 1u);
+            }
+            is_open = true;
+            open_m = at.distance_m;
+        } else if (is_open) {
+            return Left(true, Hit(true, refine(ray, open_m, at.distance_m)), 0u);
+        } else if (at.distance_m > HIDDEN_TEXELS * texel_m) {
+            break;
+        }
+    }
+    return Left(false, Hit(false, 0.0), 0u);
+}
+
+// The ball of the view `around`; none of ALL_VIEWS.
+fn ball_of(around: u32) -> Ball {
+    if (around == ALL_VIEWS) {
+        return Ball(false, vec3(0.0), 0.0);
+    }
+    return Ball(true, views[around].from_eye, views[around].near_m);
+}
+
+// The view from the centre of the ball whose surface is at a point, or ALL_VIEWS.
+fn around_of(point: vec3<f32>) -> u32 {
+    for (var at = 0u; at < scene.ball_count; at++) {
+        let ball = ball_of(scene.view_count + at);
+        if (abs(length(point - ball.centre) - ball.radius_m) <= NEAR_BALL * ball.radius_m) {
+            return scene.view_count + at;
+        }
+    }
+    return ALL_VIEWS;
+}
+
+// How a surface lies in a point, and of a ball the view from its centre.
+struct Front {
+    surface: Patch,
+    point: vec3<f32>,
+    around: u32,
+}
+
+fn front_of(met: Ray, is_glass: bool) -> Front {
+    let around = around_of(met.origin);
+    if (is_glass && around != ALL_VIEWS) {
+        let ball = ball_of(around);
+        let entry = entry_of(ball, met);
+        let outwards = entry.point - ball.centre;
+        let size = length(outwards);
+        if (entry.found && size > LEAST_LENGTH) {
+            return Front(Patch(true, true, outwards / size, 1.0 / ball.radius_m, 0.0), entry.point, around);
+        }
+    }
+    return Front(patch_at(met.origin), met.origin, ALL_VIEWS);
+}
+
+// `around` is the view from the centre of the ball that the ray leaves, or ALL_VIEWS.
+fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
+    let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
+    counted[SECONDARY_RAYS]++;
+    var left = Left(true, Hit(false, 0.0), 0u);
+    if (around == ALL_VIEWS) {
+        left = leave(ray, texel_m);
+    }
+    if (!left.found) {
+        return nothing;
+    }
+    var hit = left.hit;
+    if (!hit.found) {
+        alone = around;
+        hit = intersect_from(ray, left.first);
+        alone = ALL_VIEWS;
+    }
+    if (!hit.found) {
+        let seen = background_color(ray.direction);
+        if (seen.found) {
+            return Found(FOUND_LIGHT, vec3(0.0), light_of(seen.color));
+        }
+        return nothing;
+    }
+    let point = point_at(ray, hit.distance_m);
+    let seen = surface_color(point);
+    if (seen.found && seen.difference <= scene.hole_difference) {
+        return Found(FOUND_SURFACE, point, light_of(seen.color));
+    }
+    // What is hidden from all views was seen through the ball.
+    if (around != ALL_VIEWS) {
+        alone = around;
+        let through = surface_color(point);
+        alone = ALL_VIEWS;
+        if (through.found) {
+            return Found(FOUND_LIGHT, vec3(0.0), light_of(through.color));
+        }
+    }
+    return nothing;
+}
+
+// The light of what a ray found, which of a surface comes later.
+fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
+    if (found.kind == FOUND_SURFACE && pending_count < MOST_PENDING) {
+        pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
+        pending_count++;
+        return vec3(0.0);
+    }
+    return share * found.light;
+}
+
+// Divides the share of a surface among the rays that it sends on.
+fn divide(next: Pending) -> vec3<f32> {
+    let whole = next.share * next.light;
+    if (next.bounces == 0u) {
+        return whole;
+    }
+    counted[MATERIAL_SAMPLES]++;
+    let seen = surface_material(next.point);
+    if (!seen.found) {
+        return whole;
+    }
+    counted[NORMAL_EVALS]++;
+    let at_point = front_of(Ray(next.point, next.direction), seen.refract > 0.0);
+    let front = at_point.surface;
+    let cosine = -dot(next.direction, front.normal);
+    if (!front.found || cosine <= 0.0) {
+        return whole;
+    }
+    let material = towards(seen, cosine);
+    var exits: array<Exit, MAX_INSIDE>;
+    if (next.share * material.refract >= LEAST_SHARE) {
+        exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, ball_of(at_point.around));
+    }
+    // What is refracted, and last what is reflected. In one loop, as drivers write functions out wherever they are called.
+    var light = vec3(0.0);
+    var left = next.share;
+    for (var at = 0u; at <= MAX_INSIDE; at++) {
+        let origin = at_point.point + LIFT_TEXELS * front.texel_m * front.normal;
+        var ray = Ray(origin, reflect(next.direction, front.normal));
+        var part = next.share * material.reflect;
+        if (at < MAX_INSIDE) {
+            ray = exits[at].ray;
+            part = next.share * material.refract * exits[at].part;
+        }
+        if (part < LEAST_SHARE) {
+            continue;
+        }
+        let found = follow(ray, front.texel_m, at_point.around);
+        if (found.kind != FOUND_NOTHING) {
+            light += take(found, ray.direction, part, next.bounces);
+            left -= part;
+        }
+    }
+    return light + max(left, 0.0) * next.light;
+}
+
+fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {
+    pending[0] = Pending(point_at(ray, distance_m), ray.direction, light_of(seen.color), 1.0, scene.max_bounces);
+    pending_count = 1u;
+    var light = vec3(0.0);
+    while (pending_count > 0u) {
+        pending_count--;
+        light += divide(pending[pending_count]);
+    }
+    return light;
+}

@@ -1,0 +1,59 @@
+// A ray in metres from the eye, and the distances at which it is looked at: `Ray` and `Steps` of src/march/intersect.rs.
+
+@group(0) @binding(3) var<storage, read> distances_m: array<f32>;
+
+struct Ray {
+    origin: vec3<f32>,
+    // Of length 1.
+    direction: vec3<f32>,
+}
+
+// Where a ray meets a surface, if it does.
+struct Hit {
+    found: bool,
+    distance_m: f32,
+}
+
+fn point_at(ray: Ray, distance_m: f32) -> vec3<f32> {
+    return ray.origin + ray.direction * distance_m;
+}
+
+const GROWTH: f32 = 0.125;
+const MOST_BEFORE_STEPS = 64u;
+
+// The next distance of a ray that starts in a surface, and of a step its number.
+struct FromSurface {
+    distance_m: f32,
+    // Of the next step.
+    step: u32,
+    is_step: bool,
+    // Distances before the steps.
+    before: u32,
+}
+
+const IN_SURFACE = FromSurface(0.0, 0u, false, 0u);
+
+// `Steps::from_surface`: texels before the first step, then the steps. There must be another one.
+fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
+    let next_m = last.distance_m + max(texel_m, GROWTH * last.distance_m);
+    if (!last.is_step && last.before < MOST_BEFORE_STEPS && next_m < distances_m[0]) {
+        return FromSurface(next_m, 0u, false, last.before + 1u);
+    }
+    return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);
+}
+
+// Halves the interval in which a surface begins; answers its end that is in the surface. Needs `is_surface`.
+fn refine(ray: Ray, from_m: f32, to_m: f32) -> f32 {
+    var open_m = from_m;
+    var surface_m = to_m;
+    for (var turn = 0u; turn < scene.refine; turn++) {
+        let middle_m = 0.5 * (open_m + surface_m);
+        counted[REFINE_STEPS]++;
+        if (is_surface(point_at(ray, middle_m))) {
+            surface_m = middle_m;
+        } else {
+            open_m = middle_m;
+        }
+    }
+    return surface_m;
+}

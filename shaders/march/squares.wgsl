@@ -1,0 +1,24 @@
+// The greatest inverse depths of squares of texels, level by level: `DepthPyramid::update` of src/march/pyramid.rs. An
+// invocation writes a square; inverse depths are compared as bits, as none is below 0. Needs `job_of`.
+
+@group(0) @binding(0) var<storage, read> jobs: SquareJobs;
+@group(0) @binding(1) var<storage, read_write> planes: array<u32>;
+
+@compute @workgroup_size(WORKGROUP)
+fn write_squares(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let invocation = invocation_of(id, groups);
+    if (invocation >= jobs.total) {
+        return;
+    }
+    let number = job_of(invocation);
+    let job = jobs.list[number];
+    let square = invocation - job_begin(number);
+    let at = vec2u(job.left + square % job.width, job.top + square / job.width);
+    let last = vec2u(job.below_width, job.below_height) - 1u;
+    var greatest = 0u;
+    for (var corner = 0u; corner < 4u; corner++) {
+        let below = min(2u * at + vec2u(corner % 2u, corner / 2u), last);
+        greatest = max(greatest, planes[job.below + below.y * job.below_pitch + below.x]);
+    }
+    planes[job.place + at.y * job.pitch + at.x] = min(greatest, job.most);
+}

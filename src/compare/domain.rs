@@ -1,0 +1,256 @@
+//! The codes that two streams are compared in, and the way there from what either side delivers.
+
+use half::f16;
+
+use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
+use crate::dataset::stream::StreamKind;
+use crate::decode::decoder::Picture;
+use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
+use crate::error::{Error, Result};
+use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
+use crate::streams::convert;
+use crate::streams::header::ColorFormat;
+
+/// Cells where nothing says how large they are.
+const DEFAULT_CELL: u32 = 64;
+/// Stands for a depth that the domain has no code for.
+pub const OUTSIDE: i32 = -1;
+
+/// Where the codes of a comparison come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// The streams of the container on side 0 or 1.
+    Container(usize),
+    /// The manifest of the decoded dataset on side 0 or 1.
+    Manifest(usize),
+    /// Neither side was ever coded: depth spans what both hold, colour is 8-bit sRGB.
+    Chosen,
+}
+
+/// What two streams are compared in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Domain {
+    /// The codes.
+    pub coding: Coding,
+    /// Whose they are.
+    pub origin: Origin,
+}
+
+impl Domain {
+    /// The domain of a pair of streams; `None` where a range of depths must be found first.
+    pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2]) -> Option<Domain> {
+        for (origin, container) in [(Origin::Container as fn(usize) -> Origin, true), (Origin::Manifest, false)] {
+            for at in 0..2 {
+                if (sides[at].form == SideForm::Container) == container
+                    && let Some(coding) = streams[at].coding
+                {
+                    return Some(Domain { coding, origin: origin(at) });
+                }
+            }
+        }
+        match streams[0].id.kind {
+            StreamKind::Depth => None,
+            StreamKind::Color => {
+                let format = ColorFormat::EightBit(ToneMap::default());
+                Some(Domain { coding: Coding::Color(format, DEFAULT_CELL), origin: Origin::Chosen })
+            }
+            StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Chosen }),
+        }
+    }
+}
+
+/// Depth of one image in the domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthPicture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Codes, [`OUTSIDE`] where there is none.
+    pub codes: Vec<i32>,
+    /// Metres, as exact as the side knows them; +inf for background.
+    pub metres: Vec<f32>,
+}
+
+/// An image in the domain.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Converted {
+    /// Depth.
+    Depth(DepthPicture),
+    /// 8-bit colour or material.
+    Bytes(Plane<[u8; 3]>),
+    /// Half-float colour.
+    Half(ColorPlane),
+}
+
+/// An image as a file of it would hold it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Metres, +inf for background.
+    Metres(DepthPlane),
+    /// Linear light.
+    Light(ColorPlane),
+    /// Material weights.
+    Weights(MaterialPlane),
+}
+
+/// Brings the images of one stream of one side into the domain.
+#[derive(Debug)]
+pub struct Converter {
+    domain: Coding,
+    /// How a container codes the stream; `None` for files.
+    own: Option<Coding>,
+    quantiser: Option<Quantiser>,
+    metres: Option<CodeTable>,
+    codes: Option<EncodeTable>,
+    light: Option<DecodeTable>,
+}
+
+impl Converter {
+    /// A converter of `stream`'s images.
+    pub fn new(domain: Coding, side: &Side, stream: &SideStream) -> Converter {
+        let own = if side.form == SideForm::Container { stream.coding } else { None };
+        let mut converter = Converter { domain, own, quantiser: None, metres: None, codes: None, light: None };
+        let same = converter.keeps_codes();
+        match domain {
+            Coding::Depth(range) if !same => converter.quantiser = Some(Quantiser::new(range)),
+            Coding::Color(ColorFormat::EightBit(tone), _) if !same => converter.codes = Some(EncodeTable::new(&tone)),
+            _ => {}
+        }
+        match own {
+            Some(Coding::Depth(range)) => converter.metres = Some(CodeTable::new(range, f32::INFINITY)),
+            Some(Coding::Color(ColorFormat::EightBit(tone), _)) => converter.light = Some(DecodeTable::new(&tone)),
+            _ => {}
+        }
+        converter
+    }
+
+    /// Whether the side's own codes are those of the domain; cells may differ, they are no part of a code.
+    pub fn keeps_codes(&self) -> bool {
+        match (self.own, self.domain) {
+            (Some(Coding::Color(own, _)), Coding::Color(domain, _)) => match (own, domain) {
+                (ColorFormat::Half { .. }, ColorFormat::Half { .. }) => true,
+                _ => own == domain,
+            },
+            (own, domain) => own == Some(domain),
+        }
+    }
+
+    /// The image in the domain, and how many of its pixels 8 bits clipped.
+    ///
+    /// # Errors
+    /// When a material has weights that 8 bits cannot express.
+    pub fn convert(&self, image: Image) -> Result<(Converted, u64)> {
+        let unclipped = |converted| Ok((converted, 0));
+        match (image, self.domain) {
+            (Image::Coded(Picture::Depth(codes)), Coding::Depth(range)) => {
+                let metres = self.metres_of(&codes);
+                unclipped(Converted::Depth(if self.keeps_codes() {
+                    let width = codes.width();
+                    let codes = codes.data().iter().map(|&code| i32::from(code)).collect();
+                    DepthPicture { width, codes, metres: metres.into_data() }
+                } else {
+                    self.quantise(metres, range)
+                }))
+            }
+            (Image::Depth(metres), Coding::Depth(range)) => unclipped(Converted::Depth(self.quantise(metres, range))),
+            (Image::Coded(Picture::Color8(codes)), Coding::Color(ColorFormat::EightBit(_), _))
+                if self.keeps_codes() =>
+            {
+                unclipped(Converted::Bytes(codes))
+            }
+            (Image::Coded(Picture::Material(codes)), Coding::Material) => unclipped(Converted::Bytes(codes)),
+            (Image::Material(weights), Coding::Material) => {
+                unclipped(Converted::Bytes(convert::material_codes(&weights)?))
+            }
+            (image, Coding::Color(..)) => {
+                let Values::Light(light) = self.values(&image) else { return Err(wrong_kind()) };
+                Ok(match &self.codes {
+                    Some(table) => {
+                        let (codes, clipped) = convert::color_codes(&light, table);
+                        (Converted::Bytes(codes), clipped)
+                    }
+                    None => (Converted::Half(light), 0),
+                })
+            }
+            _ => Err(wrong_kind()),
+        }
+    }
+
+    /// The image as a file would hold it.
+    pub fn values(&self, image: &Image) -> Values {
+        match image {
+            Image::Coded(Picture::Depth(codes)) => Values::Metres(self.metres_of(codes)),
+            Image::Coded(Picture::Color8(codes)) => {
+                let light = |code: &u8| self.light.as_ref().map_or(f16::ZERO, |table| table.value(*code));
+                Values::Light(codes.map(|pixel| pixel.each_ref().map(light)))
+            }
+            Image::Coded(Picture::ColorHalf(light)) => Values::Light(light.clone()),
+            Image::Coded(Picture::Material(codes)) => {
+                // Files hold halves.
+                let half = |value: f32| f16::from_f32(value).to_f32();
+                Values::Weights(convert::material_values(codes).map(|pixel| pixel.map(half)))
+            }
+            Image::Depth(metres) => Values::Metres(metres.clone()),
+            Image::Color(light) => Values::Light(light.clone()),
+            Image::Material(weights) => Values::Weights(weights.clone()),
+        }
+    }
+
+    fn metres_of(&self, codes: &Plane<u16>) -> DepthPlane {
+        codes.map(|&code| self.metres.as_ref().map_or(f32::INFINITY, |table| table.metres(code)))
+    }
+
+    fn quantise(&self, mut metres: DepthPlane, range: DepthRange) -> DepthPicture {
+        // A container of another range has rounded by up to half a step of its own.
+        let own = if let Some(Coding::Depth(own)) = self.own { own.step_ratio() } else { 0.0 };
+        let slack = (range.step_ratio() + own) / 2.0;
+        let code = |&z: &f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
+            Some(code) => i32::from(code),
+            None => code_beyond(z, range, slack),
+        };
+        let codes = metres.data().iter().map(code).collect();
+        for z in metres.data_mut().iter_mut().filter(|z| **z == 0.0) {
+            // An invalid reading that was asked to be taken for near.
+            *z = range.near_m();
+        }
+        DepthPicture { width: metres.width(), codes, metres: metres.into_data() }
+    }
+}
+
+/// The code of a depth beyond the range's ends: that of the end where no more than `slack`, a ratio, lies between, so
+/// that the rounding of another coding does not count, and none anywhere else.
+fn code_beyond(z_m: f32, range: DepthRange, slack: f64) -> i32 {
+    let (near, far, z) = (f64::from(range.near_m()), f64::from(range.far_m()), f64::from(z_m));
+    if z_m == f32::INFINITY {
+        i32::from(BACKGROUND_CODE)
+    } else if z < near && near <= z * (1.0 + slack) {
+        0
+    } else if z > far && z <= far * (1.0 + slack) {
+        i32::from(FAR_CODE)
+    } else {
+        OUTSIDE
+    }
+}
+
+fn wrong_kind() -> Error {
+    Error::invalid("an image of another kind than its stream")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn depth_beyond_the_range_has_no_code_unless_rounding_put_it_there() {
+        let range = DepthRange::new(1.0, 10.0).unwrap();
+        let step = range.step_ratio();
+        let code = |z: f64| code_beyond(z as f32, range, step / 2.0);
+        assert_eq!(code(1.0 - 0.4 * step), 0);
+        assert_eq!(code(1.0 - 0.6 * step), OUTSIDE);
+        assert_eq!(code(10.0 * (1.0 + 0.4 * step)), i32::from(FAR_CODE));
+        assert_eq!(code(10.0 * (1.0 + 0.6 * step)), OUTSIDE);
+        assert_eq!(code(f64::INFINITY), i32::from(BACKGROUND_CODE));
+        let single = DepthRange::new(1.0, 1.0).unwrap();
+        assert_eq!(code_beyond(1.5, single, single.step_ratio()), OUTSIDE);
+    }
+}

@@ -1,0 +1,107 @@
+//! How far each pixel of one decoded image is from its source, for pictures (GDC figure 1c).
+//!
+//! Enters: a pair of streams of two sides, and a frame. Leaves: an error for each pixel, in the codes that a comparison of
+//! the two counts, and for colour the PSNR of each cell, which is what its encoder promises.
+
+use crate::color::quality::Pu21;
+use crate::compare::difference::{Level, PixelError, depth_errors, half_levels, half_peak, sample_error};
+use crate::compare::domain::{Converted, Converter, Domain};
+use crate::compare::side::{Coding, Side, SideReader};
+use crate::compare::streams::Pair;
+use crate::error::{Error, Result};
+use crate::image::plane::Plane;
+use crate::metrics::psnr::{CodeError, U8_PEAK};
+use crate::streams::header::ColorFormat;
+
+/// The PSNR of a cell in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CellPsnr {
+    /// Left, top, width and height in the image.
+    pub rect: [u32; 4],
+    /// In dB, +inf where nothing differs.
+    pub psnr_db: f64,
+}
+
+/// The errors of one image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorMap {
+    /// What was compared in: codes of depth, 8-bit codes, or steps of PU21.
+    pub domain: Domain,
+    /// One for each pixel; of colour and material the largest error of its three samples.
+    pub pixels: Plane<PixelError>,
+    /// Cells of colour, row by row; empty for depth and material.
+    pub cells: Vec<CellPsnr>,
+}
+
+impl ErrorMap {
+    /// The largest error in codes or steps, and the pixels that have no such error: background on one side only, and
+    /// depths outside of the range.
+    pub fn largest(&self) -> (u32, u64, u64) {
+        self.pixels.data().iter().fold((0, 0, 0), |(most, background, outside), error| match error {
+            PixelError::Steps(steps) => (most.max(*steps), background, outside),
+            PixelError::Background => (most, background + 1, outside),
+            PixelError::Outside => (most, background, outside + 1),
+        })
+    }
+
+    /// Pixels that differ.
+    pub fn differing_pixels(&self) -> u64 {
+        self.pixels.data().iter().filter(|error| **error != PixelError::Steps(0)).count() as u64
+    }
+}
+
+/// Compares one frame of a pair of streams, one of which is a container's. The frame's number is that of the first side.
+///
+/// # Errors
+/// An image cannot be read or decoded, or the pair does not tell the codes to compare in.
+pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<ErrorMap> {
+    let streams = pair.streams();
+    let named = |error: Error| error.context(format!("{}, frame {frame}", streams[0].id));
+    let domain = Domain::of_pair(sides, streams)
+        .ok_or_else(|| named(Error::invalid("neither side tells the range of its depth codes")))?;
+    let convert = |at: usize, frame: u32| {
+        let image = SideReader::new(&sides[at], vec![streams[at]]).image(0, frame)?;
+        Ok(Converter::new(domain.coding, &sides[at], streams[at]).convert(image)?.0)
+    };
+    let images = [convert(0, frame).map_err(named)?, convert(1, pair.other_frame(frame)).map_err(named)?];
+    let (pixels, cells) = match (&images, domain.coding) {
+        ([Converted::Depth(a), Converted::Depth(b)], _) => {
+            let height = a.codes.len() as u32 / a.width.max(1);
+            (Plane::new(a.width, height, depth_errors(a, b))?, vec![])
+        }
+        ([Converted::Bytes(a), Converted::Bytes(b)], Coding::Color(_, cell)) => {
+            (of_samples(a, b), cells(a, b, cell, U8_PEAK))
+        }
+        ([Converted::Bytes(a), Converted::Bytes(b)], _) => (of_samples(a, b), vec![]),
+        ([Converted::Half(a), Converted::Half(b)], Coding::Color(ColorFormat::Half { white_cd_m2 }, cell)) => {
+            let metric = Pu21::new(white_cd_m2)?;
+            let (a, b) = (half_levels(a, &metric), half_levels(b, &metric));
+            (of_samples(&a, &b), cells(&a, &b, cell, half_peak(&metric)))
+        }
+        _ => return Err(named(Error::invalid("images of two kinds cannot be compared"))),
+    };
+    Ok(ErrorMap { domain, pixels, cells })
+}
+
+fn of_samples<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>) -> Plane<PixelError> {
+    Plane::from_fn(a.width(), a.height(), |x, y| PixelError::Steps(sample_error(&a.get(x, y), &b.get(x, y)).1))
+}
+
+fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -> Vec<CellPsnr> {
+    let side = cell.max(1);
+    let starts = |size: u32| (0..size).step_by(side as usize);
+    let measure = |left: u32, top: u32| {
+        let (width, height) = (side.min(a.width() - left), side.min(a.height() - top));
+        let mut error = CodeError { samples: 3 * u64::from(width) * u64::from(height), ..CodeError::empty(peak) };
+        for y in top..top + height {
+            let row = |plane: &Plane<[T; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
+            let sums = row(a).iter().zip(&row(b)).map(|(a, b)| u128::from(sample_error(a, b).0)).sum::<u128>();
+            error.sum += sums;
+        }
+        CellPsnr { rect: [left, top, width, height], psnr_db: error.psnr_db() }
+    };
+    starts(a.height())
+        .flat_map(|top| starts(a.width()).map(move |left| (left, top)))
+        .map(|(x, y)| measure(x, y))
+        .collect()
+}

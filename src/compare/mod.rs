@@ -1,0 +1,8 @@
+//! Compares containers, datasets and image sequences stream by stream.
+
+pub mod comparison;
+pub mod difference;
+pub mod domain;
+pub mod error_map;
+pub mod side;
+pub mod streams;

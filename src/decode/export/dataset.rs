@@ -1,0 +1,136 @@
+//! The manifest of what was decoded.
+
+use serde_json::json;
+
+use crate::dataset::manifest::{self, Manifest};
+use crate::dataset::stream::StreamKind;
+use crate::decode::decoder::Decoder;
+use crate::decode::export::{Chosen, FileFormat};
+use crate::image::cube::Face;
+use crate::image::sequence::FrameRange;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::streams::header::{CodecHeader, ColorFormat};
+
+/// The pattern of the files of a kind.
+pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> String {
+    let face = if decoder.reader().index().projection == 0 { "/face_{face}" } else { "" };
+    format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
+}
+
+/// The manifest of what was decoded, so that the folder is a dataset again. `extra` tells how the streams were coded,
+/// so that a later comparison can use the same codes. None where PNG files hold codes that a manifest cannot explain,
+/// where streams differ in size, or where faces of a cube are no squares.
+pub(super) fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> Option<Manifest> {
+    let index = decoder.reader().index();
+    let (first, _) = chosen.first()?;
+    let size = [first.entry.width, first.entry.height];
+    let cube = index.projection == 0;
+    if chosen.iter().any(|(stream, _)| [stream.entry.width, stream.entry.height] != size) || cube && size[0] != size[1]
+    {
+        return None;
+    }
+    let mut files = manifest::Files::default();
+    let (mut depth, mut color, mut material) = (None, None, None);
+    let mut coding = serde_json::Map::new();
+    let mut ranges = serde_json::Map::new();
+    for (stream, _) in chosen {
+        let pattern = Some(file_pattern(decoder, stream.kind, format));
+        match (stream.header, format) {
+            (CodecHeader::Depth(header), _) => {
+                let (near, far) = (header.range.near_m(), header.range.far_m());
+                let name = format!("{}/{}", decoder.probe(stream).name, stream.face.name());
+                ranges.insert(name, json!({ "near_m": near, "far_m": far }));
+                if format == FileFormat::Exr {
+                    files.depth = pattern;
+                    let background = match header.background {
+                        f32::INFINITY => manifest::Background::default(),
+                        value => manifest::Background::Value(f64::from(value)),
+                    };
+                    depth = Some(manifest::DepthInfo { kind: header.kind, background, ..Default::default() });
+                }
+            }
+            (CodecHeader::Color(header), _) => {
+                let srgb = header.format == ColorFormat::EightBit(ToneMap::default());
+                coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
+                let space = match format {
+                    FileFormat::Exr => manifest::ManifestColorSpace::LinearRec709,
+                    FileFormat::Png if srgb => manifest::ManifestColorSpace::Srgb,
+                    FileFormat::Png => continue,
+                };
+                files.color = pattern;
+                color = Some(manifest::ColorInfo { space });
+            }
+            (CodecHeader::Material(_), FileFormat::Exr) => {
+                files.material = pattern;
+                material = Some(manifest::MaterialInfo { channels: manifest::MaterialChannels::default() });
+            }
+            (CodecHeader::Material(_), FileFormat::Png) => {}
+        }
+    }
+    if files == manifest::Files::default() {
+        return None;
+    }
+    if !ranges.is_empty() {
+        coding.insert("depth".into(), ranges.into());
+    }
+    let frames = chosen.iter().map(|(_, frames)| *frames);
+    let all = frames.reduce(hull)?;
+    let present: Vec<Face> =
+        Face::CUBE.into_iter().filter(|face| chosen.iter().any(|(s, _)| s.face == *face)).collect();
+    let mut probes = Vec::new();
+    let mut frames_of: Vec<Option<FrameRange>> = vec![None; index.probes.len()];
+    for &(stream, frames) in chosen {
+        let known = &mut frames_of[stream.probe];
+        *known = Some(known.map_or(frames, |known| hull(known, frames)));
+    }
+    for (probe, frames) in index.probes.iter().zip(frames_of) {
+        let Some(frames) = frames else { continue };
+        let known = probe.intrinsics.iter().any(|&value| value != 0.0);
+        probes.push(manifest::Probe {
+            name: probe.name.clone(),
+            position: probe.position,
+            frames: (frames != all).then_some([frames.first, frames.last]),
+            orientation: (probe.orientation != [0.0, 0.0, 0.0, 1.0]).then_some(probe.orientation),
+            fov_y_deg: None,
+            intrinsics: known.then_some(probe.intrinsics),
+            extra: None,
+        });
+    }
+    Some(Manifest {
+        lightfield: manifest::MANIFEST_VERSION,
+        name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
+        fps: index.fps,
+        frames: [all.first, all.last],
+        projection: if cube {
+            crate::dataset::stream::Projection::Cubemap
+        } else {
+            crate::dataset::stream::Projection::Perspective
+        },
+        size,
+        faces: cube.then_some(manifest::FaceFiles::Six),
+        faces_present: (cube && present.len() < 6).then(|| present.iter().map(|face| face.name().to_owned()).collect()),
+        depth,
+        color,
+        material,
+        files,
+        probes,
+        extra: Some(json!({ "lightfold": coding })),
+    })
+}
+
+/// The least range that holds both.
+fn hull(a: FrameRange, b: FrameRange) -> FrameRange {
+    FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) }
+}
+
+fn color_coding(format: &ColorFormat, cell: u32) -> serde_json::Value {
+    match format {
+        ColorFormat::EightBit(tone) => json!({
+            "format": "8bit",
+            "transfer": if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
+            "exposure_ev": tone.exposure_ev,
+            "cell": cell,
+        }),
+        ColorFormat::Half { white_cd_m2 } => json!({ "format": "half", "white_cd_m2": white_cd_m2, "cell": cell }),
+    }
+}

@@ -1,0 +1,134 @@
+//! What an encode is of and how it is done, as far as bytes depend on it: so that no other one goes on where it stopped.
+
+use crate::color::keyframes::SearchSettings;
+use crate::container::fields::{Fields, PutFields};
+use crate::dataset::source::Source;
+use crate::dataset::stream::StreamKind;
+use crate::depth::temporal::TemporalSettings;
+use crate::error::{Error, Result};
+use crate::fingerprint::{Fingerprint, digest};
+
+use crate::encode::dataset::{DepthCodec, selected_groups};
+use crate::encode::settings::{DepthSettings, EncodeSettings, MaterialSettings};
+
+/// That of an encode of this program on this machine.
+pub(super) fn of(source: &Source, settings: &EncodeSettings) -> Fingerprint {
+    let mut fields = Fingerprint::of_program();
+    fields.extend(of_settings(settings));
+    fields.push(("the name of the dataset", source.name().to_owned()));
+    fields.push(("the frame rate", format!("{:?}", source.fps())));
+    fields.push(("the projection", format!("{:?}", source.projection())));
+    fields.push(("the probes", digest(format!("{:?}", source.probes()).as_bytes())));
+    let groups = format!("{:?}", selected_groups(source, settings));
+    fields.push(("the streams, their frames and sizes", digest(groups.as_bytes())));
+    fields.extend(source.reading_rules());
+    // Last: it may differ only because an option chooses another encoder.
+    fields.push(("the kind of machine", machine(settings)));
+    Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+}
+
+/// A fingerprint as bytes.
+pub(super) fn write(fingerprint: &Fingerprint) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for (name, value) in fingerprint.fields() {
+        bytes.put_string("a setting's name", name)?;
+        bytes.put_string(name, value)?;
+    }
+    Ok(bytes)
+}
+
+/// A fingerprint from bytes.
+pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
+    let mut fields = Fields::new(bytes, 0, "");
+    let mut found = Vec::new();
+    while fields.remaining() > 0 {
+        found.push((fields.string("a setting's name")?, fields.string("a setting")?));
+    }
+    Ok(Fingerprint::new(found))
+}
+
+/// Settings by the names that the command line has for them.
+///
+/// Whatever is added to the settings has to be named here, or left out for a reason.
+fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
+    let EncodeSettings {
+        temporal,
+        material,
+        depth,
+        tiles,
+        near_m,
+        far_m,
+        cell,
+        color,
+        search,
+        color_blocks,
+        lzma2,
+        kinds,
+        // Batches are smaller with less of it; the order of chunks and their bytes are the same.
+        memory: _,
+    } = settings;
+    let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
+    let MaterialSettings { epsilon: material_error, in_blocks } = material;
+    let DepthSettings { codec, error, domain, decide, effort, min_children } = depth;
+    let SearchSettings { min_psnr_db, effort: search_effort, reach } = search;
+    let kinds: Vec<&str> =
+        StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
+    vec![
+        ("--stream", kinds.join(",")),
+        ("--lzma2", lzma2.map_or("none".to_owned(), |level| level.to_string())),
+        ("--depth-codec", format!("{codec:?}")),
+        ("the bound on depth", format!("{error:?}")),
+        ("--depth-domain", format!("{domain:?}")),
+        ("--decide", format!("{decide:?}")),
+        ("--effort", format!("{effort:?}, {search_effort:?}")),
+        ("--min-children", min_children.to_string()),
+        ("--depth-window", window.to_string()),
+        ("--epsilon", epsilon.to_string()),
+        ("--max-aabbs", max_aabbs.to_string()),
+        ("--keyframe-interval", keyframe_interval.to_string()),
+        ("--tiles", tiles.to_string()),
+        ("--near", format!("{near_m:?}")),
+        ("--far", format!("{far_m:?}")),
+        ("--material-error", material_error.to_string()),
+        ("--material-block", in_blocks.to_string()),
+        ("--cell", cell.to_string()),
+        ("--psnr", format!("{min_psnr_db:?}")),
+        ("--keyframe-reach", reach.to_string()),
+        ("--color-block", format!("{color_blocks:?}")),
+        ("the domain of colour", format!("{color:?}")),
+    ]
+}
+
+/// Logarithms are rounded by the system's library, and encoders of blocks use what the processor has.
+fn machine(settings: &EncodeSettings) -> String {
+    let in_blocks = settings.color_blocks.is_some()
+        || settings.material.in_blocks
+        || settings.depth.codec == DepthCodec::BoxesInBlocks;
+    let system = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    if in_blocks { format!("{system}{}", instruction_sets()) } else { system }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn instruction_sets() -> String {
+    let there = [
+        (is_x86_feature_detected!("sse4.1"), " sse4.1"),
+        (is_x86_feature_detected!("avx"), " avx"),
+        (is_x86_feature_detected!("avx2"), " avx2"),
+        (is_x86_feature_detected!("fma"), " fma"),
+        (is_x86_feature_detected!("avx512f"), " avx512f"),
+        (is_x86_feature_detected!("avx512bw"), " avx512bw"),
+    ];
+    there.into_iter().filter_map(|(is_there, name)| is_there.then_some(name)).collect()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn instruction_sets() -> String {
+    String::new()
+}
+
+/// An encode that is not the one that was begun.
+pub(super) fn other(difference: &str) -> Error {
+    Error::Usage(format!(
+        "the unfinished encode cannot go on: {difference}; run it as it was begun, or leave out --resume to start anew"
+    ))
+}

@@ -1,0 +1,259 @@
+//! How a dataset is encoded.
+
+use crate::block::SIDE;
+use crate::color::keyframes::SearchSettings;
+use crate::dataset::stream::StreamKind;
+use crate::depth::domain::{Domain, DomainKind};
+use crate::depth::mode_decision::Decide;
+use crate::depth::node_encoder::NodeSettings;
+use crate::depth::quantise::{DepthRange, FAR_CODE};
+use crate::depth::temporal::TemporalSettings;
+use crate::effort::Effort;
+use crate::error::{Error, Result};
+use crate::memory::Budget;
+use crate::streams::header::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
+
+/// How depth is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DepthCodec {
+    /// Packed nodes of a quadtree.
+    #[default]
+    Quadtree,
+    /// The quadtree itself, to be packed at any bound.
+    Tree,
+    /// Codes as they are, in boxes around what changes.
+    Boxes,
+    /// The same with pieces of the boxes in BC5 blocks, where these stay within epsilon.
+    BoxesInBlocks,
+    /// BC4w blocks, without a bound.
+    Blocks,
+}
+
+/// How far a decoded surface may be from its source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ErrorBound {
+    /// In log codes.
+    Codes(u16),
+    /// In proportion to the distance: 0.001 for a thousandth.
+    Relative(f64),
+}
+
+/// How depth is coded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthSettings {
+    /// The codec.
+    pub codec: DepthCodec,
+    /// Largest error of a node.
+    pub error: ErrorBound,
+    /// What functions are fitted in.
+    pub domain: DomainKind,
+    /// Which function of those within the bound is taken.
+    pub decide: Decide,
+    /// How hard BC4w blocks are searched for.
+    pub effort: Effort,
+    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    pub min_children: u8,
+}
+
+impl Default for DepthSettings {
+    fn default() -> Self {
+        let NodeSettings { bound, decide, effort, min_children, .. } = NodeSettings::default();
+        DepthSettings {
+            codec: DepthCodec::default(),
+            error: ErrorBound::Codes(bound),
+            domain: DomainKind::default(),
+            decide,
+            effort,
+            min_children,
+        }
+    }
+}
+
+/// How keyframes of colour become blocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ColorBlockSettings {
+    /// The format: BC1 or BC7 for 8 bits, BC6H for half floats.
+    pub blocks: ColorBlocks,
+    /// PSNR that every frame of every cell still reaches between keyframes in blocks, in dB; at most that of the search.
+    pub final_psnr_db: f64,
+}
+
+impl ColorBlockSettings {
+    /// The format with the quality that it reaches on most footage, or the search's where that is less.
+    pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
+        ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.min_psnr_db) }
+    }
+
+    /// The quality in dB that a format reaches on most footage.
+    pub fn usual_psnr_db(blocks: ColorBlocks) -> f64 {
+        match blocks {
+            ColorBlocks::Bc1 => 30.0,
+            ColorBlocks::Bc7 | ColorBlocks::Bc6h => 40.0,
+        }
+    }
+}
+
+/// How material is coded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MaterialSettings {
+    /// Largest difference of any of its three bytes from the source.
+    pub epsilon: u16,
+    /// Whether pieces of the boxes are in BC1 blocks, where these stay within epsilon.
+    pub in_blocks: bool,
+}
+
+impl ErrorBound {
+    /// The bound in codes of a stream of this range; a proportion is rounded down, so that it holds.
+    pub fn codes(self, range: DepthRange) -> u16 {
+        match self {
+            ErrorBound::Codes(codes) => codes,
+            ErrorBound::Relative(share) => {
+                let step = range.step_ratio().ln_1p();
+                // Rounding to codes takes half a step of the share itself.
+                if step > 0.0 { (share.ln_1p() / step - 0.5).clamp(0.0, f64::from(FAR_CODE)) as u16 } else { 0 }
+            }
+        }
+    }
+}
+
+/// How a dataset is encoded.
+#[derive(Debug, Clone)]
+pub struct EncodeSettings {
+    /// Depth in time; material follows it, with an epsilon of its own.
+    pub temporal: TemporalSettings,
+    /// Material.
+    pub material: MaterialSettings,
+    /// Depth in space.
+    pub depth: DepthSettings,
+    /// Depth and material tiles along each side of a face.
+    pub tiles: u32,
+    /// Nearest surface in metres; found where not given.
+    pub near_m: Option<f32>,
+    /// Farthest surface in metres; found where not given.
+    pub far_m: Option<f32>,
+    /// Colour cells are this many pixels wide and high.
+    pub cell: u32,
+    /// The domain of colour.
+    pub color: ColorFormat,
+    /// Colour in time.
+    pub search: SearchSettings,
+    /// Keyframes of colour in blocks; `None` for samples.
+    pub color_blocks: Option<ColorBlockSettings>,
+    /// LZMA2 preset for chunks that it makes smaller.
+    pub lzma2: Option<u32>,
+    /// Kinds of streams to encode.
+    pub kinds: Vec<StreamKind>,
+    /// Memory that frames and encoders may take; the file does not depend on it.
+    pub memory: Budget,
+}
+
+impl Default for EncodeSettings {
+    fn default() -> Self {
+        EncodeSettings {
+            temporal: TemporalSettings::default(),
+            material: MaterialSettings::default(),
+            depth: DepthSettings::default(),
+            tiles: 2,
+            near_m: None,
+            far_m: None,
+            cell: 64,
+            color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
+            search: SearchSettings::default(),
+            color_blocks: None,
+            lzma2: None,
+            kinds: StreamKind::ALL.to_vec(),
+            memory: Budget::UNLIMITED,
+        }
+    }
+}
+
+impl EncodeSettings {
+    /// Refuses what no encoder could do.
+    pub(super) fn check(&self) -> Result<()> {
+        self.temporal.check()?;
+        self.nodes(0).check()?;
+        if self.tiles == 0 || self.cell == 0 || self.search.reach == 0 {
+            return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
+        }
+        let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
+        if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
+            let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with --hdr, bc1 or bc7 without";
+            return Err(Error::Usage(message.into()));
+        }
+        if !self.cell.is_multiple_of(SIDE as u32) {
+            let message = format!("cells of {} pixels: blocks of 4x4 pixels need a multiple of 4", self.cell);
+            return Err(Error::Usage(message));
+        }
+        if final_psnr_db > self.search.min_psnr_db {
+            return Err(Error::Usage(format!(
+                "{final_psnr_db} dB after blocks, but keyframes are chosen for {} dB: blocks only lose",
+                self.search.min_psnr_db
+            )));
+        }
+        Ok(())
+    }
+
+    /// The header of colour streams.
+    pub(super) fn color_header(&self) -> ColorHeader {
+        let header = ColorHeader::new(self.color, &self.search);
+        match self.color_blocks {
+            Some(ColorBlockSettings { blocks, final_psnr_db }) => {
+                ColorHeader { blocks: Some(blocks), min_psnr_db: final_psnr_db, ..header }
+            }
+            None => header,
+        }
+    }
+
+    /// The header of material streams.
+    pub(super) fn material_header(&self) -> MaterialHeader {
+        let MaterialSettings { epsilon, in_blocks } = self.material;
+        MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
+    }
+
+    /// How nodes are coded with a bound in codes.
+    pub fn nodes(&self, bound: u16) -> NodeSettings {
+        let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
+        let DepthSettings { decide, effort, min_children, .. } = self.depth;
+        NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
+    }
+
+    /// The header's part on the codec of depth, for a stream of this range.
+    pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
+        let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
+        let nodes = || {
+            // A probe that sees one distance, or nothing, has no span for a logarithm.
+            let domain = Domain::new(self.depth.domain, range).or_else(|_| Domain::new(DomainKind::Log, range))?;
+            let bound = self.depth.error.codes(range);
+            Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain: domain.parts() })
+        };
+        Ok(match self.depth.codec {
+            DepthCodec::Boxes => DepthCoding::Boxes(self.temporal),
+            DepthCodec::BoxesInBlocks => DepthCoding::BoxesInBlocks(self.temporal),
+            DepthCodec::Quadtree => DepthCoding::Nodes(nodes()?),
+            DepthCodec::Tree => DepthCoding::Tree(NodeHeader { window: 1, epsilon: 0, ..nodes()? }),
+            DepthCodec::Blocks => DepthCoding::Blocks,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_becomes_as_many_codes_as_keep_it() {
+        for (near, far) in [(1.0, 1.5), (0.5, 37.25), (0.001, 1000.0)] {
+            let range = DepthRange::new(near, far).unwrap();
+            for share in [0.0, 0.0001, 0.001, 0.01, 0.5] {
+                let codes = ErrorBound::Relative(share).codes(range);
+                // A surface is up to half a step from its code before anything is lost.
+                let worst = |codes: f64| (codes + 0.5) * range.step_ratio().ln_1p();
+                assert!(codes == 0 || worst(f64::from(codes)).exp_m1() <= share * (1.0 + 1e-9), "{share}: {codes}");
+                assert!(codes == FAR_CODE || worst(f64::from(codes) + 1.0).exp_m1() > share, "{share}: {codes}");
+            }
+        }
+        let single = DepthRange::new(2.0, 2.0).unwrap();
+        assert_eq!(ErrorBound::Relative(0.1).codes(single), 0);
+        assert_eq!(ErrorBound::Codes(7).codes(single), 7);
+    }
+}

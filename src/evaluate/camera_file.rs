@@ -1,0 +1,260 @@
+//! `cam.json`: cameras, and the frames in which they look.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::dataset::cameras::{CameraSet, PlacedCamera};
+use crate::error::{Error, Result};
+use crate::evaluate::key_poses::{self, KeyPose};
+use crate::image::FrameRange;
+use crate::math::{Camera, Lens};
+
+/// Larger files are refused before they are parsed.
+pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
+
+/// The whole file. Unknown keys are errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraFile {
+    /// The cameras, at least one.
+    pub cameras: Vec<CameraEntry>,
+}
+
+/// One camera.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraEntry {
+    /// Where it stands: x, y, z in metres.
+    pub eye: [f64; 3],
+    /// A point that it looks at; this or `orientation`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub look_at: Option<[f64; 3]>,
+    /// Unit quaternion x, y, z, w that turns a camera that looks along −Z with +Y up; this or `look_at`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<[f64; 4]>,
+    /// The direction that is up in its picture, with `look_at`; +Y when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<[f64; 3]>,
+    /// Vertical field of view in degrees, above 0 and below 180.
+    pub fov_y_deg: f64,
+    /// Width of its picture over the height; 1 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aspect: Option<f64>,
+    /// Where it begins to see surfaces, in metres along its axis; 0 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub near_m: Option<f64>,
+    /// Where it ceases to see surfaces, in metres along its axis; never when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub far_m: Option<f64>,
+    /// First and last frame in which it looks; all when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frames: Option<[u32; 2]>,
+    /// The frame in which a camera that moves has come here, instead of `frames`: all entries have one, each a greater one
+    /// than the entry before. In between the camera goes straight and turns evenly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u32>,
+}
+
+/// A camera, and the frames in which it looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// The frames, all where there is no range.
+    pub frames: Option<FrameRange>,
+}
+
+impl CameraFile {
+    /// The cameras of a file, `-` for standard input.
+    ///
+    /// # Errors
+    /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or has a camera that sees nothing.
+    pub fn read(path: &Path) -> Result<Vec<TimedCamera>> {
+        let source: Box<dyn Read> = match path == Path::new("-") {
+            true => Box::new(std::io::stdin().lock()),
+            false => Box::new(File::open(path).map_err(|error| Error::io(path, error))?),
+        };
+        let mut text = Vec::new();
+        source.take(MAX_CAMERA_FILE_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
+        if text.len() as u64 > MAX_CAMERA_FILE_BYTES {
+            let message = format!("a file of cameras has at most {MAX_CAMERA_FILE_BYTES} bytes, this one has more");
+            return Err(Error::invalid(message).in_file(path));
+        }
+        Self::parse(&text).map_err(|error| error.in_file(path))
+    }
+
+    /// The cameras of a file's bytes as probes that stand where they look from, in perspective, to capture what they should
+    /// see; and the width of their pictures over the height, where they state one. Near and far are left out.
+    ///
+    /// # Errors
+    /// As for [`CameraFile::read`], and when two of them state different aspects.
+    pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
+        let cameras = Self::parse(text)?;
+        let file: CameraFile =
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+        if file.cameras.iter().any(|entry| entry.frame.is_some()) {
+            return Err(Error::invalid("poses with a \"frame\" are of a camera that moves, and a probe stands still"));
+        }
+        let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
+            orientation: timed.camera.orientation(),
+            fov_y_deg: Some(entry.fov_y_deg),
+            frames: entry.frames,
+            ..PlacedCamera::at(entry.eye)
+        };
+        let set = CameraSet::new(cameras.iter().zip(&file.cameras).map(probe).collect());
+        let mut aspects: Vec<f64> = file.cameras.iter().filter_map(|entry| entry.aspect).collect();
+        aspects.dedup();
+        match aspects[..] {
+            [] | [_] => Ok((set, aspects.first().copied())),
+            _ => {
+                Err(Error::invalid("cameras of different \"aspect\" cannot be captured together: use a file for each"))
+            }
+        }
+    }
+
+    /// The cameras of a file's bytes.
+    ///
+    /// # Errors
+    /// As for [`CameraFile::read`].
+    pub fn parse(text: &[u8]) -> Result<Vec<TimedCamera>> {
+        let file: CameraFile =
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+        if file.cameras.is_empty() {
+            return Err(Error::invalid("\"cameras\" is empty: at least one was expected"));
+        }
+        let named = |(at, entry): (usize, &CameraEntry)| {
+            entry.camera().map_err(|error| Error::invalid(format!("camera {at}: {error}")))
+        };
+        let cameras: Vec<TimedCamera> = file.cameras.iter().enumerate().map(named).collect::<Result<_>>()?;
+        if file.cameras.iter().all(|entry| entry.frame.is_none()) {
+            return Ok(cameras);
+        }
+        let pose = |(entry, timed): (&CameraEntry, &TimedCamera)| {
+            let frame = entry.frame.filter(|_| entry.frames.is_none()).ok_or_else(|| {
+                Error::invalid("some cameras have a \"frame\", so all must have one, and none may have \"frames\"")
+            })?;
+            Ok(KeyPose { frame, camera: timed.camera, lens: entry.lens() })
+        };
+        let poses = file.cameras.iter().zip(&cameras).map(pose).collect::<Result<Vec<_>>>()?;
+        key_poses::path(&poses)
+    }
+}
+
+impl CameraEntry {
+    fn lens(&self) -> Lens {
+        Lens {
+            fov_y_deg: self.fov_y_deg,
+            aspect: self.aspect.unwrap_or(1.0),
+            near_m: self.near_m.unwrap_or(0.0),
+            far_m: self.far_m.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    fn camera(&self) -> Result<TimedCamera> {
+        let lens = self.lens();
+        let eye = DVec3::from_array(self.eye);
+        let camera = match (self.look_at, self.orientation, self.up) {
+            (Some(target), None, up) => {
+                let up = up.map_or(DVec3::Y, DVec3::from_array);
+                Camera::look_at(eye, DVec3::from_array(target), up, lens)?
+            }
+            (None, Some(orientation), None) => Camera::oriented(eye, orientation, lens)?,
+            (None, Some(_), Some(_)) => {
+                return Err(Error::invalid("\"up\" goes with \"look_at\"; an \"orientation\" has its own"));
+            }
+            _ => return Err(Error::invalid("either \"look_at\" or \"orientation\" was expected")),
+        };
+        let frames = match self.frames {
+            Some([first, last]) if first > last => {
+                return Err(Error::invalid(format!("\"frames\" is [{first}, {last}]: the first comes first")));
+            }
+            frames => frames.map(|[first, last]| FrameRange { first, last }),
+        };
+        Ok(TimedCamera { camera, frames })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_are_read() {
+        let text = br#"{ "cameras": [
+            { "eye": [1, 2, 3], "look_at": [1, 2, 0], "up": [0, 1, 0], "fov_y_deg": 90, "aspect": 1.5, "frames": [2, 4] },
+            { "eye": [1, 2, 3], "orientation": [0, 0, 0, 1], "fov_y_deg": 90, "aspect": 1.5 },
+            { "eye": [1, 2, 3], "look_at": [1, 2, 0], "fov_y_deg": 90, "near_m": 0.1, "far_m": 50 } ] }"#;
+        let cameras = CameraFile::parse(text).unwrap();
+        assert_eq!(cameras.len(), 3);
+        assert_eq!(cameras[0].camera, cameras[1].camera);
+        assert_eq!(cameras[0].frames, Some(FrameRange { first: 2, last: 4 }));
+        assert_eq!(cameras[1].frames, None);
+        assert_ne!(cameras[2].camera, cameras[0].camera);
+    }
+
+    #[test]
+    fn poses_of_a_camera_that_moves_are_a_camera_for_each_frame() {
+        let pose =
+            |x: f64, keys: &str| format!(r#"{{ "eye": [{x}, 0, 0], "look_at": [{x}, 0, -1], "fov_y_deg": 60{keys} }}"#);
+        let file = |poses: &[String]| format!(r#"{{ "cameras": [{}] }}"#, poses.join(", "));
+        let text = file(&[pose(0.0, r#", "frame": 3"#), pose(4.0, r#", "frame": 5"#)]);
+        let cameras = CameraFile::parse(text.as_bytes()).unwrap();
+        let seen = cameras.iter().map(|timed| (timed.frames.unwrap().first, timed.camera.eye().x));
+        assert_eq!(seen.collect::<Vec<_>>(), [(3, 0.0), (4, 2.0), (5, 4.0)]);
+        assert!(CameraFile::as_probes(text.as_bytes()).unwrap_err().to_string().contains("stands still"));
+        for (second, words) in
+            [("", "all must have"), (r#", "frame": 3"#, "greater"), (r#", "frame": 5, "frames": [5, 5]"#, "none may")]
+        {
+            let text = file(&[pose(0.0, r#", "frame": 3"#), pose(4.0, second)]);
+            let said = CameraFile::parse(text.as_bytes()).unwrap_err().to_string();
+            assert!(said.contains(words), "{second}: {said}");
+        }
+    }
+
+    #[test]
+    fn viewers_become_probes_that_look_the_same_way() {
+        let text = br#"{ "cameras": [
+            { "eye": [1, 2, 3], "look_at": [4, 1, -2], "up": [0.2, 1, 0], "fov_y_deg": 50, "aspect": 1.5, "frames": [2, 4] },
+            { "eye": [0, 0, 0], "look_at": [0, 0, -2], "fov_y_deg": 40 } ] }"#;
+        let (set, aspect) = CameraFile::as_probes(text).unwrap();
+        assert_eq!((set.cameras.len(), aspect), (2, Some(1.5)));
+        assert_eq!((set.cameras[0].frames, set.cameras[0].fov_y_deg), (Some([2, 4]), Some(50.0)));
+        assert_eq!(set.cameras[1].orientation, None);
+        let [forward, right, down] = CameraFile::parse(text).unwrap()[0].camera.axes();
+        let turn = crate::math::camera::rotation(set.cameras[0].orientation.unwrap()).unwrap();
+        for (axis, of_probe) in [(forward, DVec3::NEG_Z), (right, DVec3::X), (down, DVec3::NEG_Y)] {
+            assert!((turn * of_probe - axis).length() < 1e-12);
+        }
+        let two = std::str::from_utf8(text).unwrap().replace("\"fov_y_deg\": 40", "\"fov_y_deg\": 40, \"aspect\": 1");
+        assert!(CameraFile::as_probes(two.as_bytes()).unwrap_err().to_string().contains("different"));
+    }
+
+    #[test]
+    fn files_that_make_no_sense_are_refused_with_a_reason() {
+        let camera = |keys: &str| format!(r#"{{ "cameras": [{{ "eye": [0, 0, 0], "fov_y_deg": 60{keys} }}] }}"#);
+        let looking = r#", "look_at": [0, 0, -1]"#;
+        assert!(CameraFile::parse(camera(looking).as_bytes()).is_ok());
+        for (text, words) in [
+            ("{}".to_owned(), "cameras"),
+            (r#"{ "cameras": [] }"#.to_owned(), "at least one"),
+            (r#"{ "cameras": [], "camera": 1 }"#.to_owned(), "`camera`"),
+            (camera(&format!(r#"{looking}, "fov": 3"#)), "`fov`"),
+            (camera(""), "either"),
+            (camera(&format!(r#"{looking}, "orientation": [0, 0, 0, 1]"#)), "either"),
+            (camera(r#", "orientation": [0, 0, 0, 1], "up": [0, 1, 0]"#), "\"up\" goes with"),
+            (camera(r#", "orientation": [0, 0, 0, 2]"#), "camera 0: "),
+            (camera(r#", "look_at": [0, 0, 0]"#), "where its eye is"),
+            (camera(&format!(r#"{looking}, "aspect": 0"#)), "as wide"),
+            (camera(&format!(r#"{looking}, "near_m": 2, "far_m": 1"#)), "near < far"),
+            (camera(&format!(r#"{looking}, "frames": [3, 2]"#)), "[3, 2]"),
+            (camera(&format!(r#"{looking}, "eye": [0, 0, 0]"#)), "duplicate"),
+        ] {
+            let said = CameraFile::parse(text.as_bytes()).unwrap_err().to_string();
+            assert!(said.contains(words), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! The way of a camera between poses that it has in some frames.
+
+use glam::DQuat;
+
+use crate::error::{Error, Result};
+use crate::evaluate::camera_file::TimedCamera;
+use crate::image::FrameRange;
+use crate::math::{Camera, Lens};
+
+/// A path through more frames is refused.
+pub const MAX_PATH_FRAMES: u32 = 100_000;
+
+/// Where a camera is in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyPose {
+    /// The frame.
+    pub frame: u32,
+    /// The camera.
+    pub camera: Camera,
+    /// Its lens.
+    pub lens: Lens,
+}
+
+/// A camera for each frame from the first pose to the last: the eye goes straight from pose to pose, the camera turns evenly by
+/// the shorter way, and field of view and aspect change evenly. Near and far are those of the pose before.
+///
+/// # Errors
+/// When frames do not rise, or are more than [`MAX_PATH_FRAMES`].
+pub fn path(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
+    let timed =
+        |frame: u32, camera: Camera| TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) };
+    let mut cameras = Vec::new();
+    if let [first, .., last] = poses
+        && last.frame.saturating_sub(first.frame) >= MAX_PATH_FRAMES
+    {
+        return Err(Error::invalid(format!("a camera may move through at most {MAX_PATH_FRAMES} frames")));
+    }
+    for pair in poses.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        if b.frame <= a.frame {
+            return Err(Error::invalid(format!(
+                "the pose of frame {} follows that of frame {}: each was expected to be of a greater frame",
+                b.frame, a.frame
+            )));
+        }
+        cameras.push(timed(a.frame, a.camera));
+        for frame in a.frame + 1..b.frame {
+            let part = f64::from(frame - a.frame) / f64::from(b.frame - a.frame);
+            cameras.push(timed(frame, between(&a, &b, part)?));
+        }
+    }
+    cameras.extend(poses.last().map(|pose| timed(pose.frame, pose.camera)));
+    Ok(cameras)
+}
+
+fn between(a: &KeyPose, b: &KeyPose, part: f64) -> Result<Camera> {
+    let turn = |pose: &KeyPose| pose.camera.orientation().map_or(DQuat::IDENTITY, DQuat::from_array);
+    let mix = |a: f64, b: f64| a + (b - a) * part;
+    let lens = Lens {
+        fov_y_deg: mix(a.lens.fov_y_deg, b.lens.fov_y_deg),
+        aspect: mix(a.lens.aspect, b.lens.aspect),
+        ..a.lens
+    };
+    let orientation = turn(a).slerp(turn(b), part).normalize();
+    Camera::oriented(a.camera.eye().lerp(b.camera.eye(), part), orientation.to_array(), lens)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn pose(frame: u32, eye: [f64; 3], forward: [f64; 3], fov_y_deg: f64) -> KeyPose {
+        let (eye, lens) = (DVec3::from_array(eye), Lens::new(fov_y_deg));
+        let camera = Camera::look_at(eye, eye + DVec3::from_array(forward), DVec3::Y, lens).unwrap();
+        KeyPose { frame, camera, lens }
+    }
+
+    #[test]
+    fn a_camera_turns_evenly_by_the_shorter_way() {
+        let poses = [pose(2, [0.0; 3], [1.0, 0.0, 0.0], 40.0), pose(5, [3.0, 0.0, 6.0], [0.0, 0.0, 1.0], 70.0)];
+        let cameras = path(&poses).unwrap();
+        assert_eq!(cameras.len(), 4);
+        for (at, timed) in (0u32..).zip(&cameras) {
+            let angle = (f64::from(at) * 30.0).to_radians();
+            let forward = DVec3::new(angle.cos(), 0.0, angle.sin());
+            assert!((timed.camera.axes()[0] - forward).length() < 1e-12, "{timed:?}");
+            assert!((timed.camera.axes()[2] - DVec3::NEG_Y).length() < 1e-12);
+            assert!((timed.camera.eye() - DVec3::new(1.0, 0.0, 2.0) * f64::from(at)).length() < 1e-12);
+            assert_eq!(timed.frames, Some(FrameRange { first: 2 + at, last: 2 + at }));
+        }
+        // The tangent of half a field of view of 50 degrees, at the right edge.
+        let right = cameras[1].camera.direction([1.0, 0.5]).dot(cameras[1].camera.axes()[1]);
+        assert!((right - 25f64.to_radians().sin()).abs() < 1e-12);
+        assert_eq!(path(&poses[..1]).unwrap().len(), 1);
+        assert!(path(&[poses[1], poses[0]]).is_err());
+        assert!(path(&[poses[0], KeyPose { frame: u32::MAX, ..poses[1] }]).is_err());
+    }
+}

@@ -1,0 +1,78 @@
+//! A rendered picture as files hold it.
+//!
+//! Enters: linear light and alpha. Leaves: 8-bit codes beside alpha, or half floats that are multiplied by it.
+
+use half::f16;
+
+use crate::image::plane::Plane;
+use crate::image::transfer::ToneMap;
+use crate::march::render::{HoleFill, Rendered};
+use crate::views::light_field::ColorCoding;
+
+impl ColorCoding {
+    /// What turns light into codes of 8 bits that can be compared with those of the container: its own curve and
+    /// exposure, or sRGB where it holds light.
+    pub fn tone(self) -> ToneMap {
+        match self {
+            ColorCoding::Codes(tone) => tone,
+            ColorCoding::Light => ToneMap::default(),
+        }
+    }
+}
+
+impl Rendered {
+    /// 8-bit codes, without alpha.
+    pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
+        self.color.map(|light| light.map(|light| tone.code(light)))
+    }
+
+    /// 8-bit codes and alpha; colour is not multiplied by alpha.
+    pub fn rgba_codes(&self, tone: ToneMap) -> Plane<[u8; 4]> {
+        let alpha = self.alpha.data();
+        let mut at = 0;
+        self.codes(tone).map(|&[r, g, b]| {
+            at += 1;
+            [r, g, b, (alpha[at - 1] * 255.0).round() as u8]
+        })
+    }
+
+    /// Light multiplied by alpha, and alpha. Where holes are filled, light is not multiplied: it would be gone.
+    pub fn rgba_light(&self, holes: HoleFill) -> Plane<[f16; 4]> {
+        let alpha = self.alpha.data();
+        let mut at = 0;
+        self.color.map(|&light| {
+            let alpha = alpha[at];
+            at += 1;
+            let factor = if holes == HoleFill::Blank { alpha } else { 1.0 };
+            let [r, g, b] = light.map(|light| finite(light * factor));
+            [r, g, b, f16::from_f32(alpha)]
+        })
+    }
+}
+
+/// The nearest half float that is a number: files hold no NaN and no infinity.
+fn finite(value: f32) -> f16 {
+    if value.is_nan() { f16::ZERO } else { f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32())) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::march::counters::Counters;
+
+    #[test]
+    fn holes_are_transparent_and_nothing_is_nan() {
+        let rendered = Rendered {
+            color: Plane::new(3, 1, vec![[1.0, 0.5, 0.0], [1.0; 3], [f32::NAN, f32::INFINITY, -1.0]]).unwrap(),
+            alpha: Plane::new(3, 1, vec![1.0, 0.0, 0.25]).unwrap(),
+            counters: Counters::default(),
+        };
+        let codes = rendered.rgba_codes(ToneMap::default());
+        assert_eq!(codes.data(), [[255, 188, 0, 255], [255, 255, 255, 0], [0, 255, 0, 64]]);
+        let blank = rendered.rgba_light(HoleFill::Blank);
+        assert_eq!(blank.get(1, 0).map(f16::to_f32), [0.0; 4]);
+        assert_eq!(blank.get(2, 0).map(f16::to_f32), [0.0, f16::MAX.to_f32(), -0.25, 0.25]);
+        let filled = rendered.rgba_light(HoleFill::Nearest);
+        assert_eq!(filled.get(1, 0).map(f16::to_f32), [1.0, 1.0, 1.0, 0.0]);
+    }
+}

@@ -1,0 +1,249 @@
+//! How far a rendered picture is from the truth (CALF 7.2): PSNR and SSIM of display codes, and where the error lies.
+//!
+//! Enters: rendered pictures with what should be there. Leaves: sums that merge over images, in a fixed order.
+
+use crate::error::{Error, Result};
+use crate::evaluate::reference::Truth;
+use crate::image::plane::{MaterialPlane, Plane};
+use crate::image::transfer::{EncodeTable, ToneMap};
+use crate::march::render::Rendered;
+use crate::metrics::psnr::{CodeError, U8_PEAK};
+use crate::metrics::ssim_rgb8;
+use crate::streams::convert::color_codes;
+
+/// How far one picture, or several, are from what they should be, in 8-bit display codes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Similarity {
+    /// All pixels; holes count as what they show.
+    pub all: CodeError,
+    /// Pixels that are no holes.
+    pub seen: CodeError,
+    /// Pixels whose true material reflects or refracts at all.
+    pub effects: CodeError,
+    /// Of those, the ones that only reflect: mirrors.
+    pub mirrors: CodeError,
+    /// Of those, the ones that refract: glass.
+    pub glass: CodeError,
+    /// Whether the truth had material, so that the three are known.
+    pub has_material: bool,
+    /// Pixels in which no ray ended in anything that a view saw.
+    pub hole_pixels: u64,
+    /// Pictures that have an SSIM: those that are no smaller than its window.
+    pub ssim_images: u64,
+    /// Sum of their SSIM.
+    pub ssim_sum: f64,
+    /// Sum of the PSNR in dB of each picture that is not exact.
+    pub psnr_db_sum: f64,
+    /// Pictures that are not exact.
+    pub inexact_images: u64,
+    /// Pictures.
+    pub images: u64,
+}
+
+impl Similarity {
+    /// Nothing compared yet.
+    pub fn empty() -> Similarity {
+        let none = CodeError::empty(U8_PEAK);
+        Similarity {
+            all: none,
+            seen: none,
+            effects: none,
+            mirrors: none,
+            glass: none,
+            has_material: false,
+            hole_pixels: 0,
+            ssim_images: 0,
+            ssim_sum: 0.0,
+            psnr_db_sum: 0.0,
+            inexact_images: 0,
+            images: 0,
+        }
+    }
+
+    /// Compares a picture with what should be there, both as codes of `tone`.
+    ///
+    /// # Errors
+    /// When they differ in size.
+    pub fn of(rendered: &Rendered, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
+        let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
+        if sizes[0] != sizes[1] {
+            return Err(Error::invalid(format!(
+                "a picture of {:?} pixels cannot be compared with one of {:?}: render it in the size of the reference",
+                sizes[0], sizes[1]
+            )));
+        }
+        let [shown, wanted] = [rendered.codes(tone), truth_codes(truth, tone)];
+        let all = CodeError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
+        let ssim = ssim_rgb8(&shown, &wanted)?;
+        let mut sum = Similarity {
+            all,
+            has_material: truth.material.is_some(),
+            hole_pixels: rendered.alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
+            ssim_images: u64::from(ssim.is_some()),
+            ssim_sum: ssim.unwrap_or(0.0),
+            psnr_db_sum: if all.sum > 0 { all.psnr_db() } else { 0.0 },
+            inexact_images: u64::from(all.sum > 0),
+            images: 1,
+            ..Similarity::empty()
+        };
+        let weights = |material: &MaterialPlane, at: usize| {
+            let [reflect, refract, _] = material.data()[at];
+            [reflect > 0.0, refract > 0.0]
+        };
+        for (at, (shown, wanted)) in shown.data().iter().zip(wanted.data()).enumerate() {
+            let squares = shown.iter().zip(wanted).map(|(&a, &b)| u128::from(a.abs_diff(b)).pow(2)).sum::<u128>();
+            let add = |error: &mut CodeError| {
+                error.sum += squares;
+                error.samples += 3;
+            };
+            if rendered.alpha.data()[at] > 0.0 {
+                add(&mut sum.seen);
+            }
+            if let Some(material) = &truth.material {
+                let [reflects, refracts] = weights(material, at);
+                if reflects || refracts {
+                    add(&mut sum.effects);
+                    add(if refracts { &mut sum.glass } else { &mut sum.mirrors });
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Adds other pictures; in a fixed order, for the last bits to be the same on every run.
+    ///
+    /// # Errors
+    /// None that pictures of this module can cause: peaks are all 255.
+    pub fn merge(&mut self, other: &Similarity) -> Result<()> {
+        self.all.merge(&other.all)?;
+        self.seen.merge(&other.seen)?;
+        self.effects.merge(&other.effects)?;
+        self.mirrors.merge(&other.mirrors)?;
+        self.glass.merge(&other.glass)?;
+        self.has_material |= other.has_material;
+        self.hole_pixels += other.hole_pixels;
+        self.ssim_images += other.ssim_images;
+        self.ssim_sum += other.ssim_sum;
+        self.psnr_db_sum += other.psnr_db_sum;
+        self.inexact_images += other.inexact_images;
+        self.images += other.images;
+        Ok(())
+    }
+
+    /// Mean over pictures of their PSNR in dB, without those that are exact, such as a face that sees nothing; `+inf` where
+    /// all of them are.
+    pub fn mean_psnr_db(&self) -> f64 {
+        if self.inexact_images == 0 { f64::INFINITY } else { self.psnr_db_sum / self.inexact_images as f64 }
+    }
+
+    /// Mean over pictures of their SSIM; none where all of them are too small.
+    pub fn ssim(&self) -> Option<f64> {
+        (self.ssim_images > 0).then(|| self.ssim_sum / self.ssim_images as f64)
+    }
+
+    /// Holes, in parts of a hundred of all pixels.
+    pub fn hole_percent(&self) -> f64 {
+        100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
+    }
+
+    /// PSNR in dB of the pixels that reflect or refract; none where there are no such pixels.
+    pub fn effects_psnr_db(&self) -> Option<f64> {
+        some_psnr(&self.effects)
+    }
+
+    /// PSNR in dB of mirrors; none where there are no such pixels.
+    pub fn mirrors_psnr_db(&self) -> Option<f64> {
+        some_psnr(&self.mirrors)
+    }
+
+    /// PSNR in dB of glass; none where there are no such pixels.
+    pub fn glass_psnr_db(&self) -> Option<f64> {
+        some_psnr(&self.glass)
+    }
+}
+
+fn some_psnr(error: &CodeError) -> Option<f64> {
+    (error.samples > 0).then(|| error.psnr_db())
+}
+
+/// The truth as display codes, as `encode` makes them of a dataset's colours.
+pub fn truth_codes(truth: &Truth, tone: ToneMap) -> Plane<[u8; 3]> {
+    color_codes(&truth.color, &EncodeTable::new(&tone)).0
+}
+
+/// The largest difference of the three samples of each pixel, in display codes.
+///
+/// # Errors
+/// When the two differ in size.
+pub fn difference(shown: &Plane<[u8; 3]>, wanted: &Plane<[u8; 3]>) -> Result<Plane<u8>> {
+    let largest = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).map(|at| a[at].abs_diff(b[at])).fold(0, u8::max);
+    if (shown.width(), shown.height()) != (wanted.width(), wanted.height()) {
+        return Err(Error::invalid("pictures of different sizes have no differences by pixel"));
+    }
+    Plane::new(shown.width(), shown.height(), shown.data().iter().zip(wanted.data()).map(largest).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use half::f16;
+
+    use super::*;
+    use crate::image::transfer::Transfer;
+    use crate::march::counters::Counters;
+
+    const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
+
+    /// A picture of 12x12 codes of gray, of which the first `holes` are holes, with what should be there, and its material.
+    fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (Rendered, Truth) {
+        let plane = |code: u8| Plane::filled(12, 12, [f32::from(code) / 255.0; 3]);
+        let mut alpha = Plane::filled(12, 12, 1.0);
+        alpha.data_mut()[..holes].fill(0.0);
+        let mut weights = Plane::filled(12, 12, [0.0, 0.0, 1.0]);
+        weights.data_mut()[..material.len()].copy_from_slice(material);
+        let truth = Truth {
+            color: plane(wanted).map(|light| light.map(f16::from_f32)),
+            material: (!material.is_empty()).then_some(weights),
+        };
+        (Rendered { color: plane(shown), alpha, counters: Counters::default() }, truth)
+    }
+
+    #[test]
+    fn figures_are_those_of_a_hand() {
+        let (mut rendered, truth) = pair(10, 12, 3, &[[1.0, 0.0, 1.0], [0.2, 0.8, 1.5], [0.0, 0.5, 1.5]]);
+        // One hole is farther off, and one pixel of glass is exact.
+        rendered.color.data_mut()[0] = [22.0 / 255.0; 3];
+        rendered.color.data_mut()[2] = [12.0 / 255.0; 3];
+        let one = Similarity::of(&rendered, &truth, LINEAR).unwrap();
+        assert_eq!((one.all.sum, one.all.samples), (3 * (100 + 142 * 4), 3 * 144));
+        assert_eq!((one.seen.sum, one.seen.samples), (3 * 141 * 4, 3 * 141));
+        assert_eq!((one.mirrors.sum, one.mirrors.samples), (300, 3));
+        assert_eq!((one.glass.sum, one.glass.samples), (12, 6));
+        assert_eq!((one.effects.sum, one.effects.samples), (312, 9));
+        assert!((one.hole_percent() - 300.0 / 144.0).abs() < 1e-12);
+        assert!(one.ssim().is_some_and(|ssim| ssim < 1.0));
+        let (exact, same) = pair(12, 12, 0, &[]);
+        let other = Similarity::of(&exact, &same, LINEAR).unwrap();
+        assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
+        assert_eq!((other.effects_psnr_db(), other.has_material), (None, false));
+        let mut both = one;
+        both.merge(&other).unwrap();
+        assert_eq!((both.images, both.all.samples, both.has_material), (2, 6 * 144, true));
+        assert_eq!(both.all.sum, one.all.sum);
+        assert_eq!((both.mean_psnr_db(), other.mean_psnr_db()), (one.all.psnr_db(), f64::INFINITY));
+        both = one;
+        both.merge(&one).unwrap();
+        assert_eq!((both.mean_psnr_db(), both.ssim()), (one.all.psnr_db(), one.ssim()));
+    }
+
+    #[test]
+    fn sizes_must_agree_and_nan_is_black() {
+        let (mut rendered, truth) = pair(0, 0, 0, &[]);
+        rendered.color.data_mut()[5] = [f32::NAN; 3];
+        assert_eq!(Similarity::of(&rendered, &truth, LINEAR).unwrap().all.sum, 0);
+        rendered.color = Plane::filled(11, 12, [0.0; 3]);
+        assert!(Similarity::of(&rendered, &truth, LINEAR).unwrap_err().to_string().contains("(11, 12)"));
+        assert!(difference(&Plane::filled(1, 2, [0; 3]), &Plane::filled(2, 1, [0; 3])).is_err());
+        let largest = difference(&Plane::filled(1, 1, [9, 200, 3]), &Plane::filled(1, 1, [10, 190, 7])).unwrap();
+        assert_eq!(largest.data(), [10]);
+    }
+}

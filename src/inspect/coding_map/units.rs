@@ -1,0 +1,221 @@
+//! What a chunk of one unit writes in one frame, by codec; places count from the unit's upper left pixel.
+
+use std::collections::HashMap;
+
+use crate::color::blend::Sample;
+use crate::color::cells::CellChunk;
+use crate::container::{ChunkPlace, Payload};
+use crate::depth::block_chunk;
+use crate::depth::node_chunk::NodeChunk;
+use crate::depth::nodes::{Function, Grid, Place, function_of};
+use crate::depth::pieces::{BlockTexel, stored_pieces};
+use crate::depth::records::{Body, Layout, TemporalChunk};
+use crate::depth::runtime::Runtime;
+use crate::depth::texel::Texel;
+use crate::depth::tree_chunk::TreeChunk;
+use crate::error::Result;
+use crate::inspect::coding_map::{Patch, Writing};
+use crate::streams::depth_chunk::DepthChunk;
+use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
+use crate::streams::material_chunk::MaterialChunk;
+
+/// What a unit's record of a frame writes.
+#[derive(Debug, Default)]
+pub(super) struct UnitAnatomy {
+    pub patches: Vec<Patch>,
+    /// Complete in itself.
+    pub keyframe: bool,
+}
+
+/// What a chunk comes to.
+#[derive(Debug, Default)]
+pub(super) struct ChunkSurvey {
+    pub keyframes_in_blocks: u64,
+    pub keyframes_in_samples: u64,
+    /// Frames of the chunk that change something, counted from its first, with pixels: of depth and material all records
+    /// but the first, of colour frames between keyframes.
+    pub changed: Vec<(u32, u64)>,
+    /// Of colour, frames of keyframes but the first, with pixels.
+    pub later_keyframes: Vec<(u32, u64)>,
+}
+
+/// What a payload, which stands at `place` in its unit of `size` (width, height) pixels, writes in frame `at` of `frames`.
+pub(super) fn unit_anatomy(
+    header: &CodecHeader,
+    payload: Payload,
+    size: [u32; 2],
+    (at, frames): (u32, u32),
+    place: ChunkPlace,
+) -> Result<UnitAnatomy> {
+    let grid = Grid { width: size[0], height: size[1] };
+    let patches = match header {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
+            DepthChunk::Boxes(chunk) => of_record(&chunk, at, of_values),
+            DepthChunk::BoxesInBlocks(chunk) => of_record(&chunk, at, of_pieces::<u16>),
+            DepthChunk::Nodes(chunk) => of_nodes(&chunk, at),
+            DepthChunk::Tree(chunk) => of_tree(&chunk, at),
+            DepthChunk::Blocks(_) => {
+                let bc4w = |place| (place, Writing::Function(Function::Bc4w));
+                of_places(grid, block_chunk::places(grid).map(bc4w))
+            }
+        },
+        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
+            MaterialChunk::Boxes(chunk) => of_record(&chunk, at, of_values),
+            MaterialChunk::BoxesInBlocks(chunk) => of_record(&chunk, at, of_pieces::<[u8; 3]>),
+        },
+        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?, at));
+        }
+        CodecHeader::Color(header) => {
+            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?, at));
+        }
+    };
+    Ok(UnitAnatomy { patches, keyframe: at == 0 })
+}
+
+/// Where the frames of a runtime form have nodes for frame `at`.
+fn nodes_at(runtime: &Runtime, at: u32) -> Vec<(Place, Function)> {
+    let Ok(found) = runtime.frames().binary_search_by_key(&at, |frame| frame.frame) else { return Vec::new() };
+    let nodes = runtime.nodes(runtime.frames()[found]);
+    nodes.map(|(place, coefficients)| (place, function_of(place.level, coefficients))).collect()
+}
+
+fn of_places(grid: Grid, places: impl Iterator<Item = (Place, Writing)>) -> Vec<Patch> {
+    places.zip(0..).map(|((place, writing), part)| Patch { rect: grid.rect_of(place), writing, part }).collect()
+}
+
+fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
+    let nodes = nodes_at(chunk.runtime(), at).into_iter();
+    of_places(chunk.runtime().grid(), nodes.map(|(place, function)| (place, Writing::Function(function))))
+}
+
+/// The leaves that decoding writes, each with the coarsest function that was found for it.
+fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
+    let (grid, known) = (chunk.runtime().grid(), chunk.known(at));
+    let coarsest = |leaf: Place| {
+        let above =
+            |level: u8| Place { level, x: leaf.x.unbounded_shr(level.into()), y: leaf.y.unbounded_shr(level.into()) };
+        let mut places = (1..=grid.root().level).rev().map(above);
+        places
+            .find_map(|place| known.tree.get(&place))
+            .map_or((leaf, Function::Raw), |f| (f.node.place, f.node.function()))
+    };
+    let mut leaves: Vec<(Place, Place, Function)> = nodes_at(chunk.runtime(), at)
+        .into_iter()
+        .map(|(leaf, _)| {
+            let (place, function) = coarsest(leaf);
+            (leaf, place, function)
+        })
+        .collect();
+    leaves.sort_by_key(|(leaf, _, _)| leaf.walk_key());
+    let mut parts: HashMap<Place, u32> = HashMap::new();
+    let patch = |(leaf, place, function)| {
+        let next = parts.len() as u32;
+        let part = *parts.entry(place).or_insert(next);
+        Patch { rect: grid.rect_of(leaf), writing: Writing::Function(function), part }
+    };
+    leaves.into_iter().map(patch).collect()
+}
+
+/// The patches of a record's rectangles, as `cut` finds them in a rectangle's size and stored bytes.
+fn of_record<T: Texel, L: Layout<T>>(
+    chunk: &TemporalChunk<T, L>,
+    at: u32,
+    cut: impl Fn([usize; 2], &[u8]) -> Vec<([usize; 4], Writing)>,
+) -> Vec<Patch> {
+    let Ok(found) = chunk.records().binary_search_by_key(&at, |record| record.frame) else { return Vec::new() };
+    let body = chunk.records()[found].body;
+    if let Body::Constant(_) = body {
+        let [width, height] = chunk.size();
+        return vec![Patch { rect: [0, 0, width, height], writing: Writing::OneValue, part: 0 }];
+    }
+    let corners: Vec<[u32; 2]> = match body {
+        Body::Boxes { .. } => chunk.boxes(body).iter().map(|(b, _)| [u32::from(b.x), u32::from(b.y)]).collect(),
+        _ => vec![[0, 0]],
+    };
+    let rectangles = chunk.rectangles(body).zip(corners).zip(0..);
+    let patches = rectangles.flat_map(|(((size, bytes), [left, top]), part)| {
+        cut(size, bytes).into_iter().map(move |(rect, writing)| {
+            let [x, y, width, height] = rect.map(|pixels| pixels as u32);
+            Patch { rect: [left + x, top + y, width, height], writing, part }
+        })
+    });
+    patches.collect()
+}
+
+fn of_values([width, height]: [usize; 2], _: &[u8]) -> Vec<([usize; 4], Writing)> {
+    vec![([0, 0, width, height], Writing::Values)]
+}
+
+fn of_pieces<T: BlockTexel>(size: [usize; 2], bytes: &[u8]) -> Vec<([usize; 4], Writing)> {
+    let writing = |in_blocks| if in_blocks { Writing::Blocks } else { Writing::Values };
+    stored_pieces::<T>(bytes, size).map(|piece| (piece.rect, writing(piece.in_blocks))).collect()
+}
+
+fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {
+    let shown = chunk.blend(at);
+    if at.checked_sub(1).is_some_and(|before| chunk.blend(before) == shown) {
+        return UnitAnatomy::default();
+    }
+    let keyframe = chunk.keyframes()[shown.keyframe] == at;
+    let writing = match keyframe {
+        true if chunk.in_blocks(shown.keyframe) => Writing::Blocks,
+        true => Writing::Values,
+        false => Writing::Blend,
+    };
+    let [width, height] = chunk.format().size.map(|pixels| pixels as u32);
+    UnitAnatomy { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
+}
+
+/// Goes through a payload, which stands at `place` in its unit of `size` (width, height) pixels.
+pub(super) fn survey_chunk(
+    header: &CodecHeader,
+    payload: Payload,
+    size: [u32; 2],
+    frames: u32,
+    place: ChunkPlace,
+) -> Result<ChunkSurvey> {
+    let changed = match header {
+        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
+            DepthChunk::Boxes(chunk) => changes(&chunk),
+            DepthChunk::BoxesInBlocks(chunk) => changes(&chunk),
+            DepthChunk::Nodes(chunk) => node_changes(chunk.runtime()),
+            DepthChunk::Tree(chunk) => node_changes(chunk.runtime()),
+            // Each frame is whole.
+            DepthChunk::Blocks(_) => Vec::new(),
+        },
+        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
+            MaterialChunk::Boxes(chunk) => changes(&chunk),
+            MaterialChunk::BoxesInBlocks(chunk) => changes(&chunk),
+        },
+        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?));
+        }
+        CodecHeader::Color(header) => {
+            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?));
+        }
+    };
+    Ok(ChunkSurvey { changed, ..ChunkSurvey::default() })
+}
+
+fn changes<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> Vec<(u32, u64)> {
+    let later = chunk.records().iter().skip(1);
+    later.map(|record| (record.frame, chunk.updated_pixels(record.body))).collect()
+}
+
+fn node_changes(runtime: &Runtime) -> Vec<(u32, u64)> {
+    runtime.frames().iter().skip(1).map(|frame| (frame.frame, frame.updated_pixels)).collect()
+}
+
+fn survey_cell<S: Sample>(chunk: &CellChunk<S>) -> ChunkSurvey {
+    let keyframes = chunk.keyframes().len();
+    let in_blocks = (0..keyframes).filter(|&keyframe| chunk.in_blocks(keyframe)).count();
+    let between = (0..).zip(chunk.weights().1).filter(|(_, weight)| **weight != 0);
+    let pixels = chunk.format().pixels() as u64;
+    ChunkSurvey {
+        keyframes_in_blocks: in_blocks as u64,
+        keyframes_in_samples: (keyframes - in_blocks) as u64,
+        changed: between.map(|(frame, _)| (frame, pixels)).collect(),
+        later_keyframes: chunk.keyframes().iter().skip(1).map(|&frame| (frame, pixels)).collect(),
+    }
+}

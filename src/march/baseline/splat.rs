@@ -1,0 +1,243 @@
+//! The plainest way to a picture (CALF 7.3), to measure ray marching against: every texel is a point with a colour.
+//!
+//! Enters: active views and a camera. Leaves: a picture. A texel of a surface is projected by its depth into one pixel,
+//! where the nearest wins; a texel of a background by its direction, behind everything. Pixels that no texel falls into
+//! are holes.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::image::cube::Face;
+use crate::image::plane::Plane;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::march::clip::ClipPlanes;
+use crate::march::counters::Counters;
+use crate::march::render::{HoleFill, RenderSettings, Rendered, light_of};
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Point {
+    /// Distance from the eye in metres; `+inf` for the background.
+    distance_m: f32,
+    color: Vec3,
+}
+
+/// Splats. Of the settings, `size`, `holes`, and the first and last of the distances count: a point is one pixel, however
+/// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels. The
+/// monitor advances by one for each row of the picture, when all points are drawn.
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn splat(
+    views: &ActiveViews<'_>,
+    camera: &Camera,
+    settings: &RenderSettings,
+    monitor: &dyn Monitor,
+) -> Result<Rendered> {
+    let [width, height] = settings.size;
+    let clip = ClipPlanes::of(camera);
+    let mut shown: Vec<Option<Point>> = vec![None; width as usize * height as usize];
+    for view in &views.views {
+        for (number, face) in view.view.faces.iter().enumerate() {
+            let (Some(face), Some(number)) = (face, Face::from_index(number as u8)) else { continue };
+            monitor.check()?;
+            let image = Image { view, face, number, clip };
+            let row = |row: u32| -> Vec<_> {
+                (0..face.size[0]).filter_map(|column| image.point([column, row], camera, settings)).collect()
+            };
+            // Where points fall is found in parallel; which of them wins is decided in their order.
+            let rows: Vec<Vec<(usize, Point)>> = (0..face.size[1]).into_par_iter().map(row).collect();
+            for (at, point) in rows.into_iter().flatten() {
+                let nearer = |held: Point| point.distance_m < held.distance_m;
+                if shown[at].is_none_or(nearer) {
+                    shown[at] = Some(point);
+                }
+            }
+        }
+    }
+    monitor.advance(height.into());
+    let counters = Counters {
+        primary_rays: shown.len() as u64,
+        hole_rays: shown.iter().filter(|point| point.is_none()).count() as u64,
+        background_rays: shown.iter().flatten().filter(|point| point.distance_m.is_infinite()).count() as u64,
+        ..Counters::default()
+    };
+    let alpha = Plane::new(width, height, shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect())?;
+    if settings.holes == HoleFill::Nearest {
+        fill(&mut shown, settings.size);
+    }
+    let light =
+        |point: &Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color)).to_array();
+    Ok(Rendered { color: Plane::new(width, height, shown.iter().map(light).collect())?, alpha, counters })
+}
+
+/// An image of an active view.
+struct Image<'a> {
+    view: &'a ActiveView<'a>,
+    face: &'a FaceTexels,
+    number: Face,
+    /// Of the camera, where it has them.
+    clip: Option<ClipPlanes>,
+}
+
+impl Image<'_> {
+    /// Where a texel falls, and as what; none where it is not in the picture, or nothing is known of it.
+    fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
+        let Image { view, face, number, clip } = self;
+        let texel = row as usize * face.size[0] as usize + column as usize;
+        let inverse_depth = face.inverse_depth[texel];
+        if inverse_depth == UNKNOWN {
+            return None;
+        }
+        let centre = [column, row].map(|at| at as f32 + 0.5);
+        let direction = view.probe_from_world.transpose() * face.way(*number, centre);
+        let (from_eye, distance_m) = if inverse_depth == BACKGROUND {
+            (direction, f32::INFINITY)
+        } else {
+            let from_eye = view.from_eye + direction / inverse_depth;
+            let distance_m = from_eye.length();
+            let [near_m, far_m] = limits(settings);
+            if !(near_m..=far_m).contains(&distance_m) {
+                return None;
+            }
+            (from_eye, distance_m)
+        };
+        let ([x, y], depth_m) = camera.project(DVec3::from(from_eye))?;
+        if distance_m.is_finite() && clip.is_some_and(|clip| !clip.shows(depth_m as f32)) {
+            return None;
+        }
+        let pixel = |at: f64, size: u32| {
+            let at = (at * f64::from(size)).floor();
+            (at >= 0.0 && at < f64::from(size)).then_some(at as usize)
+        };
+        let at = pixel(y, settings.size[1])? * settings.size[0] as usize + pixel(x, settings.size[0])?;
+        Some((at, Point { distance_m, color: face.color.get(texel) }))
+    }
+}
+
+/// Nearest and farthest distance at which a ray would be looked at.
+fn limits(settings: &RenderSettings) -> [f32; 2] {
+    let distances = &settings.steps.distances_m;
+    [distances.first(), distances.last()].map(|distance| distance.copied().unwrap_or(0.0))
+}
+
+/// Gives pixels without a point that of a pixel near by: those beside one first, then those beside these.
+fn fill(shown: &mut [Option<Point>], [width, height]: [u32; 2]) {
+    let (width, height) = (width as usize, height as usize);
+    let mut border: Vec<usize> = (0..shown.len()).filter(|&at| shown[at].is_some()).collect();
+    while !border.is_empty() {
+        let mut next = Vec::new();
+        for at in border {
+            let (x, y) = (at % width, at / width);
+            for (x, y) in [(x, y.wrapping_sub(1)), (x.wrapping_sub(1), y), (x + 1, y), (x, y + 1)] {
+                let beside = y.wrapping_mul(width).wrapping_add(x);
+                if x < width && y < height && shown[beside].is_none() {
+                    shown[beside] = shown[at];
+                    next.push(beside);
+                }
+            }
+        }
+        border = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::*;
+    use crate::image::transfer::{ToneMap, Transfer};
+    use crate::march::intersect::Steps;
+    use crate::march::render::{Acceleration, EffectMode};
+    use crate::math::Lens;
+    use crate::monitor::Silent;
+    use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
+
+    const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 });
+
+    /// A perspective view of three texels that looks along −Z with 90 degrees from left to right.
+    fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
+        let map = [[1.5, 1.5], [1.5, 0.5]];
+        let mut face = FaceTexels::unknown([3, 1], map, CODING);
+        face.inverse_depth = inverse_depth.to_vec();
+        face.color = ColorTexels::Codes(gray.map(|code| [code, code, code, 0]).to_vec());
+        let faces = [None, None, None, None, None, None, Some(face)];
+        let (near_m, far_m) = (0.1, 100.0);
+        View { name: "a".into(), probe: 0, position, probe_from_world: DMat3::IDENTITY, near_m, far_m, faces }
+    }
+
+    /// Codes and alpha of a picture from the origin with the same field of view.
+    fn shown(views: Vec<View>, holes: HoleFill) -> (Vec<u8>, Vec<f32>) {
+        shown_between(views, holes, [0.0, f64::INFINITY])
+    }
+
+    /// The same, of what lies between near and far of the camera.
+    fn shown_between(views: Vec<View>, holes: HoleFill, range_m: [f64; 2]) -> (Vec<u8>, Vec<f32>) {
+        let field = LightField { views, coding: CODING };
+        let all: Vec<usize> = (0..field.views.len()).collect();
+        let active = ActiveViews::new(&field, &all, DVec3::ZERO);
+        let lens = Lens { aspect: 3.0, ..Lens::new(2.0 * (1f64 / 3.0).atan().to_degrees()) };
+        let lens = Lens { near_m: range_m[0], far_m: range_m[1], ..lens };
+        let camera = Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, lens).unwrap();
+        let settings = RenderSettings {
+            size: [3, 1],
+            steps: Steps::new(4, 0.5, 50.0, 0),
+            samples: 1,
+            holes,
+            effects: EffectMode::None,
+            max_bounces: 0,
+            acceleration: Acceleration::None,
+        };
+        let rendered = splat(&active, &camera, &settings, &Silent).unwrap();
+        let codes = rendered.color.data().iter().map(|[light, ..]| (light * 255.0).round() as u8).collect();
+        let holes = rendered.alpha.data().iter().filter(|alpha| **alpha == 0.0).count() as u64;
+        assert_eq!((rendered.counters.hole_rays, rendered.counters.primary_rays), (holes, 3));
+        (codes, rendered.alpha.data().to_vec())
+    }
+
+    #[test]
+    fn the_nearest_point_wins_whatever_the_order() {
+        let [near, far] = [view(DVec3::ZERO, [0.5; 3], [10, 20, 30]), view(DVec3::ZERO, [0.25; 3], [40, 50, 60])];
+        for views in [vec![near.clone(), far.clone()], vec![far.clone(), near]] {
+            assert_eq!(shown(views, HoleFill::Blank), (vec![10, 20, 30], vec![1.0; 3]));
+        }
+        // Equal distances: the first.
+        let views = vec![far.clone(), view(DVec3::ZERO, [0.25; 3], [1, 2, 3])];
+        assert_eq!(shown(views, HoleFill::Blank).0, [40, 50, 60]);
+        // A background is behind everything, also of the view that comes first.
+        let views =
+            vec![view(DVec3::ZERO, [BACKGROUND; 3], [7, 8, 9]), view(DVec3::ZERO, [0.25, UNKNOWN, 0.25], [40, 50, 60])];
+        assert_eq!(shown(views, HoleFill::Blank).0, [40, 8, 60]);
+    }
+
+    #[test]
+    fn planes_of_the_camera_leave_points_out_and_no_background() {
+        let views = || {
+            let near = view(DVec3::ZERO, [0.5, BACKGROUND, 0.5], [10, 20, 30]);
+            vec![near, view(DVec3::ZERO, [0.25; 3], [40, 50, 60])]
+        };
+        assert_eq!(shown_between(views(), HoleFill::Blank, [1.9, 5.0]).0, [10, 50, 30]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [2.1, 5.0]).0, [40, 50, 60]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [0.0, 3.9]).0, [10, 20, 30]);
+        assert_eq!(shown_between(views(), HoleFill::Blank, [2.1, 3.9]), (vec![0, 20, 0], vec![0.0, 1.0, 0.0]));
+    }
+
+    #[test]
+    fn points_move_by_their_depth_and_leave_holes() {
+        // A step of 2/3 to the right is a pixel at depth 1, and a quarter of one at depth 4.
+        let moved = |inverse: f32| vec![view(DVec3::new(2.0 / 3.0, 0.0, 0.0), [inverse; 3], [10, 20, 30])];
+        assert_eq!(shown(moved(1.0), HoleFill::Blank), (vec![0, 10, 20], vec![0.0, 1.0, 1.0]));
+        assert_eq!(shown(moved(1.0), HoleFill::Nearest), (vec![10, 10, 20], vec![0.0, 1.0, 1.0]));
+        assert_eq!(shown(moved(0.25), HoleFill::Blank).0, [10, 20, 30]);
+        // Nearer than rays begin, farther than they end, and behind the eye.
+        let near = vec![view(DVec3::ZERO, [4.0; 3], [10, 20, 30])];
+        assert_eq!(shown(near, HoleFill::Nearest), (vec![0; 3], vec![0.0; 3]));
+        assert_eq!(shown(moved(0.01), HoleFill::Blank).1, [0.0; 3]);
+        let behind = vec![view(DVec3::new(0.0, 0.0, 5.0), [0.5; 3], [10, 20, 30])];
+        assert_eq!(shown(behind, HoleFill::Blank).1, [0.0; 3]);
+    }
+}

@@ -1,0 +1,154 @@
+//! Near and far of a camera: which of the surfaces along a ray from its eye it shows.
+//!
+//! Enters: where a ray meets a surface. Leaves: where it meets one that lies between the two planes, if there is one. A ray
+//! that meets a surface before the near plane goes on behind the plane, once a view sees past it again; what lies in between
+//! is hidden from all views. Rays that mirrors and glass have sent on know neither plane.
+
+use glam::Vec3;
+
+use crate::march::active_views::ActiveViews;
+use crate::march::counters::Counters;
+use crate::march::intersect::Ray;
+use crate::march::render::RenderSettings;
+use crate::math::Camera;
+
+/// The planes, at right angles to the axis of the camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClipPlanes {
+    /// Where the camera looks, of length 1.
+    forward: Vec3,
+    /// Nothing nearer is shown: metres along the axis.
+    near_m: f32,
+    /// Nothing farther is shown: metres along the axis, may be `+inf`.
+    far_m: f32,
+}
+
+impl ClipPlanes {
+    /// The planes of a camera; none where it shows surfaces at any distance.
+    pub fn of(camera: &Camera) -> Option<ClipPlanes> {
+        let [near_m, far_m] = camera.depth_m().map(|metres| metres as f32);
+        camera.has_range().then(|| ClipPlanes { forward: camera.axes()[0].as_vec3(), near_m, far_m })
+    }
+
+    /// Whether a point so deep, in metres along the axis, lies between the planes, both included.
+    pub fn shows(&self, depth_m: f32) -> bool {
+        (self.near_m..=self.far_m).contains(&depth_m)
+    }
+
+    /// The distance in metres at which a ray from the eye meets a surface between the planes, where it first meets one
+    /// at `met_m`.
+    pub fn shown(
+        &self,
+        (views, ray): (&ActiveViews<'_>, &Ray),
+        met_m: f32,
+        settings: &RenderSettings,
+        counters: &mut Counters,
+    ) -> Option<f32> {
+        let cosine = ray.direction.dot(self.forward);
+        if met_m * cosine >= self.near_m {
+            return self.shows(met_m * cosine).then_some(met_m);
+        }
+        let distances_m = &settings.steps.distances_m;
+        let mut first = distances_m.partition_point(|distance_m| distance_m * cosine < self.near_m);
+        while let Some(&distance_m) = distances_m.get(first) {
+            counters.march_steps += 1;
+            if !views.is_surface(ray.at(distance_m)) {
+                break;
+            }
+            first += 1;
+        }
+        let met_m = settings.acceleration.intersect_from(views, ray, (&settings.steps, first), counters)?;
+        self.shows(met_m * cosine).then_some(met_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::image::transfer::ToneMap;
+    use crate::march::intersect::Steps;
+    use crate::march::render::{Acceleration, EffectMode, HoleFill, Rendered, render, render_plainly};
+    use crate::march::synthetic::{Made, field, room};
+    use crate::math::Lens;
+    use crate::monitor::Silent;
+    use crate::views::light_field::ColorCoding;
+
+    /// A picture along −Z from `eye`, of 22 pixels each way and 90 degrees, by views of a room that ends at z = −2.
+    fn picture(
+        (places, eye): (&[DVec3], DVec3),
+        pillar: f64,
+        [near_m, far_m]: [f64; 2],
+        acceleration: Acceleration,
+    ) -> Rendered {
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let view = |&at: &DVec3| Made::new(at, 48).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), pillar));
+        let light_field = field(places.iter().map(view).collect(), coding);
+        let all: Vec<usize> = (0..places.len()).collect();
+        let views = ActiveViews::new(&light_field, &all, eye);
+        let lens = Lens { near_m, far_m, ..Lens::new(90.0) };
+        let camera = Camera::look_at(eye, eye + DVec3::NEG_Z, DVec3::Y, lens).unwrap();
+        let settings = RenderSettings {
+            size: [22; 2],
+            steps: Steps::new(256, 0.01, views.far_m(), 8),
+            samples: 1,
+            holes: HoleFill::Blank,
+            effects: EffectMode::None,
+            max_bounces: 0,
+            acceleration,
+        };
+        let fast = render(&views, &camera, &settings, &Silent).unwrap();
+        let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
+        assert_eq!((&fast.alpha, fast.counters), (&plain.alpha, plain.counters));
+        fast
+    }
+
+    /// Which pixels of the middle row show a surface, and how many of all do.
+    fn seen(picture: &Rendered) -> (Vec<bool>, usize) {
+        let is_seen = |alpha: &f32| *alpha == 1.0;
+        let count = picture.alpha.data().iter().filter(|alpha| is_seen(alpha)).count();
+        (picture.alpha.row(11).iter().map(is_seen).collect(), count)
+    }
+
+    #[test]
+    fn planes_cut_by_depth_along_the_axis_and_not_by_distance() {
+        let from = (&[DVec3::new(0.3, 0.1, 0.2), DVec3::new(-0.4, -0.2, 0.3)][..], DVec3::new(0.05, 0.02, 0.1));
+        let all = picture(from, 0.0, [0.0, f64::INFINITY], Acceleration::Pyramid);
+        assert_eq!(seen(&all).1, 22 * 22);
+        for acceleration in [Acceleration::Pyramid, Acceleration::None] {
+            // The far wall is 2.1 m deep everywhere, and at the corners of the picture 3 m away.
+            let whole = picture(from, 0.0, [0.0, 2.2], acceleration);
+            assert_eq!((&whole.color, &whole.alpha), (&all.color, &all.alpha));
+            let without_wall = picture(from, 0.0, [0.0, 1.95], acceleration);
+            assert!(seen(&without_wall).0.iter().all(|seen| !seen), "the wall is farther");
+            assert!(seen(&without_wall).1 > 0, "floor and ceiling are nearer");
+            // What lies below the floor no view has seen.
+            let wall_alone = picture(from, 0.0, [2.0, f64::INFINITY], acceleration);
+            let (row, count) = seen(&wall_alone);
+            assert!(row.iter().all(|seen| *seen) && count < 22 * 22, "{count}");
+            assert_eq!(wall_alone.color.row(11), all.color.row(11));
+            let nothing = picture(from, 0.0, [2.5, 3.0], acceleration);
+            assert_eq!((seen(&nothing).1, nothing.counters.hole_rays), (0, 22 * 22));
+        }
+    }
+
+    #[test]
+    fn behind_a_surface_before_the_near_plane_shows_what_views_saw_there() {
+        // A pillar from z = −0.4 to 0.4 before the eye, and views that look past it on both sides.
+        let from = (&[DVec3::new(1.5, 0.0, 1.5), DVec3::new(-1.5, 0.1, 1.5)][..], DVec3::new(0.0, 0.0, 1.7));
+        let middle = |pillar: f64, near_m: f64| {
+            let picture = picture(from, pillar, [near_m, f64::INFINITY], Acceleration::Pyramid);
+            (glam::Vec3::from(picture.color.row(11)[11]), picture.alpha.row(11)[11])
+        };
+        let (wall, alpha) = middle(0.0, 0.0);
+        assert_eq!(alpha, 1.0);
+        let (pillar, _) = middle(0.2, 0.0);
+        assert!(pillar.distance(wall) > 0.1, "{pillar} {wall}");
+        let (behind, alpha) = middle(0.2, 2.2);
+        assert!(alpha == 1.0 && behind.distance(wall) < 0.06, "{behind} {wall}");
+        // The pillar is not shown by the inside that the plane cuts open either.
+        let (cut, alpha) = middle(0.2, 1.35);
+        assert!(alpha == 1.0 && cut.distance(wall) < 0.06, "{cut} {wall}");
+    }
+}

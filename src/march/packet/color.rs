@@ -1,0 +1,180 @@
+//! What colours four points have: [`crate::march::interpolate::surface_color`] of each, but for what rounding makes of logarithms
+//! and of the order of sums: less than a hundredth of a code of 8 bits.
+
+use glam::Vec3;
+
+use crate::image::transfer::ToneMap;
+use crate::march::interpolate::{DEPTH_EPSILON, Seen};
+use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
+use crate::march::packet::views::{PacketView, PacketViews, Places};
+use crate::views::light_field::{BACKGROUND, ColorTexels, UNKNOWN};
+
+/// What views saw, summed up.
+#[derive(Debug)]
+struct Sums {
+    /// Red, green and blue, in codes up to 255 or light.
+    color: [Lanes; 3],
+    weight: Lanes,
+    difference: Lanes,
+}
+
+/// What the views saw of surfaces in the points of these lanes. None where none of them saw any surface in its direction.
+pub(crate) fn surface_colors(
+    (views, guesses): (&PacketViews<'_>, &mut [usize]),
+    camera_weights: &[f32],
+    asked: u32,
+    points: &Points,
+) -> [Option<Seen>; 4] {
+    let mut sums = Sums { color: [Lanes::ZERO; 3], weight: Lanes::ZERO, difference: Lanes::INFINITY };
+    for ((view, guess), &camera_weight) in views.views.iter().zip(guesses).zip(camera_weights) {
+        let places = view.places_of(points, guess);
+        if asked & places.exist != 0 {
+            add(&mut sums, view, &places, asked & places.exist, camera_weight);
+        }
+    }
+    let unit = if views.are_codes { 255.0 } else { 1.0 };
+    let [red, green, blue] = sums.color.map(|color| (color / (unit * sums.weight)).to_array());
+    let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
+    std::array::from_fn(|lane| {
+        let color = Vec3::new(red[lane], green[lane], blue[lane]);
+        (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(Seen { color, difference: difference[lane] })
+    })
+}
+
+/// Numbers, inverse depths and colours of texels of lanes.
+struct Texels {
+    depth: Lanes,
+    color: [Lanes; 3],
+}
+
+#[inline(always)]
+fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, camera_weight: f32) {
+    let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2], [Lanes::ZERO; 2]);
+    for (axis, ends) in [&mut columns, &mut rows].into_iter().enumerate() {
+        let at = places.at[axis] - 0.5;
+        let low = floor(at);
+        parts[axis] = at - low;
+        let last = places.size[axis] - 1.0;
+        *ends = [low.max(Lanes::ZERO).min(last), (low + 1.0).max(Lanes::ZERO).min(last)];
+    }
+    let [across, down] = parts;
+    let above = 1.0 - down;
+    let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
+    let weights = bilinear.map(|weight| weight * camera_weight);
+    let at = |tap: usize| [columns[tap % 2], rows[tap / 2]];
+    match view.face_of_codes(places) {
+        Some((depth, codes)) => {
+            for (tap, weight) in weights.into_iter().enumerate() {
+                sums.add(weight, places.planar_m, texels_of_face(depth, codes, number_of(at(tap), places.size[0])));
+            }
+        }
+        None => {
+            for (tap, weight) in weights.into_iter().enumerate() {
+                sums.add(weight, places.planar_m, texels_anywhere(view, places, lanes, at(tap)));
+            }
+        }
+    }
+}
+
+impl Sums {
+    /// Adds texels with their weights, as far as these do not depend on depth, as seen from a point.
+    #[inline(always)]
+    fn add(&mut self, weight: Lanes, planar_m: Lanes, texels: Texels) {
+        let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & texels.depth.cmplt(Lanes::splat(UNKNOWN));
+        let ratio = either(is_surface, texels.depth * planar_m, Lanes::ONE);
+        let difference = ln(ratio).abs();
+        let weight = either(is_surface, weight / (difference + DEPTH_EPSILON), Lanes::ZERO);
+        self.weight += weight;
+        self.difference = self.difference.min(either(is_surface, difference, Lanes::INFINITY));
+        for (sum, color) in self.color.iter_mut().zip(texels.color) {
+            *sum += weight * color;
+        }
+    }
+}
+
+/// Texels of one face, whose colours are codes.
+#[inline(always)]
+fn texels_of_face(depth: &[f32], codes: &[[u8; 4]], at: [u32; 4]) -> Texels {
+    let depth_of = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
+    let code_of = |lane: usize| codes.get(at[lane] as usize).map_or(0, |&code| u32::from_le_bytes(code));
+    Texels {
+        depth: Lanes::new(depth_of(0), depth_of(1), depth_of(2), depth_of(3)),
+        color: bytes([code_of(0), code_of(1), code_of(2), code_of(3)]),
+    }
+}
+
+/// Texels of these lanes, each in its own face; of others, and of those that show no surface, colours are 0.
+#[inline(never)]
+fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Texels {
+    let (column, row) = (to_whole(column), to_whole(row));
+    let (mut texels, mut depths, mut counted) = ([0; 4], [UNKNOWN; 4], 0);
+    for lane in lanes_of(lanes) {
+        let face = places.face.of(lane);
+        let texel = row[lane] as usize * view.width[face] as usize + column[lane] as usize;
+        let depth = view.depth[face].get(texel).copied().unwrap_or(UNKNOWN);
+        (texels[lane], depths[lane]) = (texel, depth);
+        counted |= u32::from(depth > BACKGROUND && depth < UNKNOWN) << lane;
+    }
+    Texels { depth: Lanes::from_array(depths), color: colors(view, places, counted, &texels) }
+}
+
+/// Red, green and blue of texels: codes up to 255, or light; 0 in lanes that do not count.
+fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> [Lanes; 3] {
+    let mut codes = [0u32; 4];
+    let mut light = [[0.0; 4]; 3];
+    let mut are_codes = true;
+    for lane in lanes_of(lanes) {
+        let Some(face) = view.faces[places.face.of(lane)] else { continue };
+        if let ColorTexels::Codes(of_face) = &face.color {
+            codes[lane] = u32::from_le_bytes(of_face[texels[lane]]);
+        } else {
+            are_codes = false;
+            let color = face.color.get(texels[lane]).to_array();
+            (0..3).for_each(|channel| light[channel][lane] = color[channel]);
+        }
+    }
+    if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }
+}
+
+/// Linear light of codes between those of 8 bits, from a table.
+#[derive(Debug)]
+pub(crate) struct LightCurve {
+    values: Vec<f32>,
+}
+
+impl LightCurve {
+    /// Entries of the table; between them it is straight, which is off by less than 2e-7 of the brightest light.
+    const PARTS: usize = 4096;
+
+    pub(crate) fn new(tone: ToneMap) -> LightCurve {
+        let gain = (-f64::from(tone.exposure_ev)).exp2();
+        let value = |at: usize| (tone.transfer.decode(at as f64 / Self::PARTS as f64) * gain) as f32;
+        LightCurve { values: (0..=Self::PARTS + 1).map(value).collect() }
+    }
+
+    /// Light of a code over 255.
+    pub(crate) fn light(&self, code: f32) -> f32 {
+        let at = code.clamp(0.0, 1.0) * Self::PARTS as f32;
+        let entry = at as usize;
+        let [low, high] = [self.values[entry], self.values[entry + 1]];
+        low + (high - low) * (at - entry as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::transfer::Transfer;
+
+    #[test]
+    fn light_is_that_of_the_curve() {
+        for transfer in [Transfer::Srgb, Transfer::Linear] {
+            let curve = LightCurve::new(ToneMap { transfer, exposure_ev: 0.0 });
+            for at in 0..=100_000 {
+                let code = at as f32 / 100_000.0;
+                let exact = transfer.decode(f64::from(code));
+                assert!((f64::from(curve.light(code)) - exact).abs() < 2e-7, "{code}");
+            }
+        }
+    }
+}

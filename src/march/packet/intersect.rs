@@ -1,0 +1,206 @@
+//! Four rays marched side by side.
+//!
+//! Enters: active views and the directions of four rays. Leaves: what [`crate::march::intersect::intersect`] or
+//! [`crate::march::pyramid::intersect`] answers of each, bit for bit, with the same counts.
+
+use glam::Vec3;
+
+use crate::march::counters::Counters;
+use crate::march::intersect::Steps;
+use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
+use crate::march::packet::views::PacketViews;
+use crate::march::pyramid::{Next, Walk};
+use crate::march::render::Acceleration;
+
+/// Rays from the eye that are marched side by side.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Packet {
+    x: Lanes,
+    y: Lanes,
+    z: Lanes,
+    /// The greatest coordinates.
+    reach: Lanes,
+    /// Those that there are, as bits.
+    pub(crate) rays: u32,
+}
+
+impl Packet {
+    /// One to four rays, by their directions of length 1.
+    pub(crate) fn new(directions: &[Vec3]) -> Packet {
+        let lanes = |part: fn(Vec3) -> f32| {
+            Lanes::from_array(std::array::from_fn(|lane| {
+                directions.get(lane).or(directions.first()).map_or(1.0, |&direction| part(direction))
+            }))
+        };
+        let (x, y, z) = (lanes(|d| d.x), lanes(|d| d.y), lanes(|d| d.z));
+        let reach = x.abs().max(y.abs()).max(z.abs());
+        Packet { x, y, z, reach, rays: ALL >> (4 - directions.len().min(4)) }
+    }
+
+    /// The points at distances.
+    pub(crate) fn at(&self, distance_m: Lanes) -> Points {
+        // A ray adds its origin, which is 0 here and changes nothing but the sign of a zero.
+        Points { x: self.x * distance_m, y: self.y * distance_m, z: self.z * distance_m }
+    }
+}
+
+/// The lanes that have something, as bits.
+pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
+    lanes.iter().enumerate().fold(0, |bits, (lane, has)| bits | u32::from(has.is_some()) << lane)
+}
+
+/// Marches packets; remembers which views have lately been of use, which changes no answer.
+#[derive(Debug)]
+pub(crate) struct PacketMarch<'a> {
+    views: &'a PacketViews<'a>,
+    order: Vec<usize>,
+    /// Of each view the face that points were last seen in.
+    guesses: Vec<usize>,
+}
+
+impl<'a> PacketMarch<'a> {
+    pub(crate) fn new(views: &'a PacketViews<'a>) -> PacketMarch<'a> {
+        let count = views.views.len();
+        PacketMarch { views, order: (0..count).collect(), guesses: vec![0; count] }
+    }
+
+    /// What is likely to be where, by what was last asked.
+    pub(crate) fn guesses(&mut self) -> &mut [usize] {
+        &mut self.guesses
+    }
+
+    fn was_useful(&mut self, rank: usize) {
+        self.order[..=rank].rotate_right(1);
+    }
+
+    /// Lanes, of those asked, that are in a surface: [`crate::march::active_views::ActiveViews::is_surface`].
+    fn surfaces(&mut self, asked: u32, points: &Points) -> u32 {
+        let (mut left, mut behind) = (asked, 0);
+        for rank in 0..self.order.len() {
+            let at = self.order[rank];
+            let answers = self.views.views[at].ask(points, &mut self.guesses[at]);
+            behind |= answers.behind;
+            if left & answers.open != 0 {
+                left &= !answers.open;
+                if left == 0 {
+                    self.was_useful(rank);
+                    return 0;
+                }
+            }
+        }
+        left & behind
+    }
+
+    /// The distances in metres at which rays meet a surface, those that do.
+    pub(crate) fn intersect(
+        &mut self,
+        packet: &Packet,
+        steps: &Steps,
+        acceleration: Acceleration,
+        counters: &mut Counters,
+    ) -> [Option<f32>; 4] {
+        let hits = match acceleration {
+            Acceleration::None => self.every_point(packet, &steps.distances_m, counters),
+            Acceleration::Pyramid => self.segments(packet, &steps.distances_m, counters),
+        };
+        self.refine(packet, steps, hits, counters)
+    }
+
+    /// Numbers of the first distances that are in a surface.
+    fn every_point(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
+        let (mut hits, mut live) = ([None; 4], packet.rays);
+        for (at, &distance_m) in distances_m.iter().enumerate() {
+            counters.march_steps += u64::from(live.count_ones());
+            let met = self.surfaces(live, &packet.at(Lanes::splat(distance_m)));
+            lanes_of(met).for_each(|lane| hits[lane] = Some(at));
+            live &= !met;
+            if live == 0 {
+                break;
+            }
+        }
+        hits
+    }
+
+    fn segments(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
+        let (mut walks, mut hits) = ([Walk::new(0, distances_m.len()); 4], [None; 4]);
+        let mut live = packet.rays;
+        // Lanes that are done stay where they were: near the others, and so most likely in the same faces.
+        let (mut from_m, mut to_m, mut last) = ([distances_m.first().copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
+        loop {
+            let mut single = 0;
+            for lane in lanes_of(live) {
+                match walks[lane].next(distances_m.len()) {
+                    Next::Ask(from, to) => {
+                        single |= u32::from(from == to) << lane;
+                        (from_m[lane], to_m[lane], last[lane]) = (distances_m[from], distances_m[to], to);
+                        continue;
+                    }
+                    Next::Hit(at) => hits[lane] = Some(at),
+                    Next::End => {}
+                }
+                live &= !(1 << lane);
+            }
+            if live == 0 {
+                return hits;
+            }
+            counters.march_steps += u64::from(live.count_ones());
+            let to_m = Lanes::from_array(to_m);
+            let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
+            let (mut left, mut behind, mut past) = (live, 0, 0);
+            for rank in 0..self.order.len() {
+                let at = self.order[rank];
+                let (view, guess) = (&self.views.views[at], &mut self.guesses[at]);
+                let answers = view.ask(&to, guess);
+                behind |= answers.behind;
+                past |= answers.open;
+                // A view that does not see past the last point cannot prove the segment.
+                let mut open = left & single & answers.open;
+                let asked = left & !single & answers.open;
+                if asked != 0 {
+                    open |= view.prove(asked, [&from, &to], *guess, packet.reach * to_m);
+                }
+                left &= !open;
+                if left == 0 {
+                    self.was_useful(rank);
+                    break;
+                }
+            }
+            for lane in lanes_of(live) {
+                let bit = |bits: u32| bits >> lane & 1 != 0;
+                if bit(left) {
+                    walks[lane].failed(last[lane], (!bit(past)).then_some(bit(behind)));
+                } else {
+                    walks[lane].passed();
+                }
+            }
+        }
+    }
+
+    fn refine(
+        &mut self,
+        packet: &Packet,
+        steps: &Steps,
+        hits: [Option<usize>; 4],
+        counters: &mut Counters,
+    ) -> [Option<f32>; 4] {
+        let asked = bits_of(&hits);
+        // Rays that meet nothing are asked nothing, and taken along where another is.
+        let Some(other) = hits.iter().flatten().next().copied() else { return [None; 4] };
+        let (mut open_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
+        for (lane, hit) in hits.iter().enumerate() {
+            let at = hit.unwrap_or(other);
+            surface_m[lane] = steps.distances_m[at];
+            open_m[lane] = at.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
+        }
+        for _ in 0..steps.refine {
+            let middle_m = 0.5 * (open_m + surface_m);
+            counters.refine_steps += u64::from(asked.count_ones());
+            let met = self.surfaces(asked, &packet.at(middle_m));
+            let met = glam::BVec4A::new(met & 1 != 0, met & 2 != 0, met & 4 != 0, met & 8 != 0);
+            surface_m = either(met, middle_m, surface_m);
+            open_m = either(met, open_m, middle_m);
+        }
+        let surface_m = surface_m.to_array();
+        std::array::from_fn(|lane| hits[lane].map(|_| surface_m[lane]))
+    }
+}

@@ -1,0 +1,511 @@
+//! Views as four rays ask them at once: the same questions as [`ActiveView::evidence`] and
+//! [`crate::march::pyramid::is_segment_open`], with the same operations in the same order, so that the answers are the same bits.
+//!
+//! Points that are asked about together lie beside each other, and near those that were asked about before: they are taken to
+//! be in the same face. Where all four surely are, which the places in it tell, no face has to be found for each.
+
+use glam::Vec4;
+
+use crate::image::cube::Face;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
+use crate::march::pyramid::{LEAST_M, ROUNDING, SURELY_BELOW_ONE};
+use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
+
+/// No side of an image that is guessed to have a point is longer, in texels: places in it are exact to far less than one.
+const LONGEST_GUESSED: f32 = 65_536.0;
+
+/// The numbers that map a plane at depth 1 to an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Map {
+    size: [f32; 2],
+    scale: [f32; 2],
+    centre: [f32; 2],
+}
+
+/// An active view, laid out flat.
+#[derive(Debug)]
+pub(crate) struct PacketView<'a> {
+    /// Columns of the turn into its axes, each number in all lanes.
+    turn: [[Lanes; 3]; 3],
+    /// Rows of the turns into right, down and forward of the faces of a cube.
+    turns_of_faces: [[[Lanes; 3]; 3]; 6],
+    /// Of a cube whose images are mapped alike, each to the whole of its face: [`PacketView::guessed`] is for these.
+    whole_faces: Option<Map>,
+    /// [`PacketView::near_m`], but above 0 whatever that is.
+    least_guessed_m: Lanes,
+    from_eye: [Lanes; 3],
+    reach_m: f32,
+    near_m: Lanes,
+    near_squared: f32,
+    greatest_inverse_depth: f32,
+    is_view: bool,
+    /// Whether the number of every texel in its image is below 2²³.
+    are_small: bool,
+    pub(crate) faces: [Option<&'a FaceTexels>; 7],
+    /// Eight, so that any three bits are the number of one.
+    pub(crate) depth: [&'a [f32]; 8],
+    pub(crate) width: [u32; 8],
+    /// Colours that are codes of 8 bits.
+    pub(crate) codes: [&'a [[u8; 4]]; 8],
+    maps: [Map; 7],
+    /// Where all its images are mapped alike.
+    alike: Option<Map>,
+}
+
+/// Numbers of faces, a byte for each lane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Faces(u32);
+
+impl Faces {
+    /// A byte of 1 for every bit.
+    const SPREAD: [u32; 16] = {
+        let mut spread = [0; 16];
+        let mut bits = 0;
+        while bits < 16 {
+            spread[bits] = (bits & 1 | (bits & 2) << 7 | (bits & 4) << 14 | (bits & 8) << 21) as u32;
+            bits += 1;
+        }
+        spread
+    };
+
+    const VIEW: Faces = Faces(0x0606_0606);
+
+    /// Of cubes: lanes whose way leads mainly along x, or y, and those where it leads to the negative side.
+    #[inline(always)]
+    fn of_cube(is_x: u32, is_y: u32, negative: u32) -> Faces {
+        let spread = |bits: u32| Faces::SPREAD[(bits & ALL) as usize];
+        Faces(0x0404_0404 - 4 * spread(is_x) - 2 * spread(is_y) + spread(negative))
+    }
+
+    /// One for all lanes.
+    #[inline(always)]
+    fn all(face: usize) -> Faces {
+        Faces((face as u32 & 7) * 0x0101_0101)
+    }
+
+    /// The number of the face of all lanes, where it is one.
+    #[inline(always)]
+    pub(crate) fn only(self) -> Option<usize> {
+        (self.0 == (self.0 & 7) * 0x0101_0101).then_some((self.0 & 7) as usize)
+    }
+
+    /// The number of a lane's face.
+    #[inline(always)]
+    pub(crate) fn of(self, lane: usize) -> usize {
+        (self.0 >> (8 * lane) & 7) as usize
+    }
+}
+
+/// Where four points lie in the images of a view.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Places {
+    /// Lanes that lie in an image, as bits. Of others, nothing else is known.
+    pub(crate) exist: u32,
+    pub(crate) face: Faces,
+    plane: [Lanes; 2],
+    pub(crate) planar_m: Lanes,
+    inverse_depth: Lanes,
+    /// Column and row, in texels.
+    pub(crate) at: [Lanes; 2],
+    /// Columns and rows of the images.
+    pub(crate) size: [Lanes; 2],
+    scale: [Lanes; 2],
+}
+
+/// Rows of the turn into right, down and forward of a cube's face, of the columns of that into the view's axes.
+fn turn_of_face(turn: [[Lanes; 3]; 3], face: Face) -> [[Lanes; 3]; 3] {
+    let [forward, right, down] = face.axes();
+    [right, down, forward].map(|axis| {
+        // One coordinate of an axis is 1 or -1, the others are 0.
+        let at = [axis.x, axis.y, axis.z].iter().position(|&part| part != 0.0).unwrap_or(0);
+        let sign = Lanes::splat(axis[at] as f32);
+        turn.map(|column| sign * column[at])
+    })
+}
+
+/// What a view says of four points, as bits; neither where it knows nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Answers {
+    pub(crate) open: u32,
+    pub(crate) behind: u32,
+}
+
+impl<'a> PacketView<'a> {
+    fn new(active: &ActiveView<'a>) -> PacketView<'a> {
+        let faces: [Option<&FaceTexels>; 7] = std::array::from_fn(|at| active.view.faces[at].as_ref());
+        let map = |face: Option<&FaceTexels>| match face {
+            Some(face) => Map { size: face.size.map(|size| size as f32), scale: face.scale, centre: face.centre },
+            None => Map { size: [1.0; 2], scale: [0.0; 2], centre: [0.0; 2] },
+        };
+        let mut all = faces.iter().flatten().map(|&face| map(Some(face)));
+        let of = |at: usize| faces.get(at).copied().flatten();
+        let first = all.next();
+        let alike = first.filter(|first| all.all(|map| map == *first));
+        let turn = active.probe_from_world.to_cols_array_2d().map(|column| column.map(Lanes::splat));
+        let is_view = faces[Face::View as usize].is_some();
+        let are_small = faces.iter().flatten().all(|face| face.inverse_depth.len() <= 1 << 23);
+        let is_whole = |map: Map| {
+            let half = map.size.map(|size| size / 2.0);
+            map.scale == half && map.centre == half && map.size.iter().all(|&size| size <= LONGEST_GUESSED)
+        };
+        PacketView {
+            turn,
+            turns_of_faces: Face::CUBE.map(|face| turn_of_face(turn, face)),
+            whole_faces: alike.filter(|&map| !is_view && are_small && is_whole(map)),
+            least_guessed_m: Lanes::splat(active.view.near_m.abs().max(LEAST_M)),
+            from_eye: active.from_eye.to_array().map(Lanes::splat),
+            reach_m: active.from_eye.abs().max_element(),
+            near_m: Lanes::splat(active.view.near_m),
+            near_squared: active.view.near_m * active.view.near_m,
+            greatest_inverse_depth: active.greatest_inverse_depth,
+            are_small,
+            is_view,
+            faces,
+            depth: std::array::from_fn(|at| of(at).map_or(&[][..], |face| &face.inverse_depth)),
+            width: std::array::from_fn(|at| of(at).map_or(1, |face| face.size[0])),
+            codes: std::array::from_fn(|at| match of(at).map(|face| &face.color) {
+                Some(ColorTexels::Codes(codes)) => &codes[..],
+                _ => &[],
+            }),
+            maps: faces.map(map),
+            alike,
+        }
+    }
+
+    /// The ways from the viewpoint to points.
+    #[inline(always)]
+    fn local(&self, points: &Points) -> Points {
+        let x = points.x - self.from_eye[0];
+        let y = points.y - self.from_eye[1];
+        let z = points.z - self.from_eye[2];
+        let [a, b, c] = self.turn;
+        Points {
+            x: x * a[0] + y * b[0] + z * c[0],
+            y: x * a[1] + y * b[1] + z * c[1],
+            z: x * a[2] + y * b[2] + z * c[2],
+        }
+    }
+
+    /// Where points lie in its images, as long as all of them surely lie in a face of a cube, and none within near.
+    ///
+    /// The axes of a face are those of the view but for signs, which change nothing in how numbers are rounded. Where no
+    /// coordinate in the plane at depth 1 is above [`SURELY_BELOW_ONE`], the point is in no other face, and its place is within
+    /// the image: it has not to be moved into it.
+    #[inline(always)]
+    fn guessed(&self, points: &Points, face: usize) -> Option<Places> {
+        let Map { size, scale, centre } = self.whole_faces?;
+        let x = points.x - self.from_eye[0];
+        let y = points.y - self.from_eye[1];
+        let z = points.z - self.from_eye[2];
+        let [right, down, forward] = self.turns_of_faces.get(face)?;
+        let planar_m = x * forward[0] + y * forward[1] + z * forward[2];
+        let inverse_depth = planar_m.recip();
+        let plane = [
+            (x * right[0] + y * right[1] + z * right[2]) * inverse_depth,
+            (x * down[0] + y * down[1] + z * down[2]) * inverse_depth,
+        ];
+        let widest = plane[0].abs().max(plane[1].abs());
+        let is_there = widest.cmple(Lanes::splat(SURELY_BELOW_ONE)) & planar_m.cmpge(self.least_guessed_m);
+        if is_there.bitmask() != ALL {
+            return None;
+        }
+        let two = |two: [f32; 2]| [Lanes::splat(two[0]), Lanes::splat(two[1])];
+        let (size, scale, centre) = (two(size), two(scale), two(centre));
+        let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
+        Some(Places { exist: ALL, face: Faces::all(face), plane, planar_m, inverse_depth, at, size, scale })
+    }
+
+    /// Where points lie in its images; `guess` is the face where they may be, and becomes the one where they are.
+    #[inline(always)]
+    pub(crate) fn places_of(&self, points: &Points, guess: &mut usize) -> Places {
+        match self.guessed(points, *guess) {
+            Some(places) => places,
+            None => self.places_anywhere(points, guess),
+        }
+    }
+
+    #[inline(never)]
+    fn places_anywhere(&self, points: &Points, guess: &mut usize) -> Places {
+        let places = self.places(&self.local(points));
+        *guess = places.face.only().unwrap_or(*guess);
+        places
+    }
+
+    /// What it says of points; `guess` as above.
+    #[inline(always)]
+    pub(crate) fn ask(&self, points: &Points, guess: &mut usize) -> Answers {
+        let Some(places) = self.guessed(points, *guess) else { return self.ask_anywhere(points, guess) };
+        let depth = self.depth[*guess & 7];
+        let at = number_of(places.at, places.size[0]);
+        let texel = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
+        let surface = Lanes::new(texel(0), texel(1), texel(2), texel(3));
+        let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask();
+        let before = surface.cmplt(places.inverse_depth).bitmask();
+        Answers { open: known & before, behind: known & !before }
+    }
+
+    #[inline(never)]
+    fn ask_anywhere(&self, points: &Points, guess: &mut usize) -> Answers {
+        let local = self.local(points);
+        let places = self.places(&local);
+        *guess = places.face.only().unwrap_or(*guess);
+        self.answers(&local, &places)
+    }
+
+    /// Where ways from the viewpoint lead to.
+    #[inline(always)]
+    fn places(&self, local: &Points) -> Places {
+        if self.is_view { self.places_in_view(local) } else { self.places_in_cube(local) }
+    }
+
+    #[inline(always)]
+    fn places_in_view(&self, local: &Points) -> Places {
+        let face = Faces::VIEW;
+        let planar_m = -local.z;
+        let inverse_depth = planar_m.recip();
+        let plane = [local.x * inverse_depth, -local.y * inverse_depth];
+        let [size, scale, centre] = self.mapping(Faces::VIEW);
+        let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
+        let mut exist = inverse_depth.cmpgt(Lanes::ZERO) & inverse_depth.cmplt(Lanes::INFINITY);
+        for axis in 0..2 {
+            exist &= at[axis].cmpge(Lanes::ZERO) & at[axis].cmplt(size[axis]);
+        }
+        let exist = exist.bitmask();
+        Places { exist, face, plane, planar_m, inverse_depth, at, size, scale }
+    }
+
+    #[inline(always)]
+    fn places_in_cube(&self, local: &Points) -> Places {
+        let Points { x, y, z } = *local;
+        let (wide, high, deep) = (x.abs(), y.abs(), z.abs());
+        let is_x = wide.cmpge(high) & wide.cmpge(deep);
+        let is_y = !is_x & high.cmpge(deep);
+        let along = either(is_x, x, either(is_y, y, z));
+        let planar_m = along.abs();
+        let behind = along.cmplt(Lanes::ZERO);
+        let sign = either(behind, Lanes::NEG_ONE, Lanes::ONE);
+        let inverse_depth = planar_m.recip();
+        let plane = [
+            either(is_x, -(z * sign), either(is_y, x, x * sign)) * inverse_depth,
+            either(is_y, z * sign, -y) * inverse_depth,
+        ];
+        let face = Faces::of_cube(is_x.bitmask(), is_y.bitmask(), behind.bitmask());
+        let [size, scale, centre] = self.mapping(face);
+        let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
+        let exist = inverse_depth.cmplt(Lanes::INFINITY).bitmask();
+        Places { exist, face, plane, planar_m, inverse_depth, at, size, scale }
+    }
+
+    #[inline(always)]
+    fn mapping(&self, face: Faces) -> [[Lanes; 2]; 3] {
+        if let Some(Map { size, scale, centre }) = self.alike {
+            let splat = |two: [f32; 2]| [Lanes::splat(two[0]), Lanes::splat(two[1])];
+            return [splat(size), splat(scale), splat(centre)];
+        }
+        self.mapping_of_each(face)
+    }
+
+    #[cold]
+    fn mapping_of_each(&self, face: Faces) -> [[Lanes; 2]; 3] {
+        let each = |part: fn(&Map) -> [f32; 2]| {
+            [0, 1].map(|axis| Lanes::from_array(std::array::from_fn(|lane| part(&self.maps[face.of(lane)])[axis])))
+        };
+        [each(|map| map.size), each(|map| map.scale), each(|map| map.centre)]
+    }
+
+    /// Inverse depths of the texels that points fall into.
+    #[inline(always)]
+    fn nearest(&self, places: &Places) -> Lanes {
+        let within = |axis: usize| places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0);
+        let (column, row) = (within(0), within(1));
+        let at = if self.are_small {
+            number_of([column, row], places.size[0]).map(|at| at as usize)
+        } else {
+            let (column, row) = (to_whole(column), to_whole(row));
+            std::array::from_fn(|lane| {
+                row[lane] as usize * self.width[places.face.of(lane)] as usize + column[lane] as usize
+            })
+        };
+        let texel = |depth: &[f32], lane: usize| depth.get(at[lane]).copied().unwrap_or(UNKNOWN);
+        if let Some(face) = places.face.only() {
+            let depth = self.depth[face];
+            return Lanes::new(texel(depth, 0), texel(depth, 1), texel(depth, 2), texel(depth, 3));
+        }
+        let each = |lane| texel(self.depth[places.face.of(lane)], lane);
+        Lanes::new(each(0), each(1), each(2), each(3))
+    }
+
+    /// What it says of points, of which it has the ways to them and their places.
+    #[inline(always)]
+    fn answers(&self, local: &Points, places: &Places) -> Answers {
+        let surface = self.nearest(places);
+        let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
+        let before = surface.cmplt(places.inverse_depth).bitmask();
+        // No distance is less than the planar depth.
+        if places.planar_m.cmpge(self.near_m).bitmask() == ALL {
+            return Answers { open: known & before, behind: known & !before };
+        }
+        let square = local.x * local.x + local.y * local.y + local.z * local.z;
+        let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
+        let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
+        // Within near it is so even where no texel was decoded, but not where there is no image.
+        let captured =
+            (0..4).filter(|&lane| !self.depth[places.face.of(lane)].is_empty()).fold(0, |all, lane| all | 1 << lane);
+        let near = near & places.exist & captured;
+        Answers { open: known & before | near | centre, behind: known & !(near | before) }
+    }
+
+    /// Inverse depths and colours of the face that all four places are in, where colours are codes.
+    #[inline(always)]
+    pub(crate) fn face_of_codes(&self, places: &Places) -> Option<(&'a [f32], &'a [[u8; 4]])> {
+        let face = places.face.only().filter(|_| places.exist == ALL && self.are_small)?;
+        let (depth, codes) = (self.depth[face], self.codes[face]);
+        (codes.len() == depth.len()).then_some((depth, codes))
+    }
+
+    /// Lanes, of those asked, of which it proves that all points from one end to the other are open; `guess` is the face
+    /// where they may be.
+    #[inline(always)]
+    pub(crate) fn prove(&self, asked: u32, ends: [&Points; 2], guess: usize, reach_m: Lanes) -> u32 {
+        let error_m = ROUNDING * (reach_m + self.reach_m) + LEAST_M;
+        if let Some(first) = self.guessed(ends[0], guess)
+            && let Some(last) = self.guessed(ends[1], guess)
+        {
+            // In a cube, the planar depth is the greatest coordinate.
+            let farthest_m = first.planar_m.max(last.planar_m) + 2.0 * error_m;
+            let whole = self.prove_whole(asked, farthest_m);
+            return if whole == asked { whole } else { self.prove_between(asked, whole, [&first, &last], error_m) };
+        }
+        self.prove_anywhere(asked, ends, error_m)
+    }
+
+    #[inline(never)]
+    fn prove_anywhere(&self, asked: u32, [a, b]: [&Points; 2], error_m: Lanes) -> u32 {
+        let (a, b) = (self.local(a), self.local(b));
+        let size = |end: &Points| end.x.abs().max(end.y.abs()).max(end.z.abs());
+        let whole = self.prove_whole(asked, size(&a).max(size(&b)) + 2.0 * error_m);
+        if whole == asked {
+            return whole;
+        }
+        self.prove_between(asked, whole, [&self.places(&a), &self.places(&b)], error_m)
+    }
+
+    /// Lanes, of those asked, that are nearer to the view than any surface.
+    #[inline(always)]
+    fn prove_whole(&self, asked: u32, farthest_m: Lanes) -> u32 {
+        asked & (self.greatest_inverse_depth * farthest_m).cmplt(Vec4::splat(SURELY_BELOW_ONE)).bitmask()
+    }
+
+    /// Lanes that are `proved`, and those asked that are, by what is between the places of their ends.
+    #[inline(always)]
+    fn prove_between(&self, asked: u32, mut proved: u32, [first, last]: [&Places; 2], error_m: Lanes) -> u32 {
+        let nearest_m = first.planar_m.min(last.planar_m);
+        let farthest_m = first.planar_m.max(last.planar_m) + 2.0 * error_m;
+        let widest = first.plane[0].abs().max(first.plane[1].abs());
+        let widest = widest.max(last.plane[0].abs().max(last.plane[1].abs()));
+        let slack = (1.0 + widest) * (4.0 * error_m / nearest_m + ROUNDING);
+        let mut may = nearest_m.cmpge(4.0 * error_m);
+        if !self.is_view {
+            may &= (widest + slack).cmple(Lanes::ONE);
+        }
+        let (mut least, mut most) = ([[0; 4]; 2], [[0; 4]; 2]);
+        for axis in 0..2 {
+            let (one, two) = (first.at[axis], last.at[axis]);
+            let margin = slack * last.scale[axis].abs() + last.size[axis] * ROUNDING;
+            let (low, high) = (one.min(two) - margin, one.max(two) + margin);
+            if self.is_view {
+                may &= low.cmpge(Lanes::ZERO) & high.cmplt(last.size[axis]);
+            }
+            let end = last.size[axis] - 1.0;
+            least[axis] = to_whole(low.max(Lanes::ZERO).min(end));
+            most[axis] = to_whole(high.max(Lanes::ZERO).min(end));
+        }
+        let may = may.bitmask() & asked & !proved;
+        let farthest_m = farthest_m.to_array();
+        for lane in lanes_of(may) {
+            let Some(texels) = self.faces[last.face.of(lane)] else { continue };
+            let (from, to) = ([least[0][lane], least[1][lane]], [most[0][lane], most[1][lane]]);
+            if first.face.of(lane) == last.face.of(lane)
+                && texels.greatest_between(from, to) * farthest_m[lane] < SURELY_BELOW_ONE
+            {
+                proved |= 1 << lane;
+            }
+        }
+        proved
+    }
+}
+
+/// Active views, laid out flat, in the order in which they are asked, which changes no answer.
+#[derive(Debug)]
+pub(crate) struct PacketViews<'a> {
+    pub(crate) views: Vec<PacketView<'a>>,
+    /// Whether colours are codes of 8 bits, and not light.
+    pub(crate) are_codes: bool,
+}
+
+impl<'a> PacketViews<'a> {
+    pub(crate) fn new(views: &ActiveViews<'a>) -> PacketViews<'a> {
+        PacketViews {
+            views: views.views.iter().map(PacketView::new).collect(),
+            are_codes: matches!(views.coding, ColorCoding::Codes(_)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, DVec3, Vec3};
+
+    use super::*;
+    use crate::image::transfer::ToneMap;
+    use crate::march::synthetic::{Made, field, room};
+
+    #[test]
+    fn guesses_are_what_is_found_without_them() {
+        let coding = ColorCoding::Codes(ToneMap::default());
+        let turns = [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 0.7)];
+        let mut answered = 0;
+        for (turn, size) in turns.into_iter().zip([[16, 16], [9, 24]]) {
+            let made = Made { turn, size, ..Made::new(DVec3::new(0.1, -0.2, 0.3), 1) };
+            let sight = |direction| room(made.position, direction, DVec3::new(3.0, 1.5, 2.0), 0.0);
+            let mut cube = made.cube(coding, &sight);
+            cube.faces[3] = None;
+            let light_field = field(vec![cube], coding);
+            let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
+            let flat = PacketViews::new(&views);
+            let (active, view) = (&views.views[0], &flat.views[0]);
+            for at in 0..40_000u32 {
+                let part = |prime: u32| ((at * prime) % 2003) as f32 / 1001.5 - 1.0;
+                // In the view's axes, also on the edges of faces and next to them, and near the centre.
+                let mut local = Vec3::new(part(7), part(11), part(13));
+                if at.is_multiple_of(8) {
+                    local[at as usize / 8 % 3] = local[(at as usize / 8 + 1) % 3] * [1.0, -1.0][at as usize / 24 % 2];
+                }
+                let local = local * [4.0, 1.0, 0.02][at as usize % 3];
+                let beside = |x: f32, y: f32| {
+                    let point =
+                        local + local.length() * [0.0, 1e-7, 0.01][at as usize / 3 % 3] * Vec3::new(x, y, x * y);
+                    (active.probe_from_world.transpose() * point + active.from_eye).to_array()
+                };
+                let four = [beside(0.0, 0.0), beside(1.0, 0.0), beside(0.0, 1.0), beside(1.0, -1.0)];
+                let axis = |axis: usize| Lanes::from_array(four.map(|point| point[axis]));
+                let points = Points { x: axis(0), y: axis(1), z: axis(2) };
+                let way = view.local(&points);
+                let places = view.places(&way);
+                for mut face in 0..6 {
+                    if let Some(guessed) = view.guessed(&points, face) {
+                        assert_eq!((guessed.exist, guessed.face), (places.exist, places.face));
+                        assert_eq!((guessed.at, guessed.plane), (places.at, places.plane));
+                        assert_eq!(guessed.planar_m, places.planar_m);
+                        assert_eq!(guessed.inverse_depth, places.inverse_depth);
+                        assert!((0..2).all(|axis| guessed.at[axis].cmplt(guessed.size[axis]).bitmask() == ALL));
+                        answered += 1;
+                    }
+                    assert_eq!(view.ask(&points, &mut face), view.answers(&way, &places));
+                }
+            }
+        }
+        assert!(answered > 30_000, "{answered}");
+    }
+}

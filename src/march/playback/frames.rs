@@ -1,0 +1,292 @@
+//! Shows frames one after the other: which views, which units of them, what changed, pictures, and how long it took.
+//!
+//! Enters: an open container, shots ([`crate::evaluate::path`]), and what makes pictures. Leaves: pictures, a trace, figures.
+
+use std::time::Instant;
+
+use glam::DVec3;
+
+use crate::decode::decoder::Decoder;
+use crate::decode::unit_filter::AllUnits;
+use crate::error::{Error, Result};
+use crate::evaluate::path::Shot;
+use crate::march::active_views::ActiveViews;
+use crate::march::counters::Counters;
+use crate::march::intersect::Steps;
+use crate::march::playback::pacing::{FramePacing, Pacing};
+use crate::march::playback::selection::{SelectionSettings, ViewSelector};
+use crate::march::playback::trace::{self, FrameTrace};
+use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
+use crate::math::Camera;
+use crate::memory::Budget;
+use crate::monitor::Monitor;
+use crate::views::light_field::LightField;
+use crate::views::player::{Change, Player, ProbeChoice, ShowCounts, Wanted};
+use crate::views::units_on_device::UnitsOnDevice;
+use crate::views::visible_set::SightLines;
+
+/// Which units of the active views are decoded.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum DecodeScope {
+    /// Those that the cameras see (CALF 6.2). With effects all materials, too, and where a weight of them is above 0 all
+    /// units, as mirrors and glass send rays anywhere.
+    #[default]
+    Seen,
+    /// All.
+    All,
+}
+
+/// What is shown.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PlaybackOptions {
+    /// Which probes there are.
+    pub probes: ProbeChoice,
+    /// Which of them take part in a frame.
+    pub selection: SelectionSettings,
+    /// Which of their units are decoded.
+    pub decode: DecodeScope,
+}
+
+/// How pictures are made, where near and far may be left to the light field.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PictureOptions {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Steps of a ray, at least 1.
+    pub steps: u32,
+    /// How often the interval before a hit is halved.
+    pub refine: u32,
+    /// Where rays begin, in metres; where it is not given, at a tenth of the nearest surface of any view.
+    pub near_m: Option<f32>,
+    /// Where rays end, in metres; where it is not given, beyond all that the views show.
+    pub far_m: Option<f32>,
+    /// Rays in each row and column of a pixel.
+    pub samples: u32,
+    /// What is shown in holes.
+    pub holes: HoleFill,
+    /// Whether mirrors and glass send rays on.
+    pub effects: EffectMode,
+    /// How often at most a ray is sent on.
+    pub max_bounces: u32,
+    /// How rays are marched.
+    pub acceleration: Acceleration,
+}
+
+impl Default for PictureOptions {
+    fn default() -> PictureOptions {
+        PictureOptions {
+            size: [512, 512],
+            steps: 1024,
+            refine: 8,
+            near_m: None,
+            far_m: None,
+            samples: 1,
+            holes: HoleFill::Blank,
+            effects: EffectMode::Auto,
+            max_bounces: 4,
+            acceleration: Acceleration::Pyramid,
+        }
+    }
+}
+
+impl PictureOptions {
+    /// The settings for these views.
+    pub fn settings(&self, views: &ActiveViews<'_>) -> RenderSettings {
+        let near_m = self.near_m.unwrap_or_else(|| views.near_m() / 10.0);
+        let far_m = self.far_m.unwrap_or_else(|| views.far_m());
+        RenderSettings {
+            size: self.size,
+            steps: Steps::new(self.steps, near_m, far_m, self.refine),
+            samples: self.samples,
+            holes: self.holes,
+            effects: self.effects,
+            max_bounces: self.max_bounces,
+            acceleration: self.acceleration,
+        }
+    }
+}
+
+/// What a picture is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Stage<'s> {
+    /// The light field in this frame.
+    pub field: &'s LightField,
+    /// Its views that take part, first the most useful.
+    pub views: &'s [usize],
+}
+
+/// What makes pictures: a processor, a device, or another method.
+pub trait Renderer {
+    /// Whether its mirrors and glass send rays on, which decides what is decoded.
+    fn effects(&self) -> EffectMode;
+
+    /// What decodes depth and colour, where the player is not to; always the same.
+    fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
+        None
+    }
+
+    /// Takes over what changed since it was called last, at first everything. Called once for each shot, before its pictures.
+    ///
+    /// # Errors
+    /// When the renderer has no room for it.
+    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()>;
+
+    /// Makes a picture. The monitor advances by one for each of its rows.
+    ///
+    /// # Errors
+    /// When the monitor says to stop, or the renderer fails.
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered>;
+}
+
+/// Renders on the processor.
+#[derive(Debug, Clone, Default)]
+pub struct CpuRenderer {
+    /// How pictures are made.
+    pub options: PictureOptions,
+}
+
+impl Renderer for CpuRenderer {
+    fn effects(&self) -> EffectMode {
+        self.options.effects
+    }
+
+    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
+        Ok(())
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        render(&views, camera, &self.options.settings(&views), monitor)
+    }
+}
+
+/// What came of a shot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shown {
+    /// A picture for each camera.
+    pub pictures: Vec<Rendered>,
+    /// What it took to show the frame.
+    pub counts: ShowCounts,
+    /// Line for a trace file.
+    pub trace: FrameTrace,
+}
+
+/// What came of all shots.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PlaybackSummary {
+    /// Shots.
+    pub shots: usize,
+    /// The most views that took part in one.
+    pub most_views: usize,
+    /// Rays.
+    pub counters: Counters,
+    /// Units and bytes.
+    pub counts: ShowCounts,
+    /// Times.
+    pub pacing: FramePacing,
+}
+
+/// Shows a light field.
+#[derive(Debug)]
+pub struct Playback<'a> {
+    player: Player<'a>,
+    sight_lines: SightLines<'a>,
+    selector: ViewSelector,
+    options: PlaybackOptions,
+    summary: PlaybackSummary,
+    update_ms: Vec<f64>,
+    render_ms: Vec<f64>,
+}
+
+impl<'a> Playback<'a> {
+    /// A playback of a container in which nothing was shown yet.
+    ///
+    /// # Errors
+    /// As for [`Player::new`].
+    pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
+        Ok(Playback {
+            player: Player::new(decoder, &options.probes)?,
+            sight_lines: SightLines::new(decoder),
+            selector: ViewSelector::new(options.selection),
+            options,
+            summary: PlaybackSummary::default(),
+            update_ms: Vec::new(),
+            render_ms: Vec::new(),
+        })
+    }
+
+    /// The same, with at most so much memory for what is decoded and `beside_bytes` that are taken all the while.
+    #[must_use]
+    pub fn with_memory(self, budget: Budget, beside_bytes: u64) -> Playback<'a> {
+        Playback { player: self.player.with_memory(budget, beside_bytes), ..self }
+    }
+
+    /// What shows the frames.
+    pub fn player(&self) -> &Player<'a> {
+        &self.player
+    }
+
+    /// Shows a shot and makes its pictures.
+    ///
+    /// # Errors
+    /// When the shot has no camera, no probe has the frame, a chunk is damaged, the renderer fails, or the monitor says to
+    /// stop.
+    pub fn show(&mut self, shot: &Shot, renderer: &mut dyn Renderer, monitor: &dyn Monitor) -> Result<Shown> {
+        monitor.check()?;
+        let start = Instant::now();
+        if shot.cameras.is_empty() {
+            return Err(Error::Usage("a shot needs at least one camera".into()));
+        }
+        let eye = shot.cameras.iter().map(Camera::eye).sum::<DVec3>() / shot.cameras.len() as f64;
+        let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
+        let views = selection.views();
+        let secondary = renderer.effects() != EffectMode::None && self.player.has_material();
+        let wanted = if self.options.decode == DecodeScope::All {
+            Wanted { filter: &AllUnits, effects: false }
+        } else {
+            let streams = self.player.streams_of(shot.frame, &views);
+            Wanted { filter: self.sight_lines.seen(&streams, &shot.cameras), effects: secondary }
+        };
+        let counts = self.player.show_on(shot.frame, &views, wanted, renderer.units())?;
+        let changes = self.player.take_changes();
+        let stage = Stage { field: self.player.field(), views: &views };
+        renderer.update(&stage, &changes)?;
+        let update_ms = start.elapsed().as_secs_f64() * 1e3;
+        let start = Instant::now();
+        let pictures =
+            shot.cameras.iter().map(|camera| renderer.render(&stage, camera, monitor)).collect::<Result<Vec<_>>>()?;
+        let render_ms = start.elapsed().as_secs_f64() * 1e3;
+        self.selector.measured(update_ms + render_ms, views.len());
+        let (active, culled) = trace::name(&selection, self.player.field());
+        let trace = FrameTrace {
+            shot: self.summary.shots,
+            frame: shot.frame,
+            eye: eye.to_array(),
+            active,
+            culled,
+            cells_decoded: counts.cells_decoded,
+            cells_skipped: counts.cells_skipped(),
+            bytes_read: counts.bytes_read,
+            update_ms,
+            render_ms,
+        };
+        self.update_ms.push(update_ms);
+        self.render_ms.push(render_ms);
+        self.summary.shots += 1;
+        self.summary.most_views = self.summary.most_views.max(views.len());
+        self.summary.counts = self.summary.counts.plus(counts);
+        self.summary.counters = pictures.iter().fold(self.summary.counters, |sum, picture| sum.plus(picture.counters));
+        Ok(Shown { pictures, counts, trace })
+    }
+
+    /// What came of all shots so far.
+    pub fn summary(&self) -> PlaybackSummary {
+        let frame_ms: Vec<f64> = self.update_ms.iter().zip(&self.render_ms).map(|(a, b)| a + b).collect();
+        let pacing = FramePacing {
+            frame: Pacing::of(&frame_ms),
+            update: Pacing::of(&self.update_ms),
+            render: Pacing::of(&self.render_ms),
+        };
+        PlaybackSummary { pacing, ..self.summary }
+    }
+}

@@ -1,0 +1,62 @@
+//! What marching is compared with, as renderers of a playback (CALF 7.3): points, and true distances.
+
+use std::collections::VecDeque;
+
+use crate::error::{Error, Result};
+use crate::image::plane::DepthPlane;
+use crate::march::active_views::ActiveViews;
+use crate::march::baseline::reproject::reproject;
+use crate::march::baseline::splat::splat;
+use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
+use crate::march::render::{EffectMode, Rendered};
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::views::player::Change;
+
+/// Draws every texel as a point.
+#[derive(Debug, Clone, Default)]
+pub struct SplatRenderer {
+    /// How pictures are made.
+    pub options: PictureOptions,
+}
+
+impl Renderer for SplatRenderer {
+    fn effects(&self) -> EffectMode {
+        EffectMode::None
+    }
+
+    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
+        Ok(())
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        splat(&views, camera, &self.options.settings(&views), monitor)
+    }
+}
+
+/// Finds colours where surfaces are known to be.
+#[derive(Debug, Clone, Default)]
+pub struct ReprojectRenderer {
+    /// How pictures are made.
+    pub options: PictureOptions,
+    /// Distances in metres for the next pictures, one plane for each.
+    pub distances_m: VecDeque<DepthPlane>,
+}
+
+impl Renderer for ReprojectRenderer {
+    fn effects(&self) -> EffectMode {
+        EffectMode::None
+    }
+
+    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
+        Ok(())
+    }
+
+    fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
+        let distance_m = self.distances_m.pop_front();
+        let distance_m = distance_m.ok_or_else(|| Error::Usage("no true distances for this picture".into()))?;
+        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        reproject(&views, camera, &distance_m, self.options.holes, monitor)
+    }
+}

@@ -1,0 +1,8 @@
+//! Frames of an animated light field: view selection, decoding, rendering, timing (CALF 6.2, 6.3).
+
+pub mod frames;
+pub mod methods;
+pub mod pacing;
+pub mod performance;
+pub mod selection;
+pub mod trace;

@@ -1,0 +1,206 @@
+//! Which views take part in a picture (CALF 6.3).
+//!
+//! Enters: where views stand, an eye, how long earlier pictures took. Leaves: the views in the order of their priority, each
+//! in a slot that it keeps for as long as it stays, and why the others are left out.
+//!
+//! What the paper leaves open is settled so:
+//!
+//! - Priority by angle is that at a reference point, between the ways to the eye and to the view. A view in the reference
+//!   point has no direction and counts as one at a right angle; where the eye is in it, distance decides.
+//! - Culling by angle is at the eye. A view in the eye has no direction: only another one there is redundant to it.
+//! - Views of the same priority come by their distance, then by their number.
+
+use glam::DVec3;
+
+use crate::march::playback::performance::PerformanceCulling;
+
+/// What makes a view more useful than another.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ViewPriority {
+    /// To be nearer to the eye.
+    #[default]
+    Distance,
+    /// To look at the reference point from nearer to where the eye looks from.
+    Angle,
+}
+
+/// How views are chosen.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SelectionSettings {
+    /// What comes first.
+    pub priority: ViewPriority,
+    /// The reference point of [`ViewPriority::Angle`], in metres; where there is none, the middle of all candidates.
+    pub pivot: Option<DVec3>,
+    /// Views that are less than this apart from one of higher priority, as the eye sees them, are left out: degrees.
+    pub cull_angle_deg: Option<f64>,
+    /// At most so many views, at least 1.
+    pub most: Option<usize>,
+    /// Milliseconds that a frame may take, update and pictures together; views of low priority are left out for it.
+    pub target_ms: Option<f64>,
+}
+
+/// A view that could take part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Its number in the light field.
+    pub view: usize,
+    /// Where it stands, in metres.
+    pub position: DVec3,
+}
+
+/// A view that takes part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Active {
+    /// The place that it keeps while it stays.
+    pub slot: usize,
+    /// Its number in the light field.
+    pub view: usize,
+    /// Metres from the eye.
+    pub distance_m: f64,
+    /// Degrees between eye and view at the reference point.
+    pub angle_deg: f64,
+}
+
+/// Why a view is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Why {
+    /// The eye sees it close to this view of higher priority.
+    Angle(usize),
+    /// There are as many as were asked for.
+    Limit,
+    /// With it a frame would take too long.
+    Performance,
+}
+
+/// The views of a picture.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Selection {
+    /// Those that take part, first the most useful.
+    pub active: Vec<Active>,
+    /// The others, in the same order, and why.
+    pub culled: Vec<(usize, Why)>,
+}
+
+impl Selection {
+    /// Numbers of the views that take part, first the most useful.
+    pub fn views(&self) -> Vec<usize> {
+        self.active.iter().map(|active| active.view).collect()
+    }
+}
+
+/// Chooses views frame by frame.
+#[derive(Debug, Clone)]
+pub struct ViewSelector {
+    settings: SelectionSettings,
+    performance: Option<PerformanceCulling>,
+    /// The view in each slot.
+    slots: Vec<Option<usize>>,
+}
+
+impl ViewSelector {
+    /// A selector that knows of no frame yet.
+    pub fn new(settings: SelectionSettings) -> ViewSelector {
+        let performance = settings.target_ms.map(PerformanceCulling::new);
+        ViewSelector { settings, performance, slots: Vec::new() }
+    }
+
+    /// The views that an eye is shown, of those that there are in a frame.
+    pub fn select(&mut self, candidates: &[Candidate], eye: DVec3) -> Selection {
+        let mut selection = Selection::default();
+        let most = self.settings.most.map_or(usize::MAX, |most| most.max(1));
+        let fast_enough = self.performance.as_ref().and_then(PerformanceCulling::most).unwrap_or(usize::MAX);
+        for (candidate, distance_m, angle_deg) in self.by_priority(candidates, eye) {
+            let way = candidate.position - eye;
+            let close = self.settings.cull_angle_deg.and_then(|least_deg| {
+                let taken = selection.active.iter().map(|active: &Active| active.view);
+                let way_to =
+                    |view| candidates.iter().find(|other| other.view == view).map(|other| other.position - eye);
+                taken.into_iter().find(|&view| way_to(view).is_some_and(|other| apart_deg(way, other) < least_deg))
+            });
+            let why = match close {
+                Some(view) => Some(Why::Angle(view)),
+                None if selection.active.len() >= most => Some(Why::Limit),
+                None if selection.active.len() >= fast_enough => Some(Why::Performance),
+                None => None,
+            };
+            match why {
+                Some(why) => selection.culled.push((candidate.view, why)),
+                None => selection.active.push(Active { slot: 0, view: candidate.view, distance_m, angle_deg }),
+            }
+        }
+        self.give_slots(&mut selection.active);
+        selection
+    }
+
+    /// Takes note of how long a frame took with so many views, which decides on the next ones.
+    pub fn measured(&mut self, frame_ms: f64, views: usize) {
+        if let Some(performance) = &mut self.performance {
+            performance.measured(frame_ms, views);
+        }
+    }
+
+    /// Candidates with their distance in metres and angle in degrees, the most useful first.
+    fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<(Candidate, f64, f64)> {
+        let middle = || candidates.iter().map(|candidate| candidate.position).sum::<DVec3>() / candidates.len() as f64;
+        let pivot = self.settings.pivot.unwrap_or_else(middle);
+        let mut all: Vec<_> = candidates
+            .iter()
+            .map(|&candidate| {
+                let angle_deg = angle_at_pivot_deg(candidate.position - pivot, eye - pivot);
+                (candidate, candidate.position.distance(eye), angle_deg)
+            })
+            .collect();
+        all.sort_by(|(a, a_m, a_deg), (b, b_m, b_deg)| {
+            let by_angle = match self.settings.priority {
+                ViewPriority::Distance => std::cmp::Ordering::Equal,
+                ViewPriority::Angle => a_deg.total_cmp(b_deg),
+            };
+            by_angle.then(a_m.total_cmp(b_m)).then(a.view.cmp(&b.view))
+        });
+        all
+    }
+
+    /// Views that have a slot keep it; the others take the first that is free.
+    fn give_slots(&mut self, active: &mut [Active]) {
+        for slot in &mut self.slots {
+            *slot = slot.filter(|&view| active.iter().any(|active| active.view == view));
+        }
+        for active in active {
+            let has = |wanted: Option<usize>| move |slot: &Option<usize>| *slot == wanted;
+            let slot = self.slots.iter().position(has(Some(active.view)));
+            active.slot = slot.or_else(|| self.slots.iter().position(has(None))).unwrap_or_else(|| {
+                self.slots.push(None);
+                self.slots.len() - 1
+            });
+            self.slots[active.slot] = Some(active.view);
+        }
+    }
+}
+
+/// The angle between the ways from the reference point to a view and to the eye.
+fn angle_at_pivot_deg(to_view: DVec3, to_eye: DVec3) -> f64 {
+    if to_eye == DVec3::ZERO {
+        0.0
+    } else if to_view == DVec3::ZERO {
+        90.0
+    } else {
+        angle_deg(to_view, to_eye)
+    }
+}
+
+/// The angle at which an eye sees two views, given the ways to them.
+fn apart_deg(a: DVec3, b: DVec3) -> f64 {
+    match (a == DVec3::ZERO, b == DVec3::ZERO) {
+        (true, true) => 0.0,
+        (true, false) | (false, true) => 180.0,
+        (false, false) => angle_deg(a, b),
+    }
+}
+
+/// The angle between two vectors, neither of them 0; exact also where it is small.
+fn angle_deg(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b)).to_degrees()
+}
+
+#[cfg(test)]
+mod tests;

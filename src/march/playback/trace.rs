@@ -1,0 +1,76 @@
+//! What happened in each frame of a playback, one line of JSON for each.
+
+use serde::Serialize;
+
+use crate::march::playback::selection::{Selection, Why};
+use crate::views::light_field::LightField;
+
+/// A frame.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrameTrace {
+    /// Which one of the playback, from 0.
+    pub shot: usize,
+    /// The frame of the light field that was shown.
+    pub frame: u32,
+    /// Where the eye was (between two eyes: in the middle), in metres.
+    pub eye: [f64; 3],
+    /// Views that took part, first the most useful.
+    pub active: Vec<ActiveTrace>,
+    /// Views that did not, though they have the frame.
+    pub culled: Vec<CulledTrace>,
+    /// Units that were decoded.
+    pub cells_decoded: u64,
+    /// Units that were not.
+    pub cells_skipped: u64,
+    /// Stored bytes that were read.
+    pub bytes_read: u64,
+    /// Milliseconds before pictures were made.
+    pub update_ms: f64,
+    /// Milliseconds that the pictures took.
+    pub render_ms: f64,
+}
+
+/// A view that took part.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ActiveTrace {
+    /// Its slot.
+    pub slot: usize,
+    /// Its name.
+    pub probe: String,
+    /// Metres from the eye.
+    pub distance_m: f64,
+    /// Degrees between eye and view at the reference point.
+    pub angle_deg: f64,
+}
+
+/// A view that did not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CulledTrace {
+    /// Its name.
+    pub probe: String,
+    /// `angle`, `limit` or `performance`.
+    pub why: &'static str,
+    /// The view that it is redundant to, by the angle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
+}
+
+/// The views of a selection, by their names.
+pub fn name(selection: &Selection, field: &LightField) -> (Vec<ActiveTrace>, Vec<CulledTrace>) {
+    let named = |view: usize| field.views.get(view).map(|view| view.name.clone()).unwrap_or_default();
+    let active = selection.active.iter().map(|active| ActiveTrace {
+        slot: active.slot,
+        probe: named(active.view),
+        distance_m: active.distance_m,
+        angle_deg: active.angle_deg,
+    });
+    let culled = selection.culled.iter().map(|&(view, why)| {
+        let (why, by) = match why {
+            Why::Angle(by) => ("angle", Some(named(by))),
+            Why::Limit => ("limit", None),
+            Why::Performance => ("performance", None),
+        };
+        CulledTrace { probe: named(view), why, by }
+    });
+    (active.collect(), culled.collect())
+}

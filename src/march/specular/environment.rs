@@ -1,0 +1,371 @@
+//! What is around a ball of glass, as a view from its centre (CALF 6.1).
+//!
+//! Enters: active views and a ball that all of them see from outside. Leaves: a view of which every texel has a depth and a
+//! colour.
+//!
+//! Where a ray from the ball comes to a surface that views see, that is its depth and its colour. What is behind the ball is
+//! hidden from them, and it is most of what the ball shows. Planes go on there (`hidden_planes`), else depths are interpolated
+//! between those around. Colours are those that views see through the ball: the ray of each texel of glass is followed to where
+//! it ends in the surroundings, and its colour stays there.
+
+use glam::{DMat3, DVec3, Vec3};
+use half::f16;
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::image::cube::Face;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::march::counters::Counters;
+use crate::march::interpolate::{Taps, background_color, surface_color};
+use crate::march::intersect::{Ray, Steps};
+use crate::march::render::{Acceleration, HOLE_DIFFERENCE};
+use crate::march::specular::material::fresnel;
+use crate::march::specular::normal::patch;
+use crate::march::specular::plane_extrapolation::{Edge, Plane, first_met, planes};
+use crate::march::specular::solid::{Ball, refract};
+use crate::march::specular::sphere_fit::{NEAR_BALL, faces, is_glass, steps_around, texel_point};
+use crate::monitor::Monitor;
+use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
+
+/// The widest faces, in texels.
+pub const MOST_TEXELS: u32 = 128;
+/// Texels of glass that let less than this part of the light straight through say nothing of what is behind.
+pub const LEAST_THROUGH: f32 = 0.5;
+/// Planes are looked for in at most so many points beside what is hidden: the time grows as their number squared.
+pub const MOST_EDGES: usize = 4096;
+/// How much what a view sees through a ball counts, as a power of its weight for the distance from the eye: what is bent
+/// twice differs more from view to view than surfaces do.
+pub const NEARNESS: i32 = 4;
+
+/// Images of the six faces of a cube, row by row: sums of weighted values, and of their weights.
+struct Cube {
+    size: usize,
+    sums: Vec<Vec3>,
+    weights: Vec<f32>,
+}
+
+impl Cube {
+    fn empty(size: usize) -> Cube {
+        Cube { size, sums: vec![Vec3::ZERO; 6 * size * size], weights: vec![0.0; 6 * size * size] }
+    }
+
+    fn add(&mut self, at: usize, value: Vec3, weight: f32) {
+        self.sums[at] += weight * value;
+        self.weights[at] += weight;
+    }
+
+    /// Values everywhere: where weights are below 1, those of coarser images fill up what is missing.
+    fn filled(&self) -> Vec<Vec3> {
+        let size = self.size;
+        if size == 1 {
+            let all = self.sums.iter().copied().sum::<Vec3>() / self.weights.iter().sum::<f32>().max(f32::MIN_POSITIVE);
+            let value = |(sum, &weight): (&Vec3, &f32)| if weight > 0.0 { *sum / weight } else { all };
+            return self.sums.iter().zip(&self.weights).map(value).collect();
+        }
+        let mut coarse = Cube::empty(size / 2);
+        for (at, (&sum, &weight)) in self.sums.iter().zip(&self.weights).enumerate() {
+            let (row, column) = (at / size, at % size);
+            // Rows of all faces are one below the other, and their number is even.
+            let above = row / 2 * coarse.size + column / 2;
+            coarse.sums[above] += sum;
+            coarse.weights[above] += weight;
+        }
+        for (sum, weight) in coarse.sums.iter_mut().zip(&mut coarse.weights).filter(|(_, weight)| **weight > 1.0) {
+            (*sum, *weight) = (*sum / *weight, 1.0);
+        }
+        let below = coarse.filled();
+        let smooth = |at: usize| {
+            let (face, row, column) = (at / (size * size), at / size % size, at % size);
+            let get = |row: usize, column: usize| below[(face * size + row) / 2 * coarse.size + column / 2];
+            let last = size - 1;
+            let beside = get(row.saturating_sub(1), column)
+                + get((row + 1).min(last), column)
+                + get(row, column.saturating_sub(1))
+                + get(row, (column + 1).min(last));
+            (beside + 4.0 * get(row, column)) / 8.0
+        };
+        let value = |at: usize| match self.weights[at] {
+            weight if weight >= 1.0 => self.sums[at] / weight,
+            weight => self.sums[at] + (1.0 - weight) * smooth(at),
+        };
+        (0..self.sums.len()).into_par_iter().map(value).collect()
+    }
+}
+
+/// What is known of a direction from the ball.
+#[derive(Clone, Copy)]
+enum Known {
+    /// A surface at a distance in metres from the centre, or the background at 1 over 0.
+    Seen(f32, Vec3),
+    /// It is hidden from all views.
+    Hidden,
+}
+
+/// The view from the centre of a ball with an index of refraction. `camera_weights` are those of
+/// [`crate::march::interpolate::camera_weights`].
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn surroundings(
+    (views, camera_weights): (&ActiveViews<'_>, &[f32]),
+    (ball, ior): (Ball, f32),
+    monitor: &dyn Monitor,
+) -> Result<View> {
+    let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
+    let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
+    let steps = steps_around(views, &ball, size);
+    // Colours come later; the coding does not matter before.
+    let face = FaceTexels::unknown([size; 2], [[size as f32 / 2.0; 2]; 2], ColorCoding::Light);
+    let looking = Looking { views, camera_weights, ball, steps: &steps, face: &face, monitor };
+    let known = looking.all_known()?;
+    let mut view = View {
+        name: "ball".into(),
+        probe: usize::MAX,
+        position: DVec3::ZERO,
+        probe_from_world: DMat3::IDENTITY,
+        near_m: ball.radius_m,
+        far_m: views.far_m() + ball.centre.length(),
+        faces: Default::default(),
+    };
+    put_depths(&mut view, &known, &planes(&looking.edges(&known)?, monitor)?, &face);
+    let colors = colors(&looking, &known, &view, ior)?;
+    for (texels, colors) in view.faces.iter_mut().flatten().zip(colors.chunks((size * size) as usize)) {
+        texels.color = coded(colors, views.coding);
+    }
+    Ok(view)
+}
+
+/// A view from the centre of a ball, as the eye has it.
+pub fn from_centre<'a>(view: &'a View, ball: &Ball) -> ActiveView<'a> {
+    ActiveView {
+        view,
+        from_eye: ball.centre,
+        probe_from_world: glam::Mat3::IDENTITY,
+        greatest_inverse_depth: view.greatest_inverse_depth(),
+    }
+}
+
+/// The way through the centre of a texel, counted through all faces, which are such as this one.
+fn direction(at: usize, face: &FaceTexels) -> Vec3 {
+    let [width, height] = face.size.map(|size| size as usize);
+    let centre = [at % width, at / width % height].map(|at| at as f32 + 0.5);
+    face.way(Face::CUBE[at / (width * height)], centre)
+}
+
+/// How views look for what is around a ball.
+struct Looking<'a> {
+    views: &'a ActiveViews<'a>,
+    camera_weights: &'a [f32],
+    ball: Ball,
+    steps: &'a Steps,
+    /// As all faces of the view from the centre are.
+    face: &'a FaceTexels,
+    monitor: &'a dyn Monitor,
+}
+
+impl Looking<'_> {
+    /// What views see in the direction of each texel, counted through all faces.
+    fn all_known(&self) -> Result<Vec<Known>> {
+        let [width, height] = self.face.size.map(|size| size as usize);
+        let row = |row: usize| -> Result<Vec<Known>> {
+            self.monitor.check()?;
+            let known = |at: usize| self.known(direction(at, self.face).normalize());
+            Ok((row * width..(row + 1) * width).map(known).collect())
+        };
+        Ok((0..6 * height).into_par_iter().map(row).collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    /// What views see in a direction from the ball: rays begin hidden, and have come into the open where a view sees past them.
+    fn known(&self, direction: Vec3) -> Known {
+        let ray = Ray { origin: self.ball.centre + self.ball.radius_m * direction, direction };
+        let distances_m = &self.steps.distances_m;
+        let Some(open) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
+            return Known::Hidden;
+        };
+        let hit = Acceleration::Pyramid.intersect_from(self.views, &ray, (self.steps, open), &mut Counters::default());
+        match hit {
+            Some(distance_m) => match surface_color(self.views, self.camera_weights, ray.at(distance_m)) {
+                Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.unsure() => {
+                    Known::Seen(self.ball.radius_m + distance_m, seen.color)
+                }
+                _ => Known::Hidden,
+            },
+            None => match background_color(self.views, self.camera_weights, direction) {
+                Some(seen) => Known::Seen(f32::INFINITY, seen.color),
+                None => Known::Hidden,
+            },
+        }
+    }
+
+    /// Surfaces beside what is hidden, [`MOST_EDGES`] of them or fewer, everywhere alike.
+    fn edges(&self, known: &[Known]) -> Result<Vec<Edge>> {
+        let size = self.face.size[0] as usize;
+        let at_edge = |&at: &usize| {
+            let (row, column) = (at / size % size, at % size);
+            let beside = [
+                (column > 0, -1),
+                (column + 1 < size, 1),
+                (row > 0, -(size as isize)),
+                (row + 1 < size, size as isize),
+            ];
+            let next = |&(there, by): &(bool, isize)| there.then(|| at.checked_add_signed(by)).flatten();
+            beside.iter().filter_map(next).any(|next| matches!(known[next], Known::Hidden))
+        };
+        let edge = |at: usize| {
+            let Known::Seen(distance_m, _) = known[at] else { return None };
+            let point = distance_m * direction(at, self.face).normalize();
+            let normal = patch(self.views, self.camera_weights, self.ball.centre + point)?.normal;
+            Some(Edge { point, normal })
+        };
+        let is_seen = |at: &usize| matches!(known[*at], Known::Seen(distance_m, _) if distance_m.is_finite());
+        let beside: Vec<usize> = (0..known.len()).filter(is_seen).filter(at_edge).collect();
+        self.monitor.check()?;
+        let some: Vec<usize> = beside.iter().copied().step_by(beside.len().div_ceil(MOST_EDGES).max(1)).collect();
+        Ok(some.into_par_iter().filter_map(edge).collect())
+    }
+
+    /// The way of a ray from a view straight through the ball, and the part of its light that goes there.
+    fn through(&self, ray: &Ray, ior: f32) -> Option<(Ray, f32)> {
+        let entry = self.ball.entry(ray)?;
+        let normal = self.ball.normal(entry)?;
+        let entering = 1.0 - fresnel(-ray.direction.dot(normal), ior);
+        let inside = Ray { origin: entry, direction: refract(ray.direction, normal, ior.recip())? };
+        let end = inside.at(self.ball.exit_m(&inside)?);
+        let normal = self.ball.normal(end)?;
+        let direction = refract(inside.direction, -normal, ior)?;
+        Some((Ray { origin: end, direction }, entering * (1.0 - fresnel(direction.dot(normal), ior))))
+    }
+}
+
+/// Depths of the faces: where nothing is known, planes go on, else what is around fills it in inverse distance.
+fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTexels) {
+    let size = like.size[0];
+    let mut cube = Cube::empty(size as usize);
+    for (at, known) in known.iter().enumerate() {
+        let inverse = match known {
+            Known::Seen(distance_m, _) => Some(distance_m.recip()),
+            Known::Hidden => first_met(planes, direction(at, like).normalize()),
+        };
+        if let Some(inverse) = inverse {
+            cube.add(at, Vec3::splat(inverse), 1.0);
+        }
+    }
+    let inverse = cube.filled();
+    for (face, inverse) in inverse.chunks((size * size) as usize).enumerate() {
+        let mut texels = like.clone();
+        for (at, inverse) in inverse.iter().enumerate() {
+            let stretch = texels.stretch(at as u32 % size, at as u32 / size);
+            texels.inverse_depth[at] = if inverse.x > 0.0 { inverse.x * stretch } else { BACKGROUND };
+        }
+        texels.depth_changed(0..size, 0..size);
+        view.faces[face] = Some(texels);
+    }
+}
+
+/// Colours of the faces, as views code them.
+fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
+    let Looking { views, ball, steps, monitor, .. } = *looking;
+    let alone = ActiveViews { views: vec![from_centre(view, &ball)], coding: views.coding };
+    let mut cube = Cube::empty(looking.face.size[0] as usize);
+    for (at, known) in known.iter().enumerate() {
+        if let Known::Seen(_, color) = known {
+            cube.add(at, *color, 1.0);
+        }
+    }
+    let greatest = looking.camera_weights.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+    for (active, face, texels) in faces(views) {
+        let of_view = views.views.iter().position(|view| std::ptr::eq(view, active)).unwrap_or_default();
+        let nearness = (looking.camera_weights[of_view] / greatest).powi(NEARNESS);
+        let ends = |at: usize| {
+            let point = texel_point(active, face, texels, at).filter(|_| is_glass(texels, at))?.as_vec3();
+            let off_m = ((point - ball.centre).length() - ball.radius_m).abs();
+            if off_m > NEAR_BALL * ball.radius_m {
+                return None;
+            }
+            let ray = Ray { origin: point, direction: (point - active.from_eye).try_normalize()? };
+            let (out, part) = looking.through(&ray, ior).filter(|(_, part)| *part >= LEAST_THROUGH)?;
+            let hit = Acceleration::Pyramid.intersect_from(&alone, &out, (steps, 0), &mut Counters::default());
+            let end = hit.map_or(out.direction, |distance_m| alone.views[0].local(out.at(distance_m)));
+            Some((view.project(end)?, part, texels.color.get(at)))
+        };
+        let [width, height] = texels.size.map(|size| size as usize);
+        let of_row = |row: usize| -> Result<Vec<_>> {
+            monitor.check()?;
+            Ok((row * width..(row + 1) * width).filter_map(ends).collect())
+        };
+        let of_rows: Vec<Vec<_>> = (0..height).into_par_iter().map(of_row).collect::<Result<_>>()?;
+        for (end, part, color) in of_rows.into_iter().flatten() {
+            let Some(onto) = &view.faces[end.face] else { continue };
+            let taps = Taps::around(end.at, onto);
+            for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
+                let at = end.face * onto.inverse_depth.len() + texel;
+                if matches!(known[at], Known::Hidden) {
+                    cube.add(at, color, weight * part * nearness);
+                }
+            }
+        }
+    }
+    Ok(cube.filled())
+}
+
+fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
+    match coding {
+        ColorCoding::Codes(_) => {
+            let code = |part: f32| (255.0 * part).round() as u8;
+            ColorTexels::Codes(colors.iter().map(|color| [code(color.x), code(color.y), code(color.z), 0]).collect())
+        }
+        ColorCoding::Light => {
+            let half = |color: &Vec3| [color.x, color.y, color.z, 0.0].map(f16::from_f32);
+            ColorTexels::Light(colors.iter().map(half).collect())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Silent;
+
+    #[test]
+    fn what_is_missing_is_filled_by_what_is_around() {
+        let size = 16;
+        let mut cube = Cube::empty(size);
+        // A face of which the middle is missing, red to the left of it and green to the right; all others are unknown.
+        for at in 0..size * size {
+            let (row, column) = (at / size, at % size);
+            if !(4..12).contains(&column) || !(4..12).contains(&row) {
+                cube.add(at, if column < 8 { Vec3::X } else { Vec3::Y }, 2.0);
+            }
+        }
+        let filled = cube.filled();
+        assert_eq!((filled[0], filled[size - 1]), (Vec3::X, Vec3::Y));
+        for value in &filled {
+            assert!((value.element_sum() - 1.0).abs() < 1e-5 && value.min_element() >= 0.0, "{value}");
+        }
+        let (left, right) = (filled[8 * size + 5], filled[8 * size + 10]);
+        assert!(left.x > 0.6 && right.y > 0.6, "{left} {right}");
+        assert!((filled[5 * size * size].x - 0.5).abs() < 1e-5);
+        // Of nothing at all, nothing is made that is no number.
+        assert!(Cube::empty(4).filled().iter().all(|value| *value == Vec3::ZERO));
+    }
+
+    #[test]
+    fn light_takes_the_way_of_snell_through_a_ball() {
+        let ball = Ball { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 1.0 };
+        let views = ActiveViews { views: Vec::new(), coding: ColorCoding::Light };
+        let steps = Steps::new(4, 0.1, 1.0, 0);
+        let face = &FaceTexels::unknown([1; 2], [[0.5; 2]; 2], ColorCoding::Light);
+        let looking = Looking { views: &views, camera_weights: &[], ball, steps: &steps, face, monitor: &Silent };
+        let through = |x: f32, ior| looking.through(&Ray { origin: Vec3::X * x, direction: Vec3::NEG_Z }, ior);
+        let (straight, part) = through(0.0, 1.5).unwrap();
+        assert_eq!((straight.origin, straight.direction), (Vec3::NEG_Z * 4.0, Vec3::NEG_Z));
+        assert!((part - 0.96 * 0.96).abs() < 1e-4);
+        // Turned by twice the difference of the angles outside and inside.
+        let (bent, _) = through(0.6, 1.5).unwrap();
+        let turn = 2.0 * (0.6f32.asin() - 0.4f32.asin());
+        assert!((bent.direction.angle_between(Vec3::NEG_Z) - turn).abs() < 1e-3 && bent.direction.x < 0.0);
+        let (same, part) = through(0.6, 1.0).unwrap();
+        assert!(same.direction.distance(Vec3::NEG_Z) < 1e-3 && part > 0.999);
+        assert!(through(1.1, 1.5).is_none());
+    }
+}

@@ -1,0 +1,238 @@
+//! How a surface lies in a point, from the depths around it (CALF 6.1).
+//!
+//! Enters: active views and a point on a surface. Leaves: its normal, how it bends, and how large a texel is there.
+//!
+//! Each view that sees the surface in that point has a polynomial of the second degree fitted to the inverse planar depths of
+//! 5 × 5 texels around it, or of 3 × 3: planes are linear in inverse planar depth, so they come out exactly. Where an edge
+//! is among the texels, those of the same surface have a plane fitted to them. The views' normals are averaged with the
+//! weights of their colours times how squarely they look at the surface: one alone is as good as its own few texels,
+//! and a mirror doubles its error.
+
+use glam::Vec3;
+
+use crate::image::cube::Face;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::march::interpolate::DEPTH_EPSILON;
+use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+
+/// A view sees a point's surface where its depth there is as far off as this in the logarithm, or less.
+pub const SAME_SURFACE: f32 = 0.02;
+/// A polynomial over texels up to 1 and up to 2 beside one fits where it is nowhere farther off than this part of its inverse depth.
+pub const FIT: [f32; 2] = [0.01, 0.002];
+/// Texels belong to the surface of their neighbour where their inverse depths differ by at most this part.
+pub const SAME_PATCH: f32 = 0.03;
+/// Texels are of different solids where the sums of their weights, in 255ths, differ by more than this.
+pub const SAME_MATERIAL: i32 = 64;
+
+/// A surface in the neighbourhood of a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch {
+    /// Of length 1, along the world's axes, on the side of the views.
+    pub normal: Vec3,
+    /// How far the normal turns along the surface, in radians for each metre: 1 over the radius of a ball, 0 for what is flat,
+    /// below 0 for a hollow. None where too few texels are known to tell.
+    pub curvature: Option<f32>,
+    /// Width in metres of a texel of the view that knows most of it.
+    pub texel_m: f32,
+}
+
+/// The surface in a point, `point` in metres from the eye. None where no view knows it well enough.
+pub fn patch(views: &ActiveViews<'_>, camera_weights: &[f32], point: Vec3) -> Option<Patch> {
+    let (mut normal, mut curvature, mut bent, mut best) = (Vec3::ZERO, 0.0, 0.0, [0.0, 0.0]);
+    for (view, camera_weight) in views.views.iter().zip(camera_weights) {
+        let Some(seen) = of_view(view, view.local(point)) else { continue };
+        let weight = camera_weight * seen.facing / (seen.difference + DEPTH_EPSILON);
+        normal += weight * (view.probe_from_world.transpose() * seen.normal);
+        if let Some(bend) = seen.curvature {
+            curvature += weight * bend;
+            bent += weight;
+        }
+        if weight > best[0] {
+            best = [weight, seen.texel_m];
+        }
+    }
+    let normal = normal.try_normalize()?;
+    Some(Patch { normal, curvature: (bent > 0.0).then(|| curvature / bent), texel_m: best[1] })
+}
+
+/// What one view knows, in its own axes.
+#[derive(Debug, Clone, Copy)]
+struct Local {
+    normal: Vec3,
+    curvature: Option<f32>,
+    texel_m: f32,
+    /// Difference of the logarithms of depth between the fit and the point.
+    difference: f32,
+    /// Cosine between the normal and the way to the viewpoint.
+    facing: f32,
+}
+
+fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
+    let at = view.view.project(local)?;
+    let face = view.view.faces[at.face].as_ref()?;
+    let texel = [0, 1].map(|axis| (at.at[axis].max(0.0) as u32).min(face.size[axis] - 1));
+    let offset = [0, 1].map(|axis| at.at[axis] - (texel[axis] as f32 + 0.5));
+    let fit = fit(face, texel)?;
+    let difference = (fit.value(offset) / at.inverse_depth).ln().abs();
+    // What is no number is no surface either.
+    if difference.is_nan() || difference > SAME_SURFACE {
+        return None;
+    }
+    let image = Image { face, number: Face::from_index(at.face as u8)?, texel };
+    let normal = image.normal(&fit, offset)?;
+    let facing = -normal.dot(local.normalize_or_zero());
+    let curvature = if fit.bends { image.curvature(&fit) } else { None };
+    let texel_m = 1.0 / (at.inverse_depth * face.scale[0].abs().min(face.scale[1].abs()));
+    (facing > 0.0).then_some(Local { normal, curvature, texel_m, difference, facing })
+}
+
+/// Inverse depth around the centre of a texel, in texels: `c[0] + c[1]x + c[2]y + c[3]x² + c[4]xy + c[5]y²`.
+#[derive(Debug, Clone, Copy)]
+struct Fit {
+    c: [f32; 6],
+    /// Whether the terms of the second degree are known.
+    bends: bool,
+}
+
+impl Fit {
+    fn value(&self, [x, y]: [f32; 2]) -> f32 {
+        let c = &self.c;
+        c[0] + c[1] * x + c[2] * y + c[3] * x * x + c[4] * x * y + c[5] * y * y
+    }
+
+    fn slope(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let c = &self.c;
+        [c[1] + 2.0 * c[3] * x + c[4] * y, c[2] + c[4] * x + 2.0 * c[5] * y]
+    }
+}
+
+/// An image, of which face it is, and a texel of it.
+struct Image<'a> {
+    face: &'a FaceTexels,
+    number: Face,
+    texel: [u32; 2],
+}
+
+impl Image<'_> {
+    /// A place that is so many texels from the centre of the texel.
+    fn place(&self, offset: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|axis| self.texel[axis] as f32 + 0.5 + offset[axis])
+    }
+
+    /// The surface has `inverse depth = normal · (u, v, 1)`, up to the length of the normal.
+    fn normal(&self, fit: &Fit, offset: [f32; 2]) -> Option<Vec3> {
+        let [u, v] = self.face.plane(self.place(offset));
+        let [x, y] = fit.slope(offset);
+        let [by_u, by_v] = [x * self.face.scale[0], y * self.face.scale[1]];
+        let ahead = fit.value(offset) - by_u * u - by_v * v;
+        let [forward, right, down] = self.number.axes().map(|axis| axis.as_vec3());
+        (-(by_u * right + by_v * down + ahead * forward)).try_normalize()
+    }
+
+    fn point(&self, fit: &Fit, offset: [f32; 2]) -> Vec3 {
+        self.face.way(self.number, self.place(offset)) / fit.value(offset)
+    }
+
+    /// How the normal turns over two texels along and two down, as it would on a ball.
+    fn curvature(&self, fit: &Fit) -> Option<f32> {
+        let (mut turned, mut moved) = (0.0, 0.0);
+        for [a, b] in [[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]] {
+            let along = self.point(fit, b) - self.point(fit, a);
+            turned += along.dot(self.normal(fit, b)? - self.normal(fit, a)?);
+            moved += along.length_squared();
+        }
+        let curvature = turned / moved;
+        curvature.is_finite().then_some(curvature)
+    }
+}
+
+/// The texels around one, as far as they are known.
+struct Around<'a> {
+    face: &'a FaceTexels,
+    texel: [u32; 2],
+    solid: Option<i32>,
+}
+
+impl Around<'_> {
+    /// Inverse depth of a neighbour that may belong to the same surface.
+    fn get(&self, x: i32, y: i32) -> Option<f32> {
+        let column = self.texel[0].checked_add_signed(x).filter(|&column| column < self.face.size[0])?;
+        let row = self.texel[1].checked_add_signed(y).filter(|&row| row < self.face.size[1])?;
+        let at = row as usize * self.face.size[0] as usize + column as usize;
+        let inverse = self.face.inverse_depth[at];
+        let same = match (self.solid, solid(self.face, at)) {
+            (Some(a), Some(b)) => (a - b).abs() <= SAME_MATERIAL,
+            _ => true,
+        };
+        (same && inverse != BACKGROUND && inverse != UNKNOWN).then_some(inverse)
+    }
+}
+
+/// Sum of the weights of a texel, in 255ths.
+fn solid(face: &FaceTexels, at: usize) -> Option<i32> {
+    face.material.as_ref().map(|texels| i32::from(texels[at][0]) + i32::from(texels[at][1]))
+}
+
+fn fit(face: &FaceTexels, texel: [u32; 2]) -> Option<Fit> {
+    let at = texel[1] as usize * face.size[0] as usize + texel[0] as usize;
+    let around = Around { face, texel, solid: solid(face, at) };
+    around.get(0, 0)?;
+    bent(&around, 2).or_else(|| bent(&around, 1)).or_else(|| flat(&around))
+}
+
+/// Least squares of the second degree over a whole square of (2·reach + 1)² texels; none where it does not fit.
+fn bent(around: &Around<'_>, reach: i32) -> Option<Fit> {
+    let side = (2 * reach + 1) as f32;
+    // Sums of x² and of (x² − mean)² over a row.
+    let (squares, fourths) = if reach == 2 { (10.0, 14.0) } else { (2.0, 2.0 / 3.0) };
+    let mean_square = squares / side;
+    let mut sums = [0.0; 6];
+    for y in -reach..=reach {
+        for x in -reach..=reach {
+            let inverse = around.get(x, y)?;
+            let (x, y) = (x as f32, y as f32);
+            let basis = [1.0, x, y, x * x - mean_square, x * y, y * y - mean_square];
+            for (sum, base) in sums.iter_mut().zip(basis) {
+                *sum += base * inverse;
+            }
+        }
+    }
+    let norms = [side * side, side * squares, side * squares, side * fourths, squares * squares, side * fourths];
+    let mut c = [0, 1, 2, 3, 4, 5].map(|at| sums[at] / norms[at]);
+    c[0] -= mean_square * (c[3] + c[5]);
+    let fit = Fit { c, bends: true };
+    let far = FIT[usize::from(reach == 2)] * c[0];
+    for y in -reach..=reach {
+        for x in -reach..=reach {
+            if (around.get(x, y)? - fit.value([x as f32, y as f32])).abs() > far {
+                return None;
+            }
+        }
+    }
+    Some(fit)
+}
+
+/// A plane through the middle of 3 × 3 texels, fitted to those that are near enough to it.
+fn flat(around: &Around<'_>) -> Option<Fit> {
+    let middle = around.get(0, 0)?;
+    let (mut xx, mut xy, mut yy, mut xd, mut yd) = (0.0f32, 0.0f32, 0.0f32, 0.0f32, 0.0f32);
+    for y in -1..=1 {
+        for x in -1..=1 {
+            let Some(inverse) = around.get(x, y).filter(|other| (other - middle).abs() <= SAME_PATCH * middle) else {
+                continue;
+            };
+            let (x, y, difference) = (x as f32, y as f32, inverse - middle);
+            xx += x * x;
+            xy += x * y;
+            yy += y * y;
+            xd += x * difference;
+            yd += y * difference;
+        }
+    }
+    let determinant = xx * yy - xy * xy;
+    if determinant < 0.5 {
+        return None;
+    }
+    let c = [middle, (xd * yy - yd * xy) / determinant, (yd * xx - xd * xy) / determinant, 0.0, 0.0, 0.0];
+    Some(Fit { c, bends: false })
+}

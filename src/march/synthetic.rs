@@ -1,0 +1,102 @@
+//! Light fields made from formulas, for tests and hard cases: what is seen in them is known exactly.
+
+use glam::{DMat3, DQuat, DVec3};
+use half::f16;
+
+use crate::image::cube::Face;
+use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
+
+/// What a probe sees in a direction of the world of length 1: the distance in metres and a colour. None is background.
+pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
+
+/// A probe to be made.
+#[derive(Debug, Clone, Copy)]
+pub struct Made {
+    /// Where it stands, in metres.
+    pub position: DVec3,
+    /// Turns directions of the probe into those of the world.
+    pub turn: DQuat,
+    /// Its faces' width and height in pixels, at least 1.
+    pub size: [u32; 2],
+    /// Nearest and farthest distance, in metres.
+    pub range_m: [f32; 2],
+}
+
+impl Made {
+    /// A cube map with square faces that is not turned.
+    pub fn new(position: DVec3, side: u32) -> Made {
+        Made { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
+    }
+
+    /// Its cube map.
+    pub fn cube(&self, coding: ColorCoding, sight: Sight<'_>) -> View {
+        let mut view = self.view();
+        let half = self.size.map(|pixels| pixels as f32 / 2.0);
+        for face in Face::CUBE {
+            view.faces[face as usize] = Some(self.face(face, [half, half], coding, sight));
+        }
+        view
+    }
+
+    /// A perspective image whose plane is mapped by focal lengths and centre, in pixels.
+    pub fn perspective(&self, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> View {
+        let mut view = self.view();
+        view.faces[Face::View as usize] = Some(self.face(Face::View, map, coding, sight));
+        view
+    }
+
+    fn view(&self) -> View {
+        View {
+            name: "made".into(),
+            probe: 0,
+            position: self.position,
+            probe_from_world: DMat3::from_quat(self.turn.inverse()),
+            near_m: self.range_m[0],
+            far_m: self.range_m[1],
+            faces: Default::default(),
+        }
+    }
+
+    fn face(&self, face: Face, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
+        let mut texels = FaceTexels::unknown(self.size, map, coding);
+        let [forward, right, down] = face.axes();
+        for at in 0..texels.inverse_depth.len() {
+            let place = [at as u32 % self.size[0], at as u32 / self.size[0]];
+            let [u, v] =
+                [0, 1].map(|axis| (f64::from(place[axis]) + 0.5 - f64::from(map[1][axis])) / f64::from(map[0][axis]));
+            let direction = self.turn * (forward + u * right + v * down);
+            let stretch = direction.length();
+            let (inverse, [r, g, b]) = match sight(direction / stretch) {
+                Some((distance_m, color)) => ((stretch / distance_m) as f32, color),
+                None => (BACKGROUND, [90, 120, 200]),
+            };
+            texels.inverse_depth[at] = inverse;
+            match &mut texels.color {
+                ColorTexels::Codes(codes) => codes[at] = [r, g, b, 0],
+                ColorTexels::Light(light) => light[at] = [r, g, b, 0].map(|code| f16::from_f32(f32::from(code) / 64.0)),
+            }
+        }
+        texels.depth_changed(0..self.size[0], 0..self.size[1]);
+        texels
+    }
+}
+
+/// A light field of views.
+pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
+    LightField { views, coding }
+}
+
+/// What is seen from `eye` of the inside of a box with half these sides around the origin, and of the outside of a
+/// smaller one in it that is `pillar` as wide; colours are those of places.
+pub fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {
+    let crossings = |half: DVec3| {
+        let [low, high] = [-half, half].map(|wall| (wall - eye) / direction);
+        (low.min(high).max_element(), low.max(high).min_element())
+    };
+    let inner = DVec3::new(half.x * pillar, half.y, half.z * pillar);
+    let (enters, leaves) = crossings(inner);
+    let distance_m = if enters > 0.0 && enters <= leaves { enters } else { crossings(half).1 };
+    let at = eye + direction * distance_m;
+    let color = [at.x, at.y, at.z].map(|at| (128.0 + 100.0 * (3.0 * at).sin()) as u8);
+    distance_m.is_finite().then_some((distance_m, color))
+}

@@ -1,0 +1,335 @@
+//! The fast forms against the plain ones: the same hits and counts, bit for bit, and the same pictures.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::{DQuat, DVec3, Vec3};
+
+use crate::error::Error;
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::march::active_views::ActiveViews;
+use crate::march::baseline::splat::splat;
+use crate::march::counters::Counters;
+use crate::march::intersect::{self, Ray, Steps};
+use crate::march::packet::intersect::{Packet, PacketMarch};
+use crate::march::packet::lanes::lanes_of;
+use crate::march::packet::views::PacketViews;
+use crate::march::pyramid::{self, DepthPyramid};
+use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use crate::march::synthetic::{Made, field, room};
+use crate::math::{Camera, Lens};
+use crate::monitor::{Monitor, Silent};
+use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
+
+const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
+
+/// Numbers in 0..1 that are always the same.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn below(&mut self, count: u32) -> u32 {
+        (self.next() * f64::from(count)) as u32
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
+    }
+
+    fn unit(&mut self) -> DVec3 {
+        self.vector().try_normalize().unwrap_or(DVec3::X)
+    }
+
+    fn turn(&mut self) -> DQuat {
+        if self.below(2) == 0 { DQuat::IDENTITY } else { DQuat::from_axis_angle(self.unit(), 6.0 * self.next()) }
+    }
+}
+
+/// A room seen by views of many sizes and turns, with noise, background, what is not known, and faces that are missing.
+fn random_field(random: &mut Random, coding: ColorCoding) -> LightField {
+    let half = DVec3::new(1.0 + 5.0 * random.next(), 1.0 + random.next(), 1.0 + 5.0 * random.next());
+    let origin = if random.below(4) == 0 { DVec3::splat(1e6) } else { DVec3::ZERO };
+    let count = 1 + random.below(6);
+    let views = (0..count).map(|_| random_view(random, half, origin, coding)).collect();
+    field(views, coding)
+}
+
+fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCoding) -> View {
+    let within = half * random.vector() * 0.9;
+    let is_cube = random.below(5) != 0;
+    let side = 1 + random.below(48);
+    let size = if is_cube && random.below(3) != 0 { [side; 2] } else { [side, 1 + random.below(48)] };
+    let made = Made { position: origin + within, turn: random.turn(), size, range_m: [0.05, 50.0] };
+    let noise = [0.0, 0.01, 0.8][random.below(3) as usize];
+    let seed = std::cell::RefCell::new(Random(random.0));
+    let sight = |direction: DVec3| {
+        let (distance_m, color) = room(within, direction, half, 0.1)?;
+        Some(((distance_m * (1.0 + noise * (seed.borrow_mut().next() - 0.5))).max(0.05), color))
+    };
+    let mut view = if is_cube {
+        made.cube(coding, &sight)
+    } else {
+        let focal = size.map(|pixels| pixels as f32 * (0.2 + random.next() as f32));
+        made.perspective([focal, size.map(|pixels| pixels as f32 * random.next() as f32)], coding, &sight)
+    };
+    for face in &mut view.faces {
+        let Some(texels) = face else { continue };
+        if random.below(20) == 0 {
+            *face = None;
+            continue;
+        }
+        for _ in 0..random.below(3) {
+            let value = [UNKNOWN, BACKGROUND, 15.0][random.below(3) as usize];
+            let [left, top] = texels.size.map(|size| random.below(size));
+            let [right, bottom] = [left, top].map(|at| at + 1 + random.below(9));
+            let (columns, rows) = (left..right.min(texels.size[0]), top..bottom.min(texels.size[1]));
+            for row in rows.clone() {
+                for column in columns.clone() {
+                    texels.inverse_depth[(row * texels.size[0] + column) as usize] = value;
+                }
+            }
+            texels.depth_changed(columns, rows);
+        }
+    }
+    view
+}
+
+/// Hits, and march and refinement steps, of packets.
+fn of_packets(
+    views: &ActiveViews<'_>,
+    directions: &[Vec3],
+    steps: &Steps,
+    how: Acceleration,
+) -> (Vec<Option<f32>>, Counters) {
+    let flat = PacketViews::new(views);
+    let (mut march, mut counters, mut hits) = (PacketMarch::new(&flat), Counters::default(), Vec::new());
+    for four in directions.chunks(4) {
+        let met = march.intersect(&Packet::new(four), steps, how, &mut counters);
+        hits.extend(lanes_of(0b1111 >> (4 - four.len())).map(|lane| met[lane]));
+    }
+    (hits, counters)
+}
+
+#[test]
+fn hits_are_the_same_bits() {
+    let mut random = Random(1);
+    let (mut rays, mut met) = (0, 0);
+    for _ in 0..400 {
+        let light_field = random_field(&mut random, CODES);
+        let indices: Vec<usize> = (0..light_field.views.len()).collect();
+        let at = light_field.views[random.below(indices.len() as u32) as usize].position;
+        let eye = match random.below(3) {
+            0 => at,
+            1 => at + 0.01 * random.vector(),
+            _ => at + 3.0 * random.vector(),
+        };
+        let views = ActiveViews::new(&light_field, &indices, eye);
+        let near_m = [0.005, 0.3][random.below(2) as usize];
+        let count = [1, 7, 64, 65, 200][random.below(5) as usize];
+        let steps = Steps::new(count, near_m, [20.0, near_m][usize::from(random.below(9) == 0)], random.below(10));
+        let axis = |random: &mut Random| {
+            [DVec3::X, -DVec3::Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0).normalize()][random.below(4) as usize]
+        };
+        // Rays of a packet go their own ways, or lie beside each other as those of a picture do.
+        let (spread, mut middle) = ([2.0, 0.1, 0.002][random.below(3) as usize], DVec3::X);
+        let direction = |at: u32| {
+            if at.is_multiple_of(16) {
+                return axis(&mut random).as_vec3();
+            }
+            if at.is_multiple_of(4) {
+                middle = random.unit();
+            }
+            (middle + spread * random.vector()).try_normalize().unwrap_or(DVec3::Y).as_vec3()
+        };
+        let directions: Vec<Vec3> = (0..257).map(direction).collect();
+        let (mut plain, mut fast) = (Counters::default(), Counters::default());
+        let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
+        let hits: Vec<_> =
+            directions.iter().map(|d| intersect::intersect(&views, &ray(d), &steps, &mut plain)).collect();
+        let bits = |hits: &[Option<f32>]| hits.iter().map(|hit| hit.map(f32::to_bits)).collect::<Vec<_>>();
+        let by_segments: Vec<_> =
+            directions.iter().map(|d| pyramid::intersect(&views, &ray(d), &steps, &mut fast)).collect();
+        assert_eq!(bits(&by_segments), bits(&hits));
+        for (how, counters) in [(Acceleration::None, plain), (Acceleration::Pyramid, fast)] {
+            let (of_packets, counts) = of_packets(&views, &directions, &steps, how);
+            assert_eq!(bits(&of_packets), bits(&hits), "{how:?}");
+            assert_eq!(counts, counters, "{how:?}");
+        }
+        // Rays from elsewhere, and from the middle of the steps on.
+        for direction in directions.iter().take(16) {
+            let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
+            let first = random.below(count + 2) as usize;
+            let hit = pyramid::intersect_from(&views, &ray, &steps, first, &mut fast);
+            let nearer = if first == 0 { 0.0 } else { steps.distances_m[(first - 1).min(steps.distances_m.len() - 1)] };
+            let rest =
+                steps.distances_m.get(first..).unwrap_or_default().iter().position(|&m| views.is_surface(ray.at(m)));
+            let expected = rest.map(|at| {
+                let before_m = if at == 0 { nearer } else { steps.distances_m[first + at - 1] };
+                intersect::refine(&views, &ray, [before_m, steps.distances_m[first + at]], steps.refine, &mut plain)
+            });
+            assert_eq!(hit, expected);
+        }
+        rays += directions.len();
+        met += hits.iter().flatten().count();
+    }
+    assert!(rays >= 100_000 && met > rays / 5 && met < rays, "{met} of {rays}");
+}
+
+fn furnished() -> LightField {
+    let half = DVec3::new(4.0, 1.5, 3.0);
+    let position =
+        |at: u32| DVec3::new(f64::from(at % 3) - 1.0, 0.3 * f64::from(at % 2), 0.8 * f64::from(at / 3) - 1.7);
+    let view = |at| Made::new(position(at), 64).cube(CODES, &|direction| room(position(at), direction, half, 0.1));
+    field((0..9).map(view).collect(), CODES)
+}
+
+#[test]
+fn segments_save_most_steps() {
+    let light_field = furnished();
+    let views = ActiveViews::new(&light_field, &[0, 1, 2, 3, 4, 5, 6, 7, 8], DVec3::new(0.5, 0.1, -1.2));
+    let mut random = Random(2);
+    let directions: Vec<Vec3> = (0..4000).map(|_| random.unit().as_vec3()).collect();
+    for (count, times) in [(64, 3), (256, 8), (512, 15)] {
+        let steps = Steps::new(count, 0.02, views.far_m(), 0);
+        let steps_of = |how| of_packets(&views, &directions, &steps, how).1.march_steps;
+        let (dense, few) = (steps_of(Acceleration::None), steps_of(Acceleration::Pyramid));
+        assert!(few * times <= dense, "{count}: {few} of {dense}");
+    }
+}
+
+#[test]
+fn pictures_are_the_same_to_a_hundredth_of_a_code() {
+    let mut random = Random(3);
+    for at in 0..60 {
+        let coding = if at % 3 == 0 { ColorCoding::Light } else { CODES };
+        let light_field = random_field(&mut random, coding);
+        let indices: Vec<usize> = (0..light_field.views.len()).collect();
+        let eye = light_field.views[0].position + 0.3 * random.vector();
+        let views = ActiveViews::new(&light_field, &indices, eye);
+        let [near_m, far_m] = if at % 5 == 1 { [1.5, 4.0] } else { [0.0, f64::INFINITY] };
+        let lens = Lens { aspect: 1.5, near_m, far_m, ..Lens::new(70.0) };
+        let camera = Camera::look_at(eye, eye + random.unit(), DVec3::new(0.1, 1.0, 0.2), lens).unwrap();
+        let settings = RenderSettings {
+            size: [21, 14],
+            steps: Steps::new(64, 0.01, 20.0, at % 9),
+            samples: 1 + at % 3,
+            holes: if at % 2 == 0 { HoleFill::Nearest } else { HoleFill::Blank },
+            effects: EffectMode::None,
+            max_bounces: 4,
+            acceleration: if at % 4 == 0 { Acceleration::None } else { Acceleration::Pyramid },
+        };
+        let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
+        let fast = render(&views, &camera, &settings, &Silent).unwrap();
+        assert_eq!((&fast.alpha, fast.counters), (&plain.alpha, plain.counters));
+        let code = |light: f32| Transfer::Srgb.encode(f64::from(light)) * 255.0;
+        for (a, b) in fast.color.data().iter().flatten().zip(plain.color.data().iter().flatten()) {
+            assert!((code(*a) - code(*b)).abs() < 0.01, "{a} {b}");
+        }
+    }
+}
+
+/// Counts what it is told, and says to stop when it was asked so often.
+struct Counting {
+    rows: AtomicU64,
+    asked: AtomicU64,
+    stop_at: u64,
+}
+
+impl Monitor for Counting {
+    fn advance(&self, steps: u64) {
+        self.rows.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    fn interrupted(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) + 1 >= self.stop_at
+    }
+}
+
+#[test]
+fn rows_are_told_and_a_picture_is_given_up_within_one() {
+    let light_field = furnished();
+    let eye = DVec3::new(0.5, 0.1, -1.2);
+    let views = ActiveViews::new(&light_field, &[0, 1], eye);
+    let camera = Camera::look_at(eye, eye + DVec3::X, DVec3::Y, Lens::new(70.0)).unwrap();
+    let settings = |size| RenderSettings {
+        size,
+        steps: Steps::new(8, 0.01, 20.0, 0),
+        samples: 1,
+        holes: HoleFill::Blank,
+        effects: EffectMode::None,
+        max_bounces: 0,
+        acceleration: Acceleration::Pyramid,
+    };
+    let counting = |stop_at| Counting { rows: AtomicU64::new(0), asked: AtomicU64::new(0), stop_at };
+    let all = counting(u64::MAX);
+    render(&views, &camera, &settings([9, 17]), &all).unwrap();
+    render_plainly(&views, &camera, &settings([9, 17]), &all).unwrap();
+    splat(&views, &camera, &settings([9, 17]), &all).unwrap();
+    assert_eq!(all.rows.into_inner(), 3 * 17);
+    // Each row is asked for, and in a long one more than once.
+    let few = counting(5);
+    assert!(matches!(render(&views, &camera, &settings([3, 4000]), &few), Err(Error::Interrupted)));
+    assert!(few.rows.into_inner() <= 4);
+    let one = counting(3);
+    assert!(matches!(render(&views, &camera, &settings([8192, 1]), &one), Err(Error::Interrupted)));
+    assert_eq!(one.asked.into_inner(), 3);
+}
+
+#[test]
+fn pyramids_follow_what_changes() {
+    let mut random = Random(4);
+    for _ in 0..200 {
+        let size = [1 + random.below(40), 1 + random.below(40)];
+        let mut depths: Vec<f32> = (0..size[0] * size[1]).map(|_| random.next() as f32).collect();
+        let mut followed = DepthPyramid::default();
+        assert_eq!(followed.greatest(), UNKNOWN);
+        followed.update(size, &depths, 0..0, 0..0);
+        for _ in 0..5 {
+            let from = size.map(|size| random.below(size));
+            let to = [0, 1].map(|axis| from[axis] + 1 + random.below(size[axis] - from[axis]));
+            for row in from[1]..to[1] {
+                for column in from[0]..to[0] {
+                    depths[(row * size[0] + column) as usize] = random.next() as f32;
+                }
+            }
+            followed.update(size, &depths, from[0]..to[0], from[1]..to[1]);
+            let mut anew = DepthPyramid::default();
+            anew.update(size, &depths, 0..size[0], 0..size[1]);
+            assert_eq!(followed, anew);
+            assert_eq!(anew.greatest(), depths.iter().copied().fold(0.0, f32::max));
+        }
+    }
+}
+
+/// A ray along a face, in the plane that its surface lies in: what a point says there is a matter of rounding.
+#[test]
+fn rounding_is_allowed_for() {
+    let mut random = Random(5);
+    let mut mixed = 0;
+    for _ in 0..400 {
+        let turn = DQuat::from_axis_angle(random.unit(), 6.0 * random.next());
+        let (forward, along) = (turn * DVec3::X, turn * DVec3::new(0.0, 0.6, 0.8));
+        let depth_m = 1.0 + random.next();
+        let made = Made { turn, ..Made::new(-depth_m * forward - 0.5 * along, 1 + random.below(4)) };
+        let mut light_field = field(vec![made.cube(CODES, &|_| Some((depth_m, [0; 3])))], CODES);
+        let steps = Steps::new(64, 0.01, 1.0, 0);
+        let ray = Ray { origin: Vec3::ZERO, direction: along.as_vec3() };
+        let view = ActiveViews::new(&light_field, &[0], DVec3::ZERO).views[0];
+        let local = view.local(ray.at(steps.distances_m[random.below(65) as usize]));
+        let surface = view.view.project(local).unwrap().inverse_depth;
+        for texels in light_field.views[0].faces.iter_mut().flatten() {
+            texels.inverse_depth.fill(surface);
+            texels.depth_changed(0..texels.size[0], 0..texels.size[1]);
+        }
+        let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
+        let mut counters = Counters::default();
+        let hit = intersect::intersect(&views, &ray, &steps, &mut counters);
+        assert_eq!(pyramid::intersect(&views, &ray, &steps, &mut counters), hit);
+        assert_eq!(of_packets(&views, &[ray.direction], &steps, Acceleration::Pyramid).0, [hit]);
+        mixed += u32::from(hit.is_some_and(|hit| hit > steps.distances_m[0]));
+    }
+    assert!(mixed > 40, "{mixed}");
+}

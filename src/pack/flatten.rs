@@ -1,0 +1,103 @@
+//! Packs the intermediate form: a chunk of trees becomes chunks of packed nodes at a bound of its own (depth.md 11, 9).
+//!
+//! Enters: a chunk of a tree stream. Leaves: chunks of the stream that takes its place. Each chunk of trees starts with
+//! all leaves, so that chunks are packed without regard to each other, in any order.
+
+use crate::container::{ChunkEntry, EncodedChunk, Reader, StreamEntry};
+use crate::depth::domain::Domain;
+use crate::depth::mode_decision::Decide;
+use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
+use crate::depth::nodes::Grid;
+use crate::depth::tree_chunk::TreeChunk;
+use crate::effort::Effort;
+use crate::encode::dataset::ErrorBound;
+use crate::error::{Error, Result};
+use crate::monitor::Monitor;
+use crate::streams::header::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
+
+/// How trees are packed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlattenSettings {
+    /// Largest error of a node; at most what the tree was built for.
+    pub error: ErrorBound,
+    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
+    pub window: u8,
+    /// How far the source may move away from what is held, in codes, on top of the bound, before it is sent again.
+    pub epsilon: u16,
+    /// Which of the functions within the bound is taken where the tree has none.
+    pub decide: Decide,
+    /// How hard BC4w blocks are searched for where the tree has none.
+    pub effort: Effort,
+    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    pub min_children: u8,
+}
+
+/// One stream of trees on its way to packed nodes.
+#[derive(Debug)]
+pub struct Flattener {
+    entry: StreamEntry,
+    settings: NodeSettings,
+    /// What functions are fitted and evaluated in, here as in the tree.
+    domain: Domain,
+    header: CodecHeader,
+}
+
+/// Whether a stream holds trees.
+pub fn is_tree(entry: &StreamEntry) -> bool {
+    entry.codec == DEPTH_TREE
+}
+
+impl Flattener {
+    /// Prepares a stream of trees; a bound that the tree was not built for is refused.
+    pub fn new(entry: &StreamEntry, settings: &FlattenSettings) -> Result<Flattener> {
+        let header = CodecHeader::read(entry)?;
+        let CodecHeader::Depth(depth @ DepthHeader { coding: DepthCoding::Tree(tree), .. }) = header else {
+            return Err(Error::Usage("only streams in the intermediate form can be packed at a bound".into()));
+        };
+        let bound = settings.error.codes(depth.range);
+        if bound > tree.bound {
+            return Err(Error::Usage(format!(
+                "an error of {bound} codes is asked for, but the tree was built for at most ±{} codes: choose a smaller \
+                 --error, or build it again with a larger --max-error",
+                tree.bound
+            )));
+        }
+        let FlattenSettings { window, epsilon, decide, effort, min_children, .. } = *settings;
+        let keyframe_interval = tree.keyframe_interval;
+        let nodes = NodeHeader { window, epsilon, keyframe_interval, bound, domain: tree.domain };
+        let settings = NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children };
+        settings.check()?;
+        Ok(Flattener {
+            entry: entry.clone(),
+            settings,
+            domain: tree.domain.domain()?,
+            header: CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(nodes), ..depth }),
+        })
+    }
+
+    /// The stream that takes the tree's place.
+    pub fn entry(&self) -> StreamEntry {
+        StreamEntry { codec: self.header.codec(), codec_header: self.header.write(), ..self.entry.clone() }
+    }
+
+    /// Packs a chunk. The frames of what comes out are numbered as those of the chunk's key.
+    pub fn flatten(&self, reader: &Reader, chunk: &ChunkEntry, monitor: &dyn Monitor) -> Result<Vec<EncodedChunk>> {
+        let [_, _, width, height] = self.entry.unit_rect(chunk.key.unit);
+        let grid = Grid { width, height };
+        let frame_count = chunk.key.frame_count;
+        let payload = reader.fetch(chunk)?;
+        let trees = TreeChunk::parse(payload, grid, frame_count, self.domain.clone())
+            .map_err(|error| reader.blame(chunk, error))?;
+        let mut encoder = NodeEncoder::new(grid, self.domain.clone(), self.settings);
+        let mut source = vec![0; grid.pixel_count() as usize];
+        let mut finished = Vec::new();
+        for frame in 0..frame_count {
+            monitor.check()?;
+            trees.advance(&mut source, frame.checked_sub(1), frame);
+            finished.extend(encoder.push(&source, Some(&trees.known(frame)))?);
+        }
+        finished.extend(encoder.finish()?);
+        finished.iter_mut().for_each(|packed| packed.first_frame += chunk.key.first_frame);
+        Ok(finished)
+    }
+}

@@ -1,0 +1,310 @@
+//! Joins the streams of several containers into one, without decoding them; trees are packed where a bound is given.
+
+use std::collections::{HashMap, HashSet};
+use std::io::Write;
+
+use crate::container::{
+    ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
+};
+use crate::decode::memory;
+use crate::encode::dataset::raw_pixel_bytes;
+use crate::error::{Error, Result};
+use crate::memory::{Budget, Need};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::pack::flatten::{self, FlattenSettings, Flattener};
+use crate::streams::header::CodecHeader;
+use crate::streams::info;
+
+/// Payload bytes fetched and compressed together, unless a single chunk has more.
+const BATCH_BYTES: u64 = 256 << 20;
+
+/// Bytes for each pixel of a tile whose tree is packed, beside the chunk as it is read: the encoder of nodes as for an encode
+/// (24); functions that are known, that a frame changes, and that are tried, each at most 4/3 for 16 pixels with 56 bytes, in
+/// maps that are half empty (3 times 10); the source's codes, and what is shown of them (4); 6 to spare.
+const PACKING_BYTES: u64 = 64;
+
+/// How chunks are stored in the result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Repack {
+    /// As the input stored them.
+    #[default]
+    Keep,
+    /// LZMA2 at this preset where it helps.
+    Lzma2(u32),
+    /// Without compression.
+    Raw,
+}
+
+/// What becomes of the streams.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PackSettings {
+    /// How chunks are stored.
+    pub repack: Repack,
+    /// How trees are packed; without it they are copied as any other stream.
+    pub flatten: Option<FlattenSettings>,
+    /// Memory that chunks may take; the result does not depend on it.
+    pub memory: Budget,
+}
+
+/// What a pack did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct PackSummary {
+    /// Size of the container.
+    pub bytes: u64,
+    /// Size of the same footage as CALF's table 1 counts it ([`raw_pixel_bytes`]), streams of unknown codecs left out.
+    pub raw_bytes: u64,
+    /// Images: frames of all streams.
+    pub frames: u64,
+    /// Streams.
+    pub streams: u64,
+    /// Streams of trees that became packed nodes.
+    pub flattened_streams: u64,
+    /// Chunks written.
+    pub chunks: u64,
+}
+
+/// Writes all streams of `inputs` into `out`; answers the sink and what was done.
+///
+/// Probes of one name must agree; streams of one kind, probe and face must not occur twice. All
+/// probes are kept, also those without streams. Name, frame rate and projection are the first input's; another frame
+/// rate or projection is an error. The monitor advances by one for each chunk of the inputs.
+pub fn pack<W: Write>(
+    inputs: &[Reader],
+    settings: &PackSettings,
+    out: W,
+    monitor: &dyn Monitor,
+) -> Result<(W, PackSummary)> {
+    let Some(first) = inputs.first() else { return Err(Error::Usage("pack needs at least one input".into())) };
+    let head = first.index();
+    let flatteners = inputs.iter().map(|reader| flatteners(reader, settings)).collect::<Result<Vec<_>>>()?;
+    if settings.flatten.is_some() && flatteners.iter().flatten().all(Option::is_none) {
+        return Err(Error::Usage(
+            "--error packs streams in the intermediate form, and no input has one: write it with lightfold quadtree"
+                .into(),
+        ));
+    }
+    let (chunks_at_once, batch_bytes) = limits(inputs, settings)?;
+    let mut summary = PackSummary::default();
+    let mut writer = Writer::new(out, &head.name, head.fps, head.projection)?;
+    let mut probes = Vec::new();
+    let (mut known, mut taken) = (HashMap::new(), HashSet::new());
+    for (reader, flatteners) in inputs.iter().zip(&flatteners) {
+        let index = reader.index();
+        if index.projection != head.projection {
+            return Err(Error::invalid("its projection is not that of the first input").in_file(reader.path()));
+        }
+        if index.fps != head.fps {
+            let message = format!(
+                "its frame rate is {}, that of the first input, {}, is {}",
+                index.fps,
+                first.path().display(),
+                head.fps
+            );
+            return Err(Error::invalid(message).in_file(reader.path()));
+        }
+        let mut probe_of = Vec::new();
+        for probe in &index.probes {
+            probe_of.push(merge_probe(&mut probes, &mut known, probe).map_err(|e| e.in_file(reader.path()))?);
+        }
+        let mut stream_of = Vec::new();
+        for (stream, flattener) in index.streams.iter().zip(flatteners) {
+            let mut stream = flattener.as_ref().map_or_else(|| stream.clone(), Flattener::entry);
+            summary.count(&stream);
+            summary.flattened_streams += u64::from(flattener.is_some());
+            stream.probe = probe_of[usize::from(stream.probe)];
+            if !taken.insert((stream.kind, stream.probe, stream.face)) {
+                let message = format!(
+                    "stream {} has the kind, probe and face of one in an earlier input: give one of them another \
+                     --probe or --face when encoding",
+                    stream_of.len()
+                );
+                return Err(Error::invalid(message).in_file(reader.path()));
+            }
+            stream_of.push(writer.add_stream(stream));
+        }
+        let mut left = index.chunks.as_slice();
+        while !left.is_empty() {
+            let (batch, rest) = left.split_at(batch_length(left, batch_bytes));
+            left = rest;
+            let carrier = Carrier { reader, repack: settings.repack, monitor };
+            let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |chunk| {
+                monitor.check()?;
+                let stream = stream_of[chunk.key.stream as usize];
+                match &flatteners[chunk.key.stream as usize] {
+                    Some(flattener) => carrier.flatten(chunk, stream, flattener),
+                    None => Ok(vec![carrier.copy(chunk, stream)?]),
+                }
+            })?;
+            for packed in &packed {
+                packed.iter().try_for_each(|chunk| writer.push(chunk))?;
+                summary.chunks += packed.len() as u64;
+                monitor.advance(1);
+            }
+        }
+    }
+    for probe in probes {
+        writer.add_probe(probe)?;
+    }
+    let (out, bytes) = writer.finish_checked(info::check_written)?;
+    Ok((out, PackSummary { bytes, ..summary }))
+}
+
+/// How many chunks are worked on at once, and how many bytes of chunks make a batch.
+fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
+    let Some(bytes) = settings.memory.bytes() else { return Ok((usize::MAX, BATCH_BYTES)) };
+    let of_chunk = |reader: &Reader, chunk: &ChunkEntry| {
+        let stream = &reader.index().streams[chunk.key.stream as usize];
+        let raw = u64::from(chunk.raw_bytes);
+        let reading = match CodecHeader::read(stream) {
+            Ok(header) if settings.flatten.is_some() => memory::chunk_bytes(&header, chunk),
+            _ => 3 * raw + u64::from(chunk.stored_bytes),
+        };
+        // Packing a tree takes its pictures, and what comes out may be as large as what went in.
+        let packing = match &settings.flatten {
+            Some(_) if flatten::is_tree(stream) => {
+                let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
+                raw + PACKING_BYTES * u64::from(width) * u64::from(height)
+            }
+            _ => raw,
+        };
+        let compresses = matches!(settings.repack, Repack::Lzma2(_)) || chunk.storage == Storage::Lzma2;
+        reading + packing + if compresses { memory::compressing_bytes(raw) } else { 0 }
+    };
+    let chunks =
+        inputs.iter().flat_map(|reader| reader.index().chunks.iter().map(move |chunk| of_chunk(reader, chunk)));
+    let each = chunks.max().unwrap_or(0);
+    // The new index is built while those of the inputs are open.
+    let fixed = inputs.iter().map(|reader| 2 * memory::container_bytes(reader)).sum::<u64>();
+    // What a batch came to waits until all of it is there.
+    let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(BATCH_BYTES);
+    let need = Need { what: "packing", fixed: fixed + batch_bytes, each, instead: "" };
+    Ok((settings.memory.at_once(&need, rayon::current_num_threads())?, batch_bytes))
+}
+
+impl PackSummary {
+    fn count(&mut self, stream: &StreamEntry) {
+        let (frames, pixels) = (u64::from(stream.frame_count), u64::from(stream.width) * u64::from(stream.height));
+        let raw_bytes = CodecHeader::read(stream).map_or(0, |header| raw_pixel_bytes(&header));
+        self.streams += 1;
+        self.frames += frames;
+        self.raw_bytes += frames * pixels * raw_bytes;
+    }
+}
+
+/// What packs each stream of a container: something for its trees, nothing for the others.
+fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Flattener>>> {
+    let streams = reader.index().streams.iter().enumerate();
+    let flatteners = streams.map(|(at, stream)| match &settings.flatten {
+        Some(flatten) if flatten::is_tree(stream) => Flattener::new(stream, flatten)
+            .map(Some)
+            .map_err(|error| error.context(format!("{}, stream {at}", reader.path().display()))),
+        _ => Ok(None),
+    });
+    flatteners.collect()
+}
+
+/// Carries chunks from one container into another.
+struct Carrier<'a> {
+    reader: &'a Reader,
+    repack: Repack,
+    monitor: &'a dyn Monitor,
+}
+
+impl Carrier<'_> {
+    /// A chunk as it is, for a stream of the result.
+    fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
+        let key = ChunkKey { stream, ..chunk.key };
+        match self.repack {
+            Repack::Keep => PackedChunk::stored(chunk, key, self.reader.fetch_stored(chunk)?),
+            Repack::Lzma2(level) => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), Some(level)),
+            Repack::Raw => PackedChunk::new(key, self.reader.fetch(chunk)?.into_vec(), None),
+        }
+    }
+
+    /// The packed nodes of a chunk of trees, for a stream of the result.
+    fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {
+        let level = match self.repack {
+            Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2::DEFAULT_LEVEL),
+            Repack::Lzma2(level) => Some(level),
+            Repack::Raw => None,
+        };
+        let finished = flattener.flatten(self.reader, chunk, self.monitor)?;
+        let packed = finished.into_iter().map(|EncodedChunk { first_frame, frame_count, payload }| {
+            PackedChunk::new(ChunkKey { stream, unit: chunk.key.unit, first_frame, frame_count }, payload, level)
+        });
+        packed.collect()
+    }
+}
+
+/// Adds a probe to those of the inputs before, or widens the one of its name; answers its index.
+fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, probe: &ProbeEntry) -> Result<u16> {
+    let Some(&at) = known.get(&probe.name) else {
+        let at = u16::try_from(merged.len()).map_err(|_| Error::unsupported("more than 65536 probes"))?;
+        merged.push(probe.clone());
+        known.insert(probe.name.clone(), at);
+        return Ok(at);
+    };
+    // A probe may be known from another stretch of frames; where it stands must agree.
+    let earlier = &mut merged[usize::from(at)];
+    if (ProbeEntry { frames: probe.frames, ..earlier.clone() }) != *probe {
+        return Err(Error::invalid(format!(
+            "probe '{}' has another position, orientation or other intrinsics than in an earlier input",
+            probe.name
+        )));
+    }
+    earlier.frames = [earlier.frames[0].min(probe.frames[0]), earlier.frames[1].max(probe.frames[1])];
+    Ok(at)
+}
+
+/// How many of the next chunks have at most `limit` bytes together; at least one.
+fn batch_length(chunks: &[ChunkEntry], limit: u64) -> usize {
+    let mut bytes = 0;
+    let fits = |chunk: &&ChunkEntry| {
+        bytes += u64::from(chunk.raw_bytes.max(chunk.stored_bytes));
+        bytes <= limit
+    };
+    chunks.iter().take_while(fits).count().max(1).min(chunks.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::container::Storage;
+    use crate::monitor::Silent;
+
+    fn input(fps: f64, probe: &str, frames: [u32; 2]) -> Reader {
+        let mut writer = Writer::new(Vec::new(), "sample", fps, 0).unwrap();
+        let orientation = [0.0, 0.0, 0.0, 1.0];
+        let (position, intrinsics) = ([0.0; 3], [0.0; 4]);
+        writer.add_probe(ProbeEntry { name: probe.into(), position, orientation, frames, intrinsics }).unwrap();
+        Reader::from_memory(writer.finish().unwrap().0).unwrap()
+    }
+
+    #[test]
+    fn probes_without_streams_are_kept_and_frame_rates_must_agree() {
+        let inputs = [input(24.0, "a", [0, 4]), input(24.0, "b", [0, 1]), input(24.0, "a", [3, 9])];
+        let (file, _) = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent).unwrap();
+        let packed = Reader::from_memory(file).unwrap();
+        let probes: Vec<_> = packed.index().probes.iter().map(|probe| (probe.name.as_str(), probe.frames)).collect();
+        assert_eq!(probes, [("a", [0, 9]), ("b", [0, 1])]);
+        let inputs = [input(24.0, "a", [0, 1]), input(30.0, "b", [0, 1])];
+        let error = pack(&inputs, &PackSettings::default(), Vec::new(), &Silent);
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("its frame rate is 30") && message.ends_with("is 24"), "{message}");
+    }
+
+    #[test]
+    fn batches_are_cut_by_bytes_and_never_empty() {
+        let chunk = |raw_bytes| ChunkEntry {
+            key: ChunkKey { stream: 0, unit: 0, first_frame: 0, frame_count: 1 },
+            offset: 16,
+            stored_bytes: 1,
+            raw_bytes,
+            crc32: 0,
+            storage: Storage::Lzma2,
+        };
+        let chunks = [30, 30, 50, 1].map(chunk);
+        assert_eq!([20, 30, 60, 110, 111].map(|limit| batch_length(&chunks, limit)), [1, 1, 2, 3, 4]);
+    }
+}

@@ -1,0 +1,4 @@
+//! Joins containers without decoding them, and packs quadtrees at an error bound.
+
+pub mod flatten;
+pub mod merge;

@@ -1,0 +1,68 @@
+//! A depth chunk of any codec, checked and ready to be shown.
+
+use crate::container::Payload;
+use crate::depth::block_chunk::BlockChunk;
+use crate::depth::node_chunk::NodeChunk;
+use crate::depth::nodes::Grid;
+use crate::depth::pieces::Pieces;
+use crate::depth::records::TemporalChunk;
+use crate::depth::tree_chunk::TreeChunk;
+use crate::error::Result;
+use crate::streams::header::{DepthCoding, DepthHeader};
+
+/// A payload by its codec.
+#[derive(Debug, Clone)]
+pub enum DepthChunk {
+    /// Codes in boxes.
+    Boxes(TemporalChunk<u16>),
+    /// Codes in boxes, pieces of them in BC5 blocks.
+    BoxesInBlocks(TemporalChunk<u16, Pieces>),
+    /// Packed nodes.
+    Nodes(NodeChunk),
+    /// The intermediate form.
+    Tree(TreeChunk),
+    /// BC4w blocks.
+    Blocks(BlockChunk),
+}
+
+impl DepthChunk {
+    /// Checks a payload for a unit of `size` (width, height) pixels and `frames` frames.
+    pub fn parse(header: &DepthHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<DepthChunk> {
+        let grid = Grid { width: size[0], height: size[1] };
+        Ok(match header.coding {
+            DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(payload, size, frames)?),
+            DepthCoding::BoxesInBlocks(_) => DepthChunk::BoxesInBlocks(TemporalChunk::parse(payload, size, frames)?),
+            DepthCoding::Nodes(nodes) => {
+                DepthChunk::Nodes(NodeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
+            }
+            DepthCoding::Tree(nodes) => {
+                DepthChunk::Tree(TreeChunk::parse(payload, grid, frames, nodes.domain.domain()?)?)
+            }
+            DepthCoding::Blocks => DepthChunk::Blocks(BlockChunk::parse(payload, grid, frames)?),
+        })
+    }
+
+    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
+    /// most `window` frames; answers how many pixels were written.
+    pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
+        match self {
+            DepthChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
+            DepthChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
+            DepthChunk::Nodes(chunk) => chunk.advance(picture, at, target, window),
+            DepthChunk::Tree(chunk) => chunk.advance(picture, at, target),
+            DepthChunk::Blocks(_) if at == Some(target) => 0,
+            DepthChunk::Blocks(chunk) => chunk.show(picture, target),
+        }
+    }
+
+    /// The payload's memory, for the next chunk.
+    pub fn into_spare(self) -> Vec<u8> {
+        match self {
+            DepthChunk::Boxes(chunk) => chunk.into_spare(),
+            DepthChunk::BoxesInBlocks(chunk) => chunk.into_spare(),
+            DepthChunk::Nodes(chunk) => chunk.into_spare(),
+            DepthChunk::Tree(chunk) => chunk.into_spare(),
+            DepthChunk::Blocks(chunk) => chunk.into_spare(),
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! The units of a container that cameras see, as a filter for decoding (CALF 6.2).
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::export::Chosen;
+use crate::decode::unit_filter::UnitFilter;
+use crate::evaluate::camera_file::TimedCamera;
+use crate::image::cube::Face;
+use crate::image::sequence::FrameRange;
+use crate::math::Viewer;
+use crate::streams::header::CodecHeader;
+use crate::views::face_frustum::{DepthSpan, FaceImage};
+use crate::views::visibility::{UnitGrid, cull};
+
+/// What finding them came to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct SeenCounts {
+    /// Cameras.
+    pub cameras: u64,
+    /// Units of the streams that were asked for.
+    pub units: u64,
+    /// Those that a camera sees in a frame that was asked for.
+    pub visible_units: u64,
+    /// Tests that units one by one would have taken, each up to the first camera that sees it.
+    pub regular_tests: u64,
+    /// Tests that were made.
+    pub hierarchical_tests: u64,
+}
+
+/// The units that cameras see, of some streams; of the others all.
+#[derive(Debug, Clone, Default)]
+pub struct SeenUnits {
+    /// Of streams by their number, for each unit the frames in which it is seen: ranges in order, with gaps between.
+    streams: HashMap<u32, Vec<Vec<FrameRange>>>,
+    counts: SeenCounts,
+}
+
+impl SeenUnits {
+    /// What `cameras` see of what was chosen.
+    ///
+    /// Near and far are those of the depth stream of the same probe and face; where there is none, or none of all the
+    /// frames, a unit is seen where anything in its directions could be. Images of which no directions are known are
+    /// seen always.
+    pub fn find(decoder: &Decoder, chosen: &[Chosen<'_>], cameras: &[TimedCamera]) -> SeenUnits {
+        let groups = groups(cameras);
+        let spans = depth_spans(decoder);
+        let of_stream = |&(stream, frames): &Chosen<'_>| {
+            let span = match spans.get(&(stream.probe, stream.face)) {
+                Some((covered, span)) if covered.intersect(frames) == Some(frames) => *span,
+                _ => DepthSpan::unknown(),
+            };
+            let entry = &stream.entry;
+            let size = [entry.width, entry.height];
+            let units = u64::from(entry.unit_count());
+            let mut counts = SeenCounts { units, ..SeenCounts::default() };
+            let seen = match FaceImage::new(decoder.probe(stream), stream.face, size, span) {
+                None => vec![vec![frames]; units as usize],
+                Some(image) => {
+                    let grid = UnitGrid { size, unit: [entry.unit_width, entry.unit_height] };
+                    let mut seen = vec![Vec::new(); units as usize];
+                    for (looking, viewers) in &groups {
+                        let Some(looking) = looking.map_or(Some(frames), |looking| looking.intersect(frames)) else {
+                            continue;
+                        };
+                        let culled = cull(&image, grid, viewers);
+                        counts.regular_tests += culled.regular_tests(viewers.len());
+                        counts.hierarchical_tests += culled.tests;
+                        let units = seen.iter_mut().zip(&culled.seen_by).filter(|(_, first)| first.is_some());
+                        units.for_each(|(seen, _)| seen.push(looking));
+                    }
+                    seen.into_iter().map(joined).collect()
+                }
+            };
+            counts.visible_units = seen.iter().filter(|frames| !frames.is_empty()).count() as u64;
+            (stream.index, seen, counts)
+        };
+        let mut all = SeenUnits::default();
+        all.counts.cameras = cameras.len() as u64;
+        for (stream, seen, counts) in chosen.par_iter().map(of_stream).collect::<Vec<_>>() {
+            all.counts.units += counts.units;
+            all.counts.visible_units += counts.visible_units;
+            all.counts.regular_tests += counts.regular_tests;
+            all.counts.hierarchical_tests += counts.hierarchical_tests;
+            all.streams.insert(stream, seen);
+        }
+        all
+    }
+
+    /// What finding them came to.
+    pub fn counts(&self) -> SeenCounts {
+        self.counts
+    }
+}
+
+impl UnitFilter for SeenUnits {
+    fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool {
+        let Some(seen) = self.streams.get(&stream.index).and_then(|units| units.get(unit as usize)) else {
+            return true;
+        };
+        let after = seen.partition_point(|frames| frames.first <= frame);
+        after.checked_sub(1).is_some_and(|at| frame <= seen[at].last)
+    }
+}
+
+/// Frames, near and far of the depth stream of each probe and face that has one.
+fn depth_spans(decoder: &Decoder) -> HashMap<(usize, Face), (FrameRange, DepthSpan)> {
+    let span = |stream: &StreamInfo| match stream.header {
+        CodecHeader::Depth(header) => {
+            let (near_m, far_m) = (f64::from(header.range.near_m()), f64::from(header.range.far_m()));
+            let span = DepthSpan { near_m, far_m, kind: header.kind };
+            Some(((stream.probe, stream.face), (stream.frames, span)))
+        }
+        _ => None,
+    };
+    decoder.streams().iter().filter_map(span).collect()
+}
+
+/// Cameras that look in the same frames, with those frames; in the order in which they come first.
+fn groups(cameras: &[TimedCamera]) -> Vec<(Option<FrameRange>, Vec<Viewer>)> {
+    let mut groups: Vec<(Option<FrameRange>, Vec<Viewer>)> = Vec::new();
+    let mut places = HashMap::new();
+    for timed in cameras {
+        let at = *places.entry(timed.frames).or_insert_with(|| {
+            groups.push((timed.frames, Vec::new()));
+            groups.len() - 1
+        });
+        groups[at].1.push(Viewer::new(timed.camera.frustum()));
+    }
+    groups
+}
+
+/// Ranges of frames in order, joined where they touch.
+fn joined(mut ranges: Vec<FrameRange>) -> Vec<FrameRange> {
+    ranges.sort_unstable_by_key(|frames| frames.first);
+    let mut joined: Vec<FrameRange> = Vec::new();
+    for frames in ranges {
+        match joined.last_mut() {
+            Some(last) if frames.first <= last.last.saturating_add(1) => last.last = last.last.max(frames.last),
+            _ => joined.push(frames),
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::math::{Camera, Lens};
+
+    #[test]
+    fn ranges_are_joined() {
+        let range = |[first, last]: [u32; 2]| FrameRange { first, last };
+        let ranges = [[5, 7], [1, 2], [3, 3], [9, 12], [6, 6]].map(range);
+        assert_eq!(joined(ranges.to_vec()), [[1, 3], [5, 7], [9, 12]].map(range));
+        assert!(joined(Vec::new()).is_empty());
+        let end = range([4, u32::MAX]);
+        assert_eq!(joined(vec![end, end]), [end]);
+    }
+
+    #[test]
+    fn cameras_of_the_same_frames_are_grouped() {
+        let frames = [None, Some(FrameRange { first: 2, last: 3 }), None];
+        let cameras = frames.map(|frames| {
+            let camera = Camera::look_at(DVec3::ZERO, DVec3::X, DVec3::Y, Lens::new(60.0)).unwrap();
+            TimedCamera { camera, frames }
+        });
+        let groups: Vec<_> = groups(&cameras).iter().map(|(frames, viewers)| (*frames, viewers.len())).collect();
+        assert_eq!(groups, [(frames[0], 2), (frames[1], 1)]);
+    }
+}
