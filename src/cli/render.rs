@@ -496,7 +496,7 @@ impl Args {
         match self.march.method {
             MethodArg::March => match gpu {
                 Some(gpu) => Method::Device(Box::new(DeviceRenderer::new(gpu, options).decoding(decoder, coding))),
-                None => Method::March(CpuRenderer { options }),
+                None => Method::March(CpuRenderer::new(options)),
             },
             MethodArg::Splat => Method::Splat(SplatRenderer { options }),
             MethodArg::Reproject => Method::Reproject(ReprojectRenderer { options, ..ReprojectRenderer::default() }),

@@ -183,7 +183,7 @@ impl<'a> GpuRenderer<'a> {
             }
         }
         let from_balls = glass.balls.iter().map(GlassBall::around);
-        let all = views.views.iter().copied().chain(from_balls).collect();
+        let all = views.views.iter().cloned().chain(from_balls).collect();
         self.bring(&ActiveViews { views: all, coding: views.coding })
     }
 

@@ -17,8 +17,8 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::intersect::{self, Ray, Steps};
-use crate::march::pyramid;
 use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use crate::march::segments;
 use crate::march::synthetic::{Made, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -59,7 +59,6 @@ const SETUPS: [(&str, Make); 10] = [
         let mut setup = furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5));
         for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
             texels.inverse_depth.iter_mut().skip(1).step_by(2).for_each(|texel| *texel = UNKNOWN);
-            texels.depth_changed(0..SIDE, 0..SIDE);
         }
         setup
     }),
@@ -260,7 +259,7 @@ fn by_segments(setup: &Setup) -> Measured {
     for direction in directions() {
         let ray = Ray { origin: Vec3::ZERO, direction };
         let all = intersect::intersect(&views, &ray, &steps, &mut dense);
-        let some = pyramid::intersect(&views, &ray, &steps, &mut few);
+        let some = segments::intersect(&views, &ray, &steps, &mut few);
         if some != all {
             wrong += 1;
             first.get_or_insert_with(|| format!("towards {direction}: {some:?} instead of {all:?}"));
@@ -383,7 +382,7 @@ fn at_the_last_step() -> Measured {
     let mut wrong = 0;
     for direction in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let ray = Ray { origin: Vec3::ZERO, direction };
-        for hit in [intersect::intersect, pyramid::intersect] {
+        for hit in [intersect::intersect, segments::intersect] {
             wrong += u64::from(hit(&views, &ray, &setup.steps(), &mut Counters::default()).is_none());
         }
     }

@@ -3,8 +3,11 @@
 //! All lengths are relative to the eye: positions are subtracted in double precision, so that a light field far from the
 //! origin of the world is as sharp as one around it.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Mat3, Vec3};
 
+use crate::march::pyramid::{Pyramids, ViewPyramids};
 use crate::views::light_field::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// What a view says of a point.
@@ -19,7 +22,7 @@ pub enum Evidence {
 }
 
 /// A view, relative to the eye.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct ActiveView<'a> {
     /// Its texels.
     pub view: &'a View,
@@ -27,11 +30,19 @@ pub struct ActiveView<'a> {
     pub from_eye: Vec3,
     /// Turns directions of the world into those of its faces.
     pub probe_from_world: Mat3,
-    /// [`View::greatest_inverse_depth`].
+    /// [`ViewPyramids::greatest`].
     pub greatest_inverse_depth: f32,
+    /// Pyramids above its inverse depths; an empty one proves nothing.
+    pub pyramids: Arc<ViewPyramids>,
 }
 
-impl ActiveView<'_> {
+impl<'a> ActiveView<'a> {
+    /// A view whose centre is at `from_eye`.
+    pub fn new(view: &'a View, pyramids: Arc<ViewPyramids>, from_eye: Vec3) -> ActiveView<'a> {
+        let probe_from_world = view.probe_from_world.as_mat3();
+        ActiveView { view, from_eye, probe_from_world, greatest_inverse_depth: pyramids.greatest(view), pyramids }
+    }
+
     /// The way from the viewpoint to a point, in the probe's axes; `point` is in metres from the eye.
     pub fn local(&self, point: Vec3) -> Vec3 {
         self.probe_from_world * (point - self.from_eye)
@@ -81,16 +92,30 @@ pub struct ActiveViews<'a> {
 }
 
 impl<'a> ActiveViews<'a> {
-    /// The views of these indices, as an eye has them.
+    /// The views of these indices, relative to an eye. Builds their pyramids; [`ActiveViews::with_pyramids`] reuses them.
     pub fn new(field: &'a LightField, indices: &[usize], eye: DVec3) -> ActiveViews<'a> {
-        let relative = |view: &'a View| ActiveView {
-            view,
-            from_eye: (view.position - eye).as_vec3(),
-            probe_from_world: view.probe_from_world.as_mat3(),
-            greatest_inverse_depth: view.greatest_inverse_depth(),
-        };
-        let views = indices.iter().filter_map(|&at| field.views.get(at)).map(relative).collect();
-        ActiveViews { views, coding: field.coding }
+        Self::relative(field, indices, eye, |at| Arc::new(ViewPyramids::of(&field.views[at])))
+    }
+
+    /// The same with pyramids that were built before.
+    pub fn with_pyramids(
+        field: &'a LightField,
+        pyramids: &Pyramids,
+        indices: &[usize],
+        eye: DVec3,
+    ) -> ActiveViews<'a> {
+        Self::relative(field, indices, eye, |at| pyramids.view(at))
+    }
+
+    fn relative(
+        field: &'a LightField,
+        indices: &[usize],
+        eye: DVec3,
+        pyramids: impl Fn(usize) -> Arc<ViewPyramids>,
+    ) -> ActiveViews<'a> {
+        let known = indices.iter().filter_map(|&at| Some((at, field.views.get(at)?)));
+        let views = known.map(|(at, view)| ActiveView::new(view, pyramids(at), (view.position - eye).as_vec3()));
+        ActiveViews { views: views.collect(), coding: field.coding }
     }
 
     /// Whether a surface is met at a point: no view sees past it, and at least one sees a surface before it.

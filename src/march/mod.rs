@@ -10,6 +10,7 @@ mod packet;
 pub mod playback;
 pub mod pyramid;
 pub mod render;
+pub mod segments;
 pub mod specular;
 pub mod synthetic;
 #[cfg(test)]

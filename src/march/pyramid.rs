@@ -1,34 +1,16 @@
-//! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
+//! Pyramids of the nearest surfaces: what ray marching adds to probe views, to prove whole segments of a ray empty.
 //!
-//! Enters: active views whose texels have pyramids, and a ray. Leaves: the distance that [`march::intersect`] answers,
-//! bit for bit, after far fewer questions.
-//!
-//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Seen
-//! from a view, the points of a segment that begins and ends in one face lie in the rectangle of texels between its ends,
-//! and none is farther than the farther end. Where the nearest surface of the rectangle lies beyond that, the view says
-//! of every point that it is in the open, and none of them has to be looked at. All of this is computed with room for
-//! rounding ([`ROUNDING`]), so that it never claims what a single point would deny; where it cannot tell, the segment is
-//! halved, and in the end there are single points, of which [`ActiveViews::is_surface`] decides.
+//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use glam::Vec3;
+use rayon::prelude::*;
 
+use crate::dataset::stream::StreamKind;
 use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
-use crate::march::counters::Counters;
-use crate::march::intersect::{self, Ray, Steps};
-use crate::views::light_field::{FaceTexels, UNKNOWN, View, cube_face};
-
-/// How far a coordinate of a point in a view's axes may be from the exact one, in parts of the sum of the greatest
-/// coordinates that it is computed from.
-///
-/// Multiplying the direction, adding the origin and subtracting the view's place round three times, the turn five times
-/// more, each by at most 2⁻²⁴ of a sum of these, times √3 for the three coordinates that each enters into: less than
-/// 16 · 2⁻²⁴.
-pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
-/// A product of a planar depth and an inverse one that is less than this is less than 1 however both are rounded.
-pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
+use crate::views::light_field::{FaceTexels, LightField, UNKNOWN, View};
+use crate::views::player::Change;
 
 /// Points of an axis that are nearer to 0 than this, in metres, have no inverse that is a number to rely on.
 pub const LEAST_M: f32 = 1e-18;
@@ -87,6 +69,10 @@ impl DepthPyramid {
 
     /// Takes in that texels in these columns and rows have changed; all of them where it was empty.
     pub fn update(&mut self, size: [u32; 2], inverse_depth: &[f32], columns: Range<u32>, rows: Range<u32>) {
+        if inverse_depth.is_empty() {
+            *self = DepthPyramid::default();
+            return;
+        }
         let mut changed = [columns, rows];
         if self.levels.is_empty() {
             *self = DepthPyramid::unknown(size);
@@ -107,22 +93,14 @@ impl DepthPyramid {
             (below_size, below) = (level.size, &level.greatest);
         }
     }
-}
-
-impl FaceTexels {
-    /// Takes in that inverse depths in these columns and rows were written.
-    pub fn depth_changed(&mut self, columns: Range<u32>, rows: Range<u32>) {
-        self.pyramid.update(self.size, &self.inverse_depth, columns, rows);
-    }
-
-    /// The greatest inverse depth of the texels from one to another, both included, or of somewhat more of them.
+    /// An upper bound of the inverse depths of the texels from one corner to the other, both included.
     ///
     /// Squares as wide as a half to the whole of the rectangle cover it: at most three in a row, of three rows.
-    pub(crate) fn greatest_between(&self, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> f32 {
+    pub(crate) fn greatest_between(&self, texels: &FaceTexels, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> f32 {
         let level = (right - left).max(bottom - top).checked_ilog2().unwrap_or(0);
         let (size, values) = match level.checked_sub(1) {
-            None => (self.size, &self.inverse_depth[..]),
-            Some(above) => match self.pyramid.level(above as usize) {
+            None => (texels.size, &texels.inverse_depth[..]),
+            Some(above) => match self.level(above as usize) {
                 Some(level) => level,
                 None => return UNKNOWN,
             },
@@ -138,203 +116,74 @@ impl FaceTexels {
     }
 }
 
-impl View {
+/// The pyramids of a view's faces, by the number of the face.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ViewPyramids {
+    faces: [DepthPyramid; 7],
+}
+
+impl ViewPyramids {
+    /// Built from all texels of a view; empty for faces whose texels lie on a device.
+    pub fn of(view: &View) -> ViewPyramids {
+        let mut pyramids = ViewPyramids::default();
+        for (pyramid, texels) in pyramids.faces.iter_mut().zip(&view.faces) {
+            if let Some(texels) = texels {
+                pyramid.update(texels.size, &texels.inverse_depth, 0..texels.size[0], 0..texels.size[1]);
+            }
+        }
+        pyramids
+    }
+
+    /// The pyramid of a face.
+    pub fn face(&self, face: usize) -> &DepthPyramid {
+        &self.faces[face]
+    }
+
     /// The greatest inverse depth of any texel, where there is one in every direction; else [`UNKNOWN`].
-    pub fn greatest_inverse_depth(&self) -> f32 {
-        let [cube @ .., view] = &self.faces;
-        if view.is_some() || self.near_m < LEAST_M {
+    pub fn greatest(&self, view: &View) -> f32 {
+        if view.faces[Face::View as usize].is_some() || view.near_m < LEAST_M {
             return UNKNOWN;
         }
-        cube.iter().map(|face| face.as_ref().map_or(UNKNOWN, |face| face.pyramid.greatest())).fold(0.0, f32::max)
+        self.faces[..Face::View as usize].iter().map(DepthPyramid::greatest).fold(0.0, f32::max)
     }
 }
 
-/// Face, u, v and planar depth of a point in a view's axes. None behind a perspective view.
-fn plane_of(view: &View, local: Vec3) -> Option<(usize, [f32; 2], f32)> {
-    if view.faces[Face::View as usize].is_some() {
-        let inverse = 1.0 / -local.z;
-        let plane = [local.x * inverse, -local.y * inverse];
-        return (local.z < 0.0).then_some((Face::View as usize, plane, -local.z));
-    }
-    let (face, u, v, planar_m) = cube_face(local);
-    Some((face, [u, v], planar_m))
+/// The pyramids of a light field, by the index of the view. They follow the changes that a player reports.
+#[derive(Debug, Clone, Default)]
+pub struct Pyramids {
+    views: Vec<Arc<ViewPyramids>>,
 }
 
-/// Whether a view proves that it sees past every point between two ends of a segment, in metres from the eye. `reach_m`
-/// is the sum of the greatest coordinates of the ray's origin and of its way to the farther end.
-///
-/// Points are up to 2e from the segment between the ends, where e is what rounding makes of each. That moves a place in
-/// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
-/// least 4e; the second part is for the division and what follows.
-pub fn is_segment_open(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
-    let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + LEAST_M;
-    let [a, b] = ends.map(|end| view.local(end));
-    // A planar depth is the greatest coordinate, whatever the face.
-    let farthest_m = a.abs().max_element().max(b.abs().max_element()) + 2.0 * error_m;
-    if view.greatest_inverse_depth * farthest_m < SURELY_BELOW_ONE {
-        return true;
-    }
-    let (Some((face, a, a_m)), Some((other, b, b_m))) = (plane_of(view.view, a), plane_of(view.view, b)) else {
-        return false;
-    };
-    let (nearest_m, farthest_m) = (a_m.min(b_m), a_m.max(b_m) + 2.0 * error_m);
-    let texels = match &view.view.faces[face] {
-        Some(texels) if face == other && nearest_m >= 4.0 * error_m => texels,
-        _ => return false,
-    };
-    let widest = a[0].abs().max(a[1].abs()).max(b[0].abs().max(b[1].abs()));
-    let slack = (1.0 + widest) * (4.0 * error_m / nearest_m + ROUNDING);
-    let is_view = face == Face::View as usize;
-    if !(is_view || widest + slack <= 1.0) {
-        return false;
-    }
-    let (mut from, mut to) = ([0; 2], [0; 2]);
-    for axis in 0..2 {
-        let [one, two] = [a, b].map(|at| at[axis] * texels.scale[axis] + texels.centre[axis]);
-        let size = texels.size[axis];
-        let margin = slack * texels.scale[axis].abs() + size as f32 * ROUNDING;
-        let (low, high) = (one.min(two) - margin, one.max(two) + margin);
-        if is_view && !(low >= 0.0 && high < size as f32) {
-            return false;
-        }
-        (from[axis], to[axis]) = ((low as u32).min(size - 1), (high as u32).min(size - 1));
-    }
-    texels.greatest_between(from, to) * farthest_m < SURELY_BELOW_ONE
-}
-
-/// Which points of a ray come next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Walk {
-    /// Number of the first point that is not passed over yet.
-    at: usize,
-    /// How many points are asked about at once.
-    length: usize,
-    /// The last point of which it is known that no view sees past it, and whether one sees a surface before it.
-    blocked: Option<(usize, bool)>,
-}
-
-/// What is known of the points that come next, or what is to be asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Next {
-    /// The first point, which is in a surface.
-    Hit(usize),
-    /// From the first to the last point, both included; they may be one.
-    Ask(usize, usize),
-    /// There are no more.
-    End,
-}
-
-impl Walk {
-    /// The walk over `count` points from number `first` on.
-    ///
-    /// It begins with about a quarter of all: the last quarter is rarely reached, and half of all rarely passed at once.
-    pub(crate) fn new(first: usize, count: usize) -> Walk {
-        let length = (count.next_power_of_two() / 4).max(1);
-        let aligned = if first == 0 { length } else { 1 << first.trailing_zeros() };
-        Walk { at: first, length: length.min(aligned), blocked: None }
+impl Pyramids {
+    /// Built from all texels of a light field.
+    pub fn of(field: &LightField) -> Pyramids {
+        Pyramids { views: field.views.par_iter().map(|view| Arc::new(ViewPyramids::of(view))).collect() }
     }
 
-    /// What comes next. A segment that ends at a point that no view sees past cannot be open: it is halved unasked.
-    pub(crate) fn next(&mut self, count: usize) -> Next {
-        while self.at < count {
-            let last = (self.at + self.length).min(count) - 1;
-            match self.blocked {
-                Some((blocked, behind)) if blocked == last => {
-                    if last > self.at {
-                        self.length /= 2;
-                    } else if behind {
-                        return Next::Hit(self.at);
-                    } else {
-                        self.length = 1;
-                        self.passed();
-                    }
-                }
-                _ => {
-                    if last == self.at {
-                        self.length = 1;
-                    }
-                    return Next::Ask(self.at, last);
-                }
+    /// The pyramids of a view; empty ones where nothing is known of it.
+    pub fn view(&self, at: usize) -> Arc<ViewPyramids> {
+        self.views.get(at).cloned().unwrap_or_default()
+    }
+
+    /// Takes in the changes of depths since the last call, views in parallel. Views without faces lose their pyramids.
+    pub fn update(&mut self, field: &LightField, changes: &[Change]) {
+        self.views.resize_with(field.views.len(), Arc::default);
+        self.views.par_iter_mut().zip(&field.views).enumerate().for_each(|(at, (pyramids, view))| {
+            if view.faces.iter().all(Option::is_none) {
+                *pyramids = Arc::default();
+                return;
             }
-        }
-        Next::End
-    }
-
-    /// The points that were asked about are open.
-    pub(crate) fn passed(&mut self) {
-        self.at += self.length;
-        if self.at.is_multiple_of(2 * self.length) {
-            self.length *= 2;
-        }
-    }
-
-    /// No view proves that the points up to the last are open; where none even sees past the last, `blocked` says
-    /// whether one sees a surface before it.
-    pub(crate) fn failed(&mut self, last: usize, blocked: Option<bool>) {
-        if let Some(behind) = blocked {
-            self.blocked = Some((last, behind));
-        }
-        if last > self.at {
-            self.length /= 2;
-        }
-    }
-}
-
-/// The distance in metres at which a ray meets a surface, if it does: that of [`march::intersect`].
-///
-/// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves to be open is halved; where
-/// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first, and only
-/// views that see past the last point of a segment are asked for more.
-pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
-    intersect_from(views, ray, steps, 0, counters)
-}
-
-/// The same from the `first` of the distances on: what is nearer is taken to be open.
-pub fn intersect_from(
-    views: &ActiveViews<'_>,
-    ray: &Ray,
-    steps: &Steps,
-    first: usize,
-    counters: &mut Counters,
-) -> Option<f32> {
-    let distances_m = &steps.distances_m[..];
-    let (origin, direction) = (ray.origin.abs().max_element(), ray.direction.abs().max_element());
-    let (mut walk, mut favourite) = (Walk::new(first, distances_m.len()), 0);
-    loop {
-        let (from, to) = match walk.next(distances_m.len()) {
-            Next::Ask(from, to) => (from, to),
-            Next::Hit(at) => {
-                let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
-                return Some(intersect::refine(views, ray, [before_m, distances_m[at]], steps.refine, counters));
+            let of_view = || changes.iter().filter(|change| change.view == at && change.kind == StreamKind::Depth);
+            if of_view().next().is_none() {
+                return;
             }
-            Next::End => return None,
-        };
-        counters.march_steps += 1;
-        let ends = [from, to].map(|at| ray.at(distances_m[at]));
-        let reach_m = origin + direction * distances_m[to];
-        let (mut sees_past, mut behind) = (false, false);
-        let all = 0..views.views.len();
-        let order = all.clone().filter(|&view| view == favourite).chain(all.filter(|&view| view != favourite));
-        let proves = |&at: &usize| {
-            let view = &views.views[at];
-            match view.evidence(ends[1]) {
-                Evidence::Open => {
-                    sees_past = true;
-                    from == to || is_segment_open(view, ends, reach_m)
+            let faces = Arc::make_mut(pyramids).faces.par_iter_mut().zip(&view.faces).enumerate();
+            faces.for_each(|(face, (pyramid, texels))| {
+                let Some(texels) = texels else { return };
+                for Change { rect: [left, top, width, height], .. } in of_view().filter(|change| change.face == face) {
+                    pyramid.update(texels.size, &texels.inverse_depth, *left..left + width, *top..top + height);
                 }
-                Evidence::Behind => {
-                    behind = true;
-                    false
-                }
-                Evidence::Unknown => false,
-            }
-        };
-        match { order }.find(proves) {
-            Some(view) => {
-                favourite = view;
-                walk.passed();
-            }
-            None => walk.failed(to, (!sees_past).then_some(behind)),
-        }
+            });
+        });
     }
 }

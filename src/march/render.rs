@@ -14,7 +14,7 @@ use crate::march::counters::Counters;
 use crate::march::interpolate::{Seen, background_color, camera_weights, surface_color};
 use crate::march::intersect::{self, Ray, Steps};
 use crate::march::packet::render::PacketScene;
-use crate::march::pyramid;
+use crate::march::segments;
 use crate::march::specular::secondary_rays::{Effects, Met};
 use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
@@ -73,7 +73,7 @@ impl Acceleration {
     ) -> Option<f32> {
         match self {
             Acceleration::None => intersect::intersect_from(views, ray, steps, first, counters),
-            Acceleration::Pyramid => pyramid::intersect_from(views, ray, steps, first, counters),
+            Acceleration::Pyramid => segments::intersect_from(views, ray, steps, first, counters),
         }
     }
 }

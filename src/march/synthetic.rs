@@ -76,7 +76,6 @@ impl Made {
                 ColorTexels::Light(light) => light[at] = [r, g, b, 0].map(|code| f16::from_f32(f32::from(code) / 64.0)),
             }
         }
-        texels.depth_changed(0..self.size[0], 0..self.size[1]);
         texels
     }
 }

@@ -13,8 +13,9 @@ use crate::march::intersect::{self, Ray, Steps};
 use crate::march::packet::intersect::{Packet, PacketMarch};
 use crate::march::packet::lanes::lanes_of;
 use crate::march::packet::views::PacketViews;
-use crate::march::pyramid::{self, DepthPyramid};
+use crate::march::pyramid::DepthPyramid;
 use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
+use crate::march::segments;
 use crate::march::synthetic::{Made, field, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
@@ -86,12 +87,11 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
             let [left, top] = texels.size.map(|size| random.below(size));
             let [right, bottom] = [left, top].map(|at| at + 1 + random.below(9));
             let (columns, rows) = (left..right.min(texels.size[0]), top..bottom.min(texels.size[1]));
-            for row in rows.clone() {
+            for row in rows {
                 for column in columns.clone() {
                     texels.inverse_depth[(row * texels.size[0] + column) as usize] = value;
                 }
             }
-            texels.depth_changed(columns, rows);
         }
     }
     view
@@ -151,7 +151,7 @@ fn hits_are_the_same_bits() {
             directions.iter().map(|d| intersect::intersect(&views, &ray(d), &steps, &mut plain)).collect();
         let bits = |hits: &[Option<f32>]| hits.iter().map(|hit| hit.map(f32::to_bits)).collect::<Vec<_>>();
         let by_segments: Vec<_> =
-            directions.iter().map(|d| pyramid::intersect(&views, &ray(d), &steps, &mut fast)).collect();
+            directions.iter().map(|d| segments::intersect(&views, &ray(d), &steps, &mut fast)).collect();
         assert_eq!(bits(&by_segments), bits(&hits));
         for (how, counters) in [(Acceleration::None, plain), (Acceleration::Pyramid, fast)] {
             let (of_packets, counts) = of_packets(&views, &directions, &steps, how);
@@ -162,7 +162,7 @@ fn hits_are_the_same_bits() {
         for direction in directions.iter().take(16) {
             let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
             let first = random.below(count + 2) as usize;
-            let hit = pyramid::intersect_from(&views, &ray, &steps, first, &mut fast);
+            let hit = segments::intersect_from(&views, &ray, &steps, first, &mut fast);
             let nearer = if first == 0 { 0.0 } else { steps.distances_m[(first - 1).min(steps.distances_m.len() - 1)] };
             let rest =
                 steps.distances_m.get(first..).unwrap_or_default().iter().position(|&m| views.is_surface(ray.at(m)));
@@ -317,17 +317,16 @@ fn rounding_is_allowed_for() {
         let mut light_field = field(vec![made.cube(CODES, &|_| Some((depth_m, [0; 3])))], CODES);
         let steps = Steps::new(64, 0.01, 1.0, 0);
         let ray = Ray { origin: Vec3::ZERO, direction: along.as_vec3() };
-        let view = ActiveViews::new(&light_field, &[0], DVec3::ZERO).views[0];
+        let view = ActiveViews::new(&light_field, &[0], DVec3::ZERO).views.swap_remove(0);
         let local = view.local(ray.at(steps.distances_m[random.below(65) as usize]));
         let surface = view.view.project(local).unwrap().inverse_depth;
         for texels in light_field.views[0].faces.iter_mut().flatten() {
             texels.inverse_depth.fill(surface);
-            texels.depth_changed(0..texels.size[0], 0..texels.size[1]);
         }
         let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
         let mut counters = Counters::default();
         let hit = intersect::intersect(&views, &ray, &steps, &mut counters);
-        assert_eq!(pyramid::intersect(&views, &ray, &steps, &mut counters), hit);
+        assert_eq!(segments::intersect(&views, &ray, &steps, &mut counters), hit);
         assert_eq!(of_packets(&views, &[ray.direction], &steps, Acceleration::Pyramid).0, [hit]);
         mixed += u32::from(hit.is_some_and(|hit| hit > steps.distances_m[0]));
     }

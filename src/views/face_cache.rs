@@ -250,11 +250,7 @@ impl<'a> ShownFace<'a> {
             let new = self.color.units.iter().filter(|unit| unit.is_new());
             push(StreamKind::Color, joined(new.map(|unit| unit.decoder.rect()).collect()));
         } else {
-            let depth = joined(self.update_depth(texels));
-            for &[left, top, width, height] in &depth {
-                texels.depth_changed(left..left + width, top..top + height);
-            }
-            push(StreamKind::Depth, depth);
+            push(StreamKind::Depth, joined(self.update_depth(texels)));
             push(StreamKind::Color, joined(update_color(&self.color, texels)));
         }
         if let Some(material) = &self.material {

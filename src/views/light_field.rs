@@ -14,7 +14,6 @@ use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::transfer::ToneMap;
-use crate::march::pyramid::DepthPyramid;
 use crate::math::camera::rotation;
 
 /// The inverse planar depth of a background: no surface at any distance.
@@ -74,8 +73,6 @@ pub struct FaceTexels {
     pub material: Option<Vec<[u8; 4]>>,
     /// Whether a weight of its material is above 0; [`FaceTexels::material_changed`] keeps it true to `material`.
     pub calls_for_effects: bool,
-    /// What passes over empty parts of rays; [`FaceTexels::depth_changed`] keeps it true to `inverse_depth`.
-    pub pyramid: DepthPyramid,
 }
 
 impl FaceTexels {
@@ -93,14 +90,13 @@ impl FaceTexels {
             },
             material: None,
             calls_for_effects: false,
-            pyramid: DepthPyramid::unknown(size),
         }
     }
 
     /// A face whose depths and colours lie on a device, and nowhere else ([`crate::views::units_on_device`]).
     pub fn on_device(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding) -> FaceTexels {
         let nothing = FaceTexels::unknown([0; 2], map, coding);
-        FaceTexels { size, pyramid: DepthPyramid::default(), ..nothing }
+        FaceTexels { size, ..nothing }
     }
 
     /// Whether depths and colours lie on a device.

@@ -529,7 +529,6 @@ impl<'a> Player<'a> {
             for (face, texels) in self.field.views[at].faces.iter_mut().enumerate() {
                 let Some(texels) = texels else { continue };
                 texels.inverse_depth.fill(UNKNOWN);
-                texels.depth_changed(0..texels.size[0], 0..texels.size[1]);
                 let rect = [0, 0, texels.size[0], texels.size[1]];
                 self.changes.push(Change { view: at, face, kind: StreamKind::Depth, rect });
             }

@@ -15,6 +15,7 @@ use lightfold::gpu::render::units::{DeviceUnits, buffer_bytes};
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
+use lightfold::march::pyramid::{DepthPyramid, ViewPyramids};
 use lightfold::march::render::EffectMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
@@ -56,7 +57,13 @@ fn read(gpu: &Gpu, texture: &wgpu::Texture, [x, y, z]: [u32; 3], [width, height]
 }
 
 /// The first texel of an image that is another on the device than on the CPU, in words.
-fn differing(gpu: &Gpu, texels: &DeviceTexels, origin: Origin, face: &FaceTexels) -> Result<Option<String>> {
+fn differing(
+    gpu: &Gpu,
+    texels: &DeviceTexels,
+    origin: Origin,
+    face: &FaceTexels,
+    pyramid: &DepthPyramid,
+) -> Result<Option<String>> {
     let Some([inverse_depths, colors, pyramids, materials]) = texels.textures() else {
         return Ok(Some("no textures".into()));
     };
@@ -72,8 +79,8 @@ fn differing(gpu: &Gpu, texels: &DeviceTexels, origin: Origin, face: &FaceTexels
     if let Some(material) = &face.material {
         planes.push(("material".to_owned(), read(gpu, materials, image, face.size)?, packed(material)));
     }
-    for level in 0..face.pyramid.levels() {
-        let Some((size, values)) = face.pyramid.level(level) else { continue };
+    for level in 0..pyramid.levels() {
+        let Some((size, values)) = pyramid.level(level) else { continue };
         let [column, row] = origin.pyramid;
         let rows = texels.pyramid_rows();
         let place = [column, row + rows - (rows >> level), origin.layer];
@@ -115,10 +122,11 @@ fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes:
     let texels = renderer.gpu_renderer().ok_or("nothing was rendered")?.texels();
     let mut walked = Walked::default();
     for view in field.views.iter().filter(|view| probes.contains(&view.probe)) {
+        let pyramids = ViewPyramids::of(view);
         for (number, face) in view.faces.iter().enumerate() {
             let Some(face) = face else { continue };
             let origin = texels.origin((view.probe, number));
-            if let Some(wrong) = differing(gpu, texels, origin, face).map_err(said)? {
+            if let Some(wrong) = differing(gpu, texels, origin, face, pyramids.face(number)).map_err(said)? {
                 return Err(format!("{}, face {number}: {wrong}", view.name).into());
             }
             walked.images += 1;
@@ -154,7 +162,7 @@ fn compare_walk(
         units.limit_kept(words);
     }
     let mut is_sent = DeviceRenderer::new(gpu, options.clone());
-    let mut on_cpu = CpuRenderer { options };
+    let mut on_cpu = CpuRenderer::new(options);
     let mut all = Walked::default();
     for (at, shot) in walk(&playbacks[0], count).map_err(said)?.iter().enumerate() {
         let [first, second, third] = &mut playbacks[..] else { return Err("three playbacks".into()) };

@@ -71,7 +71,7 @@ fn compare(gpu: &Gpu, container: &str, shots: u32, most: Option<usize>) -> Resul
         let mut playback = Playback::new(&decoder, settings).map_err(said)?;
         let options =
             PictureOptions { size: [160, 120], steps: 128, acceleration, effects, ..PictureOptions::default() };
-        let on_cpu = CpuRenderer { options: options.clone() };
+        let on_cpu = CpuRenderer::new(options.clone());
         let mut both = Both { on_device: DeviceRenderer::new(gpu, options), on_cpu, found: Vec::new() };
         let mut before = 0;
         for shot in walk(&playback, shots, 0.5).map_err(said)? {

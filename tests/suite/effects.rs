@@ -61,7 +61,6 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
             let depths = (0..).zip(images.depth.unwrap().into_data());
             texels.inverse_depth =
                 depths.map(|(at, z)| inverse.of(range.code(z), &texels, at % size, at / size)).collect();
-            texels.depth_changed(0..size, 0..size);
             let fourth = |[a, b, c]: [u8; 3]| [a, b, c, 0];
             let codes = color_codes(&images.color.unwrap(), &table).0;
             texels.color = ColorTexels::Codes(codes.into_data().into_iter().map(fourth).collect());

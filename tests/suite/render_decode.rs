@@ -11,7 +11,7 @@ use lightfold::decode::unit_filter::UnitFilter;
 use lightfold::evaluate::path::Shot;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
-use lightfold::march::pyramid::DepthPyramid;
+use lightfold::march::pyramid::{Pyramids, ViewPyramids};
 use lightfold::march::render::{Acceleration, EffectMode};
 use lightfold::math::{Camera, Lens};
 use lightfold::memory::Budget;
@@ -45,7 +45,7 @@ fn shot(frame: u32, camera: Camera) -> Shot {
 
 /// Renders pictures of few pixels, where pictures do not matter.
 fn little(effects: EffectMode) -> CpuRenderer {
-    CpuRenderer { options: PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() } }
+    CpuRenderer::new(PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() })
 }
 
 /// Wants what a hash of stream, unit and frame says.
@@ -113,7 +113,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
         let decoder = courtyard(folder.path(), options);
         let views = [0, 1, 2];
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
-        let mut mirror = player.field().clone();
+        let (mut mirror, mut pyramids) = (player.field().clone(), Pyramids::default());
         let (mut sight_lines, mut ever_known) = (SightLines::new(&decoder), 0);
         let looks = [[2.0, 1.5, 0.0], [2.0, 1.0, 1.0], [-3.0, 1.5, 1.0]];
         for (at, frame) in [0, 1, 1, 2, 4, 5, 5, 3, 0, 1, 2].into_iter().enumerate() {
@@ -129,11 +129,10 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
             for (copied, shown) in faces(&mirror).zip(faces(player.field())) {
                 assert!(copied.inverse_depth == shown.inverse_depth, "frame {frame}");
                 assert!(copied.color == shown.color && copied.material == shown.material, "frame {frame}");
-                if shown.pyramid.levels() > 0 {
-                    let mut anew = FaceTexels { pyramid: DepthPyramid::default(), ..shown.clone() };
-                    anew.depth_changed(0..shown.size[0], 0..shown.size[1]);
-                    assert!(anew.pyramid == shown.pyramid, "frame {frame}");
-                }
+            }
+            pyramids.update(player.field(), &changes);
+            for (at, view) in player.field().views.iter().enumerate() {
+                assert!(*pyramids.view(at) == ViewPyramids::of(view), "frame {frame}");
             }
             let mut whole = Player::new(&decoder, &ProbeChoice::default()).unwrap();
             let all = whole.show(frame, &views, &AllUnits).unwrap();
@@ -155,7 +154,7 @@ fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 
     let options = PictureOptions { size: [21, 16], steps: 48, refine: 4, acceleration, ..PictureOptions::default() };
     let show = |decode| -> (Vec<Shown>, u64) {
         let mut playback = Playback::new(decoder, PlaybackOptions { decode, ..PlaybackOptions::default() }).unwrap();
-        let mut renderer = CpuRenderer { options: options.clone() };
+        let mut renderer = CpuRenderer::new(options.clone());
         let shown = shots.iter().map(|shot| playback.show(shot, &mut renderer, &Silent).unwrap()).collect();
         (shown, playback.summary().counts.bytes_read)
     };

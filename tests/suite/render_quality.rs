@@ -48,7 +48,7 @@ const METHODS: [(&str, Method); 3] =
 fn renderer(method: Method, size: [u32; 2], distance_m: Option<DepthPlane>) -> Box<dyn Renderer> {
     let options = PictureOptions { size, ..PictureOptions::default() };
     match method {
-        Method::March => Box::new(CpuRenderer { options }),
+        Method::March => Box::new(CpuRenderer::new(options)),
         Method::Splat => Box::new(SplatRenderer { options }),
         Method::Reproject => Box::new(ReprojectRenderer { options, distances_m: distance_m.into_iter().collect() }),
     }
@@ -214,7 +214,7 @@ fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let options = PictureOptions { size: image.size, effects, ..PictureOptions::default() };
-            let rendered = picture(&mut playback, image, &mut CpuRenderer { options });
+            let rendered = picture(&mut playback, image, &mut CpuRenderer::new(options));
             sum.merge(&Similarity::of(&rendered, &reference.truth(at, 0).unwrap(), tone).unwrap()).unwrap();
         }
         sum
@@ -256,7 +256,7 @@ fn a_view_of_90_degrees_of_real_footage_reads_at_most_half_of_the_bytes() {
         let eye = DVec3::new(-0.5, 1.75, -0.35);
         let camera = Camera::look_at(eye, eye + way, DVec3::Y, Lens::new(90.0)).unwrap();
         let options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
-        playback.show(&Shot { frame: 0, cameras: vec![camera] }, &mut CpuRenderer { options }, &Silent).unwrap();
+        playback.show(&Shot { frame: 0, cameras: vec![camera] }, &mut CpuRenderer::new(options), &Silent).unwrap();
         let counts = playback.summary().counts;
         println!("{} of {} bytes towards {way}", counts.bytes_read, counts.bytes_all);
         counts.bytes_read as f64 / counts.bytes_all as f64

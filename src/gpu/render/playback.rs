@@ -11,6 +11,7 @@ use crate::gpu::render::units::{DeviceUnits, can_decode};
 use crate::gpu::render::{GpuRenderer, RenderCost};
 use crate::march::active_views::ActiveViews;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
+use crate::march::pyramid::Pyramids;
 use crate::march::render::{EffectMode, Rendered};
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -24,6 +25,7 @@ pub struct DeviceRenderer<'a> {
     /// How pictures are made.
     pub options: PictureOptions,
     gpu: &'a Gpu,
+    pyramids: Pyramids,
     /// Made for the first shot, when it is known what there is.
     renderer: Option<GpuRenderer<'a>>,
 }
@@ -31,7 +33,7 @@ pub struct DeviceRenderer<'a> {
 impl<'a> DeviceRenderer<'a> {
     /// A renderer to which no shot was shown yet.
     pub fn new(gpu: &'a Gpu, options: PictureOptions) -> DeviceRenderer<'a> {
-        DeviceRenderer { options, gpu, renderer: None }
+        DeviceRenderer { options, gpu, pyramids: Pyramids::default(), renderer: None }
     }
 
     /// The same, where the device decodes depth and colour of the container that is shown, if it can. `coding` is that of the
@@ -65,10 +67,6 @@ impl<'a> DeviceRenderer<'a> {
     pub fn cost(&self) -> RenderCost {
         self.renderer.as_ref().map(GpuRenderer::cost).unwrap_or_default()
     }
-
-    fn renderer(&mut self, stage: &Stage<'_>) -> &mut GpuRenderer<'a> {
-        self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field))
-    }
 }
 
 impl Renderer for DeviceRenderer<'_> {
@@ -81,18 +79,20 @@ impl Renderer for DeviceRenderer<'_> {
     }
 
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
-        let renderer = self.renderer(stage);
+        self.pyramids.update(stage.field, changes);
+        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field));
         for change in changes {
             let probe = stage.field.views[change.view].probe;
             renderer.change(probe, change.face, change.kind, change.rect);
         }
         // Which texels lie on the device does not depend on the eye.
-        renderer.bring(&ActiveViews::new(stage.field, stage.views, DVec3::ZERO))
+        renderer.bring(&ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, DVec3::ZERO))
     }
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
-        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let views = ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, camera.eye());
         let settings = self.options.settings(&views);
-        self.renderer(stage).render(&views, camera, &settings, monitor)
+        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field));
+        renderer.render(&views, camera, &settings, monitor)
     }
 }

@@ -143,7 +143,7 @@ pub fn words(
     put(&mut words.distances_m, &settings.steps.distances_m);
     let mut count = 0;
     let from_balls = glass.balls.iter().map(|ball| (ball.around(), 1.0));
-    for (active, camera_weight) in views.views.iter().copied().zip(camera_weights(views)).chain(from_balls) {
+    for (active, camera_weight) in views.views.iter().cloned().zip(camera_weights(views)).chain(from_balls) {
         let turn = active.probe_from_world;
         for (axis, last) in [
             (active.from_eye, active.view.near_m),
@@ -166,7 +166,7 @@ pub fn words(
             // A device that decodes has all levels, and the CPU none.
             let levels = match texels.is_on_device() {
                 true => DepthPyramid::sizes(texels.size).len(),
-                false => texels.pyramid.levels(),
+                false => active.pyramids.face(face).levels(),
             };
             words.faces.extend([levels as u32, face as u32]);
             put(&mut words.faces, texels.scale.as_slice());
@@ -230,6 +230,7 @@ mod tests {
     use crate::march::interpolate::DEPTH_EPSILON;
     use crate::march::intersect;
     use crate::march::pyramid;
+    use crate::march::segments;
     use crate::march::specular::material;
     use crate::march::specular::normal;
     use crate::march::specular::secondary_rays;
@@ -290,8 +291,8 @@ mod tests {
             ("DEPTH_EPSILON", DEPTH_EPSILON),
             ("GROWTH", intersect::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
-            ("ROUNDING", pyramid::ROUNDING),
-            ("SURELY_BELOW_ONE", pyramid::SURELY_BELOW_ONE),
+            ("ROUNDING", segments::ROUNDING),
+            ("SURELY_BELOW_ONE", segments::SURELY_BELOW_ONE),
             ("LEAST_M", pyramid::LEAST_M),
             ("LEAST_WEIGHT", material::LEAST_WEIGHT),
             ("CLEAR", material::CLEAR),

@@ -15,6 +15,7 @@ use crate::gpu::render::depth_planes::Plane;
 use crate::gpu::render::scene::Origin;
 use crate::gpu::render::units::DeviceUnits;
 use crate::march::active_views::ActiveViews;
+use crate::march::pyramid::DepthPyramid;
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};
 use crate::views::rects::{bounds, overlap};
 
@@ -87,11 +88,13 @@ impl DeviceTexels {
         let images = || {
             views.views.iter().flat_map(|active| {
                 let faces = active.view.faces.iter().enumerate();
-                faces.filter_map(|(face, texels)| Some(((active.view.probe, face), texels.as_ref()?)))
+                faces.filter_map(|(face, texels)| {
+                    Some(((active.view.probe, face), texels.as_ref()?, active.pyramids.face(face)))
+                })
             })
         };
-        let needed: HashSet<Key> = images().map(|(key, _)| key).collect();
-        for (_, texels) in images() {
+        let needed: HashSet<Key> = images().map(|(key, ..)| key).collect();
+        for (_, texels, _) in images() {
             self.suit(texels);
         }
         if self.textures.as_ref().is_none_or(|textures| textures.tiles < needed.len()) {
@@ -100,10 +103,10 @@ impl DeviceTexels {
             self.held.clear();
             self.textures = Some(self.make(gpu, needed.len().max(1))?);
         }
-        self.place(images().map(|(key, _)| key), &needed);
+        self.place(images().map(|(key, ..)| key), &needed);
         let (mut sent, mut copies) = (0, Vec::new());
-        for (key, texels) in images() {
-            sent += self.send(gpu, key, texels)?;
+        for (key, texels, pyramid) in images() {
+            sent += self.send(gpu, key, texels, pyramid)?;
             if let Some(units) = units.filter(|_| texels.is_on_device()) {
                 self.list_copies(key, units, &mut copies);
             }
@@ -236,7 +239,7 @@ impl DeviceTexels {
         }
     }
 
-    fn send(&mut self, gpu: &Gpu, key: Key, texels: &FaceTexels) -> Result<u64> {
+    fn send(&mut self, gpu: &Gpu, key: Key, texels: &FaceTexels, pyramid: &DepthPyramid) -> Result<u64> {
         let origin = self.origin(key);
         let (whole, rows) = (self.whole(), self.pyramid_rows());
         let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return Ok(0) };
@@ -263,8 +266,8 @@ impl DeviceTexels {
                     sent += write(gpu, (texture, origin.texels, origin.layer), (bytes, texels.size), rectangle);
                 }
                 if kind == StreamKind::Depth {
-                    for level in 0..texels.pyramid.levels() {
-                        let Some((size, values)) = texels.pyramid.level(level) else { continue };
+                    for level in 0..pyramid.levels() {
+                        let Some((size, values)) = pyramid.level(level) else { continue };
                         let [column, row] = origin.pyramid;
                         let place = [column, row + rows - (rows >> level)];
                         let target = (&textures.pyramids, place, origin.layer);

@@ -256,7 +256,6 @@ impl Captured {
             let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding);
             // The inverse of what is infinitely far is that of a background.
             texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
-            texels.depth_changed(0..size[0], 0..size[1]);
             texels.color = match coding {
                 ColorCoding::Codes(tone) => {
                     let code = |value: half::f16| tone.code(value.to_f32());
@@ -309,8 +308,6 @@ fn hide(field: &mut LightField) {
                     *depth = UNKNOWN;
                 }
             }
-            let [columns, rows] = texels.size;
-            texels.depth_changed(0..columns, 0..rows);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Four rays marched side by side.
 //!
 //! Enters: active views and the directions of four rays. Leaves: what [`crate::march::intersect::intersect`] or
-//! [`crate::march::pyramid::intersect`] answers of each, bit for bit, with the same counts.
+//! [`crate::march::segments::intersect`] answers of each, bit for bit, with the same counts.
 
 use glam::Vec3;
 
@@ -9,8 +9,8 @@ use crate::march::counters::Counters;
 use crate::march::intersect::Steps;
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::march::packet::views::PacketViews;
-use crate::march::pyramid::{Next, Walk};
 use crate::march::render::Acceleration;
+use crate::march::segments::{Next, Walk};
 
 /// Rays from the eye that are marched side by side.
 #[derive(Debug, Clone, Copy)]

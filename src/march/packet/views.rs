@@ -1,5 +1,5 @@
 //! Views as four rays ask them at once: the same questions as [`ActiveView::evidence`] and
-//! [`crate::march::pyramid::is_segment_open`], with the same operations in the same order, so that the answers are the same bits.
+//! [`crate::march::segments::is_segment_open`], with the same operations in the same order, so that the answers are the same bits.
 //!
 //! Points that are asked about together lie beside each other, and near those that were asked about before: they are taken to
 //! be in the same face. Where all four surely are, which the places in it tell, no face has to be found for each.
@@ -9,7 +9,8 @@ use glam::Vec4;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
-use crate::march::pyramid::{LEAST_M, ROUNDING, SURELY_BELOW_ONE};
+use crate::march::pyramid::{LEAST_M, ViewPyramids};
+use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
 /// No side of an image that is guessed to have a point is longer, in texels: places in it are exact to far less than one.
@@ -42,6 +43,7 @@ pub(crate) struct PacketView<'a> {
     is_view: bool,
     /// Whether the number of every texel in its image is below 2²³.
     are_small: bool,
+    pyramids: &'a ViewPyramids,
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
     /// Eight, so that any three bits are the number of one.
     pub(crate) depth: [&'a [f32]; 8],
@@ -132,7 +134,7 @@ pub(crate) struct Answers {
 }
 
 impl<'a> PacketView<'a> {
-    fn new(active: &ActiveView<'a>) -> PacketView<'a> {
+    fn new(active: &'a ActiveView<'a>) -> PacketView<'a> {
         let faces: [Option<&FaceTexels>; 7] = std::array::from_fn(|at| active.view.faces[at].as_ref());
         let map = |face: Option<&FaceTexels>| match face {
             Some(face) => Map { size: face.size.map(|size| size as f32), scale: face.scale, centre: face.centre },
@@ -161,6 +163,7 @@ impl<'a> PacketView<'a> {
             greatest_inverse_depth: active.greatest_inverse_depth,
             are_small,
             is_view,
+            pyramids: &active.pyramids,
             faces,
             depth: std::array::from_fn(|at| of(at).map_or(&[][..], |face| &face.inverse_depth)),
             width: std::array::from_fn(|at| of(at).map_or(1, |face| face.size[0])),
@@ -424,10 +427,11 @@ impl<'a> PacketView<'a> {
         let may = may.bitmask() & asked & !proved;
         let farthest_m = farthest_m.to_array();
         for lane in lanes_of(may) {
-            let Some(texels) = self.faces[last.face.of(lane)] else { continue };
+            let face = last.face.of(lane);
+            let Some(texels) = self.faces[face] else { continue };
             let (from, to) = ([least[0][lane], least[1][lane]], [most[0][lane], most[1][lane]]);
-            if first.face.of(lane) == last.face.of(lane)
-                && texels.greatest_between(from, to) * farthest_m[lane] < SURELY_BELOW_ONE
+            if first.face.of(lane) == face
+                && self.pyramids.face(face).greatest_between(texels, from, to) * farthest_m[lane] < SURELY_BELOW_ONE
             {
                 proved |= 1 << lane;
             }
@@ -445,7 +449,7 @@ pub(crate) struct PacketViews<'a> {
 }
 
 impl<'a> PacketViews<'a> {
-    pub(crate) fn new(views: &ActiveViews<'a>) -> PacketViews<'a> {
+    pub(crate) fn new(views: &'a ActiveViews<'a>) -> PacketViews<'a> {
         PacketViews {
             views: views.views.iter().map(PacketView::new).collect(),
             are_codes: matches!(views.coding, ColorCoding::Codes(_)),

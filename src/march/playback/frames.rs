@@ -16,6 +16,7 @@ use crate::march::intersect::Steps;
 use crate::march::playback::pacing::{FramePacing, Pacing};
 use crate::march::playback::selection::{SelectionSettings, ViewSelector};
 use crate::march::playback::trace::{self, FrameTrace};
+use crate::march::pyramid::Pyramids;
 use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render};
 use crate::math::Camera;
 use crate::memory::Budget;
@@ -143,6 +144,19 @@ pub trait Renderer {
 pub struct CpuRenderer {
     /// How pictures are made.
     pub options: PictureOptions,
+    pyramids: Pyramids,
+}
+
+impl CpuRenderer {
+    /// A renderer to which nothing was shown yet.
+    pub fn new(options: PictureOptions) -> CpuRenderer {
+        CpuRenderer { options, pyramids: Pyramids::default() }
+    }
+
+    /// The pyramids of the light field that was shown last.
+    pub fn pyramids(&self) -> &Pyramids {
+        &self.pyramids
+    }
 }
 
 impl Renderer for CpuRenderer {
@@ -150,12 +164,13 @@ impl Renderer for CpuRenderer {
         self.options.effects
     }
 
-    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
+    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
+        self.pyramids.update(stage.field, changes);
         Ok(())
     }
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
-        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let views = ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, camera.eye());
         render(&views, camera, &self.options.settings(&views), monitor)
     }
 }

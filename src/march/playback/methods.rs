@@ -8,6 +8,7 @@ use crate::march::active_views::ActiveViews;
 use crate::march::baseline::reproject::reproject;
 use crate::march::baseline::splat::splat;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
+use crate::march::pyramid::Pyramids;
 use crate::march::render::{EffectMode, Rendered};
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -30,7 +31,7 @@ impl Renderer for SplatRenderer {
     }
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
-        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
         splat(&views, camera, &self.options.settings(&views), monitor)
     }
 }
@@ -56,7 +57,7 @@ impl Renderer for ReprojectRenderer {
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let distance_m = self.distances_m.pop_front();
         let distance_m = distance_m.ok_or_else(|| Error::Usage("no true distances for this picture".into()))?;
-        let views = ActiveViews::new(stage.field, stage.views, camera.eye());
+        let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
         reproject(&views, camera, &distance_m, self.options.holes, monitor)
     }
 }

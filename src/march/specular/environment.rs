@@ -19,6 +19,7 @@ use crate::march::counters::Counters;
 use crate::march::interpolate::{Taps, background_color, surface_color};
 use crate::march::intersect::{Ray, Steps};
 use crate::march::render::{Acceleration, HOLE_DIFFERENCE};
+use crate::march::pyramid::ViewPyramids;
 use crate::march::specular::material::fresnel;
 use crate::march::specular::normal::patch;
 use crate::march::specular::plane_extrapolation::{Edge, Plane, first_met, planes};
@@ -135,16 +136,6 @@ pub fn surroundings(
     Ok(view)
 }
 
-/// A view from the centre of a ball, as the eye has it.
-pub fn from_centre<'a>(view: &'a View, ball: &Ball) -> ActiveView<'a> {
-    ActiveView {
-        view,
-        from_eye: ball.centre,
-        probe_from_world: glam::Mat3::IDENTITY,
-        greatest_inverse_depth: view.greatest_inverse_depth(),
-    }
-}
-
 /// The way through the centre of a texel, counted through all faces, which are such as this one.
 fn direction(at: usize, face: &FaceTexels) -> Vec3 {
     let [width, height] = face.size.map(|size| size as usize);
@@ -257,7 +248,6 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTex
             let stretch = texels.stretch(at as u32 % size, at as u32 / size);
             texels.inverse_depth[at] = if inverse.x > 0.0 { inverse.x * stretch } else { BACKGROUND };
         }
-        texels.depth_changed(0..size, 0..size);
         view.faces[face] = Some(texels);
     }
 }
@@ -265,7 +255,7 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTex
 /// Colours of the faces, as views code them.
 fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
     let Looking { views, ball, steps, monitor, .. } = *looking;
-    let alone = ActiveViews { views: vec![from_centre(view, &ball)], coding: views.coding };
+    let alone = ActiveViews { views: vec![ActiveView::new(view, ViewPyramids::of(view).into(), ball.centre)], coding: views.coding };
     let mut cube = Cube::empty(looking.face.size[0] as usize);
     for (at, known) in known.iter().enumerate() {
         if let Known::Seen(_, color) = known {

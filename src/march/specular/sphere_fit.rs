@@ -9,6 +9,8 @@
 //! lie on one ball have it fitted to all of them, which is far better than the few texels around a point; and a view from the centre of
 //! the ball (`surroundings`) says what the rays that leave it meet, also where no view sees it but through the ball.
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -16,7 +18,8 @@ use crate::error::Result;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
 use crate::march::intersect::Steps;
-use crate::march::specular::environment::{from_centre, surroundings};
+use crate::march::pyramid::ViewPyramids;
+use crate::march::specular::environment::surroundings;
 use crate::march::specular::normal::SAME_PATCH;
 use crate::march::specular::solid::Ball;
 use crate::math::Camera;
@@ -57,6 +60,7 @@ pub struct GlassBall {
     pub ior: f32,
     /// What is seen from its centre, along the world's axes. Its position means nothing: all is relative to the eye.
     pub view: View,
+    pyramids: Arc<ViewPyramids>,
 }
 
 /// The balls of glass of some active views.
@@ -78,7 +82,8 @@ impl GlassBalls {
             // Numbers of probes begin at the other end.
             let mut view = surroundings((views, camera_weights), (ball, ior), monitor)?;
             view.probe = usize::MAX - at;
-            Ok(GlassBall { ball, ior, view })
+            let pyramids = Arc::new(ViewPyramids::of(&view));
+            Ok(GlassBall { ball, ior, view, pyramids })
         };
         Ok(GlassBalls { balls: balls.map(with_view).collect::<Result<_>>()?, coding: views.coding })
     }
@@ -121,7 +126,7 @@ impl GlassBalls {
 impl GlassBall {
     /// The view from its centre, as the eye has it.
     pub fn around(&self) -> ActiveView<'_> {
-        from_centre(&self.view, &self.ball)
+        ActiveView::new(&self.view, Arc::clone(&self.pyramids), self.ball.centre)
     }
 }
 

@@ -1,0 +1,220 @@
+//! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
+//!
+//! Enters: active views whose texels have pyramids, and a ray. Leaves: the distance that [`march::intersect`] answers,
+//! bit for bit, after far fewer questions.
+//!
+//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Seen
+//! from a view, the points of a segment that begins and ends in one face lie in the rectangle of texels between its ends,
+//! and none is farther than the farther end. Where the nearest surface of the rectangle lies beyond that, the view says
+//! of every point that it is in the open, and none of them has to be looked at. All of this is computed with room for
+//! rounding ([`ROUNDING`]), so that it never claims what a single point would deny; where it cannot tell, the segment is
+//! halved, and in the end there are single points, of which [`ActiveViews::is_surface`] decides.
+
+use glam::Vec3;
+
+use crate::image::cube::Face;
+use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
+use crate::march::counters::Counters;
+use crate::march::intersect::{self, Ray, Steps};
+use crate::march::pyramid::LEAST_M;
+use crate::views::light_field::{View, cube_face};
+
+/// How far a coordinate of a point in a view's axes may be from the exact one, in parts of the sum of the greatest
+/// coordinates that it is computed from.
+///
+/// Multiplying the direction, adding the origin and subtracting the view's place round three times, the turn five times
+/// more, each by at most 2⁻²⁴ of a sum of these, times √3 for the three coordinates that each enters into: less than
+/// 16 · 2⁻²⁴.
+pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
+/// A product of a planar depth and an inverse one that is less than this is less than 1 however both are rounded.
+pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
+
+/// Face, u, v and planar depth of a point in a view's axes. None behind a perspective view.
+fn plane_of(view: &View, local: Vec3) -> Option<(usize, [f32; 2], f32)> {
+    if view.faces[Face::View as usize].is_some() {
+        let inverse = 1.0 / -local.z;
+        let plane = [local.x * inverse, -local.y * inverse];
+        return (local.z < 0.0).then_some((Face::View as usize, plane, -local.z));
+    }
+    let (face, u, v, planar_m) = cube_face(local);
+    Some((face, [u, v], planar_m))
+}
+
+/// Whether a view proves that it sees past every point between two ends of a segment, in metres from the eye. `reach_m`
+/// is the sum of the greatest coordinates of the ray's origin and of its way to the farther end.
+///
+/// Points are up to 2e from the segment between the ends, where e is what rounding makes of each. That moves a place in
+/// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
+/// least 4e; the second part is for the division and what follows.
+pub fn is_segment_open(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
+    let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + LEAST_M;
+    let [a, b] = ends.map(|end| view.local(end));
+    // A planar depth is the greatest coordinate, whatever the face.
+    let farthest_m = a.abs().max_element().max(b.abs().max_element()) + 2.0 * error_m;
+    if view.greatest_inverse_depth * farthest_m < SURELY_BELOW_ONE {
+        return true;
+    }
+    let (Some((face, a, a_m)), Some((other, b, b_m))) = (plane_of(view.view, a), plane_of(view.view, b)) else {
+        return false;
+    };
+    let (nearest_m, farthest_m) = (a_m.min(b_m), a_m.max(b_m) + 2.0 * error_m);
+    let texels = match &view.view.faces[face] {
+        Some(texels) if face == other && nearest_m >= 4.0 * error_m => texels,
+        _ => return false,
+    };
+    let widest = a[0].abs().max(a[1].abs()).max(b[0].abs().max(b[1].abs()));
+    let slack = (1.0 + widest) * (4.0 * error_m / nearest_m + ROUNDING);
+    let is_view = face == Face::View as usize;
+    if !(is_view || widest + slack <= 1.0) {
+        return false;
+    }
+    let (mut from, mut to) = ([0; 2], [0; 2]);
+    for axis in 0..2 {
+        let [one, two] = [a, b].map(|at| at[axis] * texels.scale[axis] + texels.centre[axis]);
+        let size = texels.size[axis];
+        let margin = slack * texels.scale[axis].abs() + size as f32 * ROUNDING;
+        let (low, high) = (one.min(two) - margin, one.max(two) + margin);
+        if is_view && !(low >= 0.0 && high < size as f32) {
+            return false;
+        }
+        (from[axis], to[axis]) = ((low as u32).min(size - 1), (high as u32).min(size - 1));
+    }
+    view.pyramids.face(face).greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
+}
+
+/// Which points of a ray come next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Walk {
+    /// Number of the first point that is not passed over yet.
+    at: usize,
+    /// How many points are asked about at once.
+    length: usize,
+    /// The last point of which it is known that no view sees past it, and whether one sees a surface before it.
+    blocked: Option<(usize, bool)>,
+}
+
+/// What is known of the points that come next, or what is to be asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Next {
+    /// The first point, which is in a surface.
+    Hit(usize),
+    /// From the first to the last point, both included; they may be one.
+    Ask(usize, usize),
+    /// There are no more.
+    End,
+}
+
+impl Walk {
+    /// The walk over `count` points from number `first` on.
+    ///
+    /// It begins with about a quarter of all: the last quarter is rarely reached, and half of all rarely passed at once.
+    pub(crate) fn new(first: usize, count: usize) -> Walk {
+        let length = (count.next_power_of_two() / 4).max(1);
+        let aligned = if first == 0 { length } else { 1 << first.trailing_zeros() };
+        Walk { at: first, length: length.min(aligned), blocked: None }
+    }
+
+    /// What comes next. A segment that ends at a point that no view sees past cannot be open: it is halved unasked.
+    pub(crate) fn next(&mut self, count: usize) -> Next {
+        while self.at < count {
+            let last = (self.at + self.length).min(count) - 1;
+            match self.blocked {
+                Some((blocked, behind)) if blocked == last => {
+                    if last > self.at {
+                        self.length /= 2;
+                    } else if behind {
+                        return Next::Hit(self.at);
+                    } else {
+                        self.length = 1;
+                        self.passed();
+                    }
+                }
+                _ => {
+                    if last == self.at {
+                        self.length = 1;
+                    }
+                    return Next::Ask(self.at, last);
+                }
+            }
+        }
+        Next::End
+    }
+
+    /// The points that were asked about are open.
+    pub(crate) fn passed(&mut self) {
+        self.at += self.length;
+        if self.at.is_multiple_of(2 * self.length) {
+            self.length *= 2;
+        }
+    }
+
+    /// No view proves that the points up to the last are open; where none even sees past the last, `blocked` says
+    /// whether one sees a surface before it.
+    pub(crate) fn failed(&mut self, last: usize, blocked: Option<bool>) {
+        if let Some(behind) = blocked {
+            self.blocked = Some((last, behind));
+        }
+        if last > self.at {
+            self.length /= 2;
+        }
+    }
+}
+
+/// The distance in metres at which a ray meets a surface, if it does: that of [`march::intersect`].
+///
+/// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves to be open is halved; where
+/// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first, and only
+/// views that see past the last point of a segment are asked for more.
+pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
+    intersect_from(views, ray, steps, 0, counters)
+}
+
+/// The same from the `first` of the distances on: what is nearer is taken to be open.
+pub fn intersect_from(
+    views: &ActiveViews<'_>,
+    ray: &Ray,
+    steps: &Steps,
+    first: usize,
+    counters: &mut Counters,
+) -> Option<f32> {
+    let distances_m = &steps.distances_m[..];
+    let (origin, direction) = (ray.origin.abs().max_element(), ray.direction.abs().max_element());
+    let (mut walk, mut favourite) = (Walk::new(first, distances_m.len()), 0);
+    loop {
+        let (from, to) = match walk.next(distances_m.len()) {
+            Next::Ask(from, to) => (from, to),
+            Next::Hit(at) => {
+                let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
+                return Some(intersect::refine(views, ray, [before_m, distances_m[at]], steps.refine, counters));
+            }
+            Next::End => return None,
+        };
+        counters.march_steps += 1;
+        let ends = [from, to].map(|at| ray.at(distances_m[at]));
+        let reach_m = origin + direction * distances_m[to];
+        let (mut sees_past, mut behind) = (false, false);
+        let all = 0..views.views.len();
+        let order = all.clone().filter(|&view| view == favourite).chain(all.filter(|&view| view != favourite));
+        let proves = |&at: &usize| {
+            let view = &views.views[at];
+            match view.evidence(ends[1]) {
+                Evidence::Open => {
+                    sees_past = true;
+                    from == to || is_segment_open(view, ends, reach_m)
+                }
+                Evidence::Behind => {
+                    behind = true;
+                    false
+                }
+                Evidence::Unknown => false,
+            }
+        };
+        match { order }.find(proves) {
+            Some(view) => {
+                favourite = view;
+                walk.passed();
+            }
+            None => walk.failed(to, (!sees_past).then_some(behind)),
+        }
+    }
+}
