@@ -98,12 +98,7 @@ impl<'a> ActiveViews<'a> {
     }
 
     /// The same with pyramids that were built before.
-    pub fn with_pyramids(
-        field: &'a LightField,
-        pyramids: &Pyramids,
-        indices: &[usize],
-        eye: DVec3,
-    ) -> ActiveViews<'a> {
+    pub fn with_pyramids(field: &'a LightField, pyramids: &Pyramids, indices: &[usize], eye: DVec3) -> ActiveViews<'a> {
         Self::relative(field, indices, eye, |at| pyramids.view(at))
     }
 

@@ -96,7 +96,12 @@ impl DepthPyramid {
     /// An upper bound of the inverse depths of the texels from one corner to the other, both included.
     ///
     /// Squares as wide as a half to the whole of the rectangle cover it: at most three in a row, of three rows.
-    pub(crate) fn greatest_between(&self, texels: &FaceTexels, [left, top]: [u32; 2], [right, bottom]: [u32; 2]) -> f32 {
+    pub(crate) fn greatest_between(
+        &self,
+        texels: &FaceTexels,
+        [left, top]: [u32; 2],
+        [right, bottom]: [u32; 2],
+    ) -> f32 {
         let level = (right - left).max(bottom - top).checked_ilog2().unwrap_or(0);
         let (size, values) = match level.checked_sub(1) {
             None => (texels.size, &texels.inverse_depth[..]),

@@ -18,8 +18,8 @@ use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::counters::Counters;
 use crate::march::interpolate::{Taps, background_color, surface_color};
 use crate::march::intersect::{Ray, Steps};
-use crate::march::render::{Acceleration, HOLE_DIFFERENCE};
 use crate::march::pyramid::ViewPyramids;
+use crate::march::render::{Acceleration, HOLE_DIFFERENCE};
 use crate::march::specular::material::fresnel;
 use crate::march::specular::normal::patch;
 use crate::march::specular::plane_extrapolation::{Edge, Plane, first_met, planes};
@@ -255,7 +255,10 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTex
 /// Colours of the faces, as views code them.
 fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
     let Looking { views, ball, steps, monitor, .. } = *looking;
-    let alone = ActiveViews { views: vec![ActiveView::new(view, ViewPyramids::of(view).into(), ball.centre)], coding: views.coding };
+    let alone = ActiveViews {
+        views: vec![ActiveView::new(view, ViewPyramids::of(view).into(), ball.centre)],
+        coding: views.coding,
+    };
     let mut cube = Cube::empty(looking.face.size[0] as usize);
     for (at, known) in known.iter().enumerate() {
         if let Known::Seen(_, color) = known {
