@@ -16,6 +16,7 @@ pub mod effort;
 pub mod encode;
 pub mod error;
 pub mod evaluate;
+pub mod files;
 pub mod fingerprint;
 pub mod gpu;
 pub mod hard_cases;

@@ -9,12 +9,14 @@ use glam::DVec3;
 use serde_json::json;
 
 use crate::cli::options::{FrameArgs, parse_point};
-use crate::cli::output::{self, PartialFolder, human_bytes};
+use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
+use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
+use crate::scene::capture::write::UNFINISHED;
 use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Play, Scene};
 
 use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres};
@@ -128,7 +130,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let loaded = start.elapsed();
     let progress = Progress::start(global, "capturing", plan.image_count())?;
     let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };
-    let summary = work.capture(PartialFolder::open(&args.output)?)?;
+    let summary = work.capture(PartialFolder::open(&args.output, UNFINISHED)?)?;
     drop(progress);
     let times = [loaded.as_secs_f64(), start.elapsed().as_secs_f64()];
     if args.json {

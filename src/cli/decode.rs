@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::cli::damage;
 use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, SelectionArgs, View};
-use crate::cli::output::{self, OutputFolder, human_bytes};
+use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::MANIFEST_NAME;
@@ -18,6 +18,7 @@ use crate::decode::export::{
     self, Decoded, Destination, FileFormat, ImageSource, IntactOnCpu, OnCpu, OnDamage, Request,
 };
 use crate::error::{Error, Result};
+use crate::files::OutputFolder;
 use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use crate::cli::output::{self, OutputFile, OutputFolder, human_bytes, json_number};
+use crate::cli::output::{self, human_bytes, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::compare::comparison::Comparison;
@@ -17,6 +17,7 @@ use crate::decode::decoder::{Decoder, StreamInfo};
 use crate::decode::export::{self, Destination, FileFormat, OnCpu, Selection};
 use crate::encode::dataset::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
+use crate::files::{OutputFile, OutputFolder};
 use crate::inspect::container::{self, InspectSettings, Totals};
 use crate::report::tradeoff::commands::shell_word;
 use crate::report::{Column, Table};

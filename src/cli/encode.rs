@@ -6,14 +6,16 @@ use std::time::Instant;
 use serde_json::json;
 
 use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs};
-use crate::cli::output::{self, OutputFile, human_bytes};
+use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
+use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::encode::dataset::{self, EncodeSettings, EncodeSummary, Left, Resumable, Stopped};
 use crate::error::{Error, Result};
+use crate::files::{IntactBytes, OutputFile};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -222,7 +224,7 @@ impl Work<'_> {
         let lone =
             "the file system has no locks, so two encoders of this file would not see each other: start no second one";
         say(global, self.path, lone, !file.is_locked());
-        let begun = file.recover(self.progress).map_err(|error| stays(error, &file))?;
+        let begun = file.recover(|records, bytes| journal::recover_watched(records, bytes, self.progress)).map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
                 dataset::check_recovered(self.source, self.settings, &begun)
@@ -245,8 +247,9 @@ impl Work<'_> {
             }
         };
         let goes_on = recovered.is_some();
-        let journal =
-            file.go_on(recovered.as_ref()).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
+        let intact =
+            recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes(), journal: found.journal_bytes() });
+        let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
         let done = dataset::encode_resumable(self.source, self.settings, resumable, self.progress);
         let stopped = match done.map(|(_, summary)| summary) {

@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs};
-use crate::cli::output::{self, OutputFile, human_bytes};
+use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::container::Reader;
 use crate::error::Result;
+use crate::files::OutputFile;
 use crate::pack::flatten::FlattenSettings;
 use crate::pack::merge::{self, PackSettings, PackSummary, Repack};
 

@@ -9,12 +9,13 @@ use clap::ValueEnum;
 use glam::DVec3;
 
 use crate::cli::options::{self, EffortArg, parse_not_negative, parse_positive};
-use crate::cli::output::{self, OutputFile, OutputFolder};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::files::{OutputFile, OutputFolder};
 use crate::image::sequence::FrameRange;
 use crate::placement::search::{self, DEFAULT_MOST_CAMERAS, DEFAULT_UNTIL, Extent, LEAST_THETA_DEG};
 use crate::placement::{CandidateKind, Lighting, Placement, Region, Search, Settings, Stop};

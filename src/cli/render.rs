@@ -13,12 +13,13 @@ use std::time::Instant;
 
 use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
-use crate::cli::output::{self, OutputFile};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::stream::StreamKind;
 use crate::decode::decoder::Decoder;
 use crate::error::{Error, Result};
+use crate::files::OutputFile;
 use crate::evaluate::camera_file::TimedCamera;
 use crate::evaluate::path::{self, Shot};
 use crate::gpu::Gpu;

@@ -17,11 +17,12 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use crate::cli::options::{self, parse_positive};
-use crate::cli::output::{self, OutputFile};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::files::OutputFile;
 use crate::report::machine;
 use crate::report::tradeoff::bench::Bench;
 use crate::report::tradeoff::commands::shell_line;

@@ -13,6 +13,7 @@ use crate::container::chunk::{ChunkEntry, ChunkKey, ENTRY_BYTES};
 use crate::container::fields::{Fields, PutFields};
 use crate::container::{header, writer};
 use crate::error::{Error, Result};
+use crate::monitor::Monitor;
 
 /// First eight bytes of a journal; the last of them counts its layouts.
 pub const MAGIC: [u8; 8] = *b"LFJOURN1";
@@ -169,6 +170,29 @@ impl Recovered {
     }
 }
 
+/// [`recover`], until the user asks to stop.
+///
+/// # Errors
+/// As for [`recover`], and once the user asks to stop.
+pub fn recover_watched(journal: &[u8], container: impl Read, monitor: &dyn Monitor) -> Result<Option<Recovered>> {
+    let found = recover(journal, Watched { from: container, monitor });
+    monitor.check()?;
+    found
+}
+
+/// Reads until the user asks to stop.
+struct Watched<'a, R> {
+    from: R,
+    monitor: &'a dyn Monitor,
+}
+
+impl<R: Read> Read for Watched<'_, R> {
+    fn read(&mut self, bytes: &mut [u8]) -> std::io::Result<usize> {
+        // After an error of the kind `Interrupted` readers try again.
+        if self.monitor.interrupted() { Err(std::io::Error::other("asked to stop")) } else { self.from.read(bytes) }
+    }
+}
+
 /// Reads a journal up to the first record that is torn, damaged, or speaks of a chunk that is not all in the container.
 /// `None` where not even its head and that of the container are sound.
 ///
@@ -257,5 +281,25 @@ impl<'a> Records<'a> {
         }
         self.position += RECORD_HEAD_BYTES + body.len();
         Some((kind, body))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checking_chunks_stops_when_asked() {
+        struct Stops;
+        impl Monitor for Stops {
+            fn advance(&self, _steps: u64) {}
+
+            fn interrupted(&self) -> bool {
+                true
+            }
+        }
+        assert!(matches!(recover_watched(b"records", &b"chunks"[..], &Stops), Err(Error::Interrupted)));
+        let mut watched = Watched { from: &b"abc"[..], monitor: &Stops };
+        assert!(watched.read_to_end(&mut Vec::new()).is_err(), "it goes on reading");
     }
 }

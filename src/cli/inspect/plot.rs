@@ -7,12 +7,12 @@ use serde::Serialize;
 
 use super::{Args, Report};
 use crate::cli::GlobalArgs;
-use crate::cli::output::OutputFolder;
 use crate::cli::progress::Progress;
 use crate::compare::side;
 use crate::compare::streams::{Coverage, Pairing};
 use crate::decode::decoder::StreamInfo;
 use crate::error::{Error, Result};
+use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
 use crate::report::anatomy::{self, Request, What};
 

@@ -5,8 +5,8 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::cli::output::{OutputFile, OutputFolder};
 use crate::error::{Error, Result};
+use crate::files::{OutputFile, OutputFolder};
 use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;

@@ -7,8 +7,8 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::cli::output;
 use crate::error::{Error, Result};
+use crate::files::open_locked;
 
 /// The report as JSON, which lists all files.
 pub const REPORT: &str = "tradeoff.json";
@@ -39,7 +39,7 @@ impl Folder {
             Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
         };
         let lock = path.join(LOCK);
-        let _lock = output::claim(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
+        let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
         let folder = Folder { path: path.to_path_buf(), _lock };
         let [begin, end] = UNFINISHED;
         for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {

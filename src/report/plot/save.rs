@@ -12,6 +12,7 @@ use plotters::style::{Color, FontDesc, FontFamily, FontStyle, FontTransform, RGB
 use super::drawing::{Anchor, Direction, Drawing, Ink, Shape, Spot, Stroke, Text};
 use super::font::{self, Weight};
 use crate::error::{Error, Result};
+use crate::files::write_whole;
 use crate::image::plane::Plane;
 use crate::image::png;
 
@@ -45,31 +46,9 @@ const SVG_BASELINE_EM: f64 = 0.76;
 pub fn save(drawing: &Drawing, folder: &Path, name: &str) -> Result<[PathBuf; 2]> {
     let paths = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
     let svg = to_svg(drawing)?;
-    whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
+    write_whole(&paths[0], |partial| std::fs::write(partial, &svg).map_err(|error| Error::io(&paths[0], error)))?;
     save_png(drawing, &paths[1], CHART_DENSITY)?;
     Ok(paths)
-}
-
-/// Lets a file be written under a name of its own beside `path`, and renames it when that is done, so that the file appears
-/// whole or not at all, whoever else writes it at the same time.
-///
-/// # Errors
-/// Those of `write`, and when the file cannot be made or renamed; nothing is left then.
-pub fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(path.file_name().unwrap_or_default());
-    prefix.push(".");
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".partial");
-    // A result is as readable as any new file, not private as temporary files are.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    // The temporary file's own name would only puzzle.
-    let partial = builder.tempfile_in(folder).map_err(|error| Error::io(path, error.kind().into()))?;
-    let partial = partial.into_temp_path();
-    write(&partial)?;
-    partial.persist(path).map_err(|error| Error::io(path, error.error))
 }
 
 /// Writes a drawing as PNG, with `density` pixels for each of its own in each direction.
@@ -78,7 +57,7 @@ pub fn whole(path: &Path, write: impl FnOnce(&Path) -> Result<()>) -> Result<()>
 /// When the file cannot be written.
 pub fn save_png(drawing: &Drawing, path: &Path, density: u32) -> Result<()> {
     let pixels = to_pixels(drawing, density)?;
-    whole(path, |partial| png::write_color8(partial, &pixels))
+    write_whole(path, |partial| png::write_color8(partial, &pixels))
 }
 
 /// The text of an SVG file.
@@ -298,28 +277,6 @@ mod tests {
         assert!(svg.starts_with("<svg width=\"320\" height=\"160\" viewBox=\"0 0 3200 1600\""), "{svg}");
         assert!(svg.contains("<title>a &lt;specimen&gt; &amp; more</title>"), "{svg}");
         assert!(svg.contains("Egx &lt;&amp;&gt; up") && svg.trim_end().ends_with("</svg>"), "{svg}");
-    }
-
-    #[test]
-    fn files_appear_whole_or_not_at_all_even_when_two_write_at_once() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("page");
-        let put = |partial: &Path, text: &str| std::fs::write(partial, text).map_err(|error| Error::io(partial, error));
-        whole(&path, |outer| {
-            put(outer, "outer")?;
-            whole(&path, |inner| put(inner, "inner"))?;
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), "inner");
-            Ok(())
-        })
-        .unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "outer");
-        let refused = whole(&path, |partial| {
-            put(partial, "half")?;
-            Err(Error::invalid("no more"))
-        });
-        assert!(refused.unwrap_err().to_string().contains("no more"));
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "outer");
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     /// Rows or columns of a part of the drawing that hold something almost black.

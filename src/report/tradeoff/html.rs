@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::figures::Figure;
 use crate::error::{Error, Result};
-use crate::report::plot::save::{self, escape};
+use crate::files::write_whole;
+use crate::report::plot::save::escape;
 
 /// A page's own name.
 pub const PAGE: &str = "index.html";
@@ -40,7 +41,7 @@ pub fn write(figures: &[Figure], text: &str, folder: &Path) -> Result<Vec<PathBu
         files.extend(save::save(&figure.drawing, folder, &figure.name)?);
     }
     let path = folder.join(PAGE);
-    save::whole(&path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(&path, error)))?;
+    write_whole(&path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(&path, error)))?;
     files.push(path);
     Ok(files)
 }

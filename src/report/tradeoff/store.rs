@@ -3,13 +3,13 @@
 //! The file is written anew after every run, under another name first, so that it is whole at any time.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::knob::KNOBS;
 use super::point::{Measured, Point, Quality, Sizes, Timing};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::files::write_whole;
 
 /// Name of the file below the folder of a report.
 pub const FILE_NAME: &str = "tradeoff.csv";
@@ -98,17 +98,8 @@ impl Store {
 
     /// Writes the file. It is replaced as a whole.
     pub fn save(&self) -> Result<()> {
-        let io = |error| Error::io(&self.path, error);
-        let folder = self.path.parent().unwrap_or(Path::new("."));
         let text = self.text()?;
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".tradeoff.csv.").suffix(".partial");
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let mut file = builder.tempfile_in(folder).map_err(|error| io(error.kind().into()))?;
-        file.write_all(text.as_bytes()).map_err(io)?;
-        file.persist(&self.path).map_err(|error| io(error.error))?;
-        Ok(())
+        write_whole(&self.path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))
     }
 
     /// The file's text.

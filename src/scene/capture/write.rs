@@ -10,6 +10,7 @@ use super::samples::SamplePattern;
 use super::view::{Images, Pass, Shot, capture_view};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest, MaterialChannels};
 use crate::error::{Error, Result};
+use crate::files::{FolderKind, write_whole};
 use crate::image::exr;
 use crate::image::{ChannelSelect, DepthPlane, ReadLimits};
 use crate::monitor::Monitor;
@@ -17,6 +18,9 @@ use crate::ordered::try_map_at_once;
 use crate::scene::animated::Scene;
 use crate::scene::raycast::SceneAtTime;
 
+/// The unfinished folder of a capture.
+pub const UNFINISHED: FolderKind =
+    FolderKind { suffix: ".capture.partial", state: ".capture.json", extension: "exr", manifest: MANIFEST_NAME };
 /// What images at work may take together, if they are more than one.
 const MEMORY_BYTES: u64 = 1 << 30;
 /// Of a pixel with all passes, and once more as it is written.
@@ -205,7 +209,7 @@ impl Work<'_> {
         let mut sum = job.kept;
         for &pass in &job.passes {
             let path = self.path(&job.take, pass)?;
-            let range = write_whole(&path, &images, pass)?;
+            let range = write_image(&path, &images, pass)?;
             sum = sum.and(CaptureSummary::of_file(&path, range)?);
             self.monitor.advance(1);
         }
@@ -224,31 +228,26 @@ fn range_of(depth: &DepthPlane) -> [f32; 2] {
     finite.fold(CaptureSummary::NOTHING.depth_range_m, |[near, far], &depth| [near.min(depth), far.max(depth)])
 }
 
-/// Writes an image under another name, which it has until it is whole. Answers near and far.
-fn write_whole(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
-    let partial = path.with_extension("exr.partial");
-    let mut range = CaptureSummary::NOTHING.depth_range_m;
+/// Writes an image file as a whole. Returns the range of depths in metres.
+fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
     let missing = || Error::invalid(format!("no {} was captured", pass.name()));
-    let written = match pass {
-        Pass::Color => exr::write_color(&partial, images.color.as_ref().ok_or_else(missing)?),
-        Pass::Depth => {
-            let depth = images.depth.as_ref().ok_or_else(missing)?;
-            range = range_of(depth);
-            exr::write_depth(&partial, depth)
+    write_whole(path, |partial| {
+        match pass {
+            Pass::Color => exr::write_color(partial, images.color.as_ref().ok_or_else(missing)?)?,
+            Pass::Depth => {
+                let depth = images.depth.as_ref().ok_or_else(missing)?;
+                exr::write_depth(partial, depth)?;
+                return Ok(range_of(depth));
+            }
+            Pass::Normal => {
+                exr::write_material(partial, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS)?;
+            }
+            Pass::Material => {
+                let channels = MaterialChannels::default();
+                exr::write_material(partial, images.material.as_ref().ok_or_else(missing)?, names(&channels))?;
+            }
         }
-        Pass::Normal => exr::write_material(&partial, images.normal.as_ref().ok_or_else(missing)?, NORMAL_CHANNELS),
-        Pass::Material => {
-            let channels = MaterialChannels::default();
-            exr::write_material(&partial, images.material.as_ref().ok_or_else(missing)?, names(&channels))
-        }
-    };
-    let done = written.and_then(|()| std::fs::rename(&partial, path).map_err(|error| Error::io(path, error)));
-    done.map(|()| range).map_err(|error| {
-        let _ = std::fs::remove_file(&partial);
-        match error {
-            Error::Io { source, .. } => Error::io(path, source),
-            other => other,
-        }
+        Ok(CaptureSummary::NOTHING.depth_range_m)
     })
 }
 

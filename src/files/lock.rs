@@ -1,4 +1,4 @@
-//! Files that one process at a time has.
+//! Files that one process at a time has open.
 
 use std::fs::{File, TryLockError};
 use std::io::{Error, ErrorKind, Result};
@@ -6,34 +6,35 @@ use std::path::Path;
 
 /// A file that is open to read and write.
 #[derive(Debug)]
-pub struct Claimed {
-    /// The file.
+pub struct Locked {
+    /// The file; closing it releases the lock.
     pub file: File,
-    /// Whether no other process gets it until it is closed. Where the file system has no locks, processes do not know of
-    /// each other.
+    /// False where the file system has no locks, so that other processes may open the file, too.
     pub is_locked: bool,
 }
 
-/// Opens a file to read and write, made where there is none, that no other process gets until it is closed, however this
-/// one ends, if the file system has locks. `None` where another process has it.
-pub fn claim(path: &Path) -> Result<Option<Claimed>> {
-    // The one before may rename or remove the file between our opening and locking it, and we would have one that nobody sees.
+/// Opens or creates a file and locks it until it is closed. `None` where another process has the lock.
+///
+/// # Errors
+/// When the path is no plain file, or cannot be opened.
+pub fn open_locked(path: &Path) -> Result<Option<Locked>> {
+    // The previous owner may rename or remove the file between our opening and locking it: then the path is opened again.
     for _ in 0..100 {
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_file()) {
-            let message = format!("{} is in the way, and no plain file", path.display());
+            let message = format!("{} exists and is no plain file", path.display());
             return Err(Error::new(ErrorKind::AlreadyExists, message));
         }
         let file = File::options().create(true).truncate(false).read(true).write(true).open(path)?;
-        let Some(is_locked) = got(&file.try_lock()) else { return Ok(None) };
+        let Some(is_locked) = lock_state(&file.try_lock()) else { return Ok(None) };
         if is_at(&file, path) {
-            return Ok(Some(Claimed { file, is_locked }));
+            return Ok(Some(Locked { file, is_locked }));
         }
     }
     Ok(None)
 }
 
-/// Whether a lock was had, or there are none; `None` where another process has it.
-fn got(lock: &std::result::Result<(), TryLockError>) -> Option<bool> {
+/// Whether a lock was acquired, false where there are none; `None` where another process has it.
+fn lock_state(lock: &std::result::Result<(), TryLockError>) -> Option<bool> {
     match lock {
         Ok(()) => Some(true),
         Err(TryLockError::WouldBlock) => None,
@@ -41,7 +42,7 @@ fn got(lock: &std::result::Result<(), TryLockError>) -> Option<bool> {
     }
 }
 
-/// Whether a path still leads to a file, and not by a link.
+/// Whether a path still names this file, and not through a link.
 #[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -49,7 +50,6 @@ fn is_at(file: &File, path: &Path) -> bool {
     matches!((file.metadata().map(place), path.symlink_metadata().map(place)), (Ok(ours), Ok(theirs)) if ours == theirs)
 }
 
-/// Whether a path still leads to a file.
 #[cfg(not(unix))]
 fn is_at(_file: &File, path: &Path) -> bool {
     path.is_file()
@@ -60,36 +60,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_is_had_by_one_at_a_time_until_it_is_closed() {
+    fn a_file_is_locked_until_it_is_closed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
-        let first = claim(&path).unwrap().unwrap();
+        let first = open_locked(&path).unwrap().unwrap();
         assert!(first.is_locked);
-        assert!(claim(&path).unwrap().is_none());
-        // Under another name it is another's file no more.
+        assert!(open_locked(&path).unwrap().is_none());
+        // A renamed file no longer blocks its old name.
         std::fs::rename(&path, folder.path().join("b")).unwrap();
-        let second = claim(&path).unwrap().unwrap();
+        let second = open_locked(&path).unwrap().unwrap();
         drop(first);
-        assert!(claim(&path).unwrap().is_none());
+        assert!(open_locked(&path).unwrap().is_none());
         drop(second);
-        assert!(claim(&path).unwrap().is_some());
+        assert!(open_locked(&path).unwrap().is_some());
     }
 
     #[test]
     fn a_file_system_without_locks_is_no_other_process() {
         let unsupported = TryLockError::Error(ErrorKind::Unsupported.into());
-        assert_eq!([got(&Ok(())), got(&Err(unsupported))], [Some(true), Some(false)]);
-        assert_eq!(got(&Err(TryLockError::WouldBlock)), None);
+        assert_eq!([lock_state(&Ok(())), lock_state(&Err(unsupported))], [Some(true), Some(false)]);
+        assert_eq!(lock_state(&Err(TryLockError::WouldBlock)), None);
     }
 
     #[test]
     #[cfg(unix)]
-    fn what_a_link_leads_to_is_left_alone() {
+    fn the_target_of_a_link_is_left_alone() {
         let folder = tempfile::tempdir().unwrap();
         let (target, link) = (folder.path().join("theirs"), folder.path().join("a"));
         std::fs::write(&target, "theirs").unwrap();
         std::os::unix::fs::symlink(&target, &link).unwrap();
-        assert_eq!(claim(&link).unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!(open_locked(&link).unwrap_err().kind(), ErrorKind::AlreadyExists);
         assert_eq!(std::fs::read(&target).unwrap(), b"theirs");
     }
 }

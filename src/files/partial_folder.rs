@@ -1,24 +1,32 @@
-//! An output folder whose files lie beside it until all of them are there, so that a later process can go on with them.
+//! An output folder whose files are collected beside it, so that a later process can resume.
 
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use super::claim::{Claimed, claim};
-use super::move_into;
-use crate::dataset::manifest::MANIFEST_NAME;
+use super::lock::{Locked, open_locked};
+use super::output_folder::{move_into, name_final_path};
 use crate::error::{Error, Result};
 
-/// What the name of an unfinished folder ends in; it begins with a dot and the name of the output.
-const PARTIAL: &str = ".capture.partial";
-/// The file in it that says what it is of. Who has it open has the folder.
-const STATE: &str = ".capture.json";
+/// Names in and around an unfinished folder.
+#[derive(Debug, Clone, Copy)]
+pub struct FolderKind {
+    /// Ending of the folder's name, after a dot and the name of the output.
+    pub suffix: &'static str,
+    /// The locked file in it that describes the work.
+    pub state: &'static str,
+    /// Extension of the files that are counted.
+    pub extension: &'static str,
+    /// A further file that is moved to the output.
+    pub manifest: &'static str,
+}
 
-/// An unfinished folder that no other process has. It is removed when dropped, unless it was committed, is to be kept, or is
-/// what an earlier process left.
+/// An unfinished folder that is locked by this process. Dropping it removes the folder, unless it was committed, kept, or
+/// left by an earlier process.
 #[derive(Debug)]
 pub struct PartialFolder {
+    kind: FolderKind,
     output: PathBuf,
     path: PathBuf,
     state: File,
@@ -27,12 +35,11 @@ pub struct PartialFolder {
 }
 
 impl PartialFolder {
-    /// Opens the unfinished folder of an output, as it is; a new one is empty. The output's parents are made where they are
-    /// missing.
+    /// Opens the unfinished folder of an output with its content; a new one is empty. Missing parents are created.
     ///
     /// # Errors
     /// When another process has it, the output is no folder, or none can be made.
-    pub fn open(output: &Path) -> Result<PartialFolder> {
+    pub fn open(output: &Path, kind: FolderKind) -> Result<PartialFolder> {
         let io = |error| Error::io(output, error);
         if std::fs::metadata(output).is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: a file, where a folder was expected", output.display())));
@@ -43,24 +50,24 @@ impl PartialFolder {
                 output.display()
             )));
         }
-        let path = path_for(output)?;
+        let path = path_for(output, kind.suffix)?;
         if path.symlink_metadata().is_ok_and(|meta| !meta.is_dir()) {
             return Err(Error::Usage(format!("{}: it is in the way, and no folder; remove it", path.display())));
         }
         std::fs::create_dir_all(&path).map_err(io)?;
-        let Some(Claimed { file, is_locked }) = claim(&path.join(STATE)).map_err(io)? else {
+        let Some(Locked { file, is_locked }) = open_locked(&path.join(kind.state)).map_err(io)? else {
             return Err(Error::Usage(format!(
                 "{}: another lightfold is writing it, in {}; wait for it, or name another folder",
                 output.display(),
                 path.display()
             )));
         };
-        // A disk that was full may have lost the state of images that are sound.
-        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || count(&path) > 0;
-        Ok(PartialFolder { output: output.to_path_buf(), path, state: file, is_locked, keep })
+        // On a full disk the state may be empty beside intact images.
+        let keep = file.metadata().is_ok_and(|meta| meta.len() > 0) || kind.count(&path) > 0;
+        Ok(PartialFolder { kind, output: output.to_path_buf(), path, state: file, is_locked, keep })
     }
 
-    /// Whether another process that wants it would notice this one.
+    /// False where the file system has no locks.
     pub fn is_locked(&self) -> bool {
         self.is_locked
     }
@@ -70,22 +77,22 @@ impl PartialFolder {
         &self.path
     }
 
-    /// What an earlier process said of its files in [`Self::start_over`]; empty where there are none.
+    /// The text that an earlier process gave to [`Self::start_over`]; empty for a new folder.
     ///
     /// # Errors
     /// When it cannot be read.
     pub fn state(&mut self) -> Result<String> {
         let mut text = String::new();
         let read = self.state.seek(SeekFrom::Start(0)).and_then(|_| self.state.read_to_string(&mut text));
-        read.map(|_| text).map_err(|error| Error::io(self.path.join(STATE), error))
+        read.map(|_| text).map_err(|error| Error::io(self.path.join(self.kind.state), error))
     }
 
-    /// Number of whole files in it.
+    /// Number of complete images.
     pub fn files(&self) -> u64 {
-        count(&self.path)
+        self.kind.count(&self.path)
     }
 
-    /// Removes all files, and says what those are of that will come.
+    /// Removes all files and writes a new state.
     ///
     /// # Errors
     /// When something cannot be removed or written.
@@ -94,7 +101,7 @@ impl PartialFolder {
         let io = |error| Error::io(&self.path, error);
         for entry in std::fs::read_dir(&self.path).map_err(io)? {
             let path = entry.map_err(io)?.path();
-            if path.file_name() != Some(STATE.as_ref()) {
+            if path.file_name() != Some(self.kind.state.as_ref()) {
                 let is_folder = path.symlink_metadata().is_ok_and(|meta| meta.is_dir());
                 if is_folder { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) }.map_err(io)?;
             }
@@ -104,85 +111,80 @@ impl PartialFolder {
         written.and_then(|_| file.write_all(state.as_bytes())).and_then(|()| file.sync_all()).map_err(io)
     }
 
-    /// Leaves everything where it is.
+    /// Lets dropping leave everything.
     pub fn keep(&mut self) {
         self.keep = true;
     }
 
-    /// Names the output in an error that speaks of the unfinished folder.
+    /// Replaces the unfinished folder by the output in an error's path.
     pub fn present(&self, error: Error) -> Error {
-        match error {
-            Error::Io { file, source } => {
-                let file = file.strip_prefix(&self.path).map_or(file.clone(), |below| self.output.join(below));
-                Error::Io { file, source }
-            }
-            other => other,
-        }
+        name_final_path(error, &self.path, &self.output)
     }
 
-    /// Moves images and the manifest to the output; files of the same names there are replaced. Anything else goes.
+    /// Moves images and the manifest to the output, replacing files of the same names. Other files are removed.
     ///
     /// # Errors
-    /// When something cannot be moved. What is left can be gone on with.
+    /// When something cannot be moved. A later process can resume with the rest.
     pub fn commit(&mut self) -> Result<()> {
-        let output = &self.output;
+        let (output, state) = (&self.output, self.kind.state);
         let io = |error| Error::io(output, error);
         self.keep = true;
-        remove_foreign(&self.path).map_err(io)?;
+        self.kind.remove_foreign(&self.path).map_err(io)?;
         if output.exists() {
-            move_into(&self.path, output, &|name| name != STATE).map_err(io)?;
+            move_into(&self.path, output, &|name| name != state).map_err(io)?;
             return std::fs::remove_dir_all(&self.path).map_err(io);
         }
         std::fs::rename(&self.path, output).map_err(io)?;
-        std::fs::remove_file(output.join(STATE)).map_err(io)
+        std::fs::remove_file(output.join(state)).map_err(io)
     }
 }
 
-/// Beside the output; or within where it exists, which may be a mount point or a link to another disk, unless there is one
-/// beside it.
-fn path_for(output: &Path) -> Result<PathBuf> {
+/// Beside the output; or inside an existing output, which may be a mount point or a link, unless one is beside it.
+fn path_for(output: &Path, suffix: &str) -> Result<PathBuf> {
     let beside = output.file_name().map(|name| {
         let mut own = OsString::from(".");
         own.push(name);
-        own.push(PARTIAL);
+        own.push(suffix);
         output.with_file_name(own)
     });
     match beside {
         Some(beside) if beside.exists() || !output.exists() => Ok(beside),
-        _ if output.is_dir() => Ok(output.join(PARTIAL)),
+        _ if output.is_dir() => Ok(output.join(suffix)),
         _ => Err(Error::Usage(format!("{}: no name of a folder", output.display()))),
     }
 }
 
-/// Removes what no capture writes: it would come to lie among the images.
-fn remove_foreign(folder: &Path) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        if entry.file_type()?.is_dir() {
-            remove_foreign(&entry.path())?;
-        } else if !is_image(Path::new(&name)) && name != MANIFEST_NAME && name != STATE {
-            std::fs::remove_file(entry.path())?;
+impl FolderKind {
+    /// Removes files that are neither images nor manifest nor state.
+    fn remove_foreign(&self, folder: &Path) -> std::io::Result<()> {
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            let name = entry.file_name();
+            if entry.file_type()?.is_dir() {
+                self.remove_foreign(&entry.path())?;
+            } else if !self.is_image(Path::new(&name)) && name != self.manifest && name != self.state {
+                std::fs::remove_file(entry.path())?;
+            }
         }
+        Ok(())
     }
-    Ok(())
-}
 
-fn is_image(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "exr")
-}
+    fn is_image(&self, path: &Path) -> bool {
+        path.extension().is_some_and(|extension| extension == self.extension)
+    }
 
-fn count(folder: &Path) -> u64 {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let files = entries.map(|entry| {
-        let path = entry.path();
-        match entry.file_type() {
-            Ok(kind) if kind.is_dir() => count(&path),
-            Ok(_) => u64::from(is_image(&path)),
-            Err(_) => 0,
-        }
-    });
-    files.sum()
+    fn count(&self, folder: &Path) -> u64 {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let files = entries.map(|entry| {
+            let path = entry.path();
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() => self.count(&path),
+                Ok(_) => u64::from(self.is_image(&path)),
+                Err(_) => 0,
+            }
+        });
+        files.sum()
+    }
 }
 
 impl Drop for PartialFolder {
@@ -197,6 +199,10 @@ impl Drop for PartialFolder {
 mod tests {
     use super::*;
 
+    const STATE: &str = ".capture.json";
+    const CAPTURE: FolderKind =
+        FolderKind { suffix: ".capture.partial", state: STATE, extension: "exr", manifest: "lightfield.json" };
+
     fn names(folder: &Path) -> Vec<String> {
         let entries = std::fs::read_dir(folder).unwrap();
         let mut names: Vec<String> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
@@ -208,20 +214,20 @@ mod tests {
     fn what_is_kept_is_gone_on_with_and_what_is_not_goes() {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("deep/cap");
-        let mut folder = PartialFolder::open(&output).unwrap();
+        let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
         assert_eq!(folder.state().unwrap(), "");
         folder.start_over("of a").unwrap();
         std::fs::create_dir(folder.work_path().join("sub")).unwrap();
         std::fs::write(folder.work_path().join("sub/one.exr"), "1").unwrap();
         assert_eq!(folder.files(), 1);
-        assert!(matches!(PartialFolder::open(&output), Err(Error::Usage(_))), "there are two of them");
+        assert!(matches!(PartialFolder::open(&output, CAPTURE), Err(Error::Usage(_))), "there are two of them");
         folder.keep();
         drop(folder);
-        let mut folder = PartialFolder::open(&output).unwrap();
+        let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
         assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("of a", 1));
         drop(folder);
         assert_eq!(names(&base.path().join("deep")), [".cap.capture.partial"], "it was not ours to remove");
-        let mut folder = PartialFolder::open(&output).unwrap();
+        let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
         folder.start_over("of b").unwrap();
         assert_eq!(folder.files(), 0);
         drop(folder);
@@ -233,7 +239,7 @@ mod tests {
         let base = tempfile::tempdir().unwrap();
         let output = base.path().join("cap");
         for (round, expected) in [(0, vec!["a.exr", "sub"]), (1, vec!["a.exr", "sub"])] {
-            let mut folder = PartialFolder::open(&output).unwrap();
+            let mut folder = PartialFolder::open(&output, CAPTURE).unwrap();
             folder.start_over("of it").unwrap();
             std::fs::create_dir(folder.work_path().join("sub")).unwrap();
             for name in ["a.exr", "sub/b.exr", "notes.txt", "sub/b.exr.partial"] {
@@ -255,7 +261,7 @@ mod tests {
         std::fs::create_dir(&left).unwrap();
         std::fs::write(left.join("a.exr"), "1").unwrap();
         std::fs::write(left.join(STATE), "").unwrap();
-        let mut folder = PartialFolder::open(&base.path().join("cap")).unwrap();
+        let mut folder = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap();
         assert_eq!((folder.state().unwrap().as_str(), folder.files()), ("", 1));
         drop(folder);
         assert_eq!(names(&left), [STATE, "a.exr"]);
@@ -266,7 +272,7 @@ mod tests {
     fn a_link_that_leads_nowhere_is_refused() {
         let base = tempfile::tempdir().unwrap();
         std::os::unix::fs::symlink(base.path().join("gone"), base.path().join("cap")).unwrap();
-        let said = PartialFolder::open(&base.path().join("cap")).unwrap_err().to_string();
+        let said = PartialFolder::open(&base.path().join("cap"), CAPTURE).unwrap_err().to_string();
         assert!(said.contains("leads nowhere"), "{said}");
         assert_eq!(names(base.path()), ["cap"]);
     }
@@ -275,11 +281,11 @@ mod tests {
     fn what_lies_in_the_way_is_left_alone() {
         let base = tempfile::tempdir().unwrap();
         std::fs::write(base.path().join("cap"), "theirs").unwrap();
-        assert!(PartialFolder::open(&base.path().join("cap")).is_err());
+        assert!(PartialFolder::open(&base.path().join("cap"), CAPTURE).is_err());
         std::fs::write(base.path().join(".other.capture.partial"), "theirs").unwrap();
-        let said = PartialFolder::open(&base.path().join("other")).unwrap_err().to_string();
+        let said = PartialFolder::open(&base.path().join("other"), CAPTURE).unwrap_err().to_string();
         assert!(said.contains("in the way"), "{said}");
         assert_eq!(names(base.path()), [".other.capture.partial", "cap"]);
-        assert!(PartialFolder::open(&base.path().join("none/..")).is_err());
+        assert!(PartialFolder::open(&base.path().join("none/.."), CAPTURE).is_err());
     }
 }

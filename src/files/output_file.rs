@@ -1,0 +1,164 @@
+//! Output files: a locked partial file, a pipe, a device, or standard output.
+
+use std::fs::File;
+use std::io::{BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use super::partial_file::{IntactBytes, PartialFile};
+use crate::error::{Error, Result};
+
+enum Sink {
+    /// A file beside the final one.
+    Partial(PartialFile),
+    /// A device, a pipe, or standard output.
+    Direct(Box<dyn Write + Send>),
+}
+
+/// An output file that gets its name when it is whole; `-` is standard output. Until then its bytes are in a locked file
+/// beside it.
+pub struct OutputFile {
+    path: PathBuf,
+    sink: Sink,
+}
+
+impl OutputFile {
+    /// Starts a file. An existing one stays until [`Self::commit`]; an unfinished one is removed.
+    ///
+    /// # Errors
+    /// When another process writes the same output, or no file can be made there.
+    pub fn create(path: &Path) -> Result<OutputFile> {
+        let mut file = Self::open(path)?;
+        if let Sink::Partial(partial) = &mut file.sink {
+            partial.start_over()?;
+        }
+        Ok(file)
+    }
+
+    /// Opens an unfinished file with its content; call [`Self::resume`] before writing.
+    ///
+    /// # Errors
+    /// As for [`Self::create`].
+    pub fn open(path: &Path) -> Result<OutputFile> {
+        let io = |error| Error::io(path, error);
+        let sink = if path == Path::new("-") {
+            Sink::Direct(Box::new(BufWriter::new(std::io::stdout())))
+        } else if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file()) {
+            if path.is_dir() {
+                return Err(Error::Usage(format!("{}: a folder, where a file name was expected", path.display())));
+            }
+            Sink::Direct(Box::new(BufWriter::new(File::options().write(true).open(path).map_err(io)?)))
+        } else {
+            Sink::Partial(PartialFile::open(path)?)
+        };
+        Ok(OutputFile { path: path.to_path_buf(), sink })
+    }
+
+    /// Whether a later process could resume the file: false for pipes and devices, and once it is committed.
+    pub fn is_resumable(&self) -> bool {
+        matches!(&self.sink, Sink::Partial(partial) if !partial.is_committed())
+    }
+
+    /// Whether other processes are kept from writing the same output.
+    pub fn is_locked(&self) -> bool {
+        matches!(&self.sink, Sink::Partial(partial) if partial.is_locked())
+    }
+
+    /// Where the bytes are until [`Self::commit`].
+    pub fn work_path(&self) -> &Path {
+        match &self.sink {
+            Sink::Partial(partial) => partial.path(),
+            Sink::Direct(_) => &self.path,
+        }
+    }
+
+    /// Lets `check` find the intact chunks of an unfinished file: it gets the bytes of the journal, and the file. `None`
+    /// where nothing was left.
+    ///
+    /// # Errors
+    /// When a file cannot be read, and those of `check`. Both files stay.
+    pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
+        match &mut self.sink {
+            Sink::Partial(partial) => partial.recover(check),
+            Sink::Direct(_) => Ok(None),
+        }
+    }
+
+    /// Cuts off all but the intact bytes. Returns where to write the journal.
+    ///
+    /// # Errors
+    /// When a file cannot be truncated or made. Both files stay.
+    pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<Box<dyn Write + Send>> {
+        match &mut self.sink {
+            Sink::Partial(partial) => Ok(Box::new(partial.resume(intact)?)),
+            Sink::Direct(_) => Ok(Box::new(std::io::sink())),
+        }
+    }
+
+    /// Keeps the unfinished file in [`Self::work_path`].
+    ///
+    /// # Errors
+    /// When some bytes may not have reached the disk. The file stays nevertheless.
+    pub fn keep(&mut self) -> std::io::Result<()> {
+        match &mut self.sink {
+            Sink::Partial(partial) => partial.keep(),
+            Sink::Direct(_) => Ok(()),
+        }
+    }
+
+    /// Lets dropping remove the unfinished file and its journal.
+    pub fn discard(&mut self) {
+        if let Sink::Partial(partial) = &mut self.sink {
+            partial.discard();
+        }
+    }
+
+    /// Renames the file to the output after its bytes have reached the disk.
+    ///
+    /// # Errors
+    /// When that fails; the file can then still be kept.
+    pub fn commit(&mut self) -> Result<()> {
+        let written = match &mut self.sink {
+            Sink::Partial(partial) => partial.commit(),
+            Sink::Direct(writer) => writer.flush(),
+        };
+        written.map_err(|error| Error::io(&self.path, error))
+    }
+}
+
+impl Write for OutputFile {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        match &mut self.sink {
+            Sink::Partial(partial) => partial.write(bytes),
+            Sink::Direct(writer) => writer.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        match &mut self.sink {
+            Sink::Partial(partial) => partial.flush(),
+            Sink::Direct(writer) => writer.flush(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_output_that_is_not_committed_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.lfold");
+        std::fs::write(&path, "old").unwrap();
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"half").unwrap();
+        drop(file);
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"whole").unwrap();
+        file.commit().unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"whole");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,351 @@
+//! The unfinished file beside an output, and its journal, from which a later process resumes.
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::atomic::parent_of;
+use super::lock::{Locked, open_locked};
+use crate::error::{Error, Result};
+
+/// Ending of an unfinished file's name, after a dot and the name of the output.
+const PARTIAL: &str = "partial";
+/// Ending of its journal's name.
+const JOURNAL: &str = "journal";
+
+/// How much of an unfinished file and of its journal is intact, from the start.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct IntactBytes {
+    /// Of the file.
+    pub file: u64,
+    /// Of the journal.
+    pub journal: u64,
+}
+
+/// The journal of an unfinished file, which may not exist yet.
+#[derive(Debug)]
+struct JournalFile {
+    path: PathBuf,
+    file: Option<File>,
+}
+
+/// An unfinished file that is locked by this process. Dropping it removes the file, unless it was committed or kept. One
+/// with a journal is kept until [`Self::discard`].
+#[derive(Debug)]
+pub struct PartialFile {
+    output: PathBuf,
+    path: PathBuf,
+    writer: BufWriter<File>,
+    journal: JournalFile,
+    is_locked: bool,
+    /// Why a part of it may not have reached the disk. The system reports this only once.
+    sync_error: Option<String>,
+    keep: bool,
+    committed: bool,
+}
+
+/// The name of a file beside an output.
+fn beside(output: &Path, end: &str) -> Result<PathBuf> {
+    let mut name = OsString::from(".");
+    name.push(output.file_name().ok_or_else(|| Error::Usage(format!("{}: no file name", output.display())))?);
+    name.push(".");
+    name.push(end);
+    Ok(parent_of(output).join(name))
+}
+
+impl PartialFile {
+    /// Opens the unfinished file of an output with its content; a new one is empty.
+    pub fn open(output: &Path) -> Result<PartialFile> {
+        let folder = parent_of(output);
+        if !folder.is_dir() {
+            return Err(Error::Usage(format!("{}: there is no folder {}", output.display(), folder.display())));
+        }
+        let (path, journal_path) = (beside(output, PARTIAL)?, beside(output, JOURNAL)?);
+        let busy = || {
+            Error::Usage(format!(
+                "{}: another lightfold is writing it, in {}; wait for it, or name another file",
+                output.display(),
+                path.display()
+            ))
+        };
+        let open = |path: &Path| open_locked(path).map_err(|error| Error::io(output, error))?.ok_or_else(busy);
+        let Locked { file, is_locked } = open(&path)?;
+        // A process that has just renamed its file may still have to remove the journal.
+        let journal = match journal_path.symlink_metadata().is_ok().then(|| open(&journal_path)).transpose() {
+            Ok(journal) => JournalFile { path: journal_path, file: journal.map(|journal| journal.file) },
+            Err(error) => {
+                if file.metadata().is_ok_and(|meta| meta.len() == 0) {
+                    // It was created above.
+                    let _ = std::fs::remove_file(&path);
+                }
+                return Err(error);
+            }
+        };
+        Ok(PartialFile {
+            output: output.to_path_buf(),
+            path,
+            writer: BufWriter::new(file),
+            keep: journal.file.is_some(),
+            journal,
+            is_locked,
+            sync_error: None,
+            committed: false,
+        })
+    }
+
+    /// False where the file system has no locks.
+    pub fn is_locked(&self) -> bool {
+        self.is_locked
+    }
+
+    /// Whether the file has the name of the output.
+    pub fn is_committed(&self) -> bool {
+        self.committed
+    }
+
+    /// Path of the unfinished file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Calls `check` with the journal's bytes and the file; `None` without a journal. Both files stay.
+    pub fn recover<T>(&mut self, check: impl FnOnce(&[u8], &mut dyn Read) -> Result<Option<T>>) -> Result<Option<T>> {
+        let Some(journal) = &mut self.journal.file else { return Ok(None) };
+        let io = |error| Error::io(&self.path, error);
+        let mut records = Vec::new();
+        journal.seek(SeekFrom::Start(0)).and_then(|_| journal.read_to_end(&mut records)).map_err(io)?;
+        let file = self.writer.get_mut();
+        file.seek(SeekFrom::Start(0)).map_err(io)?;
+        check(&records, &mut BufReader::new(file)).map_err(|error| error.in_file(&self.path))
+    }
+
+    /// Cuts file and journal to the intact bytes, or to nothing; writes append. Returns the journal, to append to.
+    pub fn resume(&mut self, intact: Option<IntactBytes>) -> Result<File> {
+        let io = |error| Error::io(&self.output, error);
+        let bytes = intact.unwrap_or_default();
+        truncate(self.writer.get_mut(), bytes.file).map_err(io)?;
+        let busy = || Error::Usage(format!("{}: another process has it", self.journal.path.display()));
+        let mut journal = match self.journal.file.take() {
+            Some(journal) => journal,
+            None => open_locked(&self.journal.path).map_err(io)?.ok_or_else(busy)?.file,
+        };
+        let done = truncate(&mut journal, bytes.journal).and_then(|()| journal.try_clone()).map_err(io);
+        self.journal.file = Some(journal);
+        if intact.is_none() && done.is_ok() {
+            self.keep = false;
+        }
+        done
+    }
+
+    /// Empties the file and removes the journal.
+    pub fn start_over(&mut self) -> Result<()> {
+        truncate(self.writer.get_mut(), 0).map_err(|error| Error::io(&self.output, error))?;
+        self.keep = false;
+        self.remove_journal();
+        Ok(())
+    }
+
+    /// Lets dropping remove file and journal.
+    pub fn discard(&mut self) {
+        self.keep = false;
+    }
+
+    fn remove_journal(&mut self) {
+        if self.journal.file.is_some() {
+            // Removed while it is still locked.
+            let _ = std::fs::remove_file(&self.journal.path);
+            self.journal.file = None;
+        }
+    }
+
+    /// Lets dropping leave file and journal.
+    ///
+    /// # Errors
+    /// When some bytes may not have reached the disk. The files are left nevertheless.
+    pub fn keep(&mut self) -> std::io::Result<()> {
+        self.keep = true;
+        // On a full disk this fails; chunks that the journal lists were flushed before.
+        let _ = self.writer.flush();
+        let file = self.sync();
+        let journal = self.journal.file.as_ref().map_or(Ok(()), File::sync_all);
+        let folder = sync_folder(&self.output);
+        match &self.sync_error {
+            Some(why) => Err(std::io::Error::other(why.clone())),
+            None => file.and(journal).and(folder),
+        }
+    }
+
+    fn sync(&mut self) -> std::io::Result<()> {
+        let done = self.writer.get_ref().sync_all();
+        if let Err(error) = &done {
+            self.sync_error = Some(error.to_string());
+        }
+        done
+    }
+
+    /// Renames the file to the output after its bytes have reached the disk.
+    pub fn commit(&mut self) -> std::io::Result<()> {
+        self.writer.flush()?;
+        self.sync()?;
+        std::fs::rename(&self.path, &self.output)?;
+        (self.keep, self.committed) = (true, true);
+        // Before the journal is removed: should the disk lose the rename, the journal belongs to the old name.
+        sync_folder(&self.output)?;
+        self.remove_journal();
+        Ok(())
+    }
+}
+
+fn truncate(file: &mut File, bytes: u64) -> std::io::Result<()> {
+    file.set_len(bytes)?;
+    file.seek(SeekFrom::Start(bytes)).map(|_| ())
+}
+
+/// Forces a rename to the disk, on systems that sync folders.
+#[cfg(unix)]
+fn sync_folder(output: &Path) -> std::io::Result<()> {
+    use std::io::ErrorKind::{InvalidInput, Unsupported};
+    // A folder may be writable without being readable.
+    let Ok(folder) = File::open(parent_of(output)) else { return Ok(()) };
+    match folder.sync_all() {
+        Err(error) if !matches!(error.kind(), InvalidInput | Unsupported) => Err(error),
+        _ => Ok(()),
+    }
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_output: &Path) -> std::io::Result<()> {
+    Ok(())
+}
+
+impl Write for PartialFile {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.writer.flush()
+    }
+}
+
+impl Drop for PartialFile {
+    fn drop(&mut self) {
+        // After a panic a file with a journal can still be resumed.
+        let panicked = std::thread::panicking() && self.journal.file.is_some();
+        if !self.keep && !panicked {
+            let _ = std::fs::remove_file(&self.path);
+            self.remove_journal();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tempfile::TempDir;
+
+    const LEFT: [(&str, &[u8]); 2] = [(".a.journal", b"records"), (".a.partial", b"chunks")];
+
+    /// A folder with what an unfinished encode of `a` left.
+    fn left() -> (TempDir, PathBuf) {
+        let folder = TempDir::new().unwrap();
+        for (name, bytes) in LEFT {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let output = folder.path().join("a");
+        (folder, output)
+    }
+
+    #[track_caller]
+    fn is_untouched(folder: &TempDir) {
+        for (name, bytes) in LEFT {
+            assert_eq!(std::fs::read(folder.path().join(name)).unwrap(), bytes, "{name}");
+        }
+    }
+
+    fn count(folder: &TempDir) -> usize {
+        std::fs::read_dir(folder.path()).unwrap().count()
+    }
+
+    #[test]
+    fn what_cannot_be_read_or_cut_stays() {
+        let (folder, output) = left();
+        // A journal that may not be read.
+        let mut partial = PartialFile::open(&output).unwrap();
+        partial.journal.file = Some(File::options().write(true).open(folder.path().join(".a.journal")).unwrap());
+        assert!(matches!(partial.recover(|_, _| Ok(Some(()))), Err(Error::Io { .. })));
+        drop(partial);
+        is_untouched(&folder);
+        // A file that may not be cut.
+        for intact in [Some(IntactBytes::default()), None] {
+            let mut partial = PartialFile::open(&output).unwrap();
+            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap());
+            assert!(matches!(partial.resume(intact), Err(Error::Io { .. })));
+            drop(partial);
+            is_untouched(&folder);
+            let mut partial = PartialFile::open(&output).unwrap();
+            partial.writer = BufWriter::new(File::open(folder.path().join(".a.partial")).unwrap());
+            assert!(matches!(partial.start_over(), Err(Error::Io { .. })));
+            drop(partial);
+            is_untouched(&folder);
+        }
+        // One that is begun anew is nobody's loss.
+        let mut partial = PartialFile::open(&output).unwrap();
+        partial.resume(None).unwrap();
+        drop(partial);
+        assert_eq!(count(&folder), 0);
+    }
+
+    #[test]
+    fn an_error_of_checking_names_the_file_and_leaves_it() {
+        let (folder, output) = left();
+        let mut partial = PartialFile::open(&output).unwrap();
+        let checked = partial.recover(|records, bytes| {
+            let mut text = String::new();
+            bytes.read_to_string(&mut text).unwrap();
+            assert_eq!((records, text.as_str()), (&b"records"[..], "chunks"));
+            Err::<Option<()>, _>(Error::Interrupted)
+        });
+        assert!(matches!(checked, Err(Error::Interrupted)));
+        drop(partial);
+        is_untouched(&folder);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_disk_that_may_have_lost_something_is_told() {
+        let null = || File::options().write(true).open("/dev/null").unwrap();
+        let (folder, output) = left();
+        let mut partial = PartialFile::open(&output).unwrap();
+        partial.keep().unwrap();
+        // The system has no such thing as bringing this one to the disk.
+        let file = std::mem::replace(&mut partial.writer, BufWriter::new(null()));
+        assert!(partial.commit().is_err());
+        assert!(!partial.is_committed() && !output.exists());
+        // What it said once, it does not say again.
+        partial.writer = file;
+        assert!(partial.keep().is_err());
+        drop(partial);
+        let mut partial = PartialFile::open(&output).unwrap();
+        partial.journal.file = Some(null());
+        assert!(partial.keep().is_err());
+        drop(partial);
+        is_untouched(&folder);
+    }
+
+    #[test]
+    fn a_journal_that_another_process_has_leaves_no_new_file() {
+        let (folder, output) = left();
+        std::fs::remove_file(folder.path().join(".a.partial")).unwrap();
+        let theirs = open_locked(&folder.path().join(".a.journal")).unwrap();
+        assert!(matches!(PartialFile::open(&output), Err(Error::Usage(_))));
+        assert_eq!(count(&folder), 1);
+        // One with bytes is not ours to remove.
+        std::fs::write(folder.path().join(".a.partial"), b"chunks").unwrap();
+        assert!(PartialFile::open(&output).is_err());
+        is_untouched(&folder);
+        drop(theirs);
+        assert!(PartialFile::open(&output).is_ok());
+    }
+}
