@@ -224,7 +224,9 @@ impl Work<'_> {
         let lone =
             "the file system has no locks, so two encoders of this file would not see each other: start no second one";
         say(global, self.path, lone, !file.is_locked());
-        let begun = file.recover(|records, bytes| journal::recover_watched(records, bytes, self.progress)).map_err(|error| stays(error, &file))?;
+        let begun = file
+            .recover(|records, bytes| journal::recover_watched(records, bytes, self.progress))
+            .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
                 dataset::check_recovered(self.source, self.settings, &begun)
@@ -247,8 +249,9 @@ impl Work<'_> {
             }
         };
         let goes_on = recovered.is_some();
-        let intact =
-            recovered.as_ref().map(|found| IntactBytes { file: found.container_bytes(), journal: found.journal_bytes() });
+        let intact = recovered
+            .as_ref()
+            .map(|found| IntactBytes { file: found.container_bytes(), journal: found.journal_bytes() });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
         let done = dataset::encode_resumable(self.source, self.settings, resumable, self.progress);
