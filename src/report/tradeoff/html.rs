@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::figures::Figure;
 use crate::error::{Error, Result};
 use crate::files::write_whole;
-use crate::report::plot::save::escape;
+use crate::report::plot::save::{self, escape};
 
 /// A page's own name.
 pub const PAGE: &str = "index.html";
