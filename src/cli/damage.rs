@@ -5,8 +5,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
-use crate::decode::damage::DamagedChunk;
-use crate::decode::decoder::Decoder;
+use crate::decode::{DamagedChunk, Decoder};
 
 /// One object for each chunk.
 pub fn json(decoder: &Decoder, damaged: &[DamagedChunk]) -> Vec<Value> {

@@ -13,10 +13,7 @@ use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::manifest::MANIFEST_NAME;
-use crate::decode::decoder::Decoder;
-use crate::decode::export::{
-    self, Decoded, Destination, FileFormat, ImageSource, IntactOnCpu, OnCpu, OnDamage, Request,
-};
+use crate::decode::{self, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request};
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
 use crate::gpu::Gpu;
@@ -110,7 +107,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let mut decoder = Decoder::open(input)?;
     let selection = args.selection.with(args.frames.frames);
     let memory = args.memory.get();
-    let asked = export::stored_bytes(&decoder, &selection.choose(&decoder)?);
+    let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
     let limit = load_limit(decoder.reader().file_bytes(), asked, memory);
     let start = Instant::now();
     // The time of decoding alone is asked for: the file is read before it counts, where memory allows.
@@ -118,11 +115,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let reading = start.elapsed();
     let chosen = selection.choose(&decoder)?;
     let view = args.cameras.view(&decoder, &chosen)?;
-    let images: u64 = chosen.iter().map(|(_, frames)| frames.count()).sum();
+    let images: u64 = chosen.iter().map(|part| part.frames.count()).sum();
     let passes = args.repeat.map_or(1, |count| u64::from(count) + 1);
     let progress = Progress::start(global, "decoding", images * passes)?;
     let mut runs = Timing::default();
-    let request = Request { chosen: &chosen, filter: view.filter(), memory };
+    let request = Request { streams: &chosen, filter: view.filter(), memory };
     let mut once = || {
         let start = Instant::now();
         let done = device::or_on_cpu(
@@ -140,11 +137,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
                 }
             },
             || {
-                let (source, on_damage): (&dyn ImageSource, _) =
-                    if args.keep_going { (&IntactOnCpu, OnDamage::KeepGoing) } else { (&OnCpu, OnDamage::Stop) };
+                let on_damage = if args.keep_going { OnDamage::KeepGoing } else { OnDamage::Stop };
                 match &args.output {
-                    Some(output) => Ok((write(source, &decoder, request, output, args.format, &progress)?, None)),
-                    None => Ok((export::decode_units(&decoder, request, on_damage, &progress)?, None)),
+                    Some(output) => {
+                        Ok((write(&OnCpu(on_damage), &decoder, request, output, args.format, &progress)?, None))
+                    }
+                    None => Ok((decode::decode_units(&decoder, request, on_damage, &progress)?, None)),
                 }
             },
         )?;
@@ -256,18 +254,18 @@ fn write(
         let dataset = |folder: &Path| Destination::Dataset(folder.to_path_buf());
         return write_into((source, decoder, request, format), output, dataset, progress);
     };
-    let images: u64 = request.chosen.iter().map(|(_, frames)| frames.count()).sum();
+    let images: u64 = request.streams.iter().map(|part| part.frames.count()).sum();
     if !pattern.has_field() && images != 1 {
         return Err(Error::Usage(format!(
             "{}: one file, and {images} images are chosen; name a pattern such as depth.%04d.exr, or a folder",
             output.display()
         )));
     }
-    if request.chosen.len() != 1 {
+    if request.streams.len() != 1 {
         return Err(Error::Usage(format!(
             "{}: a pattern names the files of one stream, {} are chosen; use --probe, --face and --stream, or name a folder",
             output.display(),
-            request.chosen.len()
+            request.streams.len()
         )));
     }
     let format = match output.extension().and_then(|extension| extension.to_str()) {
@@ -291,7 +289,7 @@ fn write_into(
 ) -> Result<Decoded> {
     let folder = OutputFolder::create(path)?;
     let work = destination(folder.work_path());
-    let decoded = export::decode_to_files(source, decoder, request, &work, format, progress)
+    let decoded = decode::decode_to_files(source, decoder, request, &work, format, progress)
         .map_err(|error| folder.present(error))?;
     if decoded.summary.frames > 0 {
         let removed = destination(path).remove_missing(decoder, &decoded.missing, format)?;
@@ -361,7 +359,7 @@ fn report(
         }
         if let Some(decoder) = listed {
             report["damaged"] = damage::json(decoder, &decoded.damaged).into();
-            let missing = decoded.missing.iter().map(|missing| export::missing_json(decoder, missing));
+            let missing = decoded.missing.iter().map(|missing| decode::missing_json(decoder, missing));
             report["missing"] = missing.collect::<Vec<_>>().into();
         }
         output::add_peak_memory(&mut report);

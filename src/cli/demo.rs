@@ -13,8 +13,7 @@ use crate::compare::side::{self, SideOptions};
 use crate::compare::streams::{self, CompareSettings, Pairing, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::{Decoder, StreamInfo};
-use crate::decode::export::{self, Destination, FileFormat, OnCpu, Selection};
+use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::dataset::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::{OutputFile, OutputFolder};
@@ -141,11 +140,11 @@ fn encode(places: &Places, settings: &EncodeSettings, global: &GlobalArgs) -> Re
 
 fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
     let chosen = Selection::default().choose(decoder)?;
-    let progress = Progress::start(global, "decoding", chosen.iter().map(|(_, frames)| frames.count()).sum())?;
+    let progress = Progress::start(global, "decoding", chosen.iter().map(|part| part.frames.count()).sum())?;
     let folder = OutputFolder::create(path)?;
     let destination = Destination::Dataset(folder.work_path().to_path_buf());
-    let request = export::Request::all(&chosen);
-    export::decode_to_files(&OnCpu, decoder, request, &destination, FileFormat::Exr, &progress)?;
+    let request = decode::Request::all(&chosen);
+    decode::decode_to_files(&OnCpu::default(), decoder, request, &destination, FileFormat::Exr, &progress)?;
     folder.commit()
 }
 
@@ -168,7 +167,7 @@ fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Tota
     for kind in StreamKind::ALL.into_iter().filter(|kind| streams.iter().any(|stream| stream.kind == *kind)) {
         let chosen = Selection { kinds: vec![kind], ..Selection::default() }.choose(decoder)?;
         let start = Instant::now();
-        let summary = export::decode_to_nothing(decoder, export::Request::all(&chosen), &progress)?;
+        let summary = decode::decode_units(decoder, decode::Request::all(&chosen), OnDamage::Stop, &progress)?.summary;
         let seconds = start.elapsed().as_secs_f64().max(1e-9);
         rows.push(KindRow {
             kind,

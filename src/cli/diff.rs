@@ -14,11 +14,11 @@ use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{self, Coding, Side, SideOptions, StreamId};
 use crate::compare::streams::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::dataset::stream::StreamKind;
-use crate::decode::export::Selection;
+use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
 use crate::image::transfer::Transfer;
-use crate::streams::header::ColorFormat;
+use crate::streams::ColorFormat;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

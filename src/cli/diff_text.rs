@@ -11,7 +11,7 @@ use crate::compare::side::{Coding, Side};
 use crate::dataset::stream::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
-use crate::streams::header::ColorFormat;
+use crate::streams::ColorFormat;
 
 /// Rows of streams are printed unasked up to this many.
 const FEW: usize = 12;

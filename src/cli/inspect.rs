@@ -15,7 +15,7 @@ use serde_json::Value;
 use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs, is_dataset};
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome, output};
-use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::inspect::container::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
@@ -134,7 +134,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     plot::check(args)?;
     let decoder = Decoder::open(&args.input)?;
     let selection = args.selection.with(None);
-    let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|(stream, _)| stream).collect();
+    let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|part| part.stream).collect();
     let settings = InspectSettings {
         rows: match (args.frames, args.range) {
             (false, _) => FrameRows::None,

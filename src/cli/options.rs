@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::dataset::stream::StreamKind;
-use crate::decode::export::Selection;
+use crate::decode::Selection;
 use crate::effort::Effort;
 use crate::encode::dataset::EncodeSettings;
 use crate::error::{Error, Result};

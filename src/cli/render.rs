@@ -17,7 +17,7 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, Outcome};
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::Decoder;
+use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::TimedCamera;
 use crate::evaluate::path::{self, Shot};

@@ -4,13 +4,12 @@ use half::f16;
 
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
-use crate::streams::convert;
-use crate::streams::header::ColorFormat;
+use crate::streams::{ColorFormat, convert};
 
 /// Cells where nothing says how large they are.
 const DEFAULT_CELL: u32 = 64;

@@ -11,7 +11,7 @@ use crate::compare::streams::Pair;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::metrics::psnr::{CodeError, U8_PEAK};
-use crate::streams::header::ColorFormat;
+use crate::streams::ColorFormat;
 
 /// The PSNR of a cell in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,5 +1,7 @@
 //! Compares containers, datasets and image sequences stream by stream.
 
+#![doc(hidden)]
+
 pub mod comparison;
 pub mod difference;
 pub mod domain;

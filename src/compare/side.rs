@@ -12,16 +12,14 @@ use crate::container::header::MAGIC;
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::dataset::stream::{DepthKind, Projection, StreamKind};
-use crate::decode::decoder::{Decoder, FaceDecoder, Picture};
-use crate::decode::export::Selection;
-use crate::decode::memory;
+use crate::decode::{Decoder, FaceDecoder, Picture, Selection, memory};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
 use crate::image::sequence::{FrameRange, Pattern};
 use crate::image::transfer::{ToneMap, Transfer};
-use crate::streams::header::{CodecHeader, ColorFormat};
+use crate::streams::{CodecHeader, ColorFormat};
 
 /// What a stream is called.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]

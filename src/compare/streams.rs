@@ -21,7 +21,7 @@ use crate::memory::{Budget, Need};
 use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::streams::header::ColorFormat;
+use crate::streams::ColorFormat;
 
 /// Bytes for each pixel of a pair of images. Each side is read as at most three floats (12) and converted to at most as many
 /// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).

@@ -19,6 +19,21 @@ pub const MAX_MANIFEST_BYTES: u64 = 16 << 20;
 /// Longest side, in pixels, of the images that a manifest may declare.
 pub const MAX_SIDE: u32 = 65_536;
 
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "Projection", rename_all = "lowercase")]
+enum ProjectionName {
+    Cubemap,
+    Equirect,
+    Perspective,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "DepthKind", rename_all = "lowercase")]
+enum DepthKindName {
+    Distance,
+    Planar,
+}
+
 /// The whole file. Unknown keys are errors, except inside `extra`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,6 +47,7 @@ pub struct Manifest {
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
     /// How the images were projected.
+    #[serde(with = "ProjectionName")]
     pub projection: Projection,
     /// Width and height of each image file, in pixels.
     pub size: [u32; 2],
@@ -103,7 +119,7 @@ impl Unit {
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
     /// Distance or planar Z.
-    #[serde(default)]
+    #[serde(default, with = "DepthKindName")]
     pub kind: DepthKind,
     /// Unit of the values. Metres when neither it nor `scale` is there, except in integer files, which need one.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -6,7 +6,6 @@ pub mod cameras;
 pub mod manifest;
 mod pixels;
 pub mod source;
-pub mod stream;
 
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
@@ -15,3 +14,8 @@ pub use source::{
     Arrangement, InvalidColor, InvalidDepth, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
 };
 pub use stream::{DepthKind, Projection, StreamKind};
+
+/// Kinds of streams by their old path.
+pub mod stream {
+    pub use crate::image::{DepthKind, Projection, StreamKind};
+}

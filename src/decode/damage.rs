@@ -1,20 +1,33 @@
-//! What is damaged in a container, and which images are not to be had because of it.
+//! Damaged chunks, and the images that need them.
+//!
+//! A CRC-32 guards each chunk, so damage costs the images whose tiles and cells need that chunk. With
+//! [`OnDamage::KeepGoing`] an image with a damaged unit is left out as a whole: a partly invented file would pass for footage.
+//! A cell of colour may need the next chunk's first keyframe, so that frames before a damaged chunk are lost back to the last
+//! keyframe before it. A container without a sound index is refused.
 
 use crate::container::ChunkEntry;
 use crate::error::Error;
 use crate::image::sequence::FrameRange;
 
+/// What to do about damaged chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum OnDamage {
+    /// The first one is an error.
+    #[default]
+    Stop,
+    /// List them, and decode all images that need none of them.
+    KeepGoing,
+}
+
 /// A chunk that cannot be decoded.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DamagedChunk {
-    /// Its row of the chunk table.
     pub chunk: ChunkEntry,
-    /// What is wrong with it, without a word about where.
+    /// The error without the place.
     pub reason: String,
 }
 
 impl DamagedChunk {
-    /// A chunk and what reading it came to.
     pub fn new(chunk: &ChunkEntry, error: &Error) -> DamagedChunk {
         let reason = match error {
             Error::Io { source, .. } => source.to_string(),
@@ -23,14 +36,13 @@ impl DamagedChunk {
         DamagedChunk { chunk: *chunk, reason }
     }
 
-    /// The frames that it holds.
     pub fn frames(&self) -> FrameRange {
         let key = self.chunk.key;
         FrameRange { first: key.first_frame, last: key.first_frame + (key.frame_count - 1) }
     }
 }
 
-/// A set of frames, as ranges: it takes memory for what is scattered, not for what is long.
+/// A set of frames, as ranges.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FrameRanges {
     /// In order; no two touch.
@@ -51,7 +63,6 @@ impl FrameRanges {
         }
     }
 
-    /// Adds all frames of another set.
     pub fn join(&mut self, other: FrameRanges) {
         if other.ranges.is_empty() {
             return;
@@ -62,28 +73,26 @@ impl FrameRanges {
         both.into_iter().for_each(|range| self.append(range));
     }
 
-    /// How many frames.
     pub fn count(&self) -> u64 {
         self.ranges.iter().map(|range| range.count()).sum()
     }
 }
 
-/// Images of one stream that damaged chunks are needed for.
+/// Images of one stream that need damaged chunks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingImages {
-    /// Index of the stream.
+    /// Index in the stream table.
     pub stream: u32,
     /// The frames, in order; no two ranges touch.
     pub frames: Vec<FrameRange>,
 }
 
 impl MissingImages {
-    /// Frames of a stream; none where there are no frames.
+    /// `None` where there are no frames.
     pub fn new(stream: u32, frames: FrameRanges) -> Option<MissingImages> {
         (!frames.ranges.is_empty()).then_some(MissingImages { stream, frames: frames.ranges })
     }
 
-    /// How many images.
     pub fn count(&self) -> u64 {
         self.frames.iter().map(|range| range.count()).sum()
     }

@@ -1,10 +1,35 @@
 //! Decodes any (stream, unit, frame) of a container, reading only the chunks that it needs.
+//!
+//! Enters: an open container. Leaves: pixels of a unit ([`UnitDecoder`]) or of an image ([`FaceDecoder`]), in the caller's
+//! slices ([`PixelsMut`]) or in files ([`decode_to_files`]).
 
-pub mod damage;
-pub mod decoder;
-pub mod export;
-pub mod memory;
-pub mod unit_filter;
+#![doc(hidden)]
 
-pub use decoder::{Decoder, FaceDecoder, Picture, UnitDecoder};
+mod cell;
+mod chunk_source;
+mod damage;
+mod decoder;
+mod face;
+mod files;
+mod images;
+mod manifest;
+pub(crate) mod memory;
+mod pixels;
+mod selection;
+mod unit;
+mod unit_filter;
+mod units;
+
+pub use crate::streams::StreamInfo;
+pub use chunk_source::DecodeCost;
+pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
+pub use decoder::Decoder;
+pub use face::{FaceDecoder, Picture};
+pub use files::{Destination, decode_to_files, missing_json};
+pub use images::{ImageSource, Images, OnCpu};
+pub use manifest::FileFormat;
+pub use pixels::PixelsMut;
+pub use selection::{Request, Selection, StreamFrames};
+pub use unit::{UnitDecoder, UnitPixels};
 pub use unit_filter::{AllUnits, UnitFilter};
+pub use units::{DecodeSummary, Decoded, decode_units, decoded_pixel_bytes, stored_bytes};

@@ -1,10 +1,10 @@
-//! Which tiles and cells are decoded, and when (CALF 6.2).
+//! Selection of tiles and cells by frame (CALF 6.2).
 
-use crate::decode::decoder::StreamInfo;
+use crate::streams::StreamInfo;
 
-/// Chooses units of streams.
+/// Selects units of streams.
 pub trait UnitFilter: Sync {
-    /// Whether a unit of a stream is wanted in a frame.
+    /// Whether a unit of a stream is decoded in a frame.
     fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool;
 }
 

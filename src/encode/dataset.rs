@@ -23,8 +23,8 @@ use crate::error::{Error, Result};
 use crate::image::plane::DepthPlane;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
-use crate::streams::info;
+use crate::streams;
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 
 use crate::encode::resume::{Done, FrameNote, Order, ScanNote, Stamp, note_of_frames};
 pub use crate::encode::resume::{Left, Stopped};
@@ -179,7 +179,7 @@ fn run<W: Write>(
     let ran = job.run(&selected_groups(source, settings));
     let Job { writer, mut summary, .. } = job;
     let left = left_of(order.describe(source, writer.safe()));
-    match ran.and_then(|()| writer.finish_checked(info::check_written)) {
+    match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
         Ok((out, bytes)) => {
             summary.bytes = bytes;
             Ok((out, summary))

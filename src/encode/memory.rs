@@ -13,7 +13,7 @@ use crate::encode::scan;
 use crate::encode::unit::ColorMemory;
 use crate::error::Result;
 use crate::memory::Need;
-use crate::streams::header::CodecHeader;
+use crate::streams::CodecHeader;
 
 /// Bytes for each pixel of a tile that its encoder works with: what is held (at most 3), its age and whether it changes (2), a
 /// leaf for 16 pixels (1), and nodes of 48 bytes with their places, at most 4/3 for 16 pixels: as found, as sent lately, and as

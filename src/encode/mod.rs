@@ -1,5 +1,7 @@
 //! Encodes a dataset: reads frames, feeds the unit encoders, writes chunks.
 
+#![doc(hidden)]
+
 pub mod dataset;
 mod fingerprint;
 mod memory;

@@ -21,7 +21,6 @@ use crate::error::{Error, Result};
 use crate::fingerprint::Fingerprint;
 use crate::image::Face;
 use crate::monitor::Monitor;
-use crate::streams::convert;
 
 const FRAMES: u8 = 0;
 const SCAN: u8 = 1;
@@ -287,7 +286,7 @@ impl Done {
         if note.stamp == now {
             return Ok(());
         }
-        let (file, name) = (source.file(group, frame)?, convert::name_frame(source, group, frame));
+        let (file, name) = (source.file(group, frame)?, crate::encode::settings::name_frame(source, group, frame));
         Err(fingerprint::other(&format!("{} ({name}) has changed since", file.display())))
     }
 

@@ -11,7 +11,7 @@ use crate::depth::temporal::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::memory::Budget;
-use crate::streams::header::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
+use crate::streams::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
 
 /// How depth is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -195,7 +195,7 @@ impl EncodeSettings {
 
     /// The header of colour streams.
     pub(super) fn color_header(&self) -> ColorHeader {
-        let header = ColorHeader::new(self.color, &self.search);
+        let header = ColorHeader { format: self.color, blocks: None, min_psnr_db: self.search.min_psnr_db };
         match self.color_blocks {
             Some(ColorBlockSettings { blocks, final_psnr_db }) => {
                 ColorHeader { blocks: Some(blocks), min_psnr_db: final_psnr_db, ..header }
@@ -234,6 +234,13 @@ impl EncodeSettings {
             DepthCodec::Blocks => DepthCoding::Blocks,
         })
     }
+}
+
+/// Says which frame of which stream an error came from.
+pub fn name_frame(source: &crate::dataset::Source, group: &crate::dataset::SourceGroup, frame: u32) -> String {
+    let probe = &source.probes()[group.probe].name;
+    let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();
+    format!("{} of probe {probe}, face {}, frame {frame}", group.kind.name(), faces.join("/"))
 }
 
 #[cfg(test)]

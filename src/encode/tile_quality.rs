@@ -45,7 +45,7 @@ pub fn measure(source: &Source, settings: &EncodeSettings, monitor: &dyn Monitor
                 };
                 for plane in &planes {
                     let codes = convert::depth_codes(plane, &quantiser)
-                        .map_err(|error| error.context(convert::name_frame(source, group, frame)))?;
+                        .map_err(|error| error.context(crate::encode::settings::name_frame(source, group, frame)))?;
                     let rows = (0..codes.height() as usize).step_by(TILE_SIDE).collect();
                     let measured = try_map_ordered(rows, |y| {
                         monitor.check()?;

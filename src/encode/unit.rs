@@ -25,8 +25,7 @@ use crate::error::{Error, Result};
 use crate::image::plane::{DepthPlane, Plane};
 use crate::image::transfer::EncodeTable;
 use crate::monitor::Monitor;
-use crate::streams::convert;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, convert};
 
 /// Pictures that the cells of a group may wait for their next keyframe with: bounds how far it may lie.
 const PENDING_BYTES: u64 = 768 << 20;
@@ -178,7 +177,7 @@ impl<'a> GroupCoder<'a> {
         coding: &AtomicU64,
     ) -> Result<(Vec<Coded>, u64)> {
         let named = |error: Error| {
-            let error = error.context(convert::name_frame(source, self.group, frame));
+            let error = error.context(crate::encode::settings::name_frame(source, self.group, frame));
             match source.file(self.group, frame) {
                 Ok(file) => error.in_file(file),
                 Err(_) => error,

@@ -15,8 +15,7 @@ use std::time::Instant;
 
 use crate::color::cells::LEADS_NOWHERE;
 use crate::container::ChunkEntry;
-use crate::decode::decoder::{DecodeCost, Decoder, StreamInfo};
-use crate::decode::unit_filter::{AllUnits, UnitFilter};
+use crate::decode::{AllUnits, DecodeCost, Decoder, StreamInfo, UnitFilter};
 use crate::depth::record_table;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};

@@ -3,7 +3,7 @@
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;
 use crate::gpu::pictures::code_stride;
-use crate::streams::header::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
+use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
 
 /// Streams of one kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

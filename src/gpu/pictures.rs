@@ -5,7 +5,7 @@
 
 use half::f16;
 
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::depth::BACKGROUND_CODE;
 use crate::image::plane::Plane;
 

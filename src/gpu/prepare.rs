@@ -14,9 +14,7 @@ use crate::depth::texel::Texel;
 use crate::error::Result;
 use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_BLOCKS, KEYFRAME_SAMPLES, Record};
 use crate::gpu::pictures::code_stride;
-use crate::streams::depth_chunk::DepthChunk;
-use crate::streams::header::{CodecHeader, ColorFormat};
-use crate::streams::material_chunk::MaterialChunk;
+use crate::streams::{CodecHeader, ColorFormat, DepthChunk, MaterialChunk, PictureChunk};
 
 /// What the host keeps of a chunk that is on the device.
 #[derive(Debug, Clone)]

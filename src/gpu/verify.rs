@@ -1,8 +1,9 @@
 //! Decodes what was chosen on a graphics device: into nothing, beside the CPU, or as images.
 
-use crate::decode::decoder::{DecodeCost, Decoder, FaceDecoder, Picture, StreamInfo};
-use crate::decode::export::{Chosen, DecodeSummary, ImageSource, Images, Request, decoded_pixel_bytes};
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::{
+    DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
+    UnitFilter, decoded_pixel_bytes,
+};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{GpuDecoder, Wanted, picture_words};
 use crate::gpu::device::Gpu;
@@ -21,17 +22,17 @@ pub struct Verification {
 }
 
 /// Streams of one family whose pictures fit into one buffer, group after group.
-fn groups<'a>(gpu: &Gpu, chosen: &[Chosen<'a>]) -> Vec<Vec<Chosen<'a>>> {
+fn groups<'a>(gpu: &Gpu, chosen: &[StreamFrames<'a>]) -> Vec<Vec<StreamFrames<'a>>> {
     let most = gpu.info.max_binding_bytes / 4;
-    let mut groups: Vec<(Family, u64, Vec<Chosen<'a>>)> = Vec::new();
-    for &(stream, frames) in chosen {
+    let mut groups: Vec<(Family, u64, Vec<StreamFrames<'a>>)> = Vec::new();
+    for &StreamFrames { stream, frames } in chosen {
         let (family, words) = (Family::of(&stream.header), picture_words(stream, 1));
         match groups.iter_mut().find(|(other, used, _)| *other == family && *used + words <= most) {
             Some((_, used, streams)) => {
                 *used += words;
-                streams.push((stream, frames));
+                streams.push(StreamFrames { stream, frames });
             }
-            None => groups.push((family, words, vec![(stream, frames)])),
+            None => groups.push((family, words, vec![StreamFrames { stream, frames }])),
         }
     }
     groups.into_iter().map(|(_, _, streams)| streams).collect()
@@ -49,8 +50,8 @@ pub fn decode_to_nothing(
     monitor: &dyn Monitor,
 ) -> Result<DecodeSummary> {
     let mut summary = DecodeSummary::default();
-    for group in groups(gpu, request.chosen) {
-        let part = Request { chosen: &group, ..request };
+    for group in groups(gpu, request.streams) {
+        let part = Request { streams: &group, ..request };
         summary = summary.plus(decode_group(gpu, decoder, part, monitor, |_, _, _| Ok(()))?);
     }
     Ok(summary)
@@ -68,19 +69,19 @@ pub fn verify(
     monitor: &dyn Monitor,
 ) -> Result<(DecodeSummary, Verification)> {
     let (mut summary, mut verification) = (DecodeSummary::default(), Verification::default());
-    for group in groups(gpu, request.chosen) {
-        let mut on_cpu: Vec<FaceDecoder<'_>> = group.iter().map(|(stream, _)| decoder.face(stream)).collect();
+    for group in groups(gpu, request.streams) {
+        let mut on_cpu: Vec<FaceDecoder<'_>> = group.iter().map(|part| decoder.face(part.stream)).collect();
         let compare = |on_gpu: &mut GpuDecoder<'_>, now: &[usize], frame: u32| {
             let pictures = on_gpu.read_wanted(frame, request.filter)?;
             for &at in now {
-                verification.compare(&pictures[at], &on_cpu[at].decode_wanted(frame, request.filter)?, || {
-                    let (probe, face) = (&decoder.probe(group[at].0).name, group[at].0.face.name());
-                    format!("frame {frame} of the {} stream of {probe}/{face}", group[at].0.kind.name())
+                verification.compare(&pictures[at], &on_cpu[at].decode_filtered(frame, request.filter)?, || {
+                    let (probe, face) = (&decoder.probe(group[at].stream).name, group[at].stream.face.name());
+                    format!("frame {frame} of the {} stream of {probe}/{face}", group[at].stream.kind.name())
                 });
             }
             Ok(())
         };
-        let part = Request { chosen: &group, ..request };
+        let part = Request { streams: &group, ..request };
         summary = summary.plus(decode_group(gpu, decoder, part, monitor, compare)?);
     }
     Ok((summary, verification))
@@ -101,17 +102,17 @@ impl Verification {
 fn decode_group(
     gpu: &Gpu,
     decoder: &Decoder,
-    Request { chosen: group, filter, .. }: Request<'_>,
+    Request { streams: group, filter, .. }: Request<'_>,
     monitor: &dyn Monitor,
     mut seen: impl FnMut(&mut GpuDecoder<'_>, &[usize], u32) -> Result<()>,
 ) -> Result<DecodeSummary> {
-    let streams: Vec<&StreamInfo> = group.iter().map(|(stream, _)| *stream).collect();
+    let streams: Vec<&StreamInfo> = group.iter().map(|part| part.stream).collect();
     let mut on_gpu = GpuDecoder::new(gpu, decoder, &streams)?.watched_by(monitor);
-    let spans = group.iter().map(|(_, frames)| *frames);
-    let span = spans.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) });
+    let spans = group.iter().map(|part| part.frames);
+    let span = spans.reduce(FrameRange::hull);
     for frame in span.into_iter().flat_map(FrameRange::iter) {
         monitor.check()?;
-        let now: Vec<usize> = (0..group.len()).filter(|&at| group[at].1.contains(frame)).collect();
+        let now: Vec<usize> = (0..group.len()).filter(|&at| group[at].frames.contains(frame)).collect();
         let units: Vec<Wanted> = now.iter().flat_map(|&stream| on_gpu.wanted(stream, frame, filter)).collect();
         on_gpu.decode_units(&units)?;
         on_gpu.wait()?;
@@ -121,7 +122,7 @@ fn decode_group(
     monitor.check()?;
     let cost = on_gpu.cost();
     Ok(DecodeSummary {
-        frames: group.iter().map(|(_, frames)| frames.count()).sum(),
+        frames: group.iter().map(|part| part.frames.count()).sum(),
         pixels: on_gpu.wanted_pixels(),
         bytes_out: cost.updated_pixels * streams.first().map_or(0, |stream| decoded_pixel_bytes(&stream.header)),
         cost,
@@ -136,14 +137,14 @@ impl ImageSource for Gpu {
 }
 
 impl Images for GpuDecoder<'_> {
-    fn decode_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+    fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
         let units = self.wanted(0, frame, filter);
         self.decode_units(&units)?;
         let pictures = self.read_wanted(frame, filter)?;
         pictures.into_iter().next().ok_or_else(|| Error::invalid("a decoder of no stream"))
     }
 
-    fn wanted_pixels(&self) -> u64 {
+    fn selected_pixels(&self) -> u64 {
         GpuDecoder::wanted_pixels(self)
     }
 

@@ -4,7 +4,7 @@ use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::dataset::stream::DepthKind;
-use crate::decode::decoder::{Decoder, Picture};
+use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::BlockEncoder;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::random::Random;
 use crate::hard_cases::Measured;
-use crate::streams::header::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
+use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 
 /// Effort of all searches: bounds hold with any, and this one takes the least time.
 pub(super) const EFFORT: Effort = Effort::Fast;

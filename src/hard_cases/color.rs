@@ -8,14 +8,14 @@ use crate::color::keyframes::SearchSettings;
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::container::EncodedChunk;
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::error::{Error, Result};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use crate::image::transfer::ToneMap;
 use crate::metrics::psnr::U8_PEAK;
 use crate::metrics::pu21::PU21_PEAK;
-use crate::streams::header::{CodecHeader, ColorBlocks, ColorFormat, ColorHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, ColorHeader};
 
 /// Luminance of 1.0 in the half-float cases, in cd/m².
 const WHITE_CD_M2: f64 = 100.0;

@@ -1,7 +1,7 @@
 //! Hard cases on a graphics device: streams in order and entered anywhere, word by word as the CPU shows them; pictures as near to
 //! the CPU's as any must be.
 
-use crate::decode::decoder::StreamInfo;
+use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::gpu::decode::GpuDecoder;
 use crate::gpu::device::Gpu;

@@ -4,7 +4,7 @@
 
 use rayon::prelude::*;
 
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::depth::domain::{Domain, DomainKind, integer_log2};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::quantise::FAR_CODE;

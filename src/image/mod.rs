@@ -9,6 +9,7 @@ pub mod channels;
 pub mod cube;
 pub mod equirect;
 pub mod exr;
+pub mod kind;
 pub mod layout;
 pub mod limits;
 pub mod plane;
@@ -18,6 +19,7 @@ pub mod transfer;
 
 pub use channels::ChannelSelect;
 pub use cube::Face;
+pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::FaceLayout;
 pub use limits::ReadLimits;
 pub use plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};

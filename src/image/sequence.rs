@@ -34,6 +34,12 @@ impl FrameRange {
         (first <= last).then_some(FrameRange { first, last })
     }
 
+    /// The least range that holds both.
+    #[must_use]
+    pub fn hull(self, other: FrameRange) -> FrameRange {
+        FrameRange { first: self.first.min(other.first), last: self.last.max(other.last) }
+    }
+
     /// All frames in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = u32> {
         self.first..=self.last

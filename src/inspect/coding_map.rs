@@ -9,7 +9,7 @@ mod units;
 use std::collections::BTreeMap;
 
 use crate::container::ChunkEntry;
-use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::{Decoder, StreamInfo};
 use crate::depth::nodes::Function;
 use crate::error::Result;
 use crate::monitor::Monitor;

@@ -5,9 +5,7 @@
 
 use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::dataset::stream::StreamKind;
-use crate::decode::damage::DamagedChunk;
-use crate::decode::decoder::{Decoder, StreamInfo};
-use crate::decode::memory;
+use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::census::NodeCensus;
 use crate::encode::dataset::raw_pixel_bytes;
 use crate::error::{Error, Result};

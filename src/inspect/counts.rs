@@ -11,9 +11,7 @@ use crate::depth::records::{Body, Layout, Record, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
-use crate::streams::depth_chunk::DepthChunk;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
-use crate::streams::material_chunk::MaterialChunk;
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk};
 
 /// What a frame holds and changes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use crate::effort::Effort;
 use crate::encode::dataset::ErrorBound;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
-use crate::streams::header::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
+use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
 
 /// How trees are packed.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,8 +13,8 @@ use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::pack::flatten::{self, FlattenSettings, Flattener};
-use crate::streams::header::CodecHeader;
-use crate::streams::info;
+use crate::streams;
+use crate::streams::CodecHeader;
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
@@ -146,7 +146,7 @@ pub fn pack<W: Write>(
     for probe in probes {
         writer.add_probe(probe)?;
     }
-    let (out, bytes) = writer.finish_checked(info::check_written)?;
+    let (out, bytes) = writer.finish_checked(streams::check_written)?;
     Ok((out, PackSummary { bytes, ..summary }))
 }
 

@@ -19,7 +19,7 @@ use crate::compare::error_map::error_map;
 use crate::compare::side::Side;
 use crate::compare::streams::{Pair, Pairing};
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::png;
 use crate::inspect::coding_map::{Survey, frame_anatomy, survey, survey_steps};

@@ -1,15 +1,17 @@
-//! Between what files hold and what codecs code: metres and codes, light and 8 bits, weights and bytes.
+//! Conversion between values and codes: metres and depth codes, light and 8 bits, material weights and bytes.
 
-use crate::dataset::source::{Source, SourceGroup};
-use crate::depth::quantise::Quantiser;
+use crate::depth::Quantiser;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable};
 
-/// Indices of refraction that 8 bits reach (CALF 7.1): 1 to 3.
+/// Range of the 8-bit index of refraction (CALF 7.1).
 pub const IOR_RANGE: [f32; 2] = [1.0, 3.0];
 
-/// The codes of a depth image; an error names the first pixel outside the range.
+/// Codes of a depth image.
+///
+/// # Errors
+/// [`Error::Invalid`] names the first pixel outside the range.
 pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u16>> {
     let mut outside = None;
     let codes = plane.data().iter().enumerate().map(|(at, &z)| {
@@ -42,13 +44,15 @@ pub fn color_codes(plane: &ColorPlane, table: &EncodeTable) -> (Plane<[u8; 3]>, 
     (codes, clipped)
 }
 
-/// Light from 8-bit colour.
+/// Linear light from 8-bit colour.
 pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
     codes.map(|pixel| pixel.map(|code| table.value(code)))
 }
 
-/// 8-bit reflection weight, refraction weight and index of refraction; an error names the first pixel that 8 bits
-/// cannot express.
+/// 8-bit reflection weight, refraction weight and index of refraction.
+///
+/// # Errors
+/// [`Error::Invalid`] names the first pixel outside the range of 8 bits.
 pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     let [low, high] = IOR_RANGE;
     let mut outside = None;
@@ -71,20 +75,42 @@ pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     Plane::new(plane.width(), plane.height(), codes)
 }
 
-/// Weights and index of refraction from 8 bits each.
-pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
+/// Weights and index of refraction of a pixel of 8-bit codes.
+pub fn material_value(&[reflect, refract, ior]: &[u8; 3]) -> [f32; 3] {
     let [low, high] = IOR_RANGE;
-    codes.map(|&[reflect, refract, ior]| {
-        let unit = |code: u8| f32::from(code) / 255.0;
-        [unit(reflect), unit(refract), low + unit(ior) * (high - low)]
-    })
+    let unit = |code: u8| f32::from(code) / 255.0;
+    [unit(reflect), unit(refract), low + unit(ior) * (high - low)]
 }
 
-/// Says which frame of which stream an error came from.
-pub fn name_frame(source: &Source, group: &SourceGroup, frame: u32) -> String {
-    let probe = &source.probes()[group.probe].name;
-    let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();
-    format!("{} of probe {probe}, face {}, frame {frame}", group.kind.name(), faces.join("/"))
+/// Weights and indices of refraction from 8-bit codes.
+pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
+    codes.map(material_value)
+}
+
+/// Distances of the nearest and farthest surface of one or more images, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthExtent {
+    pub near_m: f32,
+    pub far_m: f32,
+}
+
+impl DepthExtent {
+    /// `None` for an image without surfaces; 0 marks an invalid depth and is none.
+    pub fn of(plane: &DepthPlane) -> Option<DepthExtent> {
+        let (mut near_m, mut far_m) = (f32::INFINITY, 0.0f32);
+        for &z in plane.data() {
+            let surface = z > 0.0 && z < f32::INFINITY;
+            near_m = if surface && z < near_m { z } else { near_m };
+            far_m = if surface && z > far_m { z } else { far_m };
+        }
+        (near_m <= far_m).then_some(DepthExtent { near_m, far_m })
+    }
+
+    /// The extent of both.
+    #[must_use]
+    pub fn union(self, other: DepthExtent) -> DepthExtent {
+        DepthExtent { near_m: self.near_m.min(other.near_m), far_m: self.far_m.max(other.far_m) }
+    }
 }
 
 #[cfg(test)]

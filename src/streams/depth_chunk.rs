@@ -1,4 +1,4 @@
-//! A depth chunk of any codec, checked and ready to be shown.
+//! A depth chunk of any codec.
 
 use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;
@@ -9,8 +9,9 @@ use crate::depth::records::TemporalChunk;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
 use crate::streams::header::{DepthCoding, DepthHeader};
+use crate::streams::picture_chunk::PictureChunk;
 
-/// A payload by its codec.
+/// A parsed payload by codec.
 #[derive(Debug, Clone)]
 pub enum DepthChunk {
     /// Codes in boxes.
@@ -25,9 +26,11 @@ pub enum DepthChunk {
     Blocks(BlockChunk),
 }
 
-impl DepthChunk {
-    /// Checks a payload for a unit of `size` (width, height) pixels and `frames` frames.
-    pub fn parse(header: &DepthHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<DepthChunk> {
+impl PictureChunk for DepthChunk {
+    type Pixel = u16;
+    type Header = DepthHeader;
+
+    fn parse(header: &DepthHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<DepthChunk> {
         let grid = Grid { width: size[0], height: size[1] };
         Ok(match header.coding {
             DepthCoding::Boxes(_) => DepthChunk::Boxes(TemporalChunk::parse(payload, size, frames)?),
@@ -42,9 +45,7 @@ impl DepthChunk {
         })
     }
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
-    /// most `window` frames; answers how many pixels were written.
-    pub fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
+    fn advance(&self, picture: &mut [u16], at: Option<u32>, target: u32, window: u8) -> u64 {
         match self {
             DepthChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
             DepthChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
@@ -55,8 +56,7 @@ impl DepthChunk {
         }
     }
 
-    /// The payload's memory, for the next chunk.
-    pub fn into_spare(self) -> Vec<u8> {
+    fn into_spare(self) -> Vec<u8> {
         match self {
             DepthChunk::Boxes(chunk) => chunk.into_spare(),
             DepthChunk::BoxesInBlocks(chunk) => chunk.into_spare(),

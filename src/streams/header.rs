@@ -1,21 +1,11 @@
-//! What a stream's codec needs to know once (depth.md 3, color.md 2): typed here, bytes in the container.
+//! Codec headers of streams (depth.md 3, color.md 2), and the memory that decoding them takes (container.md 2).
 
-use crate::block::SIDE;
 use crate::color::blend::HalfKey;
 use crate::color::cells::CellFormat;
 use crate::color::keyframe_blocks::KeyframeBlocks;
-use crate::color::keyframes::SearchSettings;
-use crate::color::quality::Pu21;
-use crate::container::StreamEntry;
-use crate::container::fields::{Fields, PutFields};
-use crate::dataset::stream::{DepthKind, StreamKind};
-use crate::depth::DomainParts;
-use crate::depth::block::MAX_TILE;
-use crate::depth::domain::DomainKind;
-use crate::depth::quantise::DepthRange;
-use crate::depth::temporal::TemporalSettings;
-use crate::error::{Error, Result};
-use crate::image::transfer::{ToneMap, Transfer};
+use crate::depth::{DepthRange, DomainParts, TemporalSettings};
+use crate::image::transfer::ToneMap;
+use crate::image::{DepthKind, StreamKind};
 
 /// Depth codes in boxes.
 pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
@@ -42,16 +32,13 @@ pub const COLOR_CELLS_BC7: [u8; 4] = *b"CCB7";
 /// Half-float colour cells with keyframes in BC6H blocks.
 pub const COLOR_CELLS_BC6H: [u8; 4] = *b"CCB6";
 
-/// Header of a depth stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthHeader {
-    /// What codes 0 and 65534 mean.
+    /// Metres of codes 0 and 65534.
     pub range: DepthRange,
-    /// The value that stood for "nothing there" in the source, and does so again when decoded.
+    /// What the background is presented as, never NaN.
     pub background: f32,
-    /// What the metres measure.
     pub kind: DepthKind,
-    /// How it was coded.
     pub coding: DepthCoding,
 }
 
@@ -70,43 +57,41 @@ pub enum DepthCoding {
     Blocks,
 }
 
-/// Header of a stream of nodes; only the window and the domain matter to a decoder.
+/// Coding of nodes; decoders need the window and the domain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeHeader {
     /// W: longest step of a decoder, in frames.
     pub window: u8,
-    /// How far, in codes, the source may move away from what is shown on top of the bound.
+    /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
     pub epsilon: u16,
-    /// Most frames of a chunk that the encoder was allowed.
+    /// Most frames in a chunk.
     pub keyframe_interval: u32,
     /// Largest error of a node in codes; of a tree, that of its functions.
     pub bound: u16,
-    /// What functions are evaluated in.
     pub domain: DomainParts,
 }
 
-/// Header of a material stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialHeader {
-    /// How it was coded; only the window matters to a decoder.
+    /// Decoders need the window.
     pub temporal: TemporalSettings,
     /// Whether pieces of the boxes are in BC1 blocks.
     pub in_blocks: bool,
 }
 
-/// The domain that colour is coded and measured in.
+/// Domain that colour is coded and measured in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorFormat {
     /// 8 bits a sample behind a transfer function.
     EightBit(ToneMap),
-    /// Half floats; the metric takes 1.0 for this many cd/m².
+    /// Half floats.
     Half {
-        /// Luminance of 1.0, in cd/m².
+        /// Luminance of 1.0 in cd/m², for the metric.
         white_cd_m2: f64,
     },
 }
 
-/// A format of blocks for keyframes of colour.
+/// Texture format of colour keyframes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorBlocks {
     /// 8 bytes for 4x4 pixels of 8 bits.
@@ -117,25 +102,20 @@ pub enum ColorBlocks {
     Bc6h,
 }
 
-/// Header of a colour stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorHeader {
-    /// The domain.
     pub format: ColorFormat,
-    /// What keyframes are stored in: BC1 or BC7 for 8 bits, BC6H for half floats; `None` for samples alone.
+    /// Keyframes in BC1 or BC7 (8 bits) or BC6H (half floats); `None` for samples.
     pub blocks: Option<ColorBlocks>,
     /// The PSNR that every frame of every cell reaches.
     pub min_psnr_db: f64,
 }
 
-/// Header of a stream.
+/// Codec header of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CodecHeader {
-    /// Depth.
     Depth(DepthHeader),
-    /// Colour.
     Color(ColorHeader),
-    /// Material.
     Material(MaterialHeader),
 }
 
@@ -149,7 +129,7 @@ impl DepthHeader {
         }
     }
 
-    /// The promise: how far a decoded surface is from its source at most, in codes; `None` where there is none.
+    /// Largest error of a decoded surface in codes (depth.md 6); `None` without a bound.
     pub fn error_bound(&self) -> Option<u16> {
         match self.coding {
             DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => Some(temporal.epsilon),
@@ -161,12 +141,7 @@ impl DepthHeader {
 }
 
 impl ColorHeader {
-    /// The header of cells of samples, which speaks of what the search was asked for.
-    pub fn new(format: ColorFormat, search: &SearchSettings) -> ColorHeader {
-        ColorHeader { format, blocks: None, min_psnr_db: search.min_psnr_db }
-    }
-
-    /// How a cell of this width and height is read, of a stream of 8 bits.
+    /// Format of a cell of this width and height in a stream of 8 bits.
     pub fn cell_of_bytes(&self, [width, height]: [u32; 2]) -> CellFormat<u8> {
         let blocks = self.blocks.map(|blocks| match blocks {
             ColorBlocks::Bc1 => KeyframeBlocks::BC1,
@@ -175,14 +150,13 @@ impl ColorHeader {
         CellFormat { size: [width as usize, height as usize], blocks }
     }
 
-    /// How a cell of this width and height is read, of a stream of half floats.
+    /// Format of a cell of this width and height in a stream of half floats.
     pub fn cell_of_halves(&self, [width, height]: [u32; 2]) -> CellFormat<HalfKey> {
         CellFormat { size: [width as usize, height as usize], blocks: self.blocks.map(|_| KeyframeBlocks::BC6H) }
     }
 }
 
 impl CodecHeader {
-    /// The kind of stream.
     pub fn kind(&self) -> StreamKind {
         match self {
             CodecHeader::Depth(_) => StreamKind::Depth,
@@ -213,8 +187,8 @@ impl CodecHeader {
         }
     }
 
-    /// The most bytes that a unit takes besides its pixels and payloads: its decoder and what it has parsed, and in reports
-    /// what is counted of it. Half a page of fields, and some twenty allocations of a few bytes each.
+    /// Upper bound of the bytes of a unit besides pixels and payloads: its decoder, parsed tables and report counters, some
+    /// twenty small allocations.
     pub const HELD_UNIT_BYTES: u64 = 4 << 10;
 
     /// Bytes that a decoder of whole images holds for each pixel: the picture of its unit, the image, and for colour two
@@ -228,9 +202,9 @@ impl CodecHeader {
         }
     }
 
-    /// The most bytes that a decoder holds for a unit's payload of `bytes`: nodes of two bytes become 34 in the runtime form
-    /// and as many while they are read; a box of ten, or a record of 14, gets a row of a table; a cell of colour holds the
-    /// payload that follows, too, and a row for each keyframe, of which there are at most 65,535. Memory that grows is doubled.
+    /// Upper bound of the bytes that a decoder holds for a unit's payload of `bytes`. Nodes of two bytes become 34 in the
+    /// runtime form, twice while they are read; a box of ten, or a record of 14, gets a table row; a colour cell also holds
+    /// the next payload and a row for each of at most 65,535 keyframes. Growing buffers are doubled.
     pub fn held_payload_bytes(&self, bytes: u64) -> u64 {
         match self {
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Nodes(_) | DepthCoding::Tree(_), .. }) => 64 * bytes,
@@ -239,7 +213,17 @@ impl CodecHeader {
         }
     }
 
-    /// The word for the codec in reports.
+    /// Bytes of an uncompressed pixel as CALF's table 1 counts it: 32-bit depth, 24-bit colour, three 8-bit materials; and
+    /// 48 bits for half-float colour, which the table does not have.
+    pub fn raw_pixel_bytes(&self) -> u64 {
+        match self {
+            CodecHeader::Depth(_) => 4,
+            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { .. }, .. }) => 6,
+            CodecHeader::Color(_) | CodecHeader::Material(_) => 3,
+        }
+    }
+
+    /// Name of the codec in reports.
     pub fn codec_name(&self) -> &'static str {
         match self.codec() {
             COLOR_CELLS_8 => "cells-8bit",
@@ -256,274 +240,12 @@ impl CodecHeader {
         }
     }
 
-    /// The header as bytes.
-    pub fn write(&self) -> Vec<u8> {
-        let mut out = Vec::new();
-        match self {
-            CodecHeader::Depth(header) => {
-                out.put_f32(header.range.near_m());
-                out.put_f32(header.range.far_m());
-                out.put_f32(header.background);
-                out.put_u32(match header.kind {
-                    DepthKind::Distance => 0,
-                    DepthKind::Planar => 1,
-                });
-                match header.coding {
-                    DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => {
-                        write_temporal(&temporal, &mut out);
-                    }
-                    DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
-                    DepthCoding::Blocks => {}
-                }
-            }
-            CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
-            CodecHeader::Color(header) => {
-                out.put_f64(header.min_psnr_db);
-                match header.format {
-                    ColorFormat::EightBit(tone) => {
-                        out.put_f32(tone.exposure_ev);
-                        out.put_u32(match tone.transfer {
-                            Transfer::Srgb => 0,
-                            Transfer::Linear => 1,
-                        });
-                    }
-                    ColorFormat::Half { white_cd_m2 } => out.put_f64(white_cd_m2),
-                }
-            }
-        }
-        out
-    }
-
-    /// Reads the header of a stream of the container.
-    pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
-        let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
-        let mut fields = Fields::new(&stream.codec_header, 0, section);
-        let header = match (StreamKind::from_index(stream.kind), stream.codec) {
-            (
-                Some(StreamKind::Depth),
-                codec @ (DEPTH_AABB | DEPTH_AABB_BC5 | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS),
-            ) => {
-                let header = read_depth(&mut fields, codec)?;
-                let in_boxes = codec == DEPTH_AABB || codec == DEPTH_AABB_BC5;
-                if !in_boxes && stream.unit_width.max(stream.unit_height) > MAX_TILE {
-                    return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
-                }
-                CodecHeader::Depth(header)
-            }
-            (Some(StreamKind::Material), codec @ (MATERIAL_AABB | MATERIAL_AABB_BC1)) => {
-                let in_blocks = codec == MATERIAL_AABB_BC1;
-                CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)?, in_blocks })
-            }
-            (
-                Some(StreamKind::Color),
-                codec @ (COLOR_CELLS_8 | COLOR_CELLS_HALF | COLOR_CELLS_BC1 | COLOR_CELLS_BC7 | COLOR_CELLS_BC6H),
-            ) => CodecHeader::Color(read_color(&mut fields, codec)?),
-            _ => {
-                return Err(Error::unsupported(format!(
-                    "a stream of kind {} uses codec '{}', which this lightfold does not know",
-                    stream.kind,
-                    stream.codec.escape_ascii()
-                )));
-            }
-        };
-        if header.in_blocks() && [stream.unit_width, stream.unit_height].iter().any(|side| side % SIDE as u32 != 0) {
-            return Err(fields.error(format!("units whose sides are no multiples of {SIDE} pixels")));
-        }
-        fields.finish()?;
-        Ok(header)
-    }
-
     /// Whether units are made of blocks of 4x4 pixels, so that their sides are multiples of 4.
     pub fn in_blocks(&self) -> bool {
         match self {
             CodecHeader::Depth(header) => matches!(header.coding, DepthCoding::BoxesInBlocks(_)),
             CodecHeader::Material(header) => header.in_blocks,
             CodecHeader::Color(header) => header.blocks.is_some(),
-        }
-    }
-}
-
-fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
-    let range = DepthRange::new(fields.f32()?, fields.f32()?)?;
-    let background = fields.f32()?;
-    if background.is_nan() {
-        return Err(fields.error("the background value is not a number"));
-    }
-    let kind = match fields.u32()? {
-        0 => DepthKind::Distance,
-        1 => DepthKind::Planar,
-        other => return Err(fields.error(format!("depth of kind {other} is unknown"))),
-    };
-    let coding = match codec {
-        DEPTH_NODES => DepthCoding::Nodes(read_nodes(fields)?),
-        DEPTH_TREE => match read_nodes(fields)? {
-            nodes @ NodeHeader { window: 1, .. } => DepthCoding::Tree(nodes),
-            NodeHeader { window, .. } => {
-                return Err(
-                    fields.error(format!("a window of {window} frames, which an intermediate form cannot have"))
-                );
-            }
-        },
-        DEPTH_BLOCKS => DepthCoding::Blocks,
-        DEPTH_AABB_BC5 => DepthCoding::BoxesInBlocks(read_temporal(fields)?),
-        _ => DepthCoding::Boxes(read_temporal(fields)?),
-    };
-    Ok(DepthHeader { range, background, kind, coding })
-}
-
-fn write_nodes(nodes: &NodeHeader, out: &mut Vec<u8>) {
-    out.put_u16(u16::from(nodes.window));
-    out.put_u16(nodes.epsilon);
-    out.put_u32(nodes.keyframe_interval);
-    out.put_u16(nodes.bound);
-    out.put_u16(nodes.domain.kind as u16);
-    out.put_u32(nodes.domain.base);
-    out.put_u32(nodes.domain.scale);
-}
-
-fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
-    fields.enter("depth.md 3");
-    let (window, epsilon, keyframe_interval, bound) = (fields.u16()?, fields.u16()?, fields.u32()?, fields.u16()?);
-    let window = u8::try_from(window)
-        .ok()
-        .filter(|&window| window > 0)
-        .ok_or_else(|| fields.error(format!("a depth window of {window} frames")))?;
-    if keyframe_interval == 0 {
-        return Err(fields.error("a keyframe interval of 0 frames"));
-    }
-    let kind = fields.u16()?;
-    let known = u8::try_from(kind).ok().and_then(DomainKind::from_byte);
-    let kind = known.ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
-    let domain = DomainParts { kind, base: fields.u32()?, scale: fields.u32()? };
-    domain.domain().map_err(|error| fields.error(error.to_string()))?;
-    Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
-}
-
-fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
-    let min_psnr_db = fields.finite_f64("the quality")?;
-    let blocks = match codec {
-        COLOR_CELLS_BC1 => Some(ColorBlocks::Bc1),
-        COLOR_CELLS_BC7 => Some(ColorBlocks::Bc7),
-        COLOR_CELLS_BC6H => Some(ColorBlocks::Bc6h),
-        _ => None,
-    };
-    let format = if codec != COLOR_CELLS_HALF && codec != COLOR_CELLS_BC6H {
-        let exposure_ev = fields.f32()?;
-        if !(-32.0..=32.0).contains(&exposure_ev) {
-            return Err(fields.error(format!("an exposure of {exposure_ev} stops is not within -32 to 32")));
-        }
-        let transfer = match fields.u32()? {
-            0 => Transfer::Srgb,
-            1 => Transfer::Linear,
-            other => return Err(fields.error(format!("transfer function {other} is unknown"))),
-        };
-        ColorFormat::EightBit(ToneMap { transfer, exposure_ev })
-    } else {
-        let white_cd_m2 = fields.finite_f64("the luminance of white")?;
-        Pu21::check_white(white_cd_m2)?;
-        ColorFormat::Half { white_cd_m2 }
-    };
-    Ok(ColorHeader { format, blocks, min_psnr_db })
-}
-
-fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
-    out.put_u16(u16::from(settings.window));
-    out.put_u16(settings.max_aabbs);
-    out.put_u16(settings.epsilon);
-    out.put_u16(0);
-    out.put_u32(settings.keyframe_interval);
-}
-
-fn read_temporal(fields: &mut Fields<'_>) -> Result<TemporalSettings> {
-    let (window, max_aabbs, epsilon) = (fields.u16()?, fields.u16()?, fields.u16()?);
-    fields.zeros(2)?;
-    let keyframe_interval = fields.u32()?;
-    let window = u8::try_from(window).map_err(|_| fields.error(format!("a depth window of {window} frames")))?;
-    let settings = TemporalSettings { window, epsilon, max_aabbs, keyframe_interval };
-    settings.check().map_err(|error| fields.error(error.to_string()))?;
-    Ok(settings)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::depth::domain::Domain;
-
-    fn entry(header: &CodecHeader) -> StreamEntry {
-        StreamEntry {
-            kind: header.kind() as u8,
-            face: 0,
-            probe: 0,
-            codec: header.codec(),
-            width: 8,
-            height: 8,
-            first_frame: 0,
-            frame_count: 1,
-            unit_width: 8,
-            unit_height: 8,
-            codec_header: header.write(),
-        }
-    }
-
-    fn samples() -> Vec<CodecHeader> {
-        let temporal = TemporalSettings { window: 3, epsilon: 7, max_aabbs: 9, keyframe_interval: 11 };
-        let range = DepthRange::new(0.25, 100.0).unwrap();
-        let domain = Domain::new(DomainKind::Inverse, range).unwrap().parts();
-        let nodes = NodeHeader { window: 3, epsilon: 1, keyframe_interval: 5, bound: 100, domain };
-        let depth = |coding| {
-            CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, coding })
-        };
-        let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
-        let half = ColorFormat::Half { white_cd_m2: 80.0 };
-        let color = |format, blocks| CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 });
-        vec![
-            depth(DepthCoding::Boxes(temporal)),
-            depth(DepthCoding::BoxesInBlocks(temporal)),
-            depth(DepthCoding::Nodes(nodes)),
-            depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
-            depth(DepthCoding::Blocks),
-            CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
-            CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
-            color(tone, None),
-            color(tone, Some(ColorBlocks::Bc1)),
-            color(tone, Some(ColorBlocks::Bc7)),
-            color(half, None),
-            color(half, Some(ColorBlocks::Bc6h)),
-        ]
-    }
-
-    #[test]
-    fn units_of_blocks_have_sides_in_whole_blocks() {
-        for header in samples() {
-            for (width, height) in [(7, 8), (8, 6), (12, 4)] {
-                let odd = StreamEntry { unit_width: width, unit_height: height, ..entry(&header) };
-                let refused = header.in_blocks() && (width, height) != (12, 4);
-                assert_eq!(CodecHeader::read(&odd).is_err(), refused, "{}", header.codec_name());
-            }
-        }
-    }
-
-    #[test]
-    fn headers_round_trip() {
-        for header in samples() {
-            assert_eq!(CodecHeader::read(&entry(&header)).unwrap(), header);
-        }
-    }
-
-    #[test]
-    fn headers_of_another_size_kind_or_codec_are_refused() {
-        for header in samples() {
-            let good = entry(&header);
-            for spoil in 0..4 {
-                let mut bad = good.clone();
-                match spoil {
-                    0 => bad.codec_header.push(0),
-                    1 => bad.codec_header.truncate(bad.codec_header.len() - 1),
-                    2 => bad.codec = *b"XXXX",
-                    _ => bad.kind = (bad.kind + 1) % 3,
-                }
-                assert!(CodecHeader::read(&bad).is_err());
-            }
         }
     }
 }

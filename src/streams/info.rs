@@ -1,34 +1,68 @@
-//! The streams of an index, typed, and what decoding them takes of memory (container.md 2).
+//! The streams of an index, typed, and the memory that decoding them takes (container.md 2).
 
 use crate::container::{Index, OpenLimits, StreamEntry};
-use crate::dataset::stream::StreamKind;
+use crate::depth::DepthRange;
 use crate::error::{Error, Result};
-use crate::image::cube::Face;
-use crate::image::sequence::FrameRange;
-use crate::streams::header::CodecHeader;
+use crate::image::{Face, FrameRange, StreamKind};
+use crate::streams::header::{CodecHeader, ColorFormat};
 
-/// A stream of an open container, typed.
+/// A stream: the images of one kind, of one face of one probe, over a range of frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamInfo {
     /// Index in the stream table.
     pub index: u32,
-    /// What its pixels are.
+    /// Colour, depth or material.
     pub kind: StreamKind,
     /// Index in the probe table.
     pub probe: usize,
-    /// The face.
+    /// Face of the probe's cube map, or its single view.
     pub face: Face,
-    /// Its frames.
+    /// Frames, numbered as in the source.
     pub frames: FrameRange,
-    /// The codec and its settings.
+    #[doc(hidden)]
     pub header: CodecHeader,
-    /// Size, units and the rest.
+    #[doc(hidden)]
     pub entry: StreamEntry,
 }
 
 impl StreamInfo {
-    /// The most bytes that decoding its images takes, one after the other: its units, their images and keyframes, the
-    /// image that is made of them, and what one payload of each unit becomes (container.md 2).
+    /// Width and height of an image in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.entry.width, self.entry.height]
+    }
+
+    /// Number of tiles or cells of an image; they are numbered row by row.
+    pub fn unit_count(&self) -> u32 {
+        self.entry.unit_count()
+    }
+
+    /// Name of the codec, such as `quadtree` or `cells-8bit`.
+    pub fn codec(&self) -> &'static str {
+        self.header.codec_name()
+    }
+
+    /// Near and far of a depth stream: the metres of codes 0 and 65534.
+    pub fn depth_range(&self) -> Option<DepthRange> {
+        if let CodecHeader::Depth(header) = self.header { Some(header.range) } else { None }
+    }
+
+    /// Largest error of a decoded depth in codes, where the codec has a bound.
+    pub fn error_bound_codes(&self) -> Option<u16> {
+        if let CodecHeader::Depth(header) = self.header { header.error_bound() } else { None }
+    }
+
+    /// Whether a colour stream has half floats (true) or 8 bits (false); `None` for other streams.
+    pub fn is_half_float(&self) -> Option<bool> {
+        if let CodecHeader::Color(header) = self.header {
+            Some(matches!(header.format, ColorFormat::Half { .. }))
+        } else {
+            None
+        }
+    }
+
+    /// Upper bound of the bytes that decoding its images one after the other takes: units with pictures and keyframes, the
+    /// assembled image, and one payload of each unit (container.md 2).
+    #[doc(hidden)]
     pub fn memory_bytes(&self, index: &Index) -> u64 {
         let pixels = u64::from(self.entry.width) * u64::from(self.entry.height);
         let payloads = index.held_payload_bytes(self.index, |bytes| self.header.held_payload_bytes(bytes));
@@ -40,7 +74,7 @@ impl StreamInfo {
 /// All streams of an index.
 ///
 /// # Errors
-/// [`Error::Invalid`] for a codec, codec header or face that is not known.
+/// [`Error::Invalid`] for an unknown codec, codec header or face.
 pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     let streams = index.streams.iter().zip(0..).map(|(entry, at)| {
         let named = |error: Error| error.context(format!("stream {at}"));
@@ -59,10 +93,10 @@ pub fn streams(index: &Index) -> Result<Vec<StreamInfo>> {
     streams.collect()
 }
 
-/// Refuses streams whose decoding would take more memory than a file of `file_bytes` justifies (container.md 2).
+/// Refuses streams that take more memory to decode than a file of `file_bytes` justifies (container.md 2).
 ///
 /// # Errors
-/// [`Error::Invalid`] for the first stream that is too large by itself, or for all of them together.
+/// [`Error::Invalid`].
 pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
     let mut total = 0u64;
     for stream in streams {
@@ -85,11 +119,10 @@ pub fn check_memory(streams: &[StreamInfo], index: &Index, file_bytes: u64, limi
     Ok(())
 }
 
-/// Refuses a container of `file_bytes` that its writer is about to finish and that [`crate::decode::decoder::Decoder`] would refuse.
-/// Streams of unknown codecs, which can be copied, are passed over.
+/// [`check_memory`] for a writer that is about to finish a container, with no check of unknown codecs, which can be copied.
 ///
 /// # Errors
-/// As for [`check_memory`].
+/// [`Error::Invalid`].
 pub fn check_written(index: &Index, file_bytes: u64) -> Result<()> {
     match streams(index) {
         Ok(streams) => check_memory(&streams, index, file_bytes, OpenLimits::DEFAULT),

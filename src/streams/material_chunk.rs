@@ -1,12 +1,13 @@
-//! A material chunk of either codec, checked and ready to be shown.
+//! A material chunk of either codec.
 
 use crate::container::Payload;
 use crate::depth::pieces::Pieces;
 use crate::depth::records::TemporalChunk;
 use crate::error::Result;
 use crate::streams::header::MaterialHeader;
+use crate::streams::picture_chunk::PictureChunk;
 
-/// A payload by its codec.
+/// A parsed payload by codec.
 #[derive(Debug, Clone)]
 pub enum MaterialChunk {
     /// Triples in boxes.
@@ -15,9 +16,11 @@ pub enum MaterialChunk {
     BoxesInBlocks(TemporalChunk<[u8; 3], Pieces>),
 }
 
-impl MaterialChunk {
-    /// Checks a payload for a unit of `size` (width, height) pixels and `frames` frames.
-    pub fn parse(header: &MaterialHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<MaterialChunk> {
+impl PictureChunk for MaterialChunk {
+    type Pixel = [u8; 3];
+    type Header = MaterialHeader;
+
+    fn parse(header: &MaterialHeader, payload: Payload, size: [u32; 2], frames: u32) -> Result<MaterialChunk> {
         Ok(if header.in_blocks {
             MaterialChunk::BoxesInBlocks(TemporalChunk::parse(payload, size, frames)?)
         } else {
@@ -25,17 +28,14 @@ impl MaterialChunk {
         })
     }
 
-    /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
-    /// most `window` frames; answers how many pixels were written.
-    pub fn advance(&self, picture: &mut [[u8; 3]], at: Option<u32>, target: u32, window: u8) -> u64 {
+    fn advance(&self, picture: &mut [[u8; 3]], at: Option<u32>, target: u32, window: u8) -> u64 {
         match self {
             MaterialChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
             MaterialChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
         }
     }
 
-    /// The payload's memory, for the next chunk.
-    pub fn into_spare(self) -> Vec<u8> {
+    fn into_spare(self) -> Vec<u8> {
         match self {
             MaterialChunk::Boxes(chunk) => chunk.into_spare(),
             MaterialChunk::BoxesInBlocks(chunk) => chunk.into_spare(),

@@ -1,7 +1,22 @@
-//! Typed streams of a container: codec headers, checked chunks, and conversion between metres, light and codes.
+//! Typed streams of a container: codec headers, parsed chunks, conversion between values and codes.
+
+#![doc(hidden)]
 
 pub mod convert;
-pub mod depth_chunk;
-pub mod header;
-pub mod info;
-pub mod material_chunk;
+mod depth_chunk;
+mod header;
+mod header_bytes;
+mod info;
+mod material_chunk;
+mod picture_chunk;
+
+pub use crate::image::{DepthKind, Projection, StreamKind};
+pub use depth_chunk::DepthChunk;
+pub use header::{
+    COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, CodecHeader, ColorBlocks,
+    ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5, DEPTH_BLOCKS, DEPTH_NODES, DEPTH_TREE, DepthCoding,
+    DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
+};
+pub use info::{StreamInfo, check_memory, check_written, streams};
+pub use material_chunk::MaterialChunk;
+pub use picture_chunk::PictureChunk;

@@ -15,10 +15,9 @@ use half::f16;
 use crate::color::HalfKey;
 use crate::container::StreamEntry;
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::{Decoder, StreamInfo, UnitDecoder, UnitPixels};
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use crate::error::Result;
-use crate::streams::header::DepthHeader;
+use crate::streams::DepthHeader;
 use crate::views::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN, sends_on};
 use crate::views::rects::{Rect, bounds, joined, overlap};
 use crate::views::units_on_device::{DepthPart, UnitId, UnitsOnDevice};
@@ -72,7 +71,7 @@ impl ShownUnit<'_> {
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         self.written = self.decoder.decode(frame)?;
         self.right = true;
-        if let UnitPixels::Material(pixels) = self.decoder.shown()
+        if let UnitPixels::Material(pixels) = self.decoder.pixels()
             && self.is_new()
         {
             self.calls = pixels.iter().any(sends_on);
@@ -353,7 +352,7 @@ impl<'a> ShownFace<'a> {
     /// Writes depths of a tile in a rectangle of it; answers what became different.
     fn write_depth(&self, tile: usize, rect: Rect, texels: &mut FaceTexels) -> Option<Rect> {
         let decoder = &self.depth.units[tile].decoder;
-        let UnitPixels::Depth(codes) = decoder.shown() else { return None };
+        let UnitPixels::Depth(codes) = decoder.pixels() else { return None };
         let mut changed = None;
         for (right, [left, top, width, height]) in self.parts(tile, rect) {
             let [tile_left, tile_top, tile_width, _] = decoder.rect();
@@ -409,7 +408,7 @@ fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     let new = units.units.iter().filter(|unit| unit.is_new());
     new.filter_map(|unit| {
         let rect = unit.decoder.rect();
-        match (unit.decoder.shown(), &mut texels.color) {
+        match (unit.decoder.pixels(), &mut texels.color) {
             (UnitPixels::Color8(pixels), ColorTexels::Codes(image)) => {
                 write(pixels, rect, image, width, |[r, g, b]| [r, g, b, 0]);
             }
@@ -429,7 +428,7 @@ fn update_material(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     let Some(image) = &mut texels.material else { return Vec::new() };
     let new = units.units.iter().filter(|unit| unit.is_new());
     new.filter_map(|unit| {
-        let UnitPixels::Material(pixels) = unit.decoder.shown() else { return None };
+        let UnitPixels::Material(pixels) = unit.decoder.pixels() else { return None };
         write(pixels, unit.decoder.rect(), image, width, |[a, b, c]| [a, b, c, 0]);
         Some(unit.decoder.rect())
     })

@@ -8,15 +8,14 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::dataset::stream::{DepthKind, StreamKind};
-use crate::decode::decoder::{Decoder, StreamInfo};
-use crate::decode::unit_filter::{AllUnits, UnitFilter};
+use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::march::playback::selection::Candidate;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::views::face_cache::{FaceStreams, ShownFace, ShownUnit};
 use crate::views::light_field::{ColorCoding, FaceTexels, InverseDepth, LightField, UNKNOWN, View};
 use crate::views::rects::Rect;

@@ -4,14 +4,12 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::decode::decoder::{Decoder, StreamInfo};
-use crate::decode::export::Chosen;
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
 use crate::evaluate::camera_file::TimedCamera;
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 use crate::math::Viewer;
-use crate::streams::header::CodecHeader;
+use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 
@@ -44,10 +42,10 @@ impl SeenUnits {
     /// Near and far are those of the depth stream of the same probe and face; where there is none, or none of all the
     /// frames, a unit is seen where anything in its directions could be. Images of which no directions are known are
     /// seen always.
-    pub fn find(decoder: &Decoder, chosen: &[Chosen<'_>], cameras: &[TimedCamera]) -> SeenUnits {
+    pub fn find(decoder: &Decoder, chosen: &[StreamFrames<'_>], cameras: &[TimedCamera]) -> SeenUnits {
         let groups = groups(cameras);
         let spans = depth_spans(decoder);
-        let of_stream = |&(stream, frames): &Chosen<'_>| {
+        let of_stream = |&StreamFrames { stream, frames }: &StreamFrames<'_>| {
             let span = match spans.get(&(stream.probe, stream.face)) {
                 Some((covered, span)) if covered.intersect(frames) == Some(frames) => *span,
                 _ => DepthSpan::unknown(),

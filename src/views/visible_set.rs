@@ -10,10 +10,9 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use crate::dataset::stream::DepthKind;
-use crate::decode::decoder::{Decoder, StreamInfo};
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::{Decoder, StreamInfo, UnitFilter};
 use crate::math::{Camera, Viewer};
-use crate::streams::header::CodecHeader;
+use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::StreamKind;
-use lightfold::decode::decoder::{Decoder, StreamInfo};
+use lightfold::decode::{Decoder, StreamInfo};
 use lightfold::evaluate::path::Shot;
 use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};

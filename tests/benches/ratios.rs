@@ -15,14 +15,12 @@ use lightfold::Result;
 use lightfold::color::blend::lerp_all;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
-use lightfold::decode::decoder::Decoder;
-use lightfold::decode::export::{self, Chosen, Selection, decoded_pixel_bytes};
+use lightfold::decode::{self, Decoder, Selection, StreamFrames, decoded_pixel_bytes};
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
 use lightfold::depth::temporal::{TemporalEncoder, TemporalSettings};
 use lightfold::monitor::Silent;
-use lightfold::streams::depth_chunk::DepthChunk;
-use lightfold::streams::header::{CodecHeader, DepthCoding, DepthHeader};
+use lightfold::streams::{CodecHeader, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 use rayon::prelude::*;
 
 /// Turns of two copies and a decode.
@@ -71,7 +69,7 @@ fn measure(name: &str, decoder: Decoder) -> Result<()> {
         let total = units.iter().map(|unit| unit.1).sum::<usize>().min(1 << 30);
         let mut destination = vec![1u8; total];
         let mut turns = Vec::new();
-        let mut summary = export::DecodeSummary::default();
+        let mut summary = decode::DecodeSummary::default();
         for _ in 0..TURNS {
             let start = Instant::now();
             copy_plainly(&mut destination, &source);
@@ -80,7 +78,8 @@ fn measure(name: &str, decoder: Decoder) -> Result<()> {
             copy_into_pictures(&units, &source);
             let hot = start.elapsed().as_secs_f64();
             let start = Instant::now();
-            summary = export::decode_to_nothing(&decoder, export::Request::all(&chosen), &Silent)?;
+            summary =
+                decode::decode_units(&decoder, decode::Request::all(&chosen), decode::OnDamage::Stop, &Silent)?.summary;
             turns.push([plain, hot, start.elapsed().as_secs_f64()]);
         }
         let median = |value: &dyn Fn(&[f64; 3]) -> f64| {
@@ -144,10 +143,12 @@ fn measure_lerp() {
 /// Bytes of a unit's picture and bytes that decoding writes into it, for every unit.
 type UnitBytes = Vec<(usize, usize)>;
 
-fn unit_bytes(decoder: &Decoder, chosen: &[Chosen<'_>]) -> Result<UnitBytes> {
+fn unit_bytes(decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<UnitBytes> {
     chosen
         .par_iter()
-        .flat_map_iter(|&(stream, frames)| (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit)))
+        .flat_map_iter(|&StreamFrames { stream, frames }| {
+            (0..stream.entry.unit_count()).map(move |unit| (stream, frames, unit))
+        })
         .map(|(stream, frames, unit)| {
             let mut unit = decoder.unit(stream, unit);
             frames.iter().try_for_each(|frame| unit.decode(frame).map(|_| ()))?;

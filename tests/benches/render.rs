@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 
 use clock::Clock;
 use glam::DVec3;
-use lightfold::decode::decoder::Decoder;
-use lightfold::decode::unit_filter::AllUnits;
+use lightfold::decode::{AllUnits, Decoder};
 use lightfold::error::Result;
 use lightfold::image::cube::Face;
 use lightfold::image::transfer::ToneMap;

@@ -5,8 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Failed;
-use lightfold::decode::decoder::Decoder;
-use lightfold::decode::unit_filter::AllUnits;
+use lightfold::decode::{AllUnits, Decoder};
 use lightfold::evaluate::path::Shot;
 use lightfold::gpu::render::depth_planes::ROW_WORDS;
 use lightfold::gpu::render::scene::Origin;

@@ -15,16 +15,14 @@ use lightfold::cli::device::{DeviceArg, or_on_cpu};
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::{DepthKind, StreamKind};
-use lightfold::decode::decoder::{Decoder, StreamInfo};
-use lightfold::decode::export::{Request, Selection};
-use lightfold::decode::unit_filter::{AllUnits, UnitFilter};
+use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
 use lightfold::hard_cases;
 use lightfold::monitor::{Monitor, Silent};
-use lightfold::streams::header::{CodecHeader, DepthCoding, DepthHeader};
+use lightfold::streams::{CodecHeader, DepthCoding, DepthHeader};
 
 /// Random streams that are decoded; `lightfold selftest --streams` takes more.
 const STREAMS: u64 = 400;

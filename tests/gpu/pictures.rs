@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use libtest_mimic::Failed;
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::evaluate::path::Shot;
 use lightfold::gpu::kernels::KERNELS;
 use lightfold::gpu::render::agreement::Agreement;

@@ -6,7 +6,7 @@ use std::path::Path;
 use half::f16;
 use lightfold::Error;
 use lightfold::color::SearchSettings;
-use lightfold::decode::decoder::Picture;
+use lightfold::decode::Picture;
 use lightfold::depth::temporal::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::encode::dataset::{
@@ -14,8 +14,7 @@ use lightfold::encode::dataset::{
 };
 use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
 use lightfold::monitor::Silent;
-use lightfold::streams::convert;
-use lightfold::streams::header::{CodecHeader, ColorBlocks, ColorFormat};
+use lightfold::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};
 use tempfile::TempDir;
 
 use crate::commands::{fine, refused};

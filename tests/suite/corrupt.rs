@@ -4,9 +4,9 @@
 use half::f16;
 use lightfold::color::SearchSettings;
 use lightfold::container::{ChunkEntry, ChunkKey, Index, OpenLimits, Reader, Storage, StreamEntry};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
-use lightfold::streams::header::ColorBlocks;
+use lightfold::streams::ColorBlocks;
 use rayon::prelude::*;
 
 use crate::samples::{self, Images, Random, Shape};

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use half::f16;
 use lightfold::dataset::{Source, SourceOptions};
-use lightfold::decode::decoder::Decoder;
-use lightfold::decode::export;
+use lightfold::decode;
+use lightfold::decode::Decoder;
 use lightfold::encode::dataset::DepthCodec;
 use lightfold::encode::dataset::encode;
 use lightfold::encode::settings::EncodeSettings;
 use lightfold::image::{ColorPlane, DepthPlane, Face, Plane, ReadLimits, exr, png};
 use lightfold::monitor::Silent;
-use lightfold::streams::header::ColorFormat;
+use lightfold::streams::ColorFormat;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -88,11 +88,11 @@ impl Bench {
 
     fn decode(&self, container: &str, folder: &str) {
         let decoder = Decoder::open(self.path(container)).unwrap();
-        let chosen = export::Selection::default().choose(&decoder).unwrap();
-        let destination = export::Destination::Dataset(self.path(folder));
-        let format = export::FileFormat::Exr;
-        let request = export::Request::all(&chosen);
-        export::decode_to_files(&export::OnCpu, &decoder, request, &destination, format, &Silent).unwrap();
+        let chosen = decode::Selection::default().choose(&decoder).unwrap();
+        let destination = decode::Destination::Dataset(self.path(folder));
+        let format = decode::FileFormat::Exr;
+        let request = decode::Request::all(&chosen);
+        decode::decode_to_files(&decode::OnCpu::default(), &decoder, request, &destination, format, &Silent).unwrap();
     }
 
     /// Exit code, standard output and standard error.

@@ -9,8 +9,7 @@ use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
-use lightfold::decode::decoder::Decoder;
-use lightfold::decode::decoder::Picture;
+use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::dataset::DepthCodec;
 use lightfold::encode::dataset::encode;
@@ -151,7 +150,7 @@ fn same_inside(a: &Picture, b: &Picture, [left, top, width, height]: [u32; 4]) -
 #[test]
 fn rows_of_frames_are_what_a_decoder_does() {
     let mut half = settings();
-    half.color = lightfold::streams::header::ColorFormat::Half { white_cd_m2: 100.0 };
+    half.color = lightfold::streams::ColorFormat::Half { white_cd_m2: 100.0 };
     let mut blended = settings();
     // Few keyframes and weights between them.
     blended.search.min_psnr_db = 6.0;

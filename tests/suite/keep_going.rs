@@ -6,9 +6,9 @@ use std::process::Command;
 
 use lightfold::color::SearchSettings;
 use lightfold::container::Reader;
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
-use lightfold::streams::header::ColorBlocks;
+use lightfold::streams::ColorBlocks;
 use serde_json::Value;
 use tempfile::TempDir;
 

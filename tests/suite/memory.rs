@@ -8,7 +8,7 @@ use std::process::Command;
 use half::f16;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::dataset::{self, EncodeSettings};
 use lightfold::image::{Face, Plane};

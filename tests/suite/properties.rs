@@ -13,7 +13,7 @@ use lightfold::depth::quantise::Quantiser;
 use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::evaluate::camera_file::{CameraEntry, CameraFile};
 use lightfold::image::{FrameRange, Pattern};
-use lightfold::streams::header::ColorBlocks;
+use lightfold::streams::ColorBlocks;
 use proptest::collection::vec;
 use proptest::prelude::*;
 

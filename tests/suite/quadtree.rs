@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use lightfold::container::Reader;
-use lightfold::decode::decoder::{Decoder, Picture};
+use lightfold::decode::{Decoder, Picture};
 use lightfold::image::{Face, Plane};
-use lightfold::streams::header::CodecHeader;
+use lightfold::streams::CodecHeader;
 use serde_json::Value;
 use tempfile::TempDir;
 

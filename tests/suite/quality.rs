@@ -9,7 +9,7 @@ use lightfold::color::SearchSettings;
 use lightfold::container::Reader;
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::dataset::stream::StreamKind;
-use lightfold::decode::decoder::{Decoder, Picture};
+use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::encode::dataset::{
@@ -19,8 +19,7 @@ use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
-use lightfold::streams::convert;
-use lightfold::streams::header::{CodecHeader, ColorBlocks};
+use lightfold::streams::{CodecHeader, ColorBlocks, convert};
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/footage.csv");
 const HEAD: &str = "set,kind,lzma2,bytes,max_error_codes,min_psnr_db";

@@ -5,9 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use lightfold::dataset::stream::StreamKind;
-use lightfold::decode::decoder::{Decoder, StreamInfo};
-use lightfold::decode::unit_filter::AllUnits;
-use lightfold::decode::unit_filter::UnitFilter;
+use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use lightfold::evaluate::path::Shot;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;

@@ -10,7 +10,7 @@ use glam::DVec3;
 use lightfold::container::Reader;
 use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::encode::dataset::{EncodeSettings, encode};
 use lightfold::evaluate::path::Shot;
 use lightfold::evaluate::reference::{Reference, ReferenceImage};
@@ -24,7 +24,7 @@ use lightfold::math::{Camera, Lens};
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
-use lightfold::streams::header::ColorFormat;
+use lightfold::streams::ColorFormat;
 use lightfold::views::light_field::{ColorCoding, ColorTexels};
 use lightfold::views::player::ProbeChoice;
 

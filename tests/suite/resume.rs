@@ -17,7 +17,7 @@ use lightfold::encode::dataset::{
 };
 use lightfold::image::{Plane, exr, png};
 use lightfold::monitor::{Monitor, Silent};
-use lightfold::streams::header::{ColorBlocks, ColorFormat};
+use lightfold::streams::{ColorBlocks, ColorFormat};
 use tempfile::TempDir;
 
 use crate::samples::{self, Random};

@@ -6,8 +6,7 @@ use lightfold::color::keyframes::{Effort, SearchSettings};
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::{Reader, Writer};
 use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
-use lightfold::decode::decoder::{Decoder, Picture};
-use lightfold::decode::export::{Request, Selection, decode_to_nothing};
+use lightfold::decode::{Decoder, Picture, Request, Selection, decode_to_nothing};
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
@@ -15,8 +14,7 @@ use lightfold::encode::dataset::{DepthCodec, DepthSettings, EncodeSettings, Erro
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
-use lightfold::streams::convert;
-use lightfold::streams::header::{CodecHeader, ColorFormat};
+use lightfold::streams::{CodecHeader, ColorFormat, convert};
 
 use crate::footage::{Footage, Random, drifting_color};
 use crate::samples;

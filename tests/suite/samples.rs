@@ -10,7 +10,7 @@ use lightfold::container::{
     ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
 use lightfold::dataset::stream::DepthKind;
-use lightfold::decode::decoder::{Decoder, Picture};
+use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::block_chunk::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
@@ -20,7 +20,7 @@ use lightfold::depth::tree_chunk::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
 use lightfold::image::transfer::ToneMap;
-use lightfold::streams::header::{
+use lightfold::streams::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
 
@@ -222,11 +222,19 @@ pub fn material_in_blocks(shape: Shape, images: &[Vec<[u8; 3]>], settings: Tempo
 }
 
 pub fn color8_header(search: &SearchSettings) -> CodecHeader {
-    CodecHeader::Color(ColorHeader::new(ColorFormat::EightBit(ToneMap::default()), search))
+    CodecHeader::Color(ColorHeader {
+        format: ColorFormat::EightBit(ToneMap::default()),
+        blocks: None,
+        min_psnr_db: search.min_psnr_db,
+    })
 }
 
 pub fn half_header(search: &SearchSettings) -> CodecHeader {
-    CodecHeader::Color(ColorHeader::new(ColorFormat::Half { white_cd_m2: 100.0 }, search))
+    CodecHeader::Color(ColorHeader {
+        format: ColorFormat::Half { white_cd_m2: 100.0 },
+        blocks: None,
+        min_psnr_db: search.min_psnr_db,
+    })
 }
 
 /// A stream whose cells are each coded by what `encoder` makes for a size.

@@ -11,7 +11,7 @@ use lightfold::Error;
 use lightfold::color::cells::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
 use lightfold::container::{Index, Reader, Storage, Writer};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
 
 use crate::samples::{self, Random, Shape, Stream};

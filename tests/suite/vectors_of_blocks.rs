@@ -5,7 +5,7 @@ use lightfold::color::cells::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
 use lightfold::container::EncodedChunk;
 use lightfold::depth::TemporalSettings;
-use lightfold::streams::header::{CodecHeader, ColorBlocks};
+use lightfold::streams::{CodecHeader, ColorBlocks};
 
 use crate::samples::{self, Random, Stream};
 use crate::vectors::{one, shape};

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lightfold::color::SearchSettings;
 use lightfold::color::cells::{CellBuilder, LEADS_NOWHERE};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 use lightfold::gpu::prepare;
 use lightfold::inspect::coding_map::{frame_anatomy, survey};
 use lightfold::inspect::container::{self, InspectSettings};

@@ -7,7 +7,7 @@ use lightfold::depth::node_chunk::{NodeChunk, NodeChunkBuilder};
 use lightfold::depth::node_encoder::NodeSettings;
 use lightfold::depth::nodes::{Function, Node, Place};
 use lightfold::effort::Effort;
-use lightfold::streams::header::CodecHeader;
+use lightfold::streams::CodecHeader;
 
 use crate::samples::{self, Stream};
 use crate::vectors::{one, shape};

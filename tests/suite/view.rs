@@ -4,10 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use half::f16;
-use lightfold::decode::decoder::{Decoder, Picture, StreamInfo};
-use lightfold::decode::export::{Request, Selection, decode_to_nothing};
-use lightfold::decode::unit_filter::AllUnits;
-use lightfold::decode::unit_filter::UnitFilter;
+use lightfold::decode::{AllUnits, Decoder, Picture, Request, Selection, StreamInfo, UnitFilter, decode_to_nothing};
 use lightfold::depth::BACKGROUND_CODE;
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, Plane};
@@ -67,7 +64,7 @@ fn check(decoder: &Decoder, filter: &dyn UnitFilter) -> u64 {
         let (mut whole, mut part) = (decoder.face(stream), decoder.face(stream));
         for frame in stream.frames.iter() {
             let (all, blank) = samples(&whole.decode(frame).unwrap());
-            let (some, _) = samples(&part.decode_wanted(frame, filter).unwrap());
+            let (some, _) = samples(&part.decode_filtered(frame, filter).unwrap());
             for unit in 0..stream.entry.unit_count() {
                 let wanted = filter.wants(stream, unit, frame);
                 let [left, top, width, height] = stream.entry.unit_rect(unit);
@@ -78,7 +75,7 @@ fn check(decoder: &Decoder, filter: &dyn UnitFilter) -> u64 {
                 }
             }
         }
-        wanted_pixels += part.wanted_pixels();
+        wanted_pixels += part.selected_pixels();
     }
     wanted_pixels
 }

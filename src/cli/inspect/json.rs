@@ -13,7 +13,7 @@ use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::image::transfer::Transfer;
 use crate::inspect::container::{StreamStats, Totals};
-use crate::streams::header::{CodecHeader, ColorFormat, DepthCoding, DepthHeader};
+use crate::streams::{CodecHeader, ColorFormat, DepthCoding, DepthHeader};
 
 /// Columns of the CSV with one row for each stream.
 pub const COLUMNS: &[&str] = &[

@@ -10,7 +10,7 @@ use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
 use crate::compare::side;
 use crate::compare::streams::{Coverage, Pairing};
-use crate::decode::decoder::StreamInfo;
+use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
@@ -46,7 +46,7 @@ pub fn check(args: &Args) -> Result<()> {
 pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Result<Vec<PlotOut<'a>>> {
     let (args, decoder) = (report.args, report.decoder);
     let selection = args.selection.with(args.frame.map(|frame| FrameRange { first: frame, last: frame }));
-    let streams: Vec<&StreamInfo> = selection.choose(decoder)?.into_iter().map(|(stream, _)| stream).collect();
+    let streams: Vec<&StreamInfo> = selection.choose(decoder)?.into_iter().map(|part| part.stream).collect();
     let sides = match &args.source {
         Some(source) => {
             let input = args.input.to_string_lossy();

@@ -14,7 +14,7 @@ use crate::depth::nodes::Function;
 use crate::depth::temporal::TemporalSettings;
 use crate::inspect::container::{BlockCount, StreamStats, Totals};
 use crate::report::{Column, Table};
-use crate::streams::header::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
+use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;

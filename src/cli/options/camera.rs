@@ -7,9 +7,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::cli::output::{self, human_bytes};
-use crate::decode::decoder::Decoder;
-use crate::decode::export::{self, Chosen, DecodeSummary};
-use crate::decode::unit_filter::{AllUnits, UnitFilter};
+use crate::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
 use crate::evaluate::camera_file::TimedCamera;
@@ -89,10 +87,10 @@ impl CameraArgs {
     ///
     /// # Errors
     /// As for [`CameraArgs::cameras`].
-    pub fn view(&self, decoder: &Decoder, chosen: &[Chosen<'_>]) -> Result<View> {
+    pub fn view(&self, decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<View> {
         let cameras = self.cameras()?;
         let seen = (!cameras.is_empty()).then(|| SeenUnits::find(decoder, chosen, &cameras));
-        let units = chosen.iter().map(|(stream, _)| u64::from(stream.entry.unit_count())).sum();
+        let units = chosen.iter().map(|part| u64::from(part.stream.entry.unit_count())).sum();
         let counts = match &seen {
             Some(seen) => seen.counts(),
             None => SeenCounts { units, visible_units: units, ..SeenCounts::default() },
@@ -100,7 +98,7 @@ impl CameraArgs {
         if let (Some(_), 0) = (&seen, counts.visible_units) {
             output::note("no camera sees anything in the frames and streams that were chosen");
         }
-        let bytes_total = if self.stats { export::stored_bytes(decoder, chosen) } else { 0 };
+        let bytes_total = if self.stats { decode::stored_bytes(decoder, chosen) } else { 0 };
         Ok(View { seen, counts, bytes_total, stats: self.stats })
     }
 }

@@ -8,7 +8,7 @@ use crate::encode::dataset::{ColorBlockSettings, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;
-use crate::streams::header::{ColorBlocks, ColorFormat};
+use crate::streams::{ColorBlocks, ColorFormat};
 
 /// How colour is read and coded.
 #[derive(Debug, Clone, Args)]

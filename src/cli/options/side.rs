@@ -7,7 +7,7 @@ use super::sequence::LayoutArg;
 use super::{ColorSpaceArg, DepthReadingArgs, ImageArgs, InvalidColorArg};
 use crate::compare::side::SideOptions;
 use crate::dataset::source::{SequenceLayout, SourceOptions};
-use crate::decode::export::Selection;
+use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
 

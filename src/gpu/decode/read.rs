@@ -2,8 +2,7 @@
 
 use half::f16;
 
-use crate::decode::decoder::{Picture, StreamInfo};
-use crate::decode::unit_filter::UnitFilter;
+use crate::decode::{Picture, StreamInfo, UnitFilter};
 use crate::error::Result;
 use crate::gpu::decode::GpuDecoder;
 use crate::gpu::family::PixelWords;

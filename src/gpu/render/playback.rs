@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::Decoder;
+use crate::decode::Decoder;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::render::units::{DeviceUnits, can_decode};

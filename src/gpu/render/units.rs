@@ -9,14 +9,14 @@ use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
 
 use crate::dataset::stream::{DepthKind, StreamKind};
-use crate::decode::decoder::{Decoder, StreamInfo};
+use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{self, GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
 use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TileParts};
-use crate::streams::header::CodecHeader;
+use crate::streams::CodecHeader;
 use crate::views::face_cache::units_under;
 use crate::views::rects::{Rect, overlap};
 use crate::views::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};

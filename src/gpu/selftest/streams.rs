@@ -8,7 +8,7 @@ use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::dataset::stream::DepthKind;
-use crate::decode::decoder::{Decoder, FaceDecoder, StreamInfo};
+use crate::decode::{Decoder, FaceDecoder, StreamInfo};
 use crate::depth::DomainParts;
 use crate::depth::block_chunk::picture_bytes;
 use crate::depth::domain::{Domain, DomainKind};
@@ -32,7 +32,7 @@ use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::monitor::Monitor;
-use crate::streams::header::{
+use crate::streams::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
 };
 

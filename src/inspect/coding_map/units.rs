@@ -15,9 +15,7 @@ use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
 use crate::inspect::coding_map::{Patch, Writing};
-use crate::streams::depth_chunk::DepthChunk;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
-use crate::streams::material_chunk::MaterialChunk;
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk};
 
 /// What a unit's record of a frame writes.
 #[derive(Debug, Default)]

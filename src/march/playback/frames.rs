@@ -6,8 +6,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use crate::decode::decoder::Decoder;
-use crate::decode::unit_filter::AllUnits;
+use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
 use crate::evaluate::path::Shot;
 use crate::march::active_views::ActiveViews;

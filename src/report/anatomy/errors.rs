@@ -11,7 +11,7 @@ use crate::compare::error_map::ErrorMap;
 use crate::compare::side::Coding;
 use crate::error::Result;
 use crate::image::plane::Plane;
-use crate::streams::header::{CodecHeader, ColorFormat};
+use crate::streams::{CodecHeader, ColorFormat};
 
 /// The sheet of a frame's errors against the source that the user named.
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {

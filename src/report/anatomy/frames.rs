@@ -5,12 +5,12 @@ use super::raster::{ROOM, Scale, hatch, outline, parts_of, render, unit_borders}
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, What, counted, percent};
 use crate::dataset::stream::StreamKind;
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::depth::nodes::Function;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use crate::image::plane::Plane;
 use crate::inspect::coding_map::{FrameAnatomy, Writing};
-use crate::streams::header::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
+use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
 
 /// An image in shades of grey.
 pub(super) struct Shades {

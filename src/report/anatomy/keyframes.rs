@@ -5,7 +5,7 @@ use super::palette::{self, Rgb};
 use super::raster::{HALF_ROOM, Scale};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted};
-use crate::decode::decoder::Picture;
+use crate::decode::Picture;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
@@ -13,8 +13,7 @@ use crate::inspect::coding_map::{FrameAnatomy, Survey};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
-use crate::streams::convert;
-use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
 /// A cell as it is drawn.
 pub(super) struct CellMark {

@@ -3,9 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use lightfold::container::{OpenLimits, Reader, lzma2};
-use lightfold::decode::decoder::{Decoder, FaceDecoder, Picture, StreamInfo};
-use lightfold::decode::export::{self, OnDamage, Request};
-use lightfold::decode::unit_filter::AllUnits;
+use lightfold::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
 use lightfold::encode::dataset::ErrorBound;
@@ -17,7 +15,7 @@ use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use lightfold::pack::flatten::FlattenSettings;
 use lightfold::pack::merge::{self, PackSettings, Repack};
-use lightfold::streams::header::CodecHeader;
+use lightfold::streams::CodecHeader;
 
 use super::{Judged, Verdict, judge, refused};
 
@@ -190,7 +188,12 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
 fn keep_going(decoder: &Decoder, stream: &StreamInfo) -> Judged {
     let first = stream.frames.first;
     let frames = FrameRange { first, last: stream.frames.last.min(first + (KEPT_FRAMES - 1)) };
-    let decoded = match export::decode_units(decoder, Request::all(&[(stream, frames)]), OnDamage::KeepGoing, &Silent) {
+    let decoded = match decode::decode_units(
+        decoder,
+        Request::all(&[StreamFrames { stream, frames }]),
+        OnDamage::KeepGoing,
+        &Silent,
+    ) {
         Ok(decoded) => decoded,
         Err(error) => return refused(&error),
     };

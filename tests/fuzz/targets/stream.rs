@@ -1,7 +1,7 @@
 //! Streams of one codec: sizes, codec header and payloads are the input, the container around them is sound.
 
 use lightfold::container::{ChunkKey, OpenLimits, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::Decoder;
 
 use super::{Judged, container, refused};
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use lightfold::container::Reader;
 use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Manifest, Source, SourceOptions};
-use lightfold::decode::decoder::Decoder;
+use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, FrameRange, Pattern};
 use lightfold::report::tradeoff::store::{FILE_NAME, Store};
@@ -50,7 +50,8 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
         Err(error) => return refused(&error),
     };
     let seen = SEEN.with(|decoder| {
-        let chosen: Vec<_> = decoder.streams().iter().map(|stream| (stream, stream.frames)).collect();
+        let all = decoder.streams().iter().map(|stream| StreamFrames { stream, frames: stream.frames });
+        let chosen: Vec<_> = all.collect();
         SeenUnits::find(decoder, &chosen, &cameras).counts()
     });
     if seen.visible_units > seen.units {

@@ -1,39 +1,55 @@
-//! The manifest of what was decoded.
+//! The manifest of a decoded dataset.
 
 use serde_json::json;
 
 use crate::dataset::manifest::{self, Manifest};
-use crate::dataset::stream::StreamKind;
 use crate::decode::decoder::Decoder;
-use crate::decode::export::{Chosen, FileFormat};
-use crate::image::cube::Face;
+use crate::decode::selection::StreamFrames;
+use crate::image::Face;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::{ToneMap, Transfer};
-use crate::streams::header::{CodecHeader, ColorFormat};
+use crate::streams::{CodecHeader, ColorFormat, Projection, StreamKind};
 
-/// The pattern of the files of a kind.
+/// File format of decoded images.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FileFormat {
+    /// OpenEXR: linear light, metres, weights.
+    #[default]
+    Exr,
+    /// PNG: 8-bit colour codes, 16-bit depth codes, 8-bit weights.
+    Png,
+}
+
+impl FileFormat {
+    fn extension(self) -> &'static str {
+        match self {
+            FileFormat::Exr => "exr",
+            FileFormat::Png => "png",
+        }
+    }
+}
+
+/// File pattern of a kind.
 pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> String {
     let face = if decoder.reader().index().projection == 0 { "/face_{face}" } else { "" };
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())
 }
 
-/// The manifest of what was decoded, so that the folder is a dataset again. `extra` tells how the streams were coded,
-/// so that a later comparison can use the same codes. None where PNG files hold codes that a manifest cannot explain,
-/// where streams differ in size, or where faces of a cube are no squares.
-pub(super) fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: FileFormat) -> Option<Manifest> {
+/// The manifest that makes a folder of decoded images a dataset. Its `extra` holds the streams' coding, so that a later
+/// comparison can use the same codes. `None` where PNG files hold codes that a manifest cannot describe, where streams
+/// differ in size, or where cube faces are not square.
+pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], format: FileFormat) -> Option<Manifest> {
     let index = decoder.reader().index();
-    let (first, _) = chosen.first()?;
-    let size = [first.entry.width, first.entry.height];
+    let size = streams.first()?.stream.size();
     let cube = index.projection == 0;
-    if chosen.iter().any(|(stream, _)| [stream.entry.width, stream.entry.height] != size) || cube && size[0] != size[1]
-    {
+    if streams.iter().any(|part| part.stream.size() != size) || cube && size[0] != size[1] {
         return None;
     }
     let mut files = manifest::Files::default();
     let (mut depth, mut color, mut material) = (None, None, None);
     let mut coding = serde_json::Map::new();
     let mut ranges = serde_json::Map::new();
-    for (stream, _) in chosen {
+    for StreamFrames { stream, .. } in streams {
         let pattern = Some(file_pattern(decoder, stream.kind, format));
         match (stream.header, format) {
             (CodecHeader::Depth(header), _) => {
@@ -73,15 +89,14 @@ pub(super) fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: File
     if !ranges.is_empty() {
         coding.insert("depth".into(), ranges.into());
     }
-    let frames = chosen.iter().map(|(_, frames)| *frames);
-    let all = frames.reduce(hull)?;
+    let all = streams.iter().map(|part| part.frames).reduce(FrameRange::hull)?;
     let present: Vec<Face> =
-        Face::CUBE.into_iter().filter(|face| chosen.iter().any(|(s, _)| s.face == *face)).collect();
+        Face::CUBE.into_iter().filter(|face| streams.iter().any(|part| part.stream.face == *face)).collect();
     let mut probes = Vec::new();
     let mut frames_of: Vec<Option<FrameRange>> = vec![None; index.probes.len()];
-    for &(stream, frames) in chosen {
+    for &StreamFrames { stream, frames } in streams {
         let known = &mut frames_of[stream.probe];
-        *known = Some(known.map_or(frames, |known| hull(known, frames)));
+        *known = Some(known.map_or(frames, |known| known.hull(frames)));
     }
     for (probe, frames) in index.probes.iter().zip(frames_of) {
         let Some(frames) = frames else { continue };
@@ -101,11 +116,7 @@ pub(super) fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: File
         name: if index.name.is_empty() { "unnamed".to_owned() } else { index.name.clone() },
         fps: index.fps,
         frames: [all.first, all.last],
-        projection: if cube {
-            crate::dataset::stream::Projection::Cubemap
-        } else {
-            crate::dataset::stream::Projection::Perspective
-        },
+        projection: if cube { Projection::Cubemap } else { Projection::Perspective },
         size,
         faces: cube.then_some(manifest::FaceFiles::Six),
         faces_present: (cube && present.len() < 6).then(|| present.iter().map(|face| face.name().to_owned()).collect()),
@@ -116,11 +127,6 @@ pub(super) fn manifest_of(decoder: &Decoder, chosen: &[Chosen<'_>], format: File
         probes,
         extra: Some(json!({ "lightfold": coding })),
     })
-}
-
-/// The least range that holds both.
-fn hull(a: FrameRange, b: FrameRange) -> FrameRange {
-    FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) }
 }
 
 fn color_coding(format: &ColorFormat, cell: u32) -> serde_json::Value {

@@ -1,12 +1,10 @@
-//! The words that name what a stream holds and how it was seen.
+//! What the pixels of an image are, and how they were projected.
 
-use serde::{Deserialize, Serialize};
-
-/// What the pixels of a stream are.
+/// What the pixels of a stream are; the numbers are those of container.md 5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum StreamKind {
-    /// Linear Rec. 709 light.
+    /// Linear Rec. 709 colour.
     Color = 0,
     /// Distance in metres.
     Depth = 1,
@@ -38,9 +36,8 @@ impl StreamKind {
     }
 }
 
-/// How the images of a dataset were projected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+/// Projection of the images of a probe.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Projection {
     /// Faces of an OpenGL cube map.
     Cubemap,
@@ -51,8 +48,7 @@ pub enum Projection {
 }
 
 /// What a depth value measures.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum DepthKind {
     /// Euclidean distance from the centre of the probe.
     #[default]

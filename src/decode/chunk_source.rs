@@ -1,0 +1,77 @@
+//! The chunks of one unit: found by frame, read, checked and parsed, with what that cost.
+
+use std::collections::BTreeMap;
+use std::time::{Duration, Instant};
+
+use crate::container::{ChunkEntry, ChunkKey, Payload, Reader};
+use crate::decode::damage::DamagedChunk;
+use crate::error::{Error, Result};
+
+/// Work done by a decoder.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct DecodeCost {
+    /// Pixels written.
+    pub updated_pixels: u64,
+    /// Stored bytes read.
+    pub bytes_read: u64,
+    /// Time for reading chunks, checking CRCs, decompressing and parsing, summed over threads.
+    pub fetching: Duration,
+    /// Time for writing pixels, summed over threads.
+    pub applying: Duration,
+}
+
+impl DecodeCost {
+    /// The sum of two costs.
+    #[must_use]
+    pub fn plus(self, other: DecodeCost) -> DecodeCost {
+        DecodeCost {
+            updated_pixels: self.updated_pixels + other.updated_pixels,
+            bytes_read: self.bytes_read + other.bytes_read,
+            fetching: self.fetching + other.fetching,
+            applying: self.applying + other.applying,
+        }
+    }
+}
+
+#[derive(Debug)]
+pub(super) struct ChunkSource<'a> {
+    pub reader: &'a Reader,
+    /// In order of their frames.
+    pub chunks: &'a [ChunkEntry],
+    pub cost: DecodeCost,
+    /// Memory of the last chunk, reused for the next.
+    pub buffer: Vec<u8>,
+    /// Chunks that could not be used; they are not read again.
+    pub damaged: BTreeMap<ChunkKey, DamagedChunk>,
+}
+
+impl<'a> ChunkSource<'a> {
+    pub fn new(reader: &'a Reader, chunks: &'a [ChunkEntry], buffer: Vec<u8>) -> ChunkSource<'a> {
+        ChunkSource { reader, chunks, cost: DecodeCost::default(), buffer, damaged: BTreeMap::new() }
+    }
+
+    /// The chunk that holds `frame`, and its index.
+    pub fn find(&self, frame: u32) -> Result<(usize, ChunkEntry)> {
+        let at = self.chunks.partition_point(|chunk| chunk.key.first_frame <= frame);
+        at.checked_sub(1)
+            .map(|at| (at, self.chunks[at]))
+            .filter(|(_, chunk)| frame - chunk.key.first_frame < chunk.key.frame_count)
+            .ok_or_else(|| Error::invalid(format!("no chunk holds frame {frame}")).in_file(self.reader.path()))
+    }
+
+    /// Reads and parses a chunk; one that fails is listed in `damaged`.
+    pub fn fetch<T>(&mut self, chunk: &ChunkEntry, parse: impl FnOnce(Payload) -> Result<T>) -> Result<T> {
+        if let Some(known) = self.damaged.get(&chunk.key) {
+            return Err(self.reader.blame(chunk, Error::invalid(known.reason.clone())));
+        }
+        let start = Instant::now();
+        let buffer = std::mem::take(&mut self.buffer);
+        let parsed = self.reader.load_into(chunk, buffer).and_then(parse).map_err(|error| {
+            self.damaged.insert(chunk.key, DamagedChunk::new(chunk, &error));
+            self.reader.blame(chunk, error)
+        })?;
+        self.cost.fetching += start.elapsed();
+        self.cost.bytes_read += u64::from(chunk.stored_bytes);
+        Ok(parsed)
+    }
+}

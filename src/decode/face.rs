@@ -1,0 +1,158 @@
+//! Decodes whole images of one stream, units in parallel.
+
+use half::f16;
+
+use crate::container::Reader;
+use crate::decode::chunk_source::DecodeCost;
+use crate::decode::damage::DamagedChunk;
+use crate::decode::pixels::{Conversion, PixelsMut};
+use crate::decode::unit::UnitDecoder;
+use crate::decode::unit_filter::{AllUnits, UnitFilter};
+use crate::depth::BACKGROUND_CODE;
+#[cfg(doc)]
+use crate::error::Error;
+use crate::error::Result;
+use crate::image::plane::Plane;
+use crate::ordered::try_map_ordered;
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, StreamInfo};
+
+/// One decoded image, in the domain of its codec.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Picture {
+    /// 16-bit log codes.
+    Depth(Plane<u16>),
+    Color8(Plane<[u8; 3]>),
+    ColorHalf(Plane<[f16; 3]>),
+    Material(Plane<[u8; 3]>),
+}
+
+/// Decodes whole images of one stream: all tiles or cells of a face, in parallel.
+///
+/// Frames may be asked for in any order; going forward is cheapest. Memory: one picture and one chunk for each unit.
+#[derive(Debug)]
+pub struct FaceDecoder<'a> {
+    stream: &'a StreamInfo,
+    units: Vec<UnitDecoder<'a>>,
+    conversion: Conversion,
+    selected_pixels: u64,
+}
+
+impl<'a> FaceDecoder<'a> {
+    pub(super) fn new(reader: &'a Reader, stream: &'a StreamInfo) -> FaceDecoder<'a> {
+        let units = (0..stream.entry.unit_count()).map(|unit| UnitDecoder::new(reader, stream, unit, Vec::new()));
+        FaceDecoder { stream, units: units.collect(), conversion: Conversion::new(stream.header), selected_pixels: 0 }
+    }
+
+    /// Decodes a frame into a slice of width × height pixels.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a frame that the stream does not have, a slice of another length, or a kind of pixels that the
+    /// stream's cannot become; [`Error::Invalid`] for a damaged chunk, by name.
+    pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
+        let size @ [width, _] = self.stream.size();
+        pixels.check_size(size)?;
+        self.conversion.prepare(&pixels);
+        let units = try_map_ordered(self.units.iter_mut().collect(), |unit: &mut UnitDecoder<'a>| {
+            unit.decode(frame)?;
+            Ok(&*unit)
+        })?;
+        units.iter().try_for_each(|unit| self.conversion.write(unit.pixels(), unit.rect(), &mut pixels, width))
+    }
+
+    /// The image of a frame.
+    #[doc(hidden)]
+    pub fn decode(&mut self, frame: u32) -> Result<Picture> {
+        self.decode_filtered(frame, &AllUnits)
+    }
+
+    /// The image of a frame. Units that the filter leaves out are background in depth and 0 elsewhere, whatever other
+    /// frames were decoded before.
+    #[doc(hidden)]
+    pub fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        let stream = self.stream;
+        let units = try_map_ordered(select(stream, &mut self.units, frame, filter), |unit| {
+            unit.decode(frame)?;
+            Ok(&*unit)
+        })?;
+        self.selected_pixels += units.iter().map(|unit| unit.pixel_count()).sum::<u64>();
+        picture(stream, &units)
+    }
+
+    /// As [`Self::decode_filtered`]; `None` where a selected unit needs a damaged chunk, which [`Self::damaged`] then lists.
+    /// All units are tried.
+    ///
+    /// # Errors
+    /// The stream does not have the frame.
+    #[doc(hidden)]
+    pub fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        let stream = self.stream;
+        let units = try_map_ordered(select(stream, &mut self.units, frame, filter), |unit| match unit.decode(frame) {
+            Err(error) if unit.damaged().len() == 0 => Err(error),
+            Err(_) => Ok(None),
+            Ok(_) => Ok(Some(&*unit)),
+        })?;
+        let Some(units) = units.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
+        self.selected_pixels += units.iter().map(|unit| unit.pixel_count()).sum::<u64>();
+        picture(stream, &units).map(Some)
+    }
+
+    /// Damaged chunks of all units, by unit and frame.
+    #[doc(hidden)]
+    pub fn damaged(&self) -> Vec<DamagedChunk> {
+        let mut damaged: Vec<_> = self.units.iter().flat_map(UnitDecoder::damaged).cloned().collect();
+        damaged.sort_by_key(|damaged| damaged.chunk.key);
+        damaged
+    }
+
+    /// Cost of all calls so far.
+    pub fn cost(&self) -> DecodeCost {
+        self.units.iter().map(UnitDecoder::cost).fold(DecodeCost::default(), DecodeCost::plus)
+    }
+
+    /// Pixels of the selected units, over all frames so far.
+    #[doc(hidden)]
+    pub fn selected_pixels(&self) -> u64 {
+        self.selected_pixels
+    }
+}
+
+fn select<'d, 'a>(
+    stream: &StreamInfo,
+    units: &'d mut [UnitDecoder<'a>],
+    frame: u32,
+    filter: &dyn UnitFilter,
+) -> Vec<&'d mut UnitDecoder<'a>> {
+    let all = (0..).zip(units);
+    all.filter(|(unit, _)| filter.wants(stream, *unit, frame)).map(|(_, unit)| unit).collect()
+}
+
+/// The image that units show.
+fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
+    let [width, height] = stream.size();
+    let conversion = Conversion::new(stream.header);
+    let fill = |mut target: PixelsMut<'_>| {
+        units.iter().try_for_each(|unit| conversion.write(unit.pixels(), unit.rect(), &mut target, width))
+    };
+    Ok(match stream.header {
+        CodecHeader::Depth(_) => {
+            let mut plane = Plane::filled(width, height, BACKGROUND_CODE);
+            fill(PixelsMut::DepthCodes(plane.data_mut()))?;
+            Picture::Depth(plane)
+        }
+        CodecHeader::Material(_) => {
+            let mut plane = Plane::filled(width, height, [0; 3]);
+            fill(PixelsMut::Material8(plane.data_mut()))?;
+            Picture::Material(plane)
+        }
+        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+            let mut plane = Plane::filled(width, height, [0; 3]);
+            fill(PixelsMut::Color8(plane.data_mut()))?;
+            Picture::Color8(plane)
+        }
+        CodecHeader::Color(_) => {
+            let mut plane = Plane::filled(width, height, [f16::ZERO; 3]);
+            fill(PixelsMut::ColorHalf(plane.data_mut()))?;
+            Picture::ColorHalf(plane)
+        }
+    })
+}

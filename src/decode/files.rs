@@ -1,0 +1,195 @@
+//! Writes decoded images into EXR or PNG files, and the manifest that makes a folder of them a dataset again.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde_json::json;
+
+use crate::dataset::manifest::MANIFEST_NAME;
+use crate::decode::damage::{FrameRanges, MissingImages};
+use crate::decode::decoder::Decoder;
+use crate::decode::face::Picture;
+use crate::decode::images::ImageSource;
+use crate::decode::manifest::{FileFormat, file_pattern, manifest_of};
+use crate::decode::memory;
+use crate::decode::selection::{Request, StreamFrames};
+use crate::decode::units::{DecodeSummary, Decoded, DecodedPart, jobs_at_once};
+use crate::depth::CodeTable;
+use crate::error::{Error, Result};
+use crate::image::sequence::Pattern;
+use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
+use crate::image::{exr, png};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
+
+/// Channels of material files.
+const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
+
+/// Destination of decoded images.
+#[derive(Debug, Clone)]
+pub enum Destination {
+    /// A folder that becomes a dataset: `probe_NAME/face_FACE/KIND.0000.exr` and a manifest.
+    Dataset(PathBuf),
+    /// Files of one stream, named by a pattern.
+    Files(Pattern),
+}
+
+impl Destination {
+    /// The pattern of a stream's files.
+    fn pattern(&self, decoder: &Decoder, stream: &StreamInfo, format: FileFormat) -> Result<Pattern> {
+        match self {
+            Destination::Files(pattern) => Ok(pattern.clone()),
+            Destination::Dataset(folder) => {
+                let pattern = file_pattern(decoder, stream.kind, format);
+                let probe = &decoder.probe(stream).name;
+                let name = pattern.replace("{probe}", probe).replace("{face}", stream.face.name());
+                Ok(Pattern::parse(&name)?.below(folder))
+            }
+        }
+    }
+
+    /// Removes older files under the names of missing images; returns their number.
+    ///
+    /// # Errors
+    /// [`Error::Io`].
+    pub fn remove_missing(&self, decoder: &Decoder, missing: &[MissingImages], format: FileFormat) -> Result<u64> {
+        let mut removed = 0;
+        for missing in missing {
+            let pattern = self.pattern(decoder, &decoder.streams()[missing.stream as usize], format)?;
+            // Where there is no folder there are no files; frames may be many.
+            if pattern.path(0).parent().is_none_or(|folder| !folder.is_dir()) {
+                continue;
+            }
+            for frame in missing.frames.iter().flat_map(|range| range.iter()) {
+                let path = pattern.path(frame);
+                match std::fs::remove_file(&path) {
+                    Ok(()) => removed += 1,
+                    Err(error) if error.kind() == ErrorKind::NotFound => {}
+                    Err(error) => return Err(Error::io(&path, error)),
+                }
+            }
+        }
+        Ok(removed)
+    }
+}
+
+/// Decodes into files. Units that the filter leaves out are background in depth and 0 elsewhere. The monitor advances by
+/// one for every image. Missing images have no file, and the manifest's `extra` lists them.
+///
+/// # Errors
+/// A chunk is damaged and `source` does not list it, a file cannot be written, or the monitor stops the work.
+pub fn decode_to_files(
+    source: &dyn ImageSource,
+    decoder: &Decoder,
+    Request { streams, filter, memory }: Request<'_>,
+    destination: &Destination,
+    format: FileFormat,
+    monitor: &dyn Monitor,
+) -> Result<Decoded> {
+    let written = AtomicU64::new(0);
+    let each = |part: &StreamFrames<'_>| memory::stream_bytes(decoder, part.stream) + memory::file_bytes(part.stream);
+    let at_once = jobs_at_once(decoder, memory, || streams.iter().map(each).max())?;
+    let parts = try_map_at_once(streams.to_vec(), at_once, |StreamFrames { stream, frames }| {
+        let writer = ImageWriter::new(stream, format);
+        let pattern = destination.pattern(decoder, stream, format)?;
+        let mut face = source.open(decoder, stream)?;
+        let mut missing = FrameRanges::default();
+        for frame in frames.iter() {
+            monitor.check()?;
+            match face.decode_intact(frame, filter)? {
+                Some(picture) => {
+                    let bytes = writer.write_new(&pattern.path(frame), picture)?;
+                    written.fetch_add(bytes, Ordering::Relaxed);
+                }
+                None => missing.push(frame),
+            }
+            monitor.advance(1);
+        }
+        let (pixels, images) = (face.selected_pixels(), frames.count() - missing.count());
+        let summary = DecodeSummary { frames: images, pixels, bytes_out: 0, cost: face.cost() };
+        Ok(DecodedPart { stream: stream.index, summary, damaged: face.damaged(), missing })
+    })?;
+    let mut decoded = Decoded::of(parts);
+    decoded.summary.bytes_out = written.into_inner();
+    if let Destination::Dataset(folder) = destination
+        && decoded.summary.frames > 0
+        && let Some(mut manifest) = manifest_of(decoder, streams, format)
+    {
+        if !decoded.missing.is_empty() {
+            let list = decoded.missing.iter().map(|missing| missing_json(decoder, missing)).collect();
+            manifest.extra.get_or_insert_with(|| json!({}))["missing"] = serde_json::Value::Array(list);
+        }
+        let path = folder.join(MANIFEST_NAME);
+        std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
+    }
+    Ok(decoded)
+}
+
+/// Missing images of one stream, as in a manifest's `extra` and in reports.
+pub fn missing_json(decoder: &Decoder, missing: &MissingImages) -> serde_json::Value {
+    let stream = &decoder.streams()[missing.stream as usize];
+    json!({
+        "kind": stream.kind.name(),
+        "probe": decoder.probe(stream).name,
+        "face": stream.face.name(),
+        "frames": missing.frames.iter().map(|range| [range.first, range.last]).collect::<Vec<_>>(),
+    })
+}
+
+/// Turns pictures into files.
+struct ImageWriter {
+    format: FileFormat,
+    depth: Option<CodeTable>,
+    light: Option<DecodeTable>,
+    /// For half-float colour in PNG.
+    codes: Option<EncodeTable>,
+}
+
+impl ImageWriter {
+    fn new(stream: &StreamInfo, format: FileFormat) -> ImageWriter {
+        let (mut depth, mut light, mut codes) = (None, None, None);
+        match stream.header {
+            CodecHeader::Depth(header) => depth = Some(CodeTable::new(header.range, header.background)),
+            CodecHeader::Color(header) => match header.format {
+                ColorFormat::EightBit(tone) => light = Some(DecodeTable::new(&tone)),
+                ColorFormat::Half { .. } => codes = Some(EncodeTable::new(&ToneMap::default())),
+            },
+            CodecHeader::Material(_) => {}
+        }
+        ImageWriter { format, depth, light, codes }
+    }
+
+    /// Writes a file, and its folder where there is none; returns its bytes.
+    fn write_new(&self, path: &Path, picture: Picture) -> Result<u64> {
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+        }
+        self.write(path, picture).map_err(|error| error.in_file(path))?;
+        Ok(std::fs::metadata(path).map_err(|error| Error::io(path, error))?.len())
+    }
+
+    fn write(&self, path: &Path, picture: Picture) -> Result<()> {
+        match (self.format, picture) {
+            (FileFormat::Png, Picture::Depth(codes)) => png::write_depth16(path, &codes),
+            (FileFormat::Png, Picture::Color8(codes) | Picture::Material(codes)) => png::write_color8(path, &codes),
+            (FileFormat::Png, Picture::ColorHalf(light)) => match &self.codes {
+                Some(table) => png::write_color8(path, &convert::color_codes(&light, table).0),
+                None => Ok(()),
+            },
+            (FileFormat::Exr, Picture::Depth(codes)) => match &self.depth {
+                Some(table) => exr::write_depth(path, &codes.map(|&code| table.metres(code))),
+                None => Ok(()),
+            },
+            (FileFormat::Exr, Picture::Color8(codes)) => match &self.light {
+                Some(table) => exr::write_color(path, &convert::color_light(&codes, table)),
+                None => Ok(()),
+            },
+            (FileFormat::Exr, Picture::ColorHalf(light)) => exr::write_color(path, &light),
+            (FileFormat::Exr, Picture::Material(codes)) => {
+                exr::write_material(path, &convert::material_values(&codes), MATERIAL_CHANNELS)
+            }
+        }
+    }
+}

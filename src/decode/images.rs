@@ -1,0 +1,89 @@
+//! Decoders of whole images behind a trait: the CPU's here, graphics devices' in `gpu`.
+
+use crate::decode::chunk_source::DecodeCost;
+use crate::decode::damage::{DamagedChunk, OnDamage};
+use crate::decode::decoder::Decoder;
+use crate::decode::face::{FaceDecoder, Picture};
+use crate::decode::unit_filter::UnitFilter;
+use crate::error::Result;
+use crate::streams::StreamInfo;
+
+/// Decodes the images of one stream.
+pub trait Images {
+    /// The image of a frame. Units that the filter leaves out are background in depth and 0 elsewhere.
+    ///
+    /// # Errors
+    /// The stream does not have the frame, a chunk is damaged, or the device fails.
+    fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture>;
+
+    /// As [`Self::decode_filtered`]; `None` where the image needs a chunk that [`Self::damaged`] lists.
+    ///
+    /// # Errors
+    /// Where this decoder does not list damaged chunks, they are errors.
+    fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        self.decode_filtered(frame, filter).map(Some)
+    }
+
+    /// Damaged chunks so far.
+    fn damaged(&self) -> Vec<DamagedChunk> {
+        Vec::new()
+    }
+
+    /// Pixels of the selected units, over all frames so far.
+    fn selected_pixels(&self) -> u64;
+
+    /// Cost so far.
+    fn cost(&self) -> DecodeCost;
+}
+
+/// Opens decoders of images on one device.
+pub trait ImageSource: Sync {
+    /// A decoder of all units of a stream.
+    ///
+    /// # Errors
+    /// The device has no memory for it.
+    fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>>;
+}
+
+/// Decodes on the CPU.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OnCpu(pub OnDamage);
+
+struct CpuImages<'a> {
+    face: FaceDecoder<'a>,
+    on_damage: OnDamage,
+}
+
+impl ImageSource for OnCpu {
+    fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>> {
+        Ok(Box::new(CpuImages { face: decoder.face(stream), on_damage: self.0 }))
+    }
+}
+
+impl Images for CpuImages<'_> {
+    fn decode_filtered(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Picture> {
+        self.face.decode_filtered(frame, filter)
+    }
+
+    fn decode_intact(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Option<Picture>> {
+        match self.on_damage {
+            OnDamage::Stop => self.decode_filtered(frame, filter).map(Some),
+            OnDamage::KeepGoing => self.face.decode_intact(frame, filter),
+        }
+    }
+
+    fn damaged(&self) -> Vec<DamagedChunk> {
+        match self.on_damage {
+            OnDamage::Stop => Vec::new(),
+            OnDamage::KeepGoing => self.face.damaged(),
+        }
+    }
+
+    fn selected_pixels(&self) -> u64 {
+        self.face.selected_pixels()
+    }
+
+    fn cost(&self) -> DecodeCost {
+        self.face.cost()
+    }
+}

@@ -1,0 +1,113 @@
+//! Decoded pixels in the caller's slices: codes, metres, 8-bit or half-float colour, material weights.
+
+use half::f16;
+
+use crate::decode::unit::UnitPixels;
+use crate::depth::CodeTable;
+use crate::error::{Error, Result};
+use crate::image::transfer::DecodeTable;
+use crate::streams::{CodecHeader, ColorFormat, convert};
+
+/// A caller's slice for decoded pixels: one element a pixel, row by row from the top left.
+#[derive(Debug)]
+pub enum PixelsMut<'p> {
+    /// Depth as 16-bit log codes: 0 at near, 65534 at far, 65535 background (depth.md 2).
+    DepthCodes(&'p mut [u16]),
+    /// Depth in metres. Background pixels have the stream's background value, +inf unless the source had another.
+    DepthMetres(&'p mut [f32]),
+    /// Colour of an 8-bit stream as codes of its transfer function, red first (color.md 2).
+    Color8(&'p mut [[u8; 3]]),
+    /// Colour as linear Rec. 709 light, from 8-bit and half-float streams alike.
+    ColorHalf(&'p mut [[f16; 3]]),
+    /// Material as bytes: reflection weight, refraction weight, index of refraction (depth.md 5).
+    Material8(&'p mut [[u8; 3]]),
+    /// Material as weights of 0 to 1 and an index of refraction of 1 to 3.
+    Material(&'p mut [[f32; 3]]),
+}
+
+impl PixelsMut<'_> {
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<()> {
+        let length = match self {
+            PixelsMut::DepthCodes(pixels) => pixels.len(),
+            PixelsMut::DepthMetres(pixels) => pixels.len(),
+            PixelsMut::Color8(pixels) | PixelsMut::Material8(pixels) => pixels.len(),
+            PixelsMut::ColorHalf(pixels) => pixels.len(),
+            PixelsMut::Material(pixels) => pixels.len(),
+        };
+        if length as u64 == u64::from(width) * u64::from(height) {
+            return Ok(());
+        }
+        Err(Error::Usage(format!("a slice of {length} pixels for an image of {width}x{height}")))
+    }
+}
+
+/// Converts pixels of one stream; tables are made when they are first used.
+#[derive(Debug)]
+pub(super) struct Conversion {
+    header: CodecHeader,
+    metres: Option<CodeTable>,
+    light: Option<DecodeTable>,
+}
+
+impl Conversion {
+    pub fn new(header: CodecHeader) -> Conversion {
+        Conversion { header, metres: None, light: None }
+    }
+
+    /// Makes the tables that this kind of target needs.
+    pub fn prepare(&mut self, target: &PixelsMut<'_>) {
+        match (self.header, target) {
+            (CodecHeader::Depth(header), PixelsMut::DepthMetres(_)) => {
+                self.metres.get_or_insert_with(|| CodeTable::new(header.range, header.background));
+            }
+            (CodecHeader::Color(header), PixelsMut::ColorHalf(_)) => {
+                if let ColorFormat::EightBit(tone) = header.format {
+                    self.light.get_or_insert_with(|| DecodeTable::new(&tone));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Writes a unit's pixels into a rectangle (left, top, width, height) of an image of `stride` columns.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a target that the stream's pixels cannot become.
+    pub fn write(&self, unit: UnitPixels<'_>, rect: [u32; 4], target: &mut PixelsMut<'_>, stride: u32) -> Result<()> {
+        match (unit, target) {
+            (UnitPixels::Depth(codes), PixelsMut::DepthCodes(out)) => copy(codes, rect, out, stride, |&code| code),
+            (UnitPixels::Depth(codes), PixelsMut::DepthMetres(out)) => {
+                let Some(table) = &self.metres else { return Err(wrong_kind()) };
+                copy(codes, rect, out, stride, |&code| table.metres(code));
+            }
+            (UnitPixels::Color8(codes), PixelsMut::Color8(out)) => copy(codes, rect, out, stride, |&code| code),
+            (UnitPixels::Color8(codes), PixelsMut::ColorHalf(out)) => {
+                let Some(table) = &self.light else { return Err(wrong_kind()) };
+                copy(codes, rect, out, stride, |pixel| pixel.map(|code| table.value(code)));
+            }
+            (UnitPixels::ColorHalf(keys), PixelsMut::ColorHalf(out)) => {
+                copy(keys, rect, out, stride, |pixel| pixel.map(|key| key.to_half()));
+            }
+            (UnitPixels::Material(codes), PixelsMut::Material8(out)) => copy(codes, rect, out, stride, |&code| code),
+            (UnitPixels::Material(codes), PixelsMut::Material(out)) => {
+                copy(codes, rect, out, stride, convert::material_value);
+            }
+            _ => return Err(wrong_kind()),
+        }
+        Ok(())
+    }
+}
+
+fn wrong_kind() -> Error {
+    Error::Usage("pixels of the stream cannot be converted into a slice of this kind".into())
+}
+
+fn copy<S, T>(source: &[S], rect: [u32; 4], target: &mut [T], stride: u32, convert: impl Fn(&S) -> T) {
+    let [left, top, width, _] = rect.map(|value| value as usize);
+    for (y, row) in source.chunks_exact(width).enumerate() {
+        let start = (top + y) * stride as usize + left;
+        for (out, value) in target[start..start + width].iter_mut().zip(row) {
+            *out = convert(value);
+        }
+    }
+}

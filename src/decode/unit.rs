@@ -1,0 +1,200 @@
+//! Decodes one tile or cell, in any order of frames.
+//!
+//! A tile that shows an earlier frame of the chunk applies only the records in between, in steps of up to W frames; else it
+//! starts at the chunk's keyframe (depth.md 4). A cell is [`crate::decode::cell`].
+
+use std::time::Instant;
+
+use crate::color::HalfKey;
+use crate::container::Reader;
+use crate::decode::cell::CellState;
+use crate::decode::chunk_source::{ChunkSource, DecodeCost};
+use crate::decode::damage::DamagedChunk;
+use crate::decode::pixels::{Conversion, PixelsMut};
+use crate::error::{Error, Result};
+use crate::image::sequence::FrameRange;
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk, StreamInfo};
+
+/// Decodes one unit: a tile of depth or material, or a cell of colour.
+///
+/// The next frames of a chunk cost what changes in them; any other frame costs reading and decoding its chunk from the
+/// keyframe.
+#[derive(Debug)]
+pub struct UnitDecoder<'a> {
+    source: ChunkSource<'a>,
+    frames: FrameRange,
+    rect: [u32; 4],
+    state: State,
+    conversion: Conversion,
+}
+
+#[derive(Debug)]
+enum State {
+    Depth(TemporalState<DepthChunk>),
+    Material(TemporalState<MaterialChunk>),
+    Color8(CellState<u8>),
+    ColorHalf(CellState<HalfKey>),
+}
+
+/// The same expression for the state of any codec.
+macro_rules! with_state {
+    ($state:expr, $bound:ident => $body:expr) => {
+        match $state {
+            State::Depth($bound) => $body,
+            State::Material($bound) => $body,
+            State::Color8($bound) => $body,
+            State::ColorHalf($bound) => $body,
+        }
+    };
+}
+
+impl<'a> UnitDecoder<'a> {
+    pub(super) fn new(reader: &'a Reader, stream: &StreamInfo, unit: u32, buffer: Vec<u8>) -> UnitDecoder<'a> {
+        let rect @ [_, _, width, height] = stream.entry.unit_rect(unit);
+        let size = [width, height];
+        let state = match stream.header {
+            CodecHeader::Depth(header) => State::Depth(TemporalState::new(size, header.window(), header)),
+            CodecHeader::Material(header) => State::Material(TemporalState::new(size, header.temporal.window, header)),
+            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                State::Color8(CellState::new(header.cell_of_bytes(size)))
+            }
+            CodecHeader::Color(header) => State::ColorHalf(CellState::new(header.cell_of_halves(size))),
+        };
+        let source = ChunkSource::new(reader, reader.index().unit_chunks(stream.index, unit), buffer);
+        UnitDecoder { source, frames: stream.frames, rect, state, conversion: Conversion::new(stream.header) }
+    }
+
+    /// Decodes `frame` into [`Self::pixels`]; returns the number of pixels written.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a frame that the stream does not have; [`Error::Invalid`] for a damaged chunk.
+    pub fn decode(&mut self, frame: u32) -> Result<u64> {
+        if !self.frames.contains(frame) {
+            return Err(Error::Usage(format!("frame {frame} is not one of the stream's frames {}", self.frames)));
+        }
+        let updated = with_state!(&mut self.state, state => state.show(&mut self.source, frame)?);
+        self.source.cost.updated_pixels += updated;
+        Ok(updated)
+    }
+
+    /// Decodes `frame` into a slice of width × height pixels of the unit.
+    ///
+    /// # Errors
+    /// As for [`Self::decode`]; [`Error::Usage`] for a slice of another length or another kind than the stream.
+    pub fn decode_into(&mut self, frame: u32, mut pixels: PixelsMut<'_>) -> Result<()> {
+        let [_, _, width, height] = self.rect;
+        pixels.check_size([width, height])?;
+        self.conversion.prepare(&pixels);
+        self.decode(frame)?;
+        self.conversion.write(self.pixels(), [0, 0, width, height], &mut pixels, width)
+    }
+
+    /// Cost of all calls so far.
+    pub fn cost(&self) -> DecodeCost {
+        self.source.cost
+    }
+
+    /// Chunks that were needed and are damaged, by frame. Frames that need none of them are decoded all the same.
+    #[doc(hidden)]
+    pub fn damaged(&self) -> impl ExactSizeIterator<Item = &DamagedChunk> {
+        self.source.damaged.values()
+    }
+
+    /// The memory of its last chunk, for another unit.
+    #[doc(hidden)]
+    pub fn into_buffer(self) -> Vec<u8> {
+        with_state!(self.state, state => state.chunk.map(|(_, chunk)| chunk.into_spare())).unwrap_or(self.source.buffer)
+    }
+
+    /// Number of pixels.
+    #[doc(hidden)]
+    pub fn pixel_count(&self) -> u64 {
+        u64::from(self.rect[2]) * u64::from(self.rect[3])
+    }
+
+    /// Left, top, width and height in the image.
+    pub fn rect(&self) -> [u32; 4] {
+        self.rect
+    }
+
+    /// The pixels of the frame that was decoded last, row by row; empty before the first.
+    #[doc(hidden)]
+    pub fn pixels(&self) -> UnitPixels<'_> {
+        match &self.state {
+            State::Depth(state) => UnitPixels::Depth(&state.picture),
+            State::Material(state) => UnitPixels::Material(&state.picture),
+            State::Color8(state) => UnitPixels::Color8(state.shown.as_chunks().0),
+            State::ColorHalf(state) => UnitPixels::ColorHalf(state.shown.as_chunks().0),
+        }
+    }
+
+    /// Whether [`Self::pixels`] are known to be those of a frame, without reading a chunk.
+    #[doc(hidden)]
+    pub fn shows(&self, frame: u32) -> bool {
+        let Ok((index, entry)) = self.source.find(frame) else { return false };
+        let target = frame - entry.key.first_frame;
+        with_state!(&self.state, state => state.shows(index, target))
+    }
+
+    /// Index and stored bytes of the chunk that holds a frame. Colour between two keyframes may need the next chunk, too.
+    #[doc(hidden)]
+    pub fn chunk_of(&self, frame: u32) -> Result<(usize, u32)> {
+        self.source.find(frame).map(|(index, chunk)| (index, chunk.stored_bytes))
+    }
+}
+
+/// The pixels of a unit in the domain of its codec, row by row.
+#[derive(Debug, Clone, Copy)]
+pub enum UnitPixels<'u> {
+    /// 16-bit log codes.
+    Depth(&'u [u16]),
+    Material(&'u [[u8; 3]]),
+    Color8(&'u [[u8; 3]]),
+    /// Half floats as keys.
+    ColorHalf(&'u [[HalfKey; 3]]),
+}
+
+/// A tile: its picture, and the chunk that it came from.
+#[derive(Debug)]
+struct TemporalState<C: PictureChunk> {
+    size: [u32; 2],
+    window: u8,
+    header: C::Header,
+    picture: Vec<C::Pixel>,
+    chunk: Option<(usize, C)>,
+    /// Frame of the chunk that the picture shows.
+    at: Option<u32>,
+}
+
+impl<C: PictureChunk> TemporalState<C> {
+    fn new(size: [u32; 2], window: u8, header: C::Header) -> Self {
+        TemporalState { size, window, header, picture: Vec::new(), chunk: None, at: None }
+    }
+
+    fn shows(&self, chunk: usize, target: u32) -> bool {
+        self.at == Some(target) && self.chunk.as_ref().is_some_and(|(held, _)| *held == chunk)
+    }
+
+    fn show(&mut self, source: &mut ChunkSource<'_>, frame: u32) -> Result<u64> {
+        let (index, entry) = source.find(frame)?;
+        if self.chunk.as_ref().is_none_or(|(held, _)| *held != index) {
+            if let Some((_, old)) = self.chunk.take() {
+                source.buffer = old.into_spare();
+            }
+            let (header, size) = (&self.header, self.size);
+            let parsed = source.fetch(&entry, |payload| C::parse(header, payload, size, entry.key.frame_count))?;
+            self.chunk = Some((index, parsed));
+            self.at = None;
+        }
+        let Some((_, chunk)) = &self.chunk else { return Ok(0) };
+        let start = Instant::now();
+        if self.picture.is_empty() {
+            self.picture.resize(self.size[0] as usize * self.size[1] as usize, C::Pixel::default());
+        }
+        let target = frame - entry.key.first_frame;
+        let updated = chunk.advance(&mut self.picture, self.at, target, self.window);
+        self.at = Some(target);
+        source.cost.applying += start.elapsed();
+        Ok(updated)
+    }
+}

@@ -1,0 +1,284 @@
+//! Codec headers as bytes (depth.md 3, color.md 2).
+
+use crate::block::SIDE;
+use crate::color::quality::Pu21;
+use crate::container::StreamEntry;
+use crate::container::fields::{Fields, PutFields};
+use crate::depth::block::MAX_TILE;
+use crate::depth::domain::DomainKind;
+use crate::depth::{DepthRange, DomainParts, TemporalSettings};
+use crate::error::{Error, Result};
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{DepthKind, StreamKind};
+use crate::streams::header::{
+    COLOR_CELLS_8, COLOR_CELLS_BC1, COLOR_CELLS_BC6H, COLOR_CELLS_BC7, COLOR_CELLS_HALF, CodecHeader, ColorBlocks,
+    ColorFormat, ColorHeader, DEPTH_AABB, DEPTH_AABB_BC5, DEPTH_BLOCKS, DEPTH_NODES, DEPTH_TREE, DepthCoding,
+    DepthHeader, MATERIAL_AABB, MATERIAL_AABB_BC1, MaterialHeader, NodeHeader,
+};
+
+impl CodecHeader {
+    /// The header as bytes.
+    pub fn write(&self) -> Vec<u8> {
+        let mut out = Vec::new();
+        match self {
+            CodecHeader::Depth(header) => {
+                out.put_f32(header.range.near_m());
+                out.put_f32(header.range.far_m());
+                out.put_f32(header.background);
+                out.put_u32(match header.kind {
+                    DepthKind::Distance => 0,
+                    DepthKind::Planar => 1,
+                });
+                match header.coding {
+                    DepthCoding::Boxes(temporal) | DepthCoding::BoxesInBlocks(temporal) => {
+                        write_temporal(&temporal, &mut out);
+                    }
+                    DepthCoding::Nodes(nodes) | DepthCoding::Tree(nodes) => write_nodes(&nodes, &mut out),
+                    DepthCoding::Blocks => {}
+                }
+            }
+            CodecHeader::Material(header) => write_temporal(&header.temporal, &mut out),
+            CodecHeader::Color(header) => {
+                out.put_f64(header.min_psnr_db);
+                match header.format {
+                    ColorFormat::EightBit(tone) => {
+                        out.put_f32(tone.exposure_ev);
+                        out.put_u32(match tone.transfer {
+                            Transfer::Srgb => 0,
+                            Transfer::Linear => 1,
+                        });
+                    }
+                    ColorFormat::Half { white_cd_m2 } => out.put_f64(white_cd_m2),
+                }
+            }
+        }
+        out
+    }
+
+    /// Reads the header of a stream.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] names the field; [`Error::Unsupported`] an unknown codec.
+    pub fn read(stream: &StreamEntry) -> Result<CodecHeader> {
+        let section = if stream.kind == StreamKind::Color as u8 { "color.md 2" } else { "depth.md 3" };
+        let mut fields = Fields::new(&stream.codec_header, 0, section);
+        let header = match (StreamKind::from_index(stream.kind), stream.codec) {
+            (
+                Some(StreamKind::Depth),
+                codec @ (DEPTH_AABB | DEPTH_AABB_BC5 | DEPTH_NODES | DEPTH_TREE | DEPTH_BLOCKS),
+            ) => {
+                let header = read_depth(&mut fields, codec)?;
+                let in_boxes = codec == DEPTH_AABB || codec == DEPTH_AABB_BC5;
+                if !in_boxes && stream.unit_width.max(stream.unit_height) > MAX_TILE {
+                    return Err(fields.error(format!("tiles of more than {MAX_TILE} pixels")));
+                }
+                CodecHeader::Depth(header)
+            }
+            (Some(StreamKind::Material), codec @ (MATERIAL_AABB | MATERIAL_AABB_BC1)) => {
+                let in_blocks = codec == MATERIAL_AABB_BC1;
+                CodecHeader::Material(MaterialHeader { temporal: read_temporal(&mut fields)?, in_blocks })
+            }
+            (
+                Some(StreamKind::Color),
+                codec @ (COLOR_CELLS_8 | COLOR_CELLS_HALF | COLOR_CELLS_BC1 | COLOR_CELLS_BC7 | COLOR_CELLS_BC6H),
+            ) => CodecHeader::Color(read_color(&mut fields, codec)?),
+            _ => {
+                return Err(Error::unsupported(format!(
+                    "a stream of kind {} uses codec '{}', which this lightfold does not know",
+                    stream.kind,
+                    stream.codec.escape_ascii()
+                )));
+            }
+        };
+        if header.in_blocks() && [stream.unit_width, stream.unit_height].iter().any(|side| side % SIDE as u32 != 0) {
+            return Err(fields.error(format!("units whose sides are no multiples of {SIDE} pixels")));
+        }
+        fields.finish()?;
+        Ok(header)
+    }
+}
+
+fn read_depth(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<DepthHeader> {
+    let range = DepthRange::new(fields.f32()?, fields.f32()?)?;
+    let background = fields.f32()?;
+    if background.is_nan() {
+        return Err(fields.error("the background value is not a number"));
+    }
+    let kind = match fields.u32()? {
+        0 => DepthKind::Distance,
+        1 => DepthKind::Planar,
+        other => return Err(fields.error(format!("depth of kind {other} is unknown"))),
+    };
+    let coding = match codec {
+        DEPTH_NODES => DepthCoding::Nodes(read_nodes(fields)?),
+        DEPTH_TREE => match read_nodes(fields)? {
+            nodes @ NodeHeader { window: 1, .. } => DepthCoding::Tree(nodes),
+            NodeHeader { window, .. } => {
+                return Err(
+                    fields.error(format!("a window of {window} frames, which an intermediate form cannot have"))
+                );
+            }
+        },
+        DEPTH_BLOCKS => DepthCoding::Blocks,
+        DEPTH_AABB_BC5 => DepthCoding::BoxesInBlocks(read_temporal(fields)?),
+        _ => DepthCoding::Boxes(read_temporal(fields)?),
+    };
+    Ok(DepthHeader { range, background, kind, coding })
+}
+
+fn write_nodes(nodes: &NodeHeader, out: &mut Vec<u8>) {
+    out.put_u16(u16::from(nodes.window));
+    out.put_u16(nodes.epsilon);
+    out.put_u32(nodes.keyframe_interval);
+    out.put_u16(nodes.bound);
+    out.put_u16(nodes.domain.kind as u16);
+    out.put_u32(nodes.domain.base);
+    out.put_u32(nodes.domain.scale);
+}
+
+fn read_nodes(fields: &mut Fields<'_>) -> Result<NodeHeader> {
+    fields.enter("depth.md 3");
+    let (window, epsilon, keyframe_interval, bound) = (fields.u16()?, fields.u16()?, fields.u32()?, fields.u16()?);
+    let window = u8::try_from(window)
+        .ok()
+        .filter(|&window| window > 0)
+        .ok_or_else(|| fields.error(format!("a depth window of {window} frames")))?;
+    if keyframe_interval == 0 {
+        return Err(fields.error("a keyframe interval of 0 frames"));
+    }
+    let kind = fields.u16()?;
+    let known = u8::try_from(kind).ok().and_then(DomainKind::from_byte);
+    let kind = known.ok_or_else(|| fields.error(format!("domain {kind} is unknown")))?;
+    let domain = DomainParts { kind, base: fields.u32()?, scale: fields.u32()? };
+    domain.domain().map_err(|error| fields.error(error.to_string()))?;
+    Ok(NodeHeader { window, epsilon, keyframe_interval, bound, domain })
+}
+
+fn read_color(fields: &mut Fields<'_>, codec: [u8; 4]) -> Result<ColorHeader> {
+    let min_psnr_db = fields.finite_f64("the quality")?;
+    let blocks = match codec {
+        COLOR_CELLS_BC1 => Some(ColorBlocks::Bc1),
+        COLOR_CELLS_BC7 => Some(ColorBlocks::Bc7),
+        COLOR_CELLS_BC6H => Some(ColorBlocks::Bc6h),
+        _ => None,
+    };
+    let format = if codec != COLOR_CELLS_HALF && codec != COLOR_CELLS_BC6H {
+        let exposure_ev = fields.f32()?;
+        if !(-32.0..=32.0).contains(&exposure_ev) {
+            return Err(fields.error(format!("an exposure of {exposure_ev} stops is not within -32 to 32")));
+        }
+        let transfer = match fields.u32()? {
+            0 => Transfer::Srgb,
+            1 => Transfer::Linear,
+            other => return Err(fields.error(format!("transfer function {other} is unknown"))),
+        };
+        ColorFormat::EightBit(ToneMap { transfer, exposure_ev })
+    } else {
+        let white_cd_m2 = fields.finite_f64("the luminance of white")?;
+        Pu21::check_white(white_cd_m2)?;
+        ColorFormat::Half { white_cd_m2 }
+    };
+    Ok(ColorHeader { format, blocks, min_psnr_db })
+}
+
+fn write_temporal(settings: &TemporalSettings, out: &mut Vec<u8>) {
+    out.put_u16(u16::from(settings.window));
+    out.put_u16(settings.max_aabbs);
+    out.put_u16(settings.epsilon);
+    out.put_u16(0);
+    out.put_u32(settings.keyframe_interval);
+}
+
+fn read_temporal(fields: &mut Fields<'_>) -> Result<TemporalSettings> {
+    let (window, max_aabbs, epsilon) = (fields.u16()?, fields.u16()?, fields.u16()?);
+    fields.zeros(2)?;
+    let keyframe_interval = fields.u32()?;
+    let window = u8::try_from(window).map_err(|_| fields.error(format!("a depth window of {window} frames")))?;
+    let settings = TemporalSettings { window, epsilon, max_aabbs, keyframe_interval };
+    settings.check().map_err(|error| fields.error(error.to_string()))?;
+    Ok(settings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::domain::Domain;
+
+    fn entry(header: &CodecHeader) -> StreamEntry {
+        StreamEntry {
+            kind: header.kind() as u8,
+            face: 0,
+            probe: 0,
+            codec: header.codec(),
+            width: 8,
+            height: 8,
+            first_frame: 0,
+            frame_count: 1,
+            unit_width: 8,
+            unit_height: 8,
+            codec_header: header.write(),
+        }
+    }
+
+    fn samples() -> Vec<CodecHeader> {
+        let temporal = TemporalSettings { window: 3, epsilon: 7, max_aabbs: 9, keyframe_interval: 11 };
+        let range = DepthRange::new(0.25, 100.0).unwrap();
+        let domain = Domain::new(DomainKind::Inverse, range).unwrap().parts();
+        let nodes = NodeHeader { window: 3, epsilon: 1, keyframe_interval: 5, bound: 100, domain };
+        let depth = |coding| {
+            CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Planar, coding })
+        };
+        let tone = ColorFormat::EightBit(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
+        let half = ColorFormat::Half { white_cd_m2: 80.0 };
+        let color = |format, blocks| CodecHeader::Color(ColorHeader { format, blocks, min_psnr_db: 50.0 });
+        vec![
+            depth(DepthCoding::Boxes(temporal)),
+            depth(DepthCoding::BoxesInBlocks(temporal)),
+            depth(DepthCoding::Nodes(nodes)),
+            depth(DepthCoding::Tree(NodeHeader { window: 1, ..nodes })),
+            depth(DepthCoding::Blocks),
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }),
+            CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }),
+            color(tone, None),
+            color(tone, Some(ColorBlocks::Bc1)),
+            color(tone, Some(ColorBlocks::Bc7)),
+            color(half, None),
+            color(half, Some(ColorBlocks::Bc6h)),
+        ]
+    }
+
+    #[test]
+    fn units_of_blocks_have_sides_in_whole_blocks() {
+        for header in samples() {
+            for (width, height) in [(7, 8), (8, 6), (12, 4)] {
+                let odd = StreamEntry { unit_width: width, unit_height: height, ..entry(&header) };
+                let refused = header.in_blocks() && (width, height) != (12, 4);
+                assert_eq!(CodecHeader::read(&odd).is_err(), refused, "{}", header.codec_name());
+            }
+        }
+    }
+
+    #[test]
+    fn headers_round_trip() {
+        for header in samples() {
+            assert_eq!(CodecHeader::read(&entry(&header)).unwrap(), header);
+        }
+    }
+
+    #[test]
+    fn headers_of_another_size_kind_or_codec_are_refused() {
+        for header in samples() {
+            let good = entry(&header);
+            for spoil in 0..4 {
+                let mut bad = good.clone();
+                match spoil {
+                    0 => bad.codec_header.push(0),
+                    1 => bad.codec_header.truncate(bad.codec_header.len() - 1),
+                    2 => bad.codec = *b"XXXX",
+                    _ => bad.kind = (bad.kind + 1) % 3,
+                }
+                assert!(CodecHeader::read(&bad).is_err());
+            }
+        }
+    }
+}
