@@ -6,7 +6,7 @@ use lightfold::color::keyframes::{Effort, SearchSettings};
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::{Reader, Writer};
 use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
-use lightfold::decode::{Decoder, Picture, Request, Selection, decode_to_nothing};
+use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
@@ -402,9 +402,9 @@ fn of_two_damaged_chunks_the_first_is_named() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for _ in 0..20 {
             let error =
-                pool.install(|| decode_to_nothing(&decoder, Request::all(&chosen), &Silent)).unwrap_err().to_string();
+                pool.install(|| decode_units(&decoder, Request::all(&chosen), OnDamage::Stop, &Silent)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");
-            let error = pool.install(|| decoder.face(chosen[0].0).decode(0)).unwrap_err().to_string();
+            let error = pool.install(|| decoder.face(chosen[0].stream).decode(0)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");
         }
     }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use half::f16;
-use lightfold::decode::{AllUnits, Decoder, Picture, Request, Selection, StreamInfo, UnitFilter, decode_to_nothing};
+use lightfold::decode::{AllUnits, Decoder, Picture, Request, Selection, StreamInfo, UnitFilter, decode_units, OnDamage};
 use lightfold::depth::BACKGROUND_CODE;
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, Plane};
@@ -89,10 +89,10 @@ fn units_that_are_not_wanted_are_blank_and_the_others_whole() {
         let pixels = check(&decoder, &Some3Of7);
         let chosen = Selection::default().choose(&decoder).unwrap();
         let summary =
-            decode_to_nothing(&decoder, Request { filter: &Some3Of7, ..Request::all(&chosen) }, &Silent).unwrap();
+            decode_units(&decoder, Request { filter: &Some3Of7, ..Request::all(&chosen) }, OnDamage::Stop, &Silent).unwrap().summary;
         assert_eq!(summary.pixels, pixels);
         assert!(pixels > 0);
-        let all = decode_to_nothing(&decoder, Request::all(&chosen), &Silent).unwrap();
+        let all = decode_units(&decoder, Request::all(&chosen), OnDamage::Stop, &Silent).unwrap().summary;
         assert_eq!(all.pixels, check(&decoder, &AllUnits));
         assert!(pixels < all.pixels && summary.cost.bytes_read <= all.cost.bytes_read);
     }
