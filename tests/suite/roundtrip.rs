@@ -401,8 +401,10 @@ fn of_two_damaged_chunks_the_first_is_named() {
     for threads in [1, 4] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         for _ in 0..20 {
-            let error =
-                pool.install(|| decode_units(&decoder, Request::all(&chosen), OnDamage::Stop, &Silent)).unwrap_err().to_string();
+            let error = pool
+                .install(|| decode_units(&decoder, Request::all(&chosen), OnDamage::Stop, &Silent))
+                .unwrap_err()
+                .to_string();
             assert!(error.contains("unit 3,"), "{error}");
             let error = pool.install(|| decoder.face(chosen[0].stream).decode(0)).unwrap_err().to_string();
             assert!(error.contains("unit 3,"), "{error}");

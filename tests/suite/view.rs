@@ -4,7 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use half::f16;
-use lightfold::decode::{AllUnits, Decoder, Picture, Request, Selection, StreamInfo, UnitFilter, decode_units, OnDamage};
+use lightfold::decode::{
+    AllUnits, Decoder, OnDamage, Picture, Request, Selection, StreamInfo, UnitFilter, decode_units,
+};
 use lightfold::depth::BACKGROUND_CODE;
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, Plane};
@@ -89,7 +91,9 @@ fn units_that_are_not_wanted_are_blank_and_the_others_whole() {
         let pixels = check(&decoder, &Some3Of7);
         let chosen = Selection::default().choose(&decoder).unwrap();
         let summary =
-            decode_units(&decoder, Request { filter: &Some3Of7, ..Request::all(&chosen) }, OnDamage::Stop, &Silent).unwrap().summary;
+            decode_units(&decoder, Request { filter: &Some3Of7, ..Request::all(&chosen) }, OnDamage::Stop, &Silent)
+                .unwrap()
+                .summary;
         assert_eq!(summary.pixels, pixels);
         assert!(pixels > 0);
         let all = decode_units(&decoder, Request::all(&chosen), OnDamage::Stop, &Silent).unwrap().summary;
