@@ -32,8 +32,8 @@ def reference(given):
 
 def ours(contest, given, film, bound):
     for more in ([], ["--lzma2"]):
-        label = " ".join(["lightfold --error", str(bound), *more])
-        contest.add(pc.Lightfold(label, film, given, "depth", ["--error", bound, *more], bound))
+        label = " ".join(["lightfold --max-error", str(bound), *more])
+        contest.add(pc.Lightfold(label, film, given, "depth", ["--max-error", bound, *more], bound))
 
 
 def lossless(contest, given, film):

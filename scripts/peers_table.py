@@ -6,7 +6,7 @@ import lightfold_runs as lf
 
 FOOT = """\
 E: the largest error that a codec promises, in 16-bit log codes; –: it promises none. Ratios are to lightfold of the same
-E, of rows without one to `--error 0`. Steps: codes in steps of 2E + 1, which keep the bound, and the background as it is;
+E, of rows without one to `--max-error 0`. Steps: codes in steps of 2E + 1, which keep the bound, and the background as it is;
 making and undoing steps or channels is not timed. Worst and RMS: what was measured after decoding, of pixels that are a
 surface before and after; metres are against the 32-bit depth of the source where its files are EXR of distances, so that
 16-bit codes without loss show what 16 bits cost, else against the codes. Background wrong: pixels that lost or gained a
@@ -53,7 +53,7 @@ def error(value):
 
 def firsts(rows):
     """For each depth row, ours that it is compared with."""
-    ours = {row.bound: row for row in reversed(rows) if row.label.startswith("lightfold --error")}
+    ours = {row.bound: row for row in reversed(rows) if row.label.startswith("lightfold --max-error")}
     return [ours.get(row.bound, ours.get(0)) for row in rows]
 
 

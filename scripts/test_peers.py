@@ -287,7 +287,7 @@ class CodecTest(unittest.TestCase):
 
 class TableTest(unittest.TestCase):
     def rows(self):
-        found = Row("set", "depth", "lightfold --error 0", 0, 2_000_000, [2.0, 1.0, 3.0], [0.004], 0.0, 0.0, 0.0, 0.0, 0)
+        found = Row("set", "depth", "lightfold --max-error 0", 0, 2_000_000, [2.0, 1.0, 3.0], [0.004], 0.0, 0.0, 0.0, 0.0, 0)
         lossy = Row("set", "depth", "x265 crf 10", None, 1_000_000, [1.0], [0.008], 12.5, 1.25, 0.5, 0.125, 3, written_percent=100.0)
         why = "not measured: cjxl is not installed (apt-get install libjxl-tools)"
         missing = Row("set", "depth", "libjxl -d 0", 0, note=why)
@@ -309,7 +309,7 @@ class TableTest(unittest.TestCase):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
         self.assertIn("| set | – | x265 crf 10 | 1.00 | 0.50 | 1.00 | 8.0 | 2.00 | 100.0 | 12.5 | 1.25 | 0.5 | 0.12 | 3 |", text)
         self.assertNotIn("<details>", text)
-        second = [Row("other", "depth", "lightfold --error 0", 0, 5, [1.0], [1.0])]
+        second = [Row("other", "depth", "lightfold --max-error 0", 0, 5, [1.0], [1.0])]
         self.assertIn("<details><summary>other, depth</summary>\n\n| set |", peers_table.markdown(self.rows() + second, "a"))
         self.assertIn("| libjxl -d 0 | not measured: cjxl is not installed (apt-get install libjxl-tools) |", text)
 

@@ -1,6 +1,7 @@
-//! What can go wrong, and the exit code that says so.
+//! Errors of the library: one sentence each that names the file, the place in it, what was expected and what to do.
 //!
-//! Every error is one sentence for a person: which file, where in it, what was expected, what to do.
+//! A message names a setting in backquotes and snake case, such as `` `depth_window` ``; the command line prints its option
+//! instead, `--depth-window`. Exit codes belong to the command line.
 
 use std::fmt::{self, Write};
 use std::path::{Path, PathBuf};
@@ -8,79 +9,72 @@ use std::path::{Path, PathBuf};
 /// Result of every fallible function of the crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Exit code of a command that compared two things and found them different.
-pub const EXIT_DIFFERS: u8 = 1;
-/// Exit code for bad input, bad usage and I/O errors.
-pub const EXIT_BAD_INPUT: u8 = 2;
-/// Exit code after SIGINT, as shells expect it (128 + 2).
-pub const EXIT_INTERRUPTED: u8 = 130;
-
-/// An error has at most so many characters.
+/// Longest message; the rest is cut.
 const MAX_CHARACTERS: usize = 2000;
 
-/// Anything that stops a command.
+/// Why an operation failed.
 #[derive(Debug)]
 pub enum Error {
     /// The input breaks its own format: damaged, truncated or contradictory.
     Invalid {
-        /// File (or `-`) that is broken; empty until [`Error::in_file`] names it.
+        /// The file, or `-`; empty until [`Error::in_file`] names it.
         file: PathBuf,
-        /// Byte offset of the first thing found wrong, where one is known.
+        /// Byte offset of the first error, where known.
         offset: Option<u64>,
-        /// Section of the document under `formats/` that is broken, such as `container.md 4`, or empty.
+        /// Violated section of a document under `formats/`, such as `container.md 4`, or empty.
         section: &'static str,
         /// What was expected and what was found.
         message: String,
     },
-    /// The input is well formed, but asks for something this version does not do.
+    /// The input is well formed and needs something that this version does not support.
     Unsupported {
-        /// File (or `-`); empty until [`Error::in_file`] names it.
+        /// The file, or `-`; empty until [`Error::in_file`] names it.
         file: PathBuf,
-        /// What is not supported and what to do instead.
+        /// What is not supported, and what to do instead.
         message: String,
     },
-    /// The operating system refused to read or write.
+    /// The operating system failed to read or write.
     Io {
-        /// File (or `-`).
+        /// The file, or `-`.
         file: PathBuf,
-        /// What the operating system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The command line asks for something that makes no sense.
+    /// Settings or arguments that are invalid, alone or together.
     Usage(String),
-    /// SIGINT or SIGTERM arrived; nothing unfinished is left under a final name.
+    /// The caller asked to stop ([`crate::monitor::Monitor`]). No file with a final name is incomplete.
     Interrupted,
-    /// Work was cut short, and a part of it can be gone on with.
+    /// The operation stopped early and can be resumed.
     Unfinished {
-        /// Why.
+        /// Why it stopped.
         cause: Box<Error>,
-        /// What of it is safe, where, and what goes on with it.
+        /// What was kept, where, and how to resume.
         safe: String,
     },
 }
 
 impl Error {
-    /// A broken input, not yet tied to a file.
+    /// Invalid input; [`Error::in_file`] names the file later.
     pub fn invalid(message: impl Into<String>) -> Self {
         Error::Invalid { file: PathBuf::new(), offset: None, section: "", message: message.into() }
     }
 
-    /// A broken input at a byte offset, with the section of `formats/` that it breaks.
+    /// Invalid input at a byte offset, with the violated section of `formats/`.
     pub fn invalid_at(section: &'static str, offset: u64, message: impl Into<String>) -> Self {
         Error::Invalid { file: PathBuf::new(), offset: Some(offset), section, message: message.into() }
     }
 
-    /// Something that this version does not do, not yet tied to a file.
+    /// Unsupported input; [`Error::in_file`] names the file later.
     pub fn unsupported(message: impl Into<String>) -> Self {
         Error::Unsupported { file: PathBuf::new(), message: message.into() }
     }
 
-    /// A read or write that failed.
+    /// A failed read or write.
     pub fn io(file: impl AsRef<Path>, source: std::io::Error) -> Self {
         Error::Io { file: file.as_ref().to_path_buf(), source }
     }
 
-    /// Names the file, unless an inner call already did.
+    /// Names the file, if no inner call did.
     #[must_use]
     pub fn in_file(mut self, path: impl AsRef<Path>) -> Self {
         if let Error::Invalid { file, .. } | Error::Unsupported { file, .. } | Error::Io { file, .. } = &mut self
@@ -91,7 +85,7 @@ impl Error {
         self
     }
 
-    /// Puts words in front of the message, such as `frame 7: `.
+    /// Prepends text to the message, such as `frame 7`.
     #[must_use]
     pub fn context(mut self, before: impl fmt::Display) -> Self {
         match &mut self {
@@ -109,19 +103,10 @@ impl Error {
         }
         self
     }
-
-    /// The process exit code that goes with the error.
-    pub fn exit_code(&self) -> u8 {
-        match self {
-            Error::Interrupted => EXIT_INTERRUPTED,
-            Error::Unfinished { cause, .. } => cause.exit_code(),
-            _ => EXIT_BAD_INPUT,
-        }
-    }
 }
 
-/// Writes words in which names and texts of a file may stand: control characters, which a terminal would obey, and ends of
-/// lines are written as `\u{1b}` or `\n`, and words without end are cut.
+/// Escapes control characters, which a terminal would interpret, as `\u{1b}` or `\n`, and cuts long text. Names from files
+/// may stand in a message.
 struct Plain<'a, 'f> {
     out: &'a mut fmt::Formatter<'f>,
     left: usize,
@@ -200,7 +185,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_is_one_line_that_a_terminal_does_not_obey() {
+    fn control_characters_are_escaped_and_long_messages_cut() {
         let error = Error::invalid("probe \"a\nb\u{1b}[2J\": é").in_file("x\ty");
         assert_eq!(error.to_string(), "x\\ty: probe \"a\\nb\\u{1b}[2J\": é");
         let long = Error::invalid("word ".repeat(100_000)).to_string();

@@ -64,12 +64,12 @@ mod tests {
 
     #[test]
     fn the_first_difference_is_told() {
-        let begun = of(&[("--size", "8"), ("the cameras", "#01")]);
+        let begun = of(&[("`size`", "8"), ("the cameras", "#01")]);
         assert_eq!(begun.difference(&begun.clone()), None);
         let says = |now: &[(&str, &str)]| begun.difference(&of(now)).unwrap();
-        assert_eq!(says(&[("--size", "9"), ("the cameras", "#02")]), "--size was 8 and is 9 now");
-        assert_eq!(says(&[("--size", "8"), ("the cameras", "#02")]), "the cameras were others");
-        for now in [&[("--size", "8")][..], &[("--fps", "8"), ("the cameras", "#01")]] {
+        assert_eq!(says(&[("`size`", "9"), ("the cameras", "#02")]), "`size` was 8 and is 9 now");
+        assert_eq!(says(&[("`size`", "8"), ("the cameras", "#02")]), "the cameras were others");
+        for now in [&[("`size`", "8")][..], &[("`fps`", "8"), ("the cameras", "#01")]] {
             assert!(says(now).contains("another lightfold"), "{now:?}");
         }
     }

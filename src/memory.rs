@@ -62,7 +62,7 @@ impl Budget {
         if least > bytes {
             let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
             return Err(Error::Usage(format!(
-                "--memory {self}: {} may take {} MB; give it that much{instead}",
+                "`memory` {self}: {} may take {} MB; give it that much{instead}",
                 need.what,
                 least.div_ceil(1_000_000)
             )));
@@ -137,14 +137,14 @@ mod tests {
 
     #[test]
     fn as_many_jobs_run_as_fit() {
-        let need = |fixed, each| Need { what: "the work", fixed, each, instead: "a smaller --tile" };
+        let need = |fixed, each| Need { what: "the work", fixed, each, instead: "a smaller `depth_tile`" };
         let budget = Budget::of(100_000_000);
         assert_eq!(budget.at_once(&need(10_000_000, 30_000_000), 16).unwrap(), 3);
         assert_eq!(budget.at_once(&need(10_000_000, 30_000_000), 2).unwrap(), 2);
         assert_eq!(budget.at_once(&need(0, 0), 5).unwrap(), 5);
         assert_eq!(budget.at_once(&need(70_000_000, 30_000_000), 9).unwrap(), 1);
         let refused = budget.at_once(&need(70_000_000, 30_000_001), 9).unwrap_err().to_string();
-        assert_eq!(refused, "--memory 100M: the work may take 101 MB; give it that much, or a smaller --tile");
+        assert_eq!(refused, "`memory` 100M: the work may take 101 MB; give it that much, or a smaller `depth_tile`");
         assert!(budget.at_once(&need(u64::MAX, 9), 9).is_err());
         assert_eq!(Budget::UNLIMITED.at_once(&need(u64::MAX, 1), 7).unwrap(), 7);
         assert_eq!(budget.less(99_999_000).to_string(), "1000");

@@ -9,7 +9,7 @@ use crate::cli::encode::{self, Encoded, Unfinished};
 use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, MemoryArgs, OutputArgs, SequenceArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
@@ -68,7 +68,7 @@ pub struct Args {
 }
 
 /// Encodes a sequence as blocks, measures it, or both.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     args.domain.apply(&mut settings);
     args.units.apply(&mut options, &mut settings);
@@ -110,7 +110,7 @@ fn measure(
     settings: &EncodeSettings,
     encoded: Option<Encoded>,
     global: &GlobalArgs,
-) -> Result<Outcome> {
+) -> Result<ExitStatus> {
     let start = Instant::now();
     let progress = Progress::start(global, "measuring", tile_quality::images(source))?;
     let found = tile_quality::measure(source, settings, &progress)?;
@@ -129,7 +129,7 @@ fn measure(
         }
         output::print_text(&stats_text(&found, seconds))?;
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 fn stats_json(found: &TilePsnr, seconds: f64) -> Value {

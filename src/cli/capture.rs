@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::cli::options::{FrameArgs, parse_point};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
 use crate::files::PartialFolder;
@@ -108,7 +108,7 @@ pub struct Args {
 }
 
 /// Captures.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     if args.output == Path::new("-") {
         return Err(Error::Usage("-o -: a dataset is a folder of files, which no pipe takes; name a folder".into()));
@@ -140,7 +140,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     } else if !global.quiet {
         output::note(text_report(&args.output, &plan, &summary, times));
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 /// Refuses to overwrite the manifest that says where the cameras are.

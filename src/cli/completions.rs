@@ -1,6 +1,6 @@
 //! `lightfold completions SHELL`.
 
-use crate::cli::{Outcome, output};
+use crate::cli::{ExitStatus, output};
 use crate::error::Result;
 
 /// Arguments.
@@ -13,9 +13,9 @@ pub struct Args {
 }
 
 /// Prints the script.
-pub fn run(args: &Args) -> Result<Outcome> {
+pub fn run(args: &Args) -> Result<ExitStatus> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut super::command(), "lightfold", &mut script);
     output::print_text(&String::from_utf8_lossy(&script))?;
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }

@@ -11,7 +11,7 @@ use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, SelectionArgs, View};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::manifest::MANIFEST_NAME;
 use crate::decode::{self, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request};
 use crate::error::{Error, Result};
@@ -98,7 +98,7 @@ pub enum FormatArg {
 }
 
 /// Decodes.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
@@ -166,9 +166,9 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let listed = args.keep_going.then_some(&decoder);
     report(args, (&decoded, listed, &view), &pace, found.as_ref(), global)?;
     match found {
-        Some(found) if found.mismatched_words > 0 => Ok(Outcome::Differs),
+        Some(found) if found.mismatched_words > 0 => Ok(ExitStatus::Failed),
         _ if !decoded.damaged.is_empty() => Err(verdict(&decoded, images).in_file(input)),
-        _ => Ok(Outcome::Fine),
+        _ => Ok(ExitStatus::Passed),
     }
 }
 

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::cli::output::{self, human_bytes, json_number};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::compare::comparison::Comparison;
 use crate::compare::side::{self, SideOptions};
 use crate::compare::streams::{self, CompareSettings, Pairing, SsimFrames};
@@ -96,7 +96,7 @@ struct Report {
 }
 
 /// Runs the demo.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let places = Places::below(&args.output);
     let settings = EncodeSettings::default();
     let start = Instant::now();
@@ -116,7 +116,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     } else {
         output::print_text(&report.text(&places, &commands))?;
     }
-    Ok(if report.keeps(&settings) { Outcome::Fine } else { Outcome::Differs })
+    Ok(if report.keeps(&settings) { ExitStatus::Passed } else { ExitStatus::Failed })
 }
 
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde_json::json;
 
-use crate::cli::{GlobalArgs, Outcome, output};
+use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
 use crate::report::table::{Column, Table};
@@ -74,11 +74,11 @@ pub fn or_on_cpu<T>(
 }
 
 /// Prints the list of devices.
-pub fn list(as_json: bool) -> Result<Outcome> {
+pub fn list(as_json: bool) -> Result<ExitStatus> {
     let devices = device::list();
     if as_json {
         output::print_json(&json!({ "devices": devices.iter().map(to_json).collect::<Vec<_>>() }))?;
-        return Ok(Outcome::Fine);
+        return Ok(ExitStatus::Passed);
     }
     let mut table = Table::new(&[
         Column::Right("#"),
@@ -104,7 +104,7 @@ pub fn list(as_json: bool) -> Result<Outcome> {
         true => output::print_text("no graphics device was found\n")?,
         false => output::print_text(&table.to_string())?,
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 /// A device as JSON.

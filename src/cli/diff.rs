@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome, diff_text};
+use crate::cli::{ExitStatus, GlobalArgs, diff_text};
 use crate::color::quality::PU_STEPS;
 use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
 use crate::compare::difference::{DepthErrors, Lowest, SampleErrors, Spot};
@@ -103,7 +103,7 @@ fn parse_db(text: &str) -> Result<f64, String> {
 }
 
 /// Compares.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let sides = side::open_both([&args.a, &args.b], &side_options(args)?)?;
     let settings = CompareSettings {
         coverage: if args.common { Coverage::Common } else { Coverage::Whole },
@@ -124,7 +124,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         let rows = if args.streams { diff_text::Rows::All } else { diff_text::Rows::Few };
         output::print_text(&diff_text::report(&sides, &comparison, &verdict, rows))?;
     }
-    Ok(if verdict.differs { Outcome::Differs } else { Outcome::Fine })
+    Ok(if verdict.differs { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 
 fn side_options(args: &Args) -> Result<SideOptions> {

@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
@@ -87,7 +87,7 @@ impl Args {
 }
 
 /// Encodes a dataset.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
     if !options::is_dataset(&args.input) {
         return Err(Error::Usage(format!(
@@ -134,7 +134,7 @@ pub fn encode_to(
     settings: &EncodeSettings,
     (output, unfinished): (&OutputArgs, Unfinished),
     global: &GlobalArgs,
-) -> Result<Outcome> {
+) -> Result<ExitStatus> {
     output.check()?;
     if unfinished == Unfinished::Resume && output.path == Path::new("-") {
         return Err(Error::Usage(
@@ -149,7 +149,7 @@ pub fn encode_to(
     } else if !global.quiet {
         output::note(done.text(&output.path));
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 /// An encode that is done.

@@ -2,7 +2,7 @@
 
 use crate::cli::encode::encode_to;
 use crate::cli::options::{ColorArgs, ColorSpaceArg, EffortArgs, FrameArgs, OutputArgs, ResumeArgs, SequenceArgs};
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
 use crate::encode::dataset::EncodeSettings;
@@ -56,7 +56,7 @@ impl Args {
 }
 
 /// Encodes a sequence.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
     let source = args.sequence.open(StreamKind::Color, &args.input, options)?;
     encode_to(&source, &settings, (&args.output, args.resume.into()), global)

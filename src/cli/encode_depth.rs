@@ -2,7 +2,7 @@
 
 use crate::cli::encode::encode_to;
 use crate::cli::options::{DepthArgs, EffortArgs, FrameArgs, OutputArgs, ResumeArgs, SequenceArgs};
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
 use crate::encode::dataset::EncodeSettings;
@@ -11,7 +11,7 @@ use crate::error::Result;
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold encode-depth face_px/depth.%04d.exr --face px -o px.lfold\n  \
-    lightfold encode-depth depth.####.exr --depth-codec aabb --depth-block bc5 --epsilon 30 -o a.lfold\n  \
+    lightfold encode-depth depth.####.exr --depth-codec aabb --depth-block bc5 --update-threshold 30 -o a.lfold\n  \
     lightfold encode-depth frame-######.depth.png --depth-scale 0.001 --background 0 \\\n      \
     --depth-kind planar --intrinsics 585,585,320,240 -o kinect.lfold\n\n\
     Channels are looked for by their usual names: Z, depth.Z, depth.V, depth, Depth, ViewLayer.Depth.Z and the like, \
@@ -54,7 +54,7 @@ impl Args {
 }
 
 /// Encodes a sequence.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
     let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
     encode_to(&source, &settings, (&args.output, args.resume.into()), global)

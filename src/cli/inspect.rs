@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs, is_dataset};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome, output};
+use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
@@ -35,7 +35,7 @@ use crate::scene::Scene;
     cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour. \
     With --check the exit code is 1 where something is suspected.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
-    lightfold inspect film.lfold --frames --range 10-19 --csv > frames.csv\n  \
+    lightfold inspect film.lfold --per-frame --frames 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
     lightfold inspect film.lfold --plot pictures --source lightfield.json --probe 00\n  \
     lightfold inspect scene.glb\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
@@ -52,20 +52,25 @@ pub struct Args {
     pub streams: bool,
     /// One row for every frame of every stream
     #[arg(long)]
-    pub frames: bool,
-    /// With --frames, only rows of these frames, such as 10-99 or 12
-    #[arg(long, value_name = "A-B", requires = "frames", value_parser = options::parse_frames)]
+    pub per_frame: bool,
+    /// With --per-frame, only rows of these frames, such as 10-99 or 12
+    ///
+    /// Without a value it is the older form of --per-frame.
+    #[arg(long, value_name = "A-B", num_args = 0..=1, value_parser = options::parse_frames, help = "With --per-frame, only rows of these frames, such as 10-99 or 12")]
+    pub frames: Option<Option<FrameRange>>,
+    /// The older form of --frames A-B.
+    #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame", value_parser = options::parse_frames)]
     pub range: Option<FrameRange>,
     /// Check every chunk: CRC-32, decompression by two decoders, structure; list all that are damaged
     #[arg(long)]
     pub verify: bool,
     /// Compare what a manifest says with what its files show, and say what is suspected to be wrong
-    #[arg(long, conflicts_with_all = ["streams", "frames", "verify", "csv", "source"])]
+    #[arg(long, conflicts_with_all = ["streams", "per_frame", "frames", "verify", "csv", "source"])]
     pub check: bool,
     /// Report as JSON
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
-    /// Report as CSV: a row for each stream, or with --frames for each frame
+    /// Report as CSV: a row for each stream, or with --per-frame for each frame
     #[arg(long)]
     pub csv: bool,
     /// Write pictures of what each stream is made of into this folder, as PNG
@@ -85,6 +90,16 @@ pub struct Args {
     pub reading: SideArgs,
 }
 
+impl Args {
+    fn is_per_frame(&self) -> bool {
+        self.per_frame || matches!(self.frames, Some(None))
+    }
+
+    fn frame_range(&self) -> Option<FrameRange> {
+        self.frames.flatten().or(self.range)
+    }
+}
+
 /// Everything that the reports speak of.
 struct Report<'a> {
     args: &'a Args,
@@ -92,7 +107,7 @@ struct Report<'a> {
     inspection: &'a Inspection<'a>,
 }
 
-/// A row of `--frames` in JSON and CSV.
+/// A row of `--per-frame` in JSON and CSV.
 #[derive(Debug, Serialize)]
 struct FrameOut<'a> {
     kind: &'static str,
@@ -118,7 +133,7 @@ struct Document<'a> {
 }
 
 /// Inspects.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.check {
         return check::run(args, global);
     }
@@ -136,10 +151,13 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let selection = args.selection.with(None);
     let streams: Vec<&StreamInfo> = selection.choose(&decoder)?.into_iter().map(|part| part.stream).collect();
     let settings = InspectSettings {
-        rows: match (args.frames, args.range) {
-            (false, _) => FrameRows::None,
+        rows: match (args.is_per_frame(), args.frame_range()) {
             (true, None) => FrameRows::All,
             (true, Some(range)) => FrameRows::Range(range),
+            (false, None) => FrameRows::None,
+            (false, Some(range)) => {
+                return Err(Error::Usage(format!("--frames {range} selects rows of --per-frame: add --per-frame")));
+            }
         },
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
         memory: args.memory.get(),
@@ -154,18 +172,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         _ => None,
     };
     if args.json {
-        let frame_rows = args.frames.then(|| report.frame_rows());
+        let frame_rows = args.is_per_frame().then(|| report.frame_rows());
         let mut head = Value::Object(json::head(&report));
         output::add_peak_memory(&mut head);
         output::print_json(&Document { head, frame_rows, plots: plots.as_deref() })?;
     } else if args.csv {
-        output::print_text(&if args.frames {
+        output::print_text(&if args.is_per_frame() {
             report::csv::of_rows(&report.frame_rows())?
         } else {
             report::csv::of_objects(json::COLUMNS, &json::streams(&report))?
         })?;
     } else if inspection.damaged.is_empty() {
-        output::print_text(&if args.frames { text::frames(&report) } else { text::summary(&report) })?;
+        output::print_text(&if args.is_per_frame() { text::frames(&report) } else { text::summary(&report) })?;
     }
     if let (Some(plots), Some(folder)) = (&plots, &args.plot) {
         let written = plot::text(args, folder, plots);
@@ -175,11 +193,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
             (false, false) => output::print_text(&format!("\n{written}"))?,
         }
     }
-    if args.verify { tell_verdict(&report) } else { Ok(Outcome::Fine) }
+    if args.verify { tell_verdict(&report) } else { Ok(ExitStatus::Passed) }
 }
 
 /// Lists what is damaged, where JSON has not done so, and makes it an error.
-fn tell_verdict(report: &Report<'_>) -> Result<Outcome> {
+fn tell_verdict(report: &Report<'_>) -> Result<ExitStatus> {
     let damaged = report.inspection.damaged.len();
     if report.args.csv {
         output::note(text::verdict(report).trim_end());
@@ -187,7 +205,7 @@ fn tell_verdict(report: &Report<'_>) -> Result<Outcome> {
         output::print_text(&text::verdict(report))?;
     }
     if damaged == 0 {
-        return Ok(Outcome::Fine);
+        return Ok(ExitStatus::Passed);
     }
     let chunks = report.inspection.totals(None).chunks;
     Err(Error::invalid(format!("{damaged} of {chunks} chunks are damaged: copy or encode the file again"))

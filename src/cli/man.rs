@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::Outcome;
+use crate::cli::ExitStatus;
 use crate::error::{Error, Result};
 
 /// Arguments.
@@ -42,11 +42,11 @@ fn page(title: String, command: clap::Command) -> Result<Page> {
 }
 
 /// Writes the pages.
-pub fn run(args: &Args) -> Result<Outcome> {
+pub fn run(args: &Args) -> Result<ExitStatus> {
     std::fs::create_dir_all(&args.folder).map_err(|error| Error::io(&args.folder, error))?;
     for page in pages()? {
         let path = args.folder.join(&page.name);
         std::fs::write(&path, &page.text).map_err(|error| Error::io(&path, error))?;
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }

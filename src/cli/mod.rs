@@ -104,14 +104,28 @@ pub enum Command {
     Man(man::Args),
 }
 
-/// What a finished command says about the things it was given.
+/// Exit code of a command whose check failed ([`ExitStatus::Failed`]).
+const EXIT_FAILED: u8 = 1;
+/// Exit code for bad input, bad usage and I/O errors.
+const EXIT_BAD_INPUT: u8 = 2;
+/// Exit code after SIGINT, as shells expect it (128 + 2).
+const EXIT_INTERRUPTED: u8 = 130;
+
+/// Result of a command that ran to its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// All is well.
-    Fine,
-    /// What was compared differs by more than allowed: files, what two devices decoded, what was asked and what
-    /// there is, or a manifest and what its files show.
-    Differs,
+pub enum ExitStatus {
+    /// Everything checked is within its bounds.
+    Passed,
+    /// A bound is exceeded, devices disagree, or a manifest is suspect.
+    Failed,
+}
+
+fn exit_code(error: &Error) -> u8 {
+    match error {
+        Error::Interrupted => EXIT_INTERRUPTED,
+        Error::Unfinished { cause, .. } => exit_code(cause),
+        _ => EXIT_BAD_INPUT,
+    }
 }
 
 /// Runs a command line and answers the process's exit code.
@@ -126,17 +140,17 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     match execute(cli) {
-        Ok(Outcome::Fine) => ExitCode::SUCCESS,
-        Ok(Outcome::Differs) => ExitCode::from(crate::error::EXIT_DIFFERS),
+        Ok(ExitStatus::Passed) => ExitCode::SUCCESS,
+        Ok(ExitStatus::Failed) => ExitCode::from(EXIT_FAILED),
         Err(error) if output::is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             output::note(format_args!("lightfold: {error}"));
-            ExitCode::from(error.exit_code())
+            ExitCode::from(exit_code(&error))
         }
     }
 }
 
-fn execute(cli: Cli) -> Result<Outcome> {
+fn execute(cli: Cli) -> Result<ExitStatus> {
     if let Some(threads) = cli.global.threads {
         rayon::ThreadPoolBuilder::new()
             .num_threads(threads.into())
@@ -163,6 +177,28 @@ fn execute(cli: Cli) -> Result<Outcome> {
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     }
+}
+
+/// Replaces settings in backquotes, as messages of the library name them, by options: `` `depth_window` `` by
+/// `--depth-window`.
+fn with_option_names(message: &str) -> String {
+    let command = Cli::command();
+    let is_option = |name: &str| {
+        let mut options = command.get_subcommands().flat_map(clap::Command::get_arguments);
+        options.any(|option| option.get_long() == Some(name))
+    };
+    let mut text = String::new();
+    let mut parts = message.split('`');
+    text.push_str(parts.next().unwrap_or_default());
+    while let Some(setting) = parts.next() {
+        let name = setting.replace('_', "-");
+        match parts.next() {
+            Some(rest) if is_option(&name) => text += &format!("--{name}{rest}"),
+            Some(rest) => text += &format!("`{setting}`{rest}"),
+            None => text += &format!("`{setting}"),
+        }
+    }
+    text
 }
 
 /// The whole command line, for man pages and completions.

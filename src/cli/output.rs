@@ -33,7 +33,7 @@ pub fn add_peak_memory(report: &mut serde_json::Value) {
 
 /// Prints a line on standard error, ignoring errors.
 pub fn note(line: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", super::with_option_names(&line.to_string()));
 }
 
 /// Prints text on standard output.

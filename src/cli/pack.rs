@@ -7,7 +7,7 @@ use serde_json::json;
 use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::container::Reader;
 use crate::error::Result;
 use crate::files::OutputFile;
@@ -19,13 +19,13 @@ use crate::pack::merge::{self, PackSettings, PackSummary, Repack};
 #[command(
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
     lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
-    lightfold pack px.tree.lfold --error 30 -o px.lfold\n\n\
-    With --error or --error-relative, depth in the intermediate form of lightfold quadtree becomes packed nodes; all \
+    lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
+    With --max-error or --max-error-relative, depth in the intermediate form of lightfold quadtree becomes packed nodes; all \
     other streams are copied. Without them all streams are.",
-    mut_arg("decide", |arg| arg.requires("bound")),
+    mut_arg("optimize", |arg| arg.requires("bound")),
     mut_arg("min_children", |arg| arg.requires("bound")),
     mut_arg("depth_window", |arg| arg.requires("bound")),
-    mut_arg("epsilon", |arg| arg.requires("bound")),
+    mut_arg("update_threshold", |arg| arg.requires("bound")),
     mut_arg("effort", |arg| arg.requires("bound"))
 )]
 pub struct Args {
@@ -53,7 +53,7 @@ pub struct Args {
 }
 
 /// Packs.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.output.check()?;
     let start = std::time::Instant::now();
     let inputs = args.inputs.iter().map(Reader::open).collect::<Result<Vec<_>>>()?;
@@ -65,8 +65,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     let flatten = args.bound.get().map(|error| FlattenSettings {
         error,
         window: args.steps.depth_window,
-        epsilon: args.steps.epsilon.unwrap_or(0),
-        decide: args.model.decide.into(),
+        epsilon: args.steps.update_threshold.unwrap_or(0),
+        decide: args.model.optimize.into(),
         effort: args.effort.get(),
         min_children: args.model.min_children,
     });
@@ -98,5 +98,5 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         let (from, to) = (human_bytes(input_bytes), human_bytes(bytes));
         output::note(format_args!("{}: {streams} streams, {from} became {to}", path.display()));
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }

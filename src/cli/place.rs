@@ -11,7 +11,7 @@ use glam::DVec3;
 use crate::cli::options::{self, EffortArg, parse_not_negative, parse_positive};
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
@@ -35,7 +35,7 @@ use report::Report;
     lightfold place room.glb --region walk.obj --lighting specular --theta 30 -o cameras.json\n  \
     lightfold place dragon.glb --region sphere:0,0,0,2 --plot charts --csv rows.csv -o cameras.json\n  \
     lightfold place room.glb --region=-4,1,-1,4,2,1 --start cameras.json --cameras 4 -o more.json\n  \
-    lightfold place room.glb --region=-4,1,-1,4,2,1 --spread 16 -o even.json\n\n\
+    lightfold place room.glb --region=-4,1,-1,4,2,1 --uniform 16 -o even.json\n\n\
     Cameras are placed one after the other, each where it adds most to what is seen and not seen well already. Within the \
     viewer distance, which is that of a surface from the region and at least --min-distance, a camera sees as well as any \
     viewer; with each metre beyond, it is worth less by the factor exp(-K). Candidates lie in the region, outside of solids.\n\n\
@@ -63,10 +63,10 @@ pub struct Args {
     /// --cameras]
     #[arg(long, value_name = "GAIN", value_parser = options::parse_share)]
     pub until: Option<f64>,
-    /// Spread so many cameras evenly over the open part of the region, by Hammersley's points, instead of searching; what they
-    /// cover is told all the same
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
-    pub spread: Option<u32>,
+    /// Place N cameras evenly in the open part of the region (Hammersley points) instead of searching, and report their
+    /// coverage
+    #[arg(long, alias = "spread", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000), conflicts_with_all = ["cameras", "until"])]
+    pub uniform: Option<u32>,
     /// Go on behind the cameras of this file (or a lightfield.json): they count, and are written first; --cameras 0 only
     /// measures them
     #[arg(long, value_name = "CAMERAS.json")]
@@ -175,11 +175,11 @@ impl Args {
 
     /// When a search ends that was told no number.
     fn is_endless(&self) -> bool {
-        self.cameras.is_none() && self.spread.is_none()
+        self.cameras.is_none() && self.uniform.is_none()
     }
 
     fn stop(&self) -> Stop {
-        if self.spread.is_some() {
+        if self.uniform.is_some() {
             return Stop { cameras: Some(0), until: 0.0 };
         }
         let until = self.until.unwrap_or(if self.cameras.is_some() { 0.0 } else { DEFAULT_UNTIL });
@@ -223,7 +223,7 @@ impl Args {
 }
 
 /// Places cameras.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.check()?;
     let begun = Instant::now();
     let region = Region::parse(&args.region)?;
@@ -253,7 +253,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         }
     }
     let started = positions.len();
-    if let Some(count) = args.spread {
+    if let Some(count) = args.uniform {
         positions.extend(search.spread(count as usize)?);
     }
     let progress = Progress::start(global, "placing", u64::from(args.cameras.unwrap_or(0)))?;
@@ -292,7 +292,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         let text = report.text(&files);
         if args.output == Path::new("-") { output::note(text.trim_end()) } else { output::print_text(&text)? }
     }
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 /// The file of cameras: those of `--start` as they are, the new ones behind them.

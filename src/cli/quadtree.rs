@@ -4,7 +4,7 @@ use crate::cli::encode::encode_to;
 use crate::cli::options::{
     DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, ModelArgs, OutputArgs, ResumeArgs, SequenceArgs,
 };
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
 use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound};
@@ -17,7 +17,7 @@ const DEFAULT_MAX_ERROR: u16 = 300;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  lightfold quadtree face_px/depth.%04d.exr --face px -o px.tree.lfold\n  \
     lightfold quadtree face_px/depth.%04d.exr --max-error 1000 --effort fast -o px.tree.lfold\n  \
-    lightfold pack px.tree.lfold --error 30 -o px.lfold\n\n\
+    lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
     The result is the intermediate form: all codes as they are, and the functions that were found for each node. It \
     decodes without loss; lightfold pack makes the small form of it, at any bound up to --max-error.")]
 pub struct Args {
@@ -55,7 +55,7 @@ pub struct Args {
 }
 
 /// Builds the quadtrees of a sequence.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     args.domain.apply(&mut settings);
     args.model.apply(&mut settings);

@@ -15,7 +15,7 @@ use crate::cli::device::{self, DeviceArg, GpuArgs};
 use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
@@ -159,7 +159,7 @@ pub struct Take {
 }
 
 /// Renders.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
@@ -250,7 +250,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
         truth: truth.as_ref(),
     };
     report.print(global)?;
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 fn pixels(size: [u32; 2]) -> u64 {

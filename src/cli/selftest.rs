@@ -6,7 +6,7 @@ use serde_json::json;
 use crate::cli::device::{self, GpuArgs};
 use crate::cli::output::{self, json_number};
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
 use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
@@ -66,7 +66,7 @@ impl Tested {
 }
 
 /// Tests.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
         return device::list(args.json);
     }
@@ -92,7 +92,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     } else {
         output::print_text(&text(&all, &cases))?
     }
-    Ok(if failed { Outcome::Differs } else { Outcome::Fine })
+    Ok(if failed { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 
 fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -> Result<Tested> {

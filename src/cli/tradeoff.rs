@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::cli::options::{self, parse_positive};
 use crate::cli::output;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::files::OutputFile;
@@ -45,7 +45,7 @@ use input::Footage;
     lightfold tradeoff scene/lightfield.json --sweep depth-window=1,2,4,8 --sweep max-aabbs -o out\n  \
     lightfold tradeoff scene --preset paper -o out\n  \
     lightfold tradeoff scene --sweep psnr --budget-seconds 120 -o out -- --hdr --frames 0-9\n  \
-    lightfold tradeoff depth.%04d.exr --stream depth --sweep error=0,50,200 -o out\n  \
+    lightfold tradeoff depth.%04d.exr --stream depth --sweep max-error=0,50,200 -o out\n  \
     lightfold tradeoff --recommend --max-error 50 --decode-ms 5 -o out\n  \
     lightfold tradeoff scene --sweep views=2,4 --sweep steps -o out -- --frames 0\n  \
     lightfold tradeoff room.glb --sweep effort --sweep cameras=2,4 -o out -- --region=-1,1,-1,1,2,1\n  \
@@ -210,10 +210,10 @@ impl RecommendArgs {
 }
 
 /// Measures, recommends, or both.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.list_knobs {
         text::list_knobs(args.json)?;
-        return Ok(Outcome::Fine);
+        return Ok(ExitStatus::Passed);
     }
     let demands = args.recommend.demands()?;
     match (&args.input, demands) {
@@ -236,7 +236,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
 }
 
 /// Recommends from what a folder holds.
-fn from_folder(args: &Args, demands: &Demands) -> Result<Outcome> {
+fn from_folder(args: &Args, demands: &Demands) -> Result<ExitStatus> {
     let store = Store::open(&args.output, None)?;
     let rows: Vec<&Row> = store
         .rows
@@ -285,11 +285,11 @@ fn advice_json(advice: &[Advised<'_>]) -> Vec<Value> {
     advice.iter().map(|(advice, row)| report::advice(advice, row)).collect()
 }
 
-fn outcome(advice: &[Advised<'_>]) -> Outcome {
-    if advice.iter().all(|(advice, _)| advice.misses.is_empty()) { Outcome::Fine } else { Outcome::Differs }
+fn outcome(advice: &[Advised<'_>]) -> ExitStatus {
+    if advice.iter().all(|(advice, _)| advice.misses.is_empty()) { ExitStatus::Passed } else { ExitStatus::Failed }
 }
 
-fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<Outcome> {
+fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     let (footage, fixed) = input::open(input, &args.stream, &args.fixed, global)?;
     let kinds: Vec<StreamKind> = footage.input.kinds.iter().map(|(kind, _)| *kind).collect();
@@ -348,7 +348,7 @@ fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalAr
             schedule::all_points(&results.studies).len()
         )));
     }
-    Ok(advice.map_or(Outcome::Fine, |(advice, _)| outcome(&advice)))
+    Ok(advice.map_or(ExitStatus::Passed, |(advice, _)| outcome(&advice)))
 }
 
 /// Opens what was measured before, which must be of the same footage, unless it is to be replaced.

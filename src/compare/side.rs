@@ -369,7 +369,7 @@ fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
         }
     };
     kind_in_name(path).or_else(of_other).ok_or_else(|| {
-        Error::Usage(format!("{path}: what does this sequence hold? Say --stream depth, color or material"))
+        Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color or material"))
     })
 }
 

@@ -147,7 +147,7 @@ impl<'a> Pairing<'a> {
         }
         if a.id.kind == StreamKind::Depth && a.depth_kind != b.depth_kind {
             return Err(Error::Usage(format!(
-                "{}: one side holds distances and the other planar depth; say --depth-kind, and --intrinsics for a \
+                "{}: one side holds distances and the other planar depth; set `depth_kind`, and `intrinsics` for a \
                  perspective sequence",
                 a.id
             )));
@@ -176,7 +176,7 @@ impl<'a> Pairing<'a> {
         };
         let [a, b] = self.sides;
         let sequence = self.sides.iter().any(|side| side.form == SideForm::Sequence);
-        let hint = if sequence { "; say with --probe and --face what the sequence shows" } else { "" };
+        let hint = if sequence { "; `probe` and `face` say what the sequence shows" } else { "" };
         Error::Usage(format!("the two have no stream and frame in common: {}; {}{hint}", list(a), list(b)))
     }
 

@@ -35,8 +35,8 @@ impl PackedChunk {
         let raw_bytes = u32::try_from(payload.len()).ok().filter(|&bytes| bytes <= MAX_CHUNK_BYTES);
         let Some(raw_bytes) = raw_bytes else {
             return Err(Error::unsupported(format!(
-                "a chunk of {} bytes: at most {MAX_CHUNK_BYTES} fit, so use a shorter --keyframe-interval, more --tiles or \
-                 a smaller --cell",
+                "a chunk of {} bytes: at most {MAX_CHUNK_BYTES} fit, use a shorter `keyframe_interval`, a smaller \
+                 `depth_tile` or a smaller `color_cell`",
                 payload.len()
             )));
         };

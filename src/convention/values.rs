@@ -181,14 +181,17 @@ fn invalid(values: &DepthValues, rule: InvalidDepth) -> Finding {
     ];
     let (verdict, says) = match rule {
         _ if found.is_empty() => (Verdict::Fine, "every pixel is a surface or the background".to_owned()),
-        InvalidDepth::Far => (Verdict::Fine, format!("{}; --invalid-depth far takes them for the background", what())),
-        InvalidDepth::Near => (Verdict::Fine, format!("{}; --invalid-depth near takes them for the nearest", what())),
+        InvalidDepth::Far => (Verdict::Fine, format!("{}; `invalid_depth` = far treats them as background", what())),
+        InvalidDepth::Near => {
+            (Verdict::Fine, format!("{}; `invalid_depth` = near treats them as the nearest surface", what()))
+        }
         InvalidDepth::Refuse if share(all, values) < INVALID_SHARE => {
-            let says = format!("{}, which is too few to mean anything; encode wants --invalid-depth far|near", what());
+            let says =
+                format!("{}, too few to be a background value; encode needs `invalid_depth` = far or near", what());
             (Verdict::Fine, says)
         }
         InvalidDepth::Refuse => {
-            let says = format!("{}: name the value in \"background\", or say --invalid-depth far|near", what());
+            let says = format!("{}: name the value in \"background\", or set `invalid_depth` to far or near", what());
             (Verdict::Suspect, says)
         }
     };

@@ -42,12 +42,12 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
                 InvalidDepth::Far => f32::INFINITY,
                 InvalidDepth::Near => 0.0,
                 InvalidDepth::Refuse => {
-                    let say = "say what to make of it with --invalid-depth far|near";
+                    let say = "set `invalid_depth` to far or near";
                     let what = match depth {
-                        depth if depth.is_nan() => format!("not a number; {say}, as --background cannot name it"),
-                        0.0 => format!("zero; {say}, or --background 0 where it means that nothing is there"),
+                        depth if depth.is_nan() => format!("not a number; {say}"),
+                        0.0 => format!("zero; {say}, or `background` to 0 if it means no surface"),
                         depth => {
-                            format!("negative ({depth}); {say}, or with --background where nothing is there")
+                            format!("negative ({depth}); {say}, or `background` to the value that means no surface")
                         }
                     };
                     return Err(Error::invalid(format!("depth at {} is {what}", pixel(index, width))));

@@ -522,7 +522,7 @@ impl Source {
         let plane = if is_png(path) {
             if !self.scale_stated {
                 return Err(Error::invalid(
-                    "this file holds integers; say how many metres one of them is with --depth-scale (0.001 for \
+                    "this file holds integers; say how many metres one of them is with `depth_scale` (0.001 for \
                      millimetres) or the manifest's depth.scale",
                 ));
             }

@@ -13,7 +13,7 @@ pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     /// Reads as many values as fit into `out`; `bytes` has exactly their size.
     fn get_row(out: &mut [Self], bytes: &[u8]);
 
-    /// Whether a decoder may show `held` where the source has `source`: the promise behind `--epsilon`.
+    /// Whether a decoder may show `held` where the source has `source`: the promise behind `--update-threshold`.
     fn within(held: Self, source: Self, epsilon: u16) -> bool;
 }
 

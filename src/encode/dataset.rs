@@ -29,7 +29,7 @@ use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
 use crate::encode::resume::{Done, FrameNote, Order, ScanNote, Stamp, note_of_frames};
 pub use crate::encode::resume::{Left, Stopped};
 pub use crate::encode::settings::{
-    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings,
+    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
 };
 use crate::encode::unit::{Batch, ColorMemory, GroupCoder, Pace, UnitJob, timed};
 
@@ -39,8 +39,6 @@ pub(crate) const BATCH_FRAMES: usize = 16;
 pub(crate) const BATCH_PIXELS: usize = 64 << 20;
 /// Units whose last chunks are made together, so that a process that is killed then loses no more.
 const FINISH_UNITS: usize = 64;
-/// Tiles are a multiple of this, so that later stages can split them in halves down to blocks.
-const TILE_ALIGN: u32 = 8;
 
 /// What an encode did.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -411,9 +409,9 @@ impl<W: Write> Job<'_, W> {
         let unit = |side: u32| match (group.kind, self.settings.depth.codec) {
             (StreamKind::Color, _) => self.settings.cell.min(MAX_SIZE),
             (StreamKind::Material, _) | (_, DepthCodec::Boxes | DepthCodec::BoxesInBlocks) => {
-                tile_side(side, self.settings.tiles)
+                self.settings.tiles.side(side, u32::MAX)
             }
-            (StreamKind::Depth, _) => tile_side(side, self.settings.tiles.max(side.div_ceil(MAX_TILE))),
+            (StreamKind::Depth, _) => self.settings.tiles.side(side, MAX_TILE),
         };
         let (unit_width, unit_height) = (unit(group.width), unit(group.height));
         let mut streams = Vec::new();
@@ -508,7 +506,7 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &ScanNote) -> Result
         return match given[0].or(given[1]) {
             Some(bound) => DepthRange::new(bound, bound),
             None if found.taken_as_near => Err(Error::invalid(format!(
-                "probe {probe} has no valid depth at all, so that invalid ones cannot be taken as its nearest: give --near"
+                "probe {probe} has no valid depth at all, so that invalid ones cannot be taken as its nearest: give `near`"
             ))),
             None => Ok(DepthRange::empty()),
         };
@@ -526,9 +524,4 @@ fn found_range(probe: &str, given: [Option<f32>; 2], found: &ScanNote) -> Result
 /// surface. (It is in the files' unit, surfaces are in metres.)
 fn presented_background(value: f32, range: DepthRange) -> f32 {
     if (range.near_m()..=range.far_m()).contains(&value) { f32::INFINITY } else { value }
-}
-
-/// The side of tiles, so that there are at most `tiles` along `side` pixels.
-pub(crate) fn tile_side(side: u32, tiles: u32) -> u32 {
-    side.div_ceil(tiles).next_multiple_of(TILE_ALIGN)
 }

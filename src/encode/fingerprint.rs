@@ -47,9 +47,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
     Ok(Fingerprint::new(found))
 }
 
-/// Settings by the names that the command line has for them.
-///
-/// Whatever is added to the settings has to be named here, or left out for a reason.
+/// Settings that the file depends on, by name. Every new setting belongs here unless the file does not depend on it.
 fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let EncodeSettings {
         temporal,
@@ -74,27 +72,27 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let kinds: Vec<&str> =
         StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
     vec![
-        ("--stream", kinds.join(",")),
-        ("--lzma2", lzma2.map_or("none".to_owned(), |level| level.to_string())),
-        ("--depth-codec", format!("{codec:?}")),
-        ("the bound on depth", format!("{error:?}")),
-        ("--depth-domain", format!("{domain:?}")),
-        ("--decide", format!("{decide:?}")),
-        ("--effort", format!("{effort:?}, {search_effort:?}")),
-        ("--min-children", min_children.to_string()),
-        ("--depth-window", window.to_string()),
-        ("--epsilon", epsilon.to_string()),
-        ("--max-aabbs", max_aabbs.to_string()),
-        ("--keyframe-interval", keyframe_interval.to_string()),
-        ("--tiles", tiles.to_string()),
-        ("--near", format!("{near_m:?}")),
-        ("--far", format!("{far_m:?}")),
-        ("--material-error", material_error.to_string()),
-        ("--material-block", in_blocks.to_string()),
-        ("--cell", cell.to_string()),
-        ("--psnr", format!("{min_psnr_db:?}")),
-        ("--keyframe-reach", reach.to_string()),
-        ("--color-block", format!("{color_blocks:?}")),
+        ("`stream`", kinds.join(",")),
+        ("`lzma2`", lzma2.map_or("none".to_owned(), |level| level.to_string())),
+        ("`depth_codec`", format!("{codec:?}")),
+        ("`max_error`", format!("{error:?}")),
+        ("`depth_domain`", format!("{domain:?}")),
+        ("`optimize`", format!("{decide:?}")),
+        ("`effort`", format!("{effort:?}, {search_effort:?}")),
+        ("`min_children`", min_children.to_string()),
+        ("`depth_window`", window.to_string()),
+        ("`update_threshold`", epsilon.to_string()),
+        ("`max_aabbs`", max_aabbs.to_string()),
+        ("`keyframe_interval`", keyframe_interval.to_string()),
+        ("`depth_tile`", format!("{tiles:?}")),
+        ("`near`", format!("{near_m:?}")),
+        ("`far`", format!("{far_m:?}")),
+        ("`material_error`", material_error.to_string()),
+        ("`material_block`", in_blocks.to_string()),
+        ("`color_cell`", cell.to_string()),
+        ("`psnr`", format!("{min_psnr_db:?}")),
+        ("`keyframe_reach`", reach.to_string()),
+        ("`color_block`", format!("{color_blocks:?}")),
         ("the domain of colour", format!("{color:?}")),
     ]
 }
@@ -129,6 +127,6 @@ fn instruction_sets() -> String {
 /// An encode that is not the one that was begun.
 pub(super) fn other(difference: &str) -> Error {
     Error::Usage(format!(
-        "the unfinished encode cannot go on: {difference}; run it as it was begun, or leave out --resume to start anew"
+        "the unfinished encode cannot go on: {difference}; repeat its settings, or leave out `resume` to start anew"
     ))
 }

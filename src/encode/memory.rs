@@ -8,7 +8,7 @@ use crate::dataset::stream::StreamKind;
 use crate::decode::memory;
 use crate::depth::block::MAX_TILE;
 use crate::depth::temporal::CLOSE_AT_BYTES;
-use crate::encode::dataset::{BATCH_FRAMES, BATCH_PIXELS, DepthCodec, EncodeSettings, raw_pixel_bytes, tile_side};
+use crate::encode::dataset::{BATCH_FRAMES, BATCH_PIXELS, DepthCodec, EncodeSettings, raw_pixel_bytes};
 use crate::encode::scan;
 use crate::encode::unit::ColorMemory;
 use crate::error::Result;
@@ -57,8 +57,8 @@ impl GroupNeed {
     fn need<'a>(&self, what: &'a str, kind: StreamKind) -> Need<'a> {
         let kept = if kind == StreamKind::Depth { self.keep } else { 0 };
         let instead = match kind {
-            StreamKind::Color => "a smaller --keyframe-reach",
-            _ => "a smaller --keyframe-interval",
+            StreamKind::Color => "a smaller `keyframe_reach`",
+            _ => "a smaller `keyframe_interval`",
         };
         Need { what, fixed: self.state + kept, each: self.frame, instead }
     }
@@ -118,8 +118,8 @@ fn tile_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let pixels = u64::from(group.width) * u64::from(group.height) * group.faces.len() as u64;
     let boxes = matches!(settings.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
     let side = |side: u32| match group.kind {
-        StreamKind::Depth if !boxes => tile_side(side, settings.tiles.max(side.div_ceil(MAX_TILE))),
-        _ => tile_side(side, settings.tiles),
+        StreamKind::Depth if !boxes => settings.tiles.side(side, MAX_TILE),
+        _ => settings.tiles.side(side, u32::MAX),
     };
     let units = units(group, [side(group.width), side(group.height)]);
     let frames = u64::from(settings.temporal.keyframe_interval).min(group.frames.count());

@@ -116,6 +116,29 @@ impl ErrorBound {
     }
 }
 
+/// Side of the square tiles of depth and material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TileSize {
+    /// Tiles along each side of a face, at most.
+    PerSide(u32),
+    /// Pixels, rounded up to a multiple of [`TILE_ALIGN`].
+    Pixels(u32),
+}
+
+/// Sides of tiles are multiples of this many pixels.
+const TILE_ALIGN: u32 = 8;
+
+impl TileSize {
+    /// Side in pixels on a face of `face_side` pixels; `most` where a codec has a limit.
+    pub(crate) fn side(self, face_side: u32, most: u32) -> u32 {
+        let side = match self {
+            TileSize::PerSide(tiles) => face_side.div_ceil(tiles.max(face_side.div_ceil(most))),
+            TileSize::Pixels(side) => side.min(face_side).min(most),
+        };
+        side.next_multiple_of(TILE_ALIGN)
+    }
+}
+
 /// How a dataset is encoded.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
@@ -125,8 +148,8 @@ pub struct EncodeSettings {
     pub material: MaterialSettings,
     /// Depth in space.
     pub depth: DepthSettings,
-    /// Depth and material tiles along each side of a face.
-    pub tiles: u32,
+    /// Tiles of depth and material.
+    pub tiles: TileSize,
     /// Nearest surface in metres; found where not given.
     pub near_m: Option<f32>,
     /// Farthest surface in metres; found where not given.
@@ -153,7 +176,7 @@ impl Default for EncodeSettings {
             temporal: TemporalSettings::default(),
             material: MaterialSettings::default(),
             depth: DepthSettings::default(),
-            tiles: 2,
+            tiles: TileSize::PerSide(2),
             near_m: None,
             far_m: None,
             cell: 64,
@@ -172,12 +195,13 @@ impl EncodeSettings {
     pub(super) fn check(&self) -> Result<()> {
         self.temporal.check()?;
         self.nodes(0).check()?;
-        if self.tiles == 0 || self.cell == 0 || self.search.reach == 0 {
+        let no_tiles = matches!(self.tiles, TileSize::PerSide(0) | TileSize::Pixels(0));
+        if no_tiles || self.cell == 0 || self.search.reach == 0 {
             return Err(Error::Usage("tiles, cell size and keyframe reach must be at least 1".into()));
         }
         let Some(ColorBlockSettings { blocks, final_psnr_db }) = self.color_blocks else { return Ok(()) };
         if (blocks == ColorBlocks::Bc6h) != matches!(self.color, ColorFormat::Half { .. }) {
-            let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with --hdr, bc1 or bc7 without";
+            let message = "BC1 and BC7 hold 8 bits, BC6H holds half floats: choose bc6h with `hdr`, bc1 or bc7 without";
             return Err(Error::Usage(message.into()));
         }
         if !self.cell.is_multiple_of(SIDE as u32) {

@@ -55,7 +55,7 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
         }
         _ => {
             return Err(Error::Usage(
-                "some cameras state \"frames\" or a \"frame\" and others do not (--eye states none): let all of a path state theirs, \
+                "some cameras state \"frames\" or a \"frame\" and others do not (`eye` states none): let all of a path state theirs, \
                  or none"
                     .into(),
             ));

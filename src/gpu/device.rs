@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::gpu::kernels::{Binding, BindingKind, Kernel};
+use crate::gpu::kernels::{Binding, Kernel};
 
 /// Largest buffer that kernels are given, in bytes, whatever the device offers: offsets of bytes must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
@@ -103,14 +103,14 @@ fn binding_type(binding: Binding) -> wgpu::BindingType {
         view_dimension: wgpu::TextureViewDimension::D2Array,
         multisampled: false,
     };
-    match binding.kind {
-        BindingKind::ReadOnlyStorage | BindingKind::Storage => wgpu::BindingType::Buffer {
+    match binding {
+        Binding::Read(_) | Binding::Write(_) => wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: !binding.is_written() },
             has_dynamic_offset: false,
             min_binding_size: None,
         },
-        BindingKind::Uint => texture(wgpu::TextureSampleType::Uint),
-        BindingKind::UnfilterableFloat => texture(wgpu::TextureSampleType::Float { filterable: false }),
+        Binding::WordTexels(_) => texture(wgpu::TextureSampleType::Uint),
+        Binding::FloatTexels(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
     }
 }
 
@@ -139,7 +139,7 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
             if !picked && found.iter().all(DeviceInfo::is_software) {
                 let why = match found.is_empty() {
                     true => "no graphics device was found",
-                    false => "the only graphics device is software, which --device gpu would take",
+                    false => "the only graphics device is a software one; `device` gpu selects it",
                 };
                 return refused(why.to_owned());
             }
@@ -189,9 +189,9 @@ impl Gpu {
         };
         let Some((index, adapter)) = found.into_iter().find(|(index, adapter)| wanted(*index, adapter)) else {
             return Err(Error::unsupported(match pick {
-                Pick::Best => "no graphics device was found: install a Vulkan driver, or use --device cpu".to_owned(),
-                Pick::Index(at) => format!("there is no graphics device {at}, only {count}; see --list-devices"),
-                Pick::Named(words) => format!("no graphics device is named '{words}'; see --list-devices"),
+                Pick::Best => "no graphics device was found: install a Vulkan driver, or use `device` cpu".to_owned(),
+                Pick::Index(at) => format!("there is no graphics device {at}, only {count}; see `list_devices`"),
+                Pick::Named(words) => format!("no graphics device is named '{words}'; see `list_devices`"),
             }));
         };
         let info = DeviceInfo::of(index, &adapter);

@@ -92,7 +92,7 @@ impl ChannelName {
 }
 
 /// The options that name a channel, as messages spell them.
-const OPTIONS: &str = "--channel (--depth-channel or --color-channel for a dataset)";
+const OPTIONS: &str = "`channel` (`depth_channel` or `color_channel` for a dataset)";
 
 /// At most this many channels are listed in a message.
 const LISTED: usize = 24;
@@ -299,7 +299,7 @@ mod tests {
         assert!(depth(&["N.X", "N.Y", "N.Z"]).is_err());
         let message = depth(&["left|Z", "right!|Z"]).unwrap_err().to_string();
         assert!(message.contains("left.Z") && message.contains("right!.Z"), "{message}");
-        assert!(message.contains("--channel") && message.contains("--depth-channel"), "{message}");
+        assert!(message.contains("`channel`") && message.contains("`depth_channel`"), "{message}");
     }
 
     #[test]

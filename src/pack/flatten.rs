@@ -58,7 +58,7 @@ impl Flattener {
         if bound > tree.bound {
             return Err(Error::Usage(format!(
                 "an error of {bound} codes is asked for, but the tree was built for at most ±{} codes: choose a smaller \
-                 --error, or build it again with a larger --max-error",
+                 `max_error`, or run quadtree again with a larger one",
                 tree.bound
             )));
         }

@@ -80,7 +80,7 @@ pub fn pack<W: Write>(
     let flatteners = inputs.iter().map(|reader| flatteners(reader, settings)).collect::<Result<Vec<_>>>()?;
     if settings.flatten.is_some() && flatteners.iter().flatten().all(Option::is_none) {
         return Err(Error::Usage(
-            "--error packs streams in the intermediate form, and no input has one: write it with lightfold quadtree"
+            "`max_error` packs streams in the intermediate form, and no input has one: write it with lightfold quadtree"
                 .into(),
         ));
     }
@@ -116,7 +116,7 @@ pub fn pack<W: Write>(
             if !taken.insert((stream.kind, stream.probe, stream.face)) {
                 let message = format!(
                     "stream {} has the kind, probe and face of one in an earlier input: give one of them another \
-                     --probe or --face when encoding",
+                     `probe` or `face` when encoding",
                     stream_of.len()
                 );
                 return Err(Error::invalid(message).in_file(reader.path()));

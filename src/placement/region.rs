@@ -101,7 +101,7 @@ impl Region {
     pub fn new(volumes: Vec<Volume>) -> Result<Region> {
         let region = Region { volumes };
         if region.volumes.is_empty() {
-            return Err(Error::Usage("no region: say where viewers may be by --region".into()));
+            return Err(Error::Usage("no region: `region` says where viewers may be".into()));
         }
         if !region.diagonal_m().is_finite() || region.diagonal_m() > 1e100 {
             return Err(Error::Usage("the region is too large: its corners must be less than 1e100 m apart".into()));
@@ -176,7 +176,7 @@ mod tests {
         assert!(said("1,2,x,4,5,6").contains("six finite numbers"));
         assert!(said("sphere:1,2,3").contains("four numbers") && said("sphere:1,2,3,-1").contains("above 0"));
         assert!(said("nowhere.glb").contains("no file"));
-        assert!(Region::parse(&[""; 0]).unwrap_err().to_string().contains("--region"));
+        assert!(Region::parse(&[""; 0]).unwrap_err().to_string().contains("`region`"));
         assert!(Region::parse(&["-1e300,0,0,1e300,1,1"]).unwrap_err().to_string().contains("too large"));
     }
 }

@@ -25,7 +25,7 @@ pub fn depth_codes(plane: &DepthPlane, quantiser: &Quantiser) -> Result<Plane<u1
         let (x, y) = (at % plane.width() as usize, at / plane.width() as usize);
         let range = quantiser.range();
         return Err(Error::invalid(format!(
-            "pixel ({x}, {y}) lies at {z} m, outside the given range of {} m to {} m: widen --near and --far, or leave \
+            "pixel ({x}, {y}) lies at {z} m, outside the given range of {} m to {} m: widen `near` and `far`, or leave \
              them to be found",
             range.near_m(),
             range.far_m()

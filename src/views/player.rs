@@ -385,7 +385,7 @@ impl<'a> Player<'a> {
         taken.dedup();
         let active: u64 = taken.iter().filter_map(|&view| self.sources.get(view)).map(|source| source.bytes).sum();
         let taken_bytes = active.saturating_add(self.beside_bytes);
-        let need = Need { what: "showing the views", fixed: taken_bytes, each: 0, instead: "fewer --views" };
+        let need = Need { what: "showing the views", fixed: taken_bytes, each: 0, instead: "fewer `views`" };
         self.budget.at_once(&need, 1)?;
         let kept_bytes = self.budget.less(taken_bytes).at_most(KEPT_BYTES);
         let mut idle = self.idle(&taken);

@@ -213,17 +213,22 @@ pub fn texels() -> Result<(), Failed> {
         for (set, options, count, how) in [
             ("planar", "", 8, (Some(2), auto, None)),
             ("planar", "--keyframe-interval 2", 8, (Some(2), auto, Some(0))),
-            ("planar", "--cell 64 --tiles 1", 3, (None, none, None)),
-            ("planar", "--cell 12 --tiles 3 --depth-codec aabb --color-block bc1", 5, (None, none, Some(2000))),
+            ("planar", "--color-cell 64 --depth-tile 48", 3, (None, none, None)),
             (
                 "planar",
-                "--cell 16 --tiles 2 --depth-codec aabb --depth-block bc5 --color-block bc7",
+                "--color-cell 12 --depth-tile 16 --depth-codec aabb --color-block bc1",
+                5,
+                (None, none, Some(2000)),
+            ),
+            (
+                "planar",
+                "--color-cell 16 --depth-tile 24 --depth-codec aabb --depth-block bc5 --color-block bc7",
                 5,
                 (None, none, None),
             ),
-            ("planar", "--cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none, Some(0))),
-            ("distance", "--cell 20 --tiles 2", 6, (Some(2), none, None)),
-            ("distance", "--cell 15 --tiles 2 --material-block bc1", 4, (None, none, None)),
+            ("planar", "--color-cell 8 --depth-codec bc4w --transfer linear --exposure 1", 4, (None, none, Some(0))),
+            ("distance", "--color-cell 20 --depth-tile 32", 6, (Some(2), none, None)),
+            ("distance", "--color-cell 15 --depth-tile 32 --material-block bc1", 4, (None, none, None)),
         ] {
             let container = path("film.lfold");
             let manifest = path(set);
@@ -268,7 +273,7 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
         let fixed = ["capture", "courtyard", "--samples", "1", "--size", "44", "--frames", "0-11", "--quiet"];
         lightfold(&[&fixed[..], &["--position", "0,1.5,0", "-o", &set]].concat())?;
         let fixed = ["encode", &set, "--effort", "fast", "--quiet", "-o", &container];
-        lightfold(&[&fixed[..], &["--cell", "12", "--tiles", "2", "--keyframe-interval", "4"]].concat())?;
+        lightfold(&[&fixed[..], &["--color-cell", "12", "--depth-tile", "24", "--keyframe-interval", "4"]].concat())?;
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
         let mut read = Vec::new();
         for kept_words in [usize::MAX, 0] {
@@ -307,8 +312,8 @@ pub fn buffers_of_any_size() -> Result<(), Failed> {
         let fixed = ["capture", "courtyard", "--depth", "planar", "--samples", "1", "--frames", "0-1", "-q"];
         let (cameras, set) = (path("cameras.json"), path(size));
         lightfold(&[&fixed[..], &["--size", size, "--cameras", &cameras, "-o", &set]].concat())?;
-        let (container, fixed) = (path("film.lfold"), ["--tiles", "1", "--effort", "fast", "--quiet"]);
-        lightfold(&[&["encode", &set, "--cell", cell, "-o", &container], &fixed[..]].concat())?;
+        let (container, fixed) = (path("film.lfold"), ["--depth-tile", "104", "--effort", "fast", "--quiet"]);
+        lightfold(&[&["encode", &set, "--color-cell", cell, "-o", &container], &fixed[..]].concat())?;
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
         let needed = buffer_bytes(&decoder);
         let mut pictures = Vec::new();

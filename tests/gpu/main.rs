@@ -163,7 +163,7 @@ fn footage() -> Result<(), Failed> {
     let Some(data) = option_env!("LIGHTFOLD_DATA") else { return Err("no footage at hand".into()) };
     let folder = tempfile::tempdir()?;
     let container = folder.path().join("film.lfold").display().to_string();
-    let boxes = ["--depth-codec", "aabb", "--epsilon", "30"];
+    let boxes = ["--depth-codec", "aabb", "--update-threshold", "30"];
     let blocks = ["--color-block", "bc7", "--depth-block", "bc5", "--material-block", "bc1"];
     let ways: [Vec<&str>; 4] = [
         vec![],

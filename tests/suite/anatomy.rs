@@ -201,7 +201,7 @@ fn names(folder: &Path) -> BTreeSet<String> {
 fn pictures_are_listed_and_the_same_on_any_number_of_threads() {
     let folder = TempDir::new().unwrap();
     footage(folder.path(), [64, 64]);
-    fine("encode . -o a.lfold --cell 16", folder.path());
+    fine("encode . -o a.lfold --color-cell 16", folder.path());
     let listed = plots("inspect a.lfold --plot one --source . --json --threads 1", folder.path());
     plots("inspect a.lfold --plot three --source . --json --threads 3", folder.path());
     let expected = [
@@ -346,7 +346,7 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
         Plane::from_fn(40, 40, |x, y| [value(x, y), value(y, x), value(x, x)])
     };
     Footage { depth: Some(&depth), color: Some(&color), ..Footage::new(40, 40) }.write(folder.path());
-    for options in ["--error 400 --psnr 30 --cell 16", "--depth-codec bc4w --hdr --psnr 25 --cell 16"] {
+    for options in ["--max-error 400 --psnr 30 --color-cell 16", "--depth-codec bc4w --hdr --psnr 25 --color-cell 16"] {
         fine(&format!("encode . -o a.lfold {options}"), folder.path());
         let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
         let sides = open_both([&path("a.lfold"), &path("lightfield.json")], &SideOptions::default()).unwrap();

@@ -162,7 +162,8 @@ fn inspected(folder: &Path, file: &str) -> serde_json::Value {
 fn commands_encode_inspect_decode_pack_and_compare_blocks() {
     let folder = TempDir::new().unwrap();
     dataset(folder.path());
-    let options = "--depth-codec aabb --depth-block bc5 --epsilon 50 --material-block bc1 --cell 16 --effort fast";
+    let options =
+        "--depth-codec aabb --depth-block bc5 --update-threshold 50 --material-block bc1 --color-cell 16 --effort fast";
     for (color, name) in [("bc1 --psnr-final 28", "cells-bc1"), ("bc7", "cells-bc7"), ("bc6h --hdr", "cells-bc6h")] {
         fine(&format!("encode . -o a.lfold --color-block {color} {options}"), folder.path());
         let json = inspected(folder.path(), "a.lfold");
@@ -205,8 +206,8 @@ fn with_blocks_other_bounds_are_usual() {
     assert!(of_color("--psnr-final 20") == of_color("--psnr 20 --psnr-final 20"));
     assert!(of_color("--psnr-final 20") != of_color("--psnr 50 --psnr-final 20"));
     let of_depth = |options: &str| bytes_of(&format!("--stream depth --depth-codec aabb --depth-block bc5 {options}"));
-    assert!(of_depth("") == of_depth("--epsilon 100"));
-    assert!(of_depth("") != of_depth("--epsilon 0"));
+    assert!(of_depth("") == of_depth("--update-threshold 100"));
+    assert!(of_depth("") != of_depth("--update-threshold 0"));
 }
 
 #[test]
@@ -220,12 +221,12 @@ fn options_that_do_not_go_together_are_refused() {
     };
     says("--color-block bc6h", "--hdr");
     says("--color-block bc7 --hdr", "--hdr");
-    says("--color-block bc1 --cell 18", "a multiple of 4");
+    says("--color-block bc1 --color-cell 18", "a multiple of 4");
     says("--color-block bc1 --psnr 50 --psnr-final 60", "at most 50 dB");
     says("--color-block bc1 --psnr-final 201", "0 to 200 dB");
-    says("--depth-codec aabb --error 10", "--epsilon");
-    says("--depth-codec aabb --error-relative 1%", "--epsilon");
-    says("--depth-codec bc4w --error 10", "no bound");
+    says("--depth-codec aabb --max-error 10", "--update-threshold");
+    says("--depth-codec aabb --max-error-relative 1%", "--update-threshold");
+    says("--depth-codec bc4w --max-error 10", "no bound");
     says("--psnr-final 30", "--color-block");
     says("--depth-block bc5", "--depth-codec aabb");
     says("--depth-block bc5 --depth-codec bc4w", "--depth-codec aabb");

@@ -7,6 +7,8 @@ use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
+use clap::Parser;
+use lightfold::cli::Cli;
 use lightfold::container::Reader;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
@@ -17,6 +19,73 @@ use tempfile::TempDir;
 #[cfg(unix)]
 fn words() {
     trycmd::TestCases::new().case("tests/cmd/*.trycmd");
+}
+
+/// Former options: hidden, and with the same effect as those that replaced them.
+#[test]
+fn former_options_are_aliases() {
+    let place = "place courtyard --region=0,0,0,1,1,1 -o c.json";
+    for (former, now) in [
+        ("encode a -o b --error 9", "encode a -o b --max-error 9"),
+        ("encode a -o b --error-relative 1%", "encode a -o b --max-error-relative 1%"),
+        ("encode a -o b --decide mse", "encode a -o b --optimize quality"),
+        ("encode-depth a -o b --decide size", "encode-depth a -o b --optimize size"),
+        ("quadtree a -o b --decide size", "quadtree a -o b --optimize size"),
+        ("encode a -o b --epsilon 9", "encode a -o b --update-threshold 9"),
+        ("encode-color a -o b --cell 8", "encode-color a -o b --color-cell 8"),
+        ("pack a -o b --error 9 --epsilon 1", "pack a -o b --max-error 9 --update-threshold 1"),
+        ("pack a -o b --error-relative 1%", "pack a -o b --max-error-relative 1%"),
+        (&format!("{place} --spread 9"), &format!("{place} --uniform 9")),
+    ] {
+        let parsed = |line: &str| format!("{:?}", Cli::try_parse_from(format!("lightfold {line}").split(' ')).unwrap());
+        assert_eq!(parsed(former), parsed(now));
+        let help = |line: &str| {
+            let words = ["lightfold", line.split(' ').next().unwrap(), "--help"];
+            Cli::try_parse_from(words).unwrap_err().to_string()
+        };
+        let option = former.split(' ').rfind(|word| word.starts_with("--")).unwrap().split('=').next().unwrap();
+        assert!(!help(former).contains(&format!(" {option} ")), "{option} is shown");
+    }
+}
+
+#[test]
+fn tiles_per_side_and_tiles_in_pixels_exclude_each_other() {
+    let parsed = |line: &str| Cli::try_parse_from(format!("lightfold encode a -o b {line}").split(' '));
+    assert!(parsed("--tiles 4").is_ok() && parsed("--depth-tile 64").is_ok());
+    assert!(parsed("--tiles 4 --depth-tile 64").unwrap_err().to_string().contains("cannot be used with"));
+    let folder = TempDir::new().unwrap();
+    let encoded = |options: &[&str]| {
+        let file = folder.path().join("a.lfold");
+        succeeded(&output(lightfold().arg("encode").arg(dataset()).args(options).arg("-o").arg(&file)));
+        fs::read(&file).unwrap()
+    };
+    // Faces of 32 pixels.
+    assert!(encoded(&["--tiles", "4"]) == encoded(&["--depth-tile", "8"]));
+    assert!(encoded(&[]) == encoded(&["--depth-tile", "16"]));
+    assert!(encoded(&["--tiles", "1"]) == encoded(&["--depth-tile", "16384"]));
+}
+
+#[test]
+fn inspect_takes_the_former_switch_for_rows_of_frames() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("a.lfold");
+    succeeded(&output(lightfold().arg("encode").arg(dataset()).arg("-o").arg(&file)));
+    let rows = |options: &[&str]| output(lightfold().arg("inspect").arg(&file).arg("--csv").args(options));
+    for (former, now) in [
+        (&["--frames"][..], &["--per-frame"][..]),
+        (&["--frames", "--range", "2-3"], &["--per-frame", "--frames", "2-3"]),
+        (&["--frames", "--quiet"], &["--quiet", "--per-frame"]),
+    ] {
+        let (former, now) = (rows(former), rows(now));
+        succeeded(&former);
+        succeeded(&now);
+        assert_eq!(former.stdout, now.stdout);
+    }
+    for alone in [["--frames", "2-3"], ["--range", "2-3"]] {
+        let refused = rows(&alone);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(stderr(&refused).contains("add --per-frame"), "{}", stderr(&refused));
+    }
 }
 
 fn lightfold() -> Command {

@@ -43,7 +43,7 @@ fn faces_encoded_one_by_one_and_packed_decode_to_what_they_were() {
     let mut inputs = Vec::new();
     for face in Face::CUBE.map(Face::name) {
         let sequence = format!("probe_00/face_{face}/depth.%04d.exr");
-        fine(&format!("encode-depth {sequence} --face {face} --error 0 -o {face}.lfold"), folder.path());
+        fine(&format!("encode-depth {sequence} --face {face} --max-error 0 -o {face}.lfold"), folder.path());
         inputs.push(format!("{face}.lfold"));
     }
     fine(&format!("pack {} -o all.lfold", inputs.join(" ")), folder.path());

@@ -138,7 +138,7 @@ fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
     shaders.retain(|path| path.extension().is_some_and(|extension| extension == "wgsl"));
     assert!(shaders.len() > 10, "only {} shaders were found", shaders.len());
     for path in shaders {
-        assert!(used.contains(&path), "{} is in no row of shaders/kernels.json", path.display());
+        assert!(used.contains(&path), "{} is in no row of src/gpu/kernels.rs", path.display());
         let text = read(&path);
         assert!(text.starts_with("// "), "{} does not say what it is", path.display());
         assert!(text.lines().count() <= MAX_LINES, "{} is too long", path.display());
@@ -354,4 +354,40 @@ fn nothing_names_a_path_of_one_machine() {
             assert!(!text.contains(words.as_str()), "{} names a path below {words}", path.display());
         }
     }
+}
+
+/// Commands that sweeps run, and so spell their options.
+const WRITES_COMMAND_LINES: &str = "src/report/tradeoff";
+
+#[test]
+fn messages_of_the_library_name_settings_and_not_options() {
+    let options: BTreeSet<String> = subcommands()
+        .iter()
+        .flat_map(|command| command.get_arguments().filter_map(|option| option.get_long()).map(str::to_owned))
+        .collect();
+    let mut wrong = Vec::new();
+    for path in sources() {
+        if path.starts_with("src/cli") || path.starts_with(WRITES_COMMAND_LINES) || path.ends_with("tests.rs") {
+            continue;
+        }
+        let text = read(&path);
+        for (number, line) in product_lines(&text) {
+            let line = line.split(" // ").next().unwrap();
+            let letter = |text: &str| text.starts_with(|c: char| c.is_ascii_lowercase());
+            if line.match_indices("--").any(|(at, _)| letter(&line[at + 2..])) {
+                wrong.push(format!("{}:{number}: names an option: {}", path.display(), line.trim()));
+            }
+            let is_name = |word: &&str| letter(word) && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+            for name in line.split('`').skip(1).step_by(2).filter(is_name) {
+                if !options.contains(&name.replace('_', "-")) {
+                    wrong.push(format!("{}:{number}: no option sets `{name}`", path.display()));
+                }
+            }
+        }
+    }
+    assert!(
+        wrong.is_empty(),
+        "messages name settings, as in `depth_window`; only cli knows options:\n{}",
+        wrong.join("\n")
+    );
 }

@@ -350,7 +350,7 @@ fn on_disk(bytes: &[u8]) -> (TempDir, PathBuf) {
 fn json_has_the_keys_that_scripts_depend_on() {
     let bytes = encoded(&StreamKind::ALL, &settings());
     let (folder, _) = on_disk(&bytes);
-    let text = stdout(&lightfold(&["inspect", "a.lfold", "--json", "--frames", "--verify"], folder.path()));
+    let text = stdout(&lightfold(&["inspect", "a.lfold", "--json", "--per-frame", "--verify"], folder.path()));
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["bytes"], bytes.len());
     assert_eq!((&json["frames"], &json["probes"]), (&60.into(), &1.into()));
@@ -397,7 +397,7 @@ fn csv_has_a_row_for_each_stream_or_frame() {
     let at = |name: &str| headings.iter().position(|heading| heading == name).unwrap();
     assert_eq!((&rows[0][at("kind")], &rows[0][at("keyframes_per_cell_max")]), ("color", "10"));
     assert_eq!((&rows[2][at("background")], &rows[2][at("static_cells")]), ("inf", ""));
-    let arguments = ["inspect", "-", "--csv", "--frames", "--range", "4-5", "--stream", "depth", "--face", "px"];
+    let arguments = ["inspect", "-", "--csv", "--per-frame", "--frames", "4-5", "--stream", "depth", "--face", "px"];
     let mut command = assert_cmd::Command::cargo_bin("lightfold").unwrap();
     let output = command.args(arguments).pipe_stdin(path).unwrap().output().unwrap();
     let (headings, rows) = parse(stdout(&output));
@@ -425,7 +425,7 @@ fn verify_names_damage_and_exits_with_2() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(json["verify"]["damaged"][0]["frames"], serde_json::json!([4, 7]));
     assert_eq!(lightfold(&["inspect", "a.lfold"], folder.path()).status.code(), Some(2));
-    assert_eq!(lightfold(&["inspect", "a.lfold", "--range", "1-2"], folder.path()).status.code(), Some(2));
+    assert_eq!(lightfold(&["inspect", "a.lfold", "--frames", "1-2"], folder.path()).status.code(), Some(2));
 }
 
 #[test]
@@ -457,7 +457,7 @@ fn the_report_fits_a_terminal() {
 
     56 chunks verified (0 of LZMA2), 0 B belong to no chunk
     ");
-    let arguments = ["inspect", "a.lfold", "--frames", "--range", "3-5", "--face", "px", "--stream", "color,depth"];
+    let arguments = ["inspect", "a.lfold", "--per-frame", "--frames", "3-5", "--face", "px", "--stream", "color,depth"];
     insta::assert_snapshot!(stdout(&lightfold(&arguments, folder.path())), @r"
     small: cubemap at 24 fps, 1 probe, 2 of 6 streams, 20 images
     11.52 kB of 71.68 kB raw (16.07%), 16 chunks, 5.26 kB saved by sharing, 2.75 kB head and index

@@ -249,11 +249,11 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let again = place.finishes(&whole);
     assert!(again.contains("there is nothing to resume, so the encode begins at the start"), "{again}");
     // A state that another encode left is not gone on with, and stays.
-    killed(&["--cell", "16"]);
+    killed(&["--color-cell", "16"]);
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
     assert_eq!(refused.status.code(), Some(2));
-    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --cell was 16 and is 64 now; run it as it was \
+    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; run it as it was \
                     begun, or leave out --resume to start anew\n";
     assert_eq!(said(&refused), expected);
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();

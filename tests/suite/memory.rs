@@ -123,7 +123,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     for (kind, options) in [
         ("color", "--keyframe-reach 16"),
         ("depth", "--depth-codec aabb"),
-        ("depth", "--depth-codec quadtree --effort fast --error 2000"),
+        ("depth", "--depth-codec quadtree --effort fast --max-error 2000"),
         ("material", "--keyframe-interval 8"),
     ] {
         check_budgets(&format!("encode . -o a.lfold --stream {kind} {options}"), Some("a.lfold"), at);
@@ -131,7 +131,7 @@ fn a_budget_is_kept_or_refused_by_every_command() {
     let sequence = "probe_00/face_px/depth.%04d.exr --frames 0-7";
     check_budgets(&format!("bc4w {sequence} --effort fast -o b.lfold"), Some("b.lfold"), at);
     check_budgets(&format!("quadtree {sequence} --effort fast -o t.lfold"), Some("t.lfold"), at);
-    check_budgets("pack t.lfold --error 200 --effort fast -o p.lfold", Some("p.lfold"), at);
+    check_budgets("pack t.lfold --max-error 200 --effort fast -o p.lfold", Some("p.lfold"), at);
     run("encode . -o all.lfold --depth-codec aabb --keyframe-reach 16", at);
     check_budgets("pack all.lfold --lzma2=1 -o q.lfold", Some("q.lfold"), at);
     check_budgets("inspect q.lfold --verify", None, at);
@@ -237,7 +237,7 @@ fn a_thousand_frames_take_no_more_memory_than_a_hundred() {
         format!("quadtree {sequence} -o tree.lfold"),
         format!("bc4w {sequence} -o bc4w.lfold"),
         "pack color.lfold depth.lfold material.lfold --lzma2=1 -o all.lfold --memory 16M".to_owned(),
-        "pack tree.lfold --error 200 --effort fast -o packed.lfold --memory 16M".to_owned(),
+        "pack tree.lfold --max-error 200 --effort fast -o packed.lfold --memory 16M".to_owned(),
         "inspect all.lfold".to_owned(),
         "decode all.lfold --memory 8M --null".to_owned(),
         "decode all.lfold -o frames".to_owned(),

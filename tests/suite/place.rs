@@ -147,7 +147,7 @@ fn what_makes_no_sense_is_said_in_a_sentence() {
     fine(&format!("place courtyard {region} --lighting specular --theta 0.9 --cameras 2"), folder.path());
     fs::remove_file(folder.path().join("c.json")).unwrap();
     assert!(said(&format!("{region} --cameras 0")).contains("--start"));
-    assert!(said(&format!("{region} --spread 2 --cameras 2")).contains("--cameras"));
+    assert!(said(&format!("{region} --uniform 2 --cameras 2")).contains("--cameras"));
     assert!(said(&format!("{region} --compare-k 1,2")).contains("--plot"));
     assert!(said(&format!("{region} --until 1")).contains("adds anything"));
     assert!(said(&format!("{region} --start missing.json")).contains("missing.json"));
@@ -170,7 +170,7 @@ fn a_search_without_an_end_stops_at_a_thousand_cameras() {
 #[test]
 fn cameras_are_spread_without_a_search_and_measured() {
     let folder = TempDir::new().unwrap();
-    let report = json(&format!("{SMALL} --spread 6 -o even.json --json"), folder.path());
+    let report = json(&format!("{SMALL} --uniform 6 -o even.json --json"), folder.path());
     let set = read(folder.path().join("even.json"));
     assert_eq!(set.cameras.len(), 6);
     for (at, camera) in set.cameras.iter().enumerate() {
@@ -184,7 +184,7 @@ fn cameras_are_spread_without_a_search_and_measured() {
     let measured = json(&format!("{SMALL} --cameras 0 --start even.json -o same.json --json"), folder.path());
     assert_eq!(measured["coverage"], report["coverage"]);
     // Behind cameras that there are.
-    json(&format!("{SMALL} --spread 2 --start even.json -o more.json --json"), folder.path());
+    json(&format!("{SMALL} --uniform 2 --start even.json -o more.json --json"), folder.path());
     assert_eq!(read(folder.path().join("more.json")).cameras[..6], set.cameras[..]);
 }
 

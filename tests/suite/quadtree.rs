@@ -63,7 +63,7 @@ fn trees_are_lossless_and_packed_at_any_bound_within_it() {
     scene(folder);
     fine(&format!("encode-depth {SEQUENCE} --face px --depth-codec aabb -o source.lfold"), folder);
     let source = codes(&folder.join("source.lfold"));
-    for options in ["", " --decide size --min-children 1 --keyframe-interval 4 --lzma2"] {
+    for options in ["", " --optimize size --min-children 1 --keyframe-interval 4 --lzma2"] {
         let line = format!("quadtree {SEQUENCE} --face px --max-error 300 --effort fast{options}");
         let report = json(&format!("{line} -o tree.lfold --json"), folder);
         assert_eq!((report["frames"].as_u64(), report["raw_bytes"].as_u64()), (Some(6), Some(6 * 4 * 90 * 90)));
@@ -71,9 +71,10 @@ fn trees_are_lossless_and_packed_at_any_bound_within_it() {
         assert_eq!(codes(&folder.join("tree.lfold")), source);
         let mut sizes = Vec::new();
         for bound in [0, 1, 10, 30, 100, 300] {
-            for settings in ["", " --depth-window 3 --epsilon 7 --decide size"] {
+            for settings in ["", " --depth-window 3 --update-threshold 7 --optimize size"] {
                 let pack = |threads: u32, name: &str| {
-                    let line = format!("pack tree.lfold --error {bound}{settings} --effort fast --threads {threads}");
+                    let line =
+                        format!("pack tree.lfold --max-error {bound}{settings} --effort fast --threads {threads}");
                     let report = json(&format!("{line} -o {name} --json"), folder);
                     assert_eq!((report["frames"].as_u64(), report["flattened_streams"].as_u64()), (Some(6), Some(1)));
                     std::fs::read(folder.join(name)).unwrap()
@@ -104,15 +105,17 @@ fn bounds_that_cannot_be_kept_are_refused() {
     let folder = folder.path();
     scene(folder);
     fine(&format!("quadtree {SEQUENCE} --max-error 30 --effort fast -o tree.lfold"), folder);
-    let said = refused("pack tree.lfold --error 31 -o x.lfold", folder);
+    let said = refused("pack tree.lfold --max-error 31 -o x.lfold", folder);
     assert!(said.contains("built for at most ±30 codes"), "{said}");
-    assert!(refused("pack tree.lfold --error-relative 10% -o x.lfold", folder).contains("±30 codes"));
-    fine("pack tree.lfold --error 30 -o packed.lfold", folder);
-    assert!(refused("pack packed.lfold --error 10 -o x.lfold", folder).contains("lightfold quadtree"));
-    assert!(refused("pack tree.lfold --error 1 --error-relative 1% -o x.lfold", folder).contains("cannot be used"));
-    for option in ["--decide size", "--effort fast", "--depth-window 2", "--epsilon 1", "--min-children 2"] {
+    assert!(refused("pack tree.lfold --max-error-relative 10% -o x.lfold", folder).contains("±30 codes"));
+    fine("pack tree.lfold --max-error 30 -o packed.lfold", folder);
+    assert!(refused("pack packed.lfold --max-error 10 -o x.lfold", folder).contains("lightfold quadtree"));
+    assert!(
+        refused("pack tree.lfold --max-error 1 --max-error-relative 1% -o x.lfold", folder).contains("cannot be used")
+    );
+    for option in ["--optimize size", "--effort fast", "--depth-window 2", "--update-threshold 1", "--min-children 2"] {
         let said = refused(&format!("pack tree.lfold {option} -o x.lfold"), folder);
-        assert!(said.contains("--error"), "{said}");
+        assert!(said.contains("--max-error"), "{said}");
     }
     assert!(!folder.join("x.lfold").exists());
     fine("pack tree.lfold -o copied.lfold", folder);
@@ -126,7 +129,7 @@ fn streams_that_are_no_trees_stay_what_they_are() {
     scene(folder);
     fine(&format!("quadtree {SEQUENCE} --face px --effort fast -o tree.lfold"), folder);
     fine(&format!("encode-depth {SEQUENCE} --face nx --depth-codec aabb -o boxes.lfold"), folder);
-    fine("pack boxes.lfold tree.lfold --error-relative 0.1% -o all.lfold", folder);
+    fine("pack boxes.lfold tree.lfold --max-error-relative 0.1% -o all.lfold", folder);
     let (all, boxes) = (Reader::open(folder.join("all.lfold")).unwrap(), folder.join("boxes.lfold"));
     let boxes = Reader::open(boxes).unwrap();
     assert_eq!(all.index().streams[0], boxes.index().streams[0]);

@@ -13,7 +13,7 @@ use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::dataset::stream::StreamKind;
 use lightfold::encode::dataset::{
-    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Left, Resumable, Stopped,
+    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Left, Resumable, Stopped, TileSize,
 };
 use lightfold::image::{Plane, exr, png};
 use lightfold::monitor::{Monitor, Silent};
@@ -456,27 +456,27 @@ fn other_options_are_refused_by_name() {
     let left = stopped_after(&footage.whole().0, 0.6);
     type Change = fn(&mut EncodeSettings);
     let changes: [(&str, Change); 14] = [
-        ("--depth-codec was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
-        ("the bound on depth was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
-        ("--tiles was 2 and is 1 now", |s| s.tiles = 1),
-        ("--lzma2 was none and is 6 now", |s| s.lzma2 = Some(6)),
-        ("--near", |s| s.near_m = Some(0.5)),
-        ("--far", |s| s.far_m = Some(1e6)),
-        ("--depth-window", |s| s.temporal.window = 4),
-        ("--epsilon", |s| s.temporal.epsilon = 1),
-        ("--keyframe-interval", |s| s.temporal.keyframe_interval = 6),
-        ("--min-children", |s| s.depth.min_children = 1),
-        ("--effort", |s| s.depth.effort = lightfold::effort::Effort::Fast),
-        ("--cell", |s| s.cell = 32),
-        ("--psnr", |s| s.search.min_psnr_db = 49.0),
-        ("--stream", |s| s.kinds = vec![StreamKind::Depth]),
+        ("`depth_codec` was Quadtree and is Boxes now", |s| s.depth.codec = DepthCodec::Boxes),
+        ("`max_error` was Codes(40) and is Codes(41) now", |s| s.depth.error = ErrorBound::Codes(41)),
+        ("`depth_tile` was PerSide(2) and is PerSide(1) now", |s| s.tiles = TileSize::PerSide(1)),
+        ("`lzma2` was none and is 6 now", |s| s.lzma2 = Some(6)),
+        ("`near`", |s| s.near_m = Some(0.5)),
+        ("`far`", |s| s.far_m = Some(1e6)),
+        ("`depth_window`", |s| s.temporal.window = 4),
+        ("`update_threshold`", |s| s.temporal.epsilon = 1),
+        ("`keyframe_interval`", |s| s.temporal.keyframe_interval = 6),
+        ("`min_children`", |s| s.depth.min_children = 1),
+        ("`effort`", |s| s.depth.effort = lightfold::effort::Effort::Fast),
+        ("`color_cell`", |s| s.cell = 32),
+        ("`psnr`", |s| s.search.min_psnr_db = 49.0),
+        ("`stream`", |s| s.kinds = vec![StreamKind::Depth]),
     ];
     let settings = footage.settings.clone();
     for (words, change) in changes {
         change(&mut footage.settings);
         let said = refused(&left, &footage);
         assert!(said.contains(words), "{said}");
-        assert!(said.contains("--resume"), "{said}");
+        assert!(said.contains("`resume`"), "{said}");
         footage.settings = settings.clone();
     }
     fs::remove_file(footage.path(22)).unwrap();

@@ -10,7 +10,7 @@ use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_u
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
-use lightfold::encode::dataset::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, encode};
+use lightfold::encode::dataset::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
@@ -108,6 +108,7 @@ fn sizes_that_are_no_multiple_of_anything() {
         for (tiles, cell) in [(1, 64), (2, 4), (7, 1)] {
             for (codec, bound) in BOUNDED {
                 let depth = depth_settings(codec, bound);
+                let tiles = TileSize::PerSide(tiles);
                 let settings = EncodeSettings { tiles, cell, depth, ..EncodeSettings::default() };
                 check_depth(&source, &encoded(&source, &settings), bound);
             }

@@ -60,7 +60,7 @@ fn steady(point: &Value) -> BTreeMap<&str, &Value> {
 
 #[test]
 fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated() {
-    let sweep = "scene --sweep psnr=30,50 --sweep error=0,100 --repeats 2 --json -o";
+    let sweep = "scene --sweep psnr=30,50 --sweep max-error=0,100 --repeats 2 --json -o";
     let first = json(&format!("{sweep} same-1"));
     let second = json(&format!("{sweep} same-2"));
     let points = |report: &Value| report["points"].as_array().unwrap().clone();
@@ -85,7 +85,7 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
     }
     assert!(first["findings"].as_array().unwrap().len() >= 5);
     // A sweep of another knob leaves what is there.
-    let cells = json("scene --sweep cell=8,64 --repeats 1 --json -o same-1");
+    let cells = json("scene --sweep color-cell=8,64 --repeats 1 --json -o same-1");
     assert_eq!(points(&cells)[0]["studies"], serde_json::json!(["color-cell"]));
     let listed: Vec<_> = cells["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
     for name in ["color-psnr.svg", "color-cell.svg", "tradeoff.csv", "tradeoff.json", "index.html"] {
@@ -102,7 +102,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     std::fs::write(folder.join("notes.txt"), "mine").unwrap();
     let csv = std::fs::read(folder.join(FILE_NAME)).unwrap();
     // Another option of all points makes other points of them.
-    let sweep = "scene --sweep error=0,90 --repeats 1 -o other";
+    let sweep = "scene --sweep max-error=0,90 --repeats 1 -o other";
     let said = refused(&format!("{sweep} -- --near 0.01"));
     assert!(said.contains("2 points are of other footage, options, machine or program; name another folder"), "{said}");
     assert!(said.contains("--overwrite"), "{said}");
@@ -124,10 +124,10 @@ fn a_folder_is_for_one_at_a_time() {
     std::fs::create_dir_all(folder.join(".tradeoff.old.partial")).unwrap();
     let lock = std::fs::File::create(folder.join(".tradeoff.lock")).unwrap();
     lock.lock().unwrap();
-    let said = refused("scene --sweep cell=8 --repeats 1 -o locked");
+    let said = refused("scene --sweep color-cell=8 --repeats 1 -o locked");
     assert!(said.contains("another tradeoff measures into it"), "{said}");
     drop(lock);
-    json("scene --sweep cell=8 --repeats 1 --json -o locked");
+    json("scene --sweep color-cell=8 --repeats 1 --json -o locked");
     let hidden = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name());
     let hidden: Vec<_> = hidden.filter(|name| name.to_string_lossy().starts_with('.')).collect();
     assert!(hidden.is_empty(), "{hidden:?}");
@@ -135,16 +135,16 @@ fn a_folder_is_for_one_at_a_time() {
 
 #[test]
 fn one_point_that_fails_is_told_and_the_others_are_measured() {
-    let line = "scene --sweep cell=6,8 --repeats 1 -o hole --json -- --color-block bc7";
+    let line = "scene --sweep color-cell=6,8 --repeats 1 -o hole --json -- --color-block bc7";
     let output = tradeoff(line);
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("lightfold: 1 of 2 points failed") && said.contains("color with cell=6"), "{said}");
+    assert!(said.contains("lightfold: 1 of 2 points failed") && said.contains("color with color-cell=6"), "{said}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(report["points"].as_array().unwrap().len(), 1);
     assert!(report["failed"][0]["error"].as_str().unwrap().contains("multiple of 4"), "{report}");
     assert!(
-        report["left_out"][0].as_str().unwrap().starts_with("Point color with cell=6 color-block=bc7 failed: "),
+        report["left_out"][0].as_str().unwrap().starts_with("Point color with color-cell=6 color-block=bc7 failed: "),
         "{report}"
     );
     assert!(place().join("hole/index.html").is_file());
@@ -186,11 +186,14 @@ fn tiles_are_modelled_as_the_options_say() {
 fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
     for (line, said) in [
         ("scene --sweep cells=8 -o no", "'cells' is none of the knobs"),
-        ("scene --sweep cell=0 -o no", "'0' for '--cell"),
-        ("scene --sweep cell=8,8 -o no", "value 8 twice"),
+        ("scene --sweep color-cell=0 -o no", "'0' for '--color-cell"),
+        ("scene --sweep color-cell=8,8 -o no", "value 8 twice"),
         ("scene --sweep psnr=30,loud -o no", "'loud' for '--psnr"),
         ("scene --sweep psnr=300 -o no", "color with psnr=300: --psnr 300: 0 to 200 dB"),
-        ("scene --sweep depth-codec=aabb --sweep error=0 -o no", "depth with depth-codec=aabb error=0: --error bounds"),
+        (
+            "scene --sweep depth-codec=aabb --sweep max-error=0 -o no",
+            "depth with depth-codec=aabb max-error=0: --max-error bounds",
+        ),
         ("scene --sweep psnr --stream depth -o no", "about color streams"),
         ("scene --sweep psnr --stream material -o no", "--stream material: scene has no such streams"),
         ("scene --sweep psnr -o no -- --psnr 40", "--psnr: study color-psnr sweeps it"),
@@ -219,8 +222,11 @@ fn what_makes_no_sense_is_refused_in_a_sentence_before_anything_runs() {
 #[test]
 fn a_failing_point_is_an_error_that_names_its_command() {
     // Cells in blocks are whole blocks, which encoding finds out.
-    let said = refused("scene --sweep cell=6 -o fails -- --color-block bc7");
-    assert!(said.starts_with("lightfold: lightfold encode scene --stream=color --cell=6 --color-block=bc7"), "{said}");
+    let said = refused("scene --sweep color-cell=6 -o fails -- --color-block bc7");
+    assert!(
+        said.starts_with("lightfold: lightfold encode scene --stream=color --color-cell=6 --color-block=bc7"),
+        "{said}"
+    );
     assert!(said.contains("multiple of 4"), "{said}");
     let left: Vec<_> = std::fs::read_dir(place().join("fails")).unwrap().collect();
     assert!(left.is_empty(), "{left:?}");
@@ -231,14 +237,14 @@ fn a_lone_sequence_is_measured_and_recommended_from() {
     let sequence = "scene/probe_00/face_px/depth.%04d.exr --stream depth";
     let options = "--repeats 1 -o alone --json -- --face px --frames 1-3";
     let ask = "--recommend --max-error 60 --min-psnr 99";
-    let report = json(&format!("{sequence} --sweep error=0,50,200 {ask} {options}"));
+    let report = json(&format!("{sequence} --sweep max-error=0,50,200 {ask} {options}"));
     let points = report["points"].as_array().unwrap();
     assert_eq!(points.len(), 3);
     assert_eq!((points[0]["frames"].as_u64(), points[0]["images"].as_u64()), (Some(3), Some(3)));
     assert_eq!(points[0]["max_error_codes"], 0);
     let command = points[0]["command"].as_str().unwrap();
     assert!(
-        command.starts_with("lightfold encode-depth scene/probe_00/face_px/depth.%04d.exr --error=0 "),
+        command.starts_with("lightfold encode-depth scene/probe_00/face_px/depth.%04d.exr --max-error=0 "),
         "{command}"
     );
     let words = command.split(' ').skip(1);
@@ -262,7 +268,7 @@ fn a_lone_sequence_is_measured_and_recommended_from() {
 #[test]
 fn a_budget_is_kept_by_leaving_out_what_is_named() {
     let report =
-        json("scene --sweep psnr=30,40,50 --sweep error=0,100 --repeats 2 --budget-seconds 0.001 --json -o budget");
+        json("scene --sweep psnr=30,40,50 --sweep max-error=0,100 --repeats 2 --budget-seconds 0.001 --json -o budget");
     let left_out = report["left_out"].as_array().unwrap();
     assert!(left_out[0].as_str().unwrap().contains("Study depth-error was left out"), "{left_out:?}");
     assert!(left_out[1].as_str().unwrap().contains("psnr 40, 50 did not fit"), "{left_out:?}");
@@ -347,7 +353,7 @@ fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
     assert_eq!((page.matches("<svg ").count(), page.matches("<tr>").count()), (1, 1 + 4));
     assert!(page.contains("--views=1 --steps=4 --null"), "{page}");
     assert!(refused(&format!("{sweep} -- --reference-probe 02")).contains("--overwrite"));
-    let other = refused("scene --sweep cell=8 --repeats 1 -o rendered");
+    let other = refused("scene --sweep color-cell=8 --repeats 1 -o rendered");
     assert!(other.contains("index.html") && other.contains("another folder"), "{other}");
     let mine = place().join("mine");
     std::fs::create_dir(&mine).unwrap();
@@ -389,7 +395,7 @@ fn a_decoder_is_run_several_times() {
 /// The sweep of the baseline. Blocks of texture formats are left out: their encoders depend on the processor a little.
 fn baseline_rows() -> Vec<(String, [Option<f64>; 3])> {
     let of = |sweeps: &str| json(&format!("scene {sweeps} --repeats 1 -o baseline --json"));
-    let report = of("--sweep cell=16,64 --sweep psnr=30,45");
+    let report = of("--sweep color-cell=16,64 --sweep psnr=30,45");
     let more =
         of("--sweep depth-codec=quadtree,aabb,bc4w --sweep depth-window=1,4 --sweep lzma2=none,6 --stream depth");
     let points = report["points"].as_array().unwrap().iter().chain(more["points"].as_array().unwrap());

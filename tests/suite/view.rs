@@ -35,7 +35,7 @@ fn container(folder: &Path, options: &str) {
         ..Footage::new(32, 32)
     };
     footage.write(folder);
-    fine(format!("encode . --cell 8 -o a.lfold {options}").trim_end(), folder);
+    fine(format!("encode . --color-cell 8 -o a.lfold {options}").trim_end(), folder);
 }
 
 /// Wants what a hash of stream, unit and frame says.
@@ -84,7 +84,7 @@ fn check(decoder: &Decoder, filter: &dyn UnitFilter) -> u64 {
 
 #[test]
 fn units_that_are_not_wanted_are_blank_and_the_others_whole() {
-    for options in ["--error 0", "--error 0 --hdr", "--depth-codec aabb --keyframe-interval 2"] {
+    for options in ["--max-error 0", "--max-error 0 --hdr", "--depth-codec aabb --keyframe-interval 2"] {
         let folder = TempDir::new().unwrap();
         container(folder.path(), options);
         let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
@@ -114,7 +114,7 @@ fn cameras(entries: &[String]) -> String {
 #[test]
 fn units_are_seen_in_the_frames_of_their_cameras() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--error 0");
+    container(folder.path(), "--max-error 0");
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let chosen = Selection::default().choose(&decoder).unwrap();
     let entries = [camera([5.0, 1.0, 2.0], r#", "frames": [1, 2]"#), camera([-5.0, 1.0, 2.0], r#", "frames": [2, 9]"#)];
@@ -147,7 +147,7 @@ fn report(folder: &Path, options: &str) -> Value {
 #[test]
 fn stats_say_what_a_view_saves() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--error 0");
+    container(folder.path(), "--max-error 0");
     let all = report(folder.path(), "");
     assert_eq!(all["bytes_read"], all["bytes_total"]);
     assert_eq!(all["units"], all["visible_units"]);
@@ -183,7 +183,7 @@ fn stats_say_what_a_view_saves() {
 #[test]
 fn files_hold_what_cameras_see() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--error 0");
+    container(folder.path(), "--max-error 0");
     // Six cameras in two files, which see everything.
     let ahead = [[9, 1, 2], [-9, 1, 2], [0, 9, 2], [0, -9, 2], [0, 1, 9], [0, 1, -9]];
     let entries = ahead
@@ -204,7 +204,7 @@ fn files_hold_what_cameras_see() {
 #[test]
 fn cameras_that_make_no_sense_are_refused() {
     let folder = TempDir::new().unwrap();
-    container(folder.path(), "--error 0");
+    container(folder.path(), "--max-error 0");
     let said = |options: &str| refused(&format!("decode a.lfold --null {options}"), folder.path());
     assert!(said("--eye 0,1,2 --look-at 0,1,2 --fov 60").contains("where its eye is"));
     assert!(said("--eye 0,1,2 --look-at 0,5,2 --fov 60").contains("name another up"));

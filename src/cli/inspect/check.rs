@@ -9,7 +9,7 @@ use super::Args;
 use crate::cli::options::is_dataset;
 use crate::cli::output::json_number;
 use crate::cli::progress::Progress;
-use crate::cli::{GlobalArgs, Outcome, output};
+use crate::cli::{ExitStatus, GlobalArgs, output, with_option_names};
 use crate::convention::{self, Choice, Finding, MAX_PROBES, Report, Verdict};
 use crate::dataset::Source;
 use crate::error::{Error, Result};
@@ -18,8 +18,8 @@ use crate::report::table::{Column, Table};
 /// Lines of text are no longer.
 const COLUMNS: u16 = 100;
 
-/// Checks, reports, and answers [`Outcome::Differs`] where something is suspected.
-pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
+/// Checks, reports, and answers [`ExitStatus::Failed`] where something is suspected.
+pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !is_dataset(&args.input) {
         let message = "--check compares a lightfield.json, or the folder that holds one, with its files".to_owned();
         return Err(Error::Usage(format!("{}: {message}", args.input.display())));
@@ -51,7 +51,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<Outcome> {
     } else {
         output::print_text(&text(source.name(), &report))?;
     }
-    Ok(if report.suspects() { Outcome::Differs } else { Outcome::Fine })
+    Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
 }
 
 fn json_report(report: &Report) -> Value {
@@ -61,7 +61,7 @@ fn json_report(report: &Report) -> Value {
         json!({
             "check": finding.check,
             "verdict": finding.verdict.name(),
-            "says": finding.says,
+            "says": with_option_names(&finding.says),
             "figures": figures,
         })
     };
@@ -83,7 +83,7 @@ fn text(name: &str, report: &Report) -> String {
             Verdict::Suspect => "SUSPECT",
             Verdict::CannotTell => "cannot tell",
         };
-        table.row([finding.check.to_owned(), verdict.to_owned(), finding.says.clone()]);
+        table.row([finding.check.to_owned(), verdict.to_owned(), with_option_names(&finding.says)]);
     }
     let suspects = report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).count();
     let _ = match suspects {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::Args;
-use crate::cli::{GlobalArgs, Outcome, output};
+use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
 use crate::report::{Column, Table};
 use crate::scene::{MeshMaterial, Scene, SceneAtTime};
@@ -25,10 +25,17 @@ struct Facts {
 }
 
 /// Tells what a scene is.
-pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<Outcome> {
+pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let chosen =
         !args.selection.probe.is_empty() || !args.selection.face.is_empty() || !args.selection.stream.is_empty();
-    if chosen || args.streams || args.frames || args.verify || args.csv || args.plot.is_some() {
+    if chosen
+        || args.streams
+        || args.per_frame
+        || args.frames.is_some()
+        || args.verify
+        || args.csv
+        || args.plot.is_some()
+    {
         return Err(Error::Usage(format!(
             "{name}: of a scene there is one table, or --json; leave out the other options"
         )));
@@ -36,12 +43,12 @@ pub fn run(args: &Args, name: &str, global: &GlobalArgs) -> Result<Outcome> {
     let (scene, notes) = Scene::open(name)?;
     let facts = Facts { notes, ..Facts::of(&scene) };
     if args.json {
-        return output::print_json(&facts.json(name)).map(|()| Outcome::Fine);
+        return output::print_json(&facts.json(name)).map(|()| ExitStatus::Passed);
     }
     if !global.quiet {
         facts.notes.iter().for_each(output::note);
     }
-    output::print_text(&facts.text(name)).map(|()| Outcome::Fine)
+    output::print_text(&facts.text(name)).map(|()| ExitStatus::Passed)
 }
 
 impl Facts {

@@ -368,7 +368,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
     }
 }
 
-/// The report of `--frames`.
+/// The report of `--per-frame`.
 pub fn frames(report: &Report<'_>) -> String {
     let mut table = Table::new(&[
         Column::Left("Probe"),

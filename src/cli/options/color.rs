@@ -15,8 +15,9 @@ use crate::streams::{ColorBlocks, ColorFormat};
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
     /// Width and height of a cell in pixels; with --color-block a multiple of 4
-    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=16384))]
-    pub cell: u32,
+    #[arg(long, alias = "cell", value_name = "PX", default_value_t = 64,
+        value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub color_cell: u32,
     /// Least PSNR of every frame of every cell, in dB; with --color-block, of the coding in time alone [default: 50;
     /// with --color-block what --psnr-final says]
     #[arg(long, value_name = "DB")]
@@ -119,7 +120,7 @@ impl ColorArgs {
         if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
             return Err(Error::Usage(format!("--psnr-final {db}: at most {psnr} dB was expected, as --psnr says")));
         }
-        settings.cell = self.cell;
+        settings.cell = self.color_cell;
         settings.search =
             SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, reach: self.keyframe_reach };
         settings.color_blocks = blocks.map(|blocks| {

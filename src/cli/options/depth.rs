@@ -8,7 +8,7 @@ use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::temporal::TemporalSettings;
-use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound};
+use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::error::{Error, Result};
 
 /// Parses a background: a finite float, or +inf.
@@ -27,17 +27,17 @@ pub struct DepthArgs {
     /// How depth is stored
     #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
     pub depth_codec: DepthCodecArg,
-    /// Store depth in blocks of a texture format where these stay within --epsilon, for aabb; --epsilon is then 100
-    /// where it is not given
+    /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
+    /// defaults to 100
     #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = DepthBlockArg::None)]
     pub depth_block: DepthBlockArg,
     /// Largest error of a decoded depth in 16-bit log codes, for quadtree; 0 is lossless [default: 100]
-    #[arg(long, value_name = "CODES", conflicts_with = "error_relative",
+    #[arg(long, alias = "error", value_name = "CODES", conflicts_with = "max_error_relative",
         value_parser = clap::value_parser!(u16).range(..=65534))]
-    pub error: Option<u16>,
-    /// Largest error of a decoded depth in proportion to it, such as 0.1%, for quadtree
-    #[arg(long, value_name = "SHARE", value_parser = parse_share)]
-    pub error_relative: Option<f64>,
+    pub max_error: Option<u16>,
+    /// Largest error of a decoded depth relative to the depth, such as 0.1%, for quadtree
+    #[arg(long, alias = "error-relative", value_name = "SHARE", value_parser = parse_share)]
+    pub max_error_relative: Option<f64>,
     /// Domain.
     #[command(flatten)]
     pub domain: DomainArgs,
@@ -69,9 +69,9 @@ pub struct DomainArgs {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
-    /// Which of the modelling functions within the bound a node gets
-    #[arg(long, value_name = "WHAT", value_enum, default_value_t = DecideArg::Mse)]
-    pub decide: DecideArg,
+    /// What to optimize when several modelling functions of a node are within the bound
+    #[arg(long, alias = "decide", value_name = "GOAL", value_enum, default_value_t = OptimizeArg::Quality)]
+    pub optimize: OptimizeArg,
     /// Of a node's four children, how many must have changed before one function is tried for all of it
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
         value_parser = clap::value_parser!(u8).range(1..=4))]
@@ -87,10 +87,10 @@ pub struct DepthStepArgs {
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
-    /// How far a depth may move, in 16-bit log codes, before it is sent again, on top of --error; with aabb this is
-    /// the largest error, and 0 is lossless [default: 0]
-    #[arg(long, value_name = "CODES")]
-    pub epsilon: Option<u16>,
+    /// Update a pixel when its depth changed by more than this, in 16-bit log codes; adds to --max-error. With aabb it
+    /// is the largest error, and 0 is lossless [default: 0]
+    #[arg(long, alias = "epsilon", value_name = "CODES")]
+    pub update_threshold: Option<u16>,
 }
 
 /// How depth is cut up in space and time, what its codes mean, and how its files are read.
@@ -101,9 +101,13 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "FRAMES", default_value_t = TemporalSettings::default().keyframe_interval,
         value_parser = clap::value_parser!(u32).range(1..))]
     pub keyframe_interval: u32,
-    /// Tiles along each side of a face
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=256))]
-    pub tiles: u32,
+    /// Width and height of a tile in pixels, rounded up to a multiple of 8 [default: half of the face]
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=16384))]
+    pub depth_tile: Option<u32>,
+    /// Tiles along each side of a face: the older form of --depth-tile
+    #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
+        value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub tiles: Option<u32>,
     /// Nearest surface in metres [default: found for each probe]
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
@@ -121,24 +125,25 @@ pub struct DepthUnitArgs {
 pub struct BoundArgs {
     /// Pack depth in the intermediate form, as lightfold quadtree writes it, with this largest error in 16-bit log
     /// codes; 0 is lossless
-    #[arg(long, value_name = "CODES", group = "bound", value_parser = clap::value_parser!(u16).range(..=65534))]
-    pub error: Option<u16>,
-    /// The same, with a largest error in proportion to the depth, such as 0.1%
-    #[arg(long, value_name = "SHARE", group = "bound", value_parser = parse_share)]
-    pub error_relative: Option<f64>,
+    #[arg(long, alias = "error", value_name = "CODES", group = "bound",
+        value_parser = clap::value_parser!(u16).range(..=65534))]
+    pub max_error: Option<u16>,
+    /// The same, with the largest error relative to the depth, such as 0.1%
+    #[arg(long, alias = "error-relative", value_name = "SHARE", group = "bound", value_parser = parse_share)]
+    pub max_error_relative: Option<f64>,
 }
 
 impl BoundArgs {
     /// The bound, if one was given.
     pub fn get(self) -> Option<ErrorBound> {
-        self.error.map(ErrorBound::Codes).or(self.error_relative.map(ErrorBound::Relative))
+        self.max_error.map(ErrorBound::Codes).or(self.max_error_relative.map(ErrorBound::Relative))
     }
 }
 
 /// `--depth-codec`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DepthCodecArg {
-    /// Modelling functions in a quadtree, within --error of the source everywhere
+    /// Modelling functions in a quadtree, within --max-error of the source at every pixel
     Quadtree,
     /// Codes as they are, in boxes around what changes
     Aabb,
@@ -166,12 +171,13 @@ pub enum DomainArg {
     Inverse,
 }
 
-/// `--decide`.
+/// `--optimize`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DecideArg {
-    /// The closest
-    Mse,
-    /// The smallest
+pub enum OptimizeArg {
+    /// The least squared error
+    #[value(alias = "mse")]
+    Quality,
+    /// The fewest bytes
     Size,
 }
 
@@ -185,11 +191,11 @@ impl From<DomainArg> for DomainKind {
     }
 }
 
-impl From<DecideArg> for Decide {
-    fn from(decide: DecideArg) -> Decide {
-        match decide {
-            DecideArg::Mse => Decide::Mse,
-            DecideArg::Size => Decide::Size,
+impl From<OptimizeArg> for Decide {
+    fn from(goal: OptimizeArg) -> Decide {
+        match goal {
+            OptimizeArg::Quality => Decide::Mse,
+            OptimizeArg::Size => Decide::Size,
         }
     }
 }
@@ -252,32 +258,33 @@ impl DepthArgs {
             (DepthCodecArg::Aabb, DepthBlockArg::Bc5) => DepthCodec::BoxesInBlocks,
             (DepthCodecArg::Bc4w, DepthBlockArg::None) => DepthCodec::Blocks,
             (_, DepthBlockArg::Bc5) => {
-                return Err(Error::Usage(
-                    "--depth-block bc5 is for boxes of codes: give --depth-codec aabb too".into(),
-                ));
+                return Err(Error::Usage("--depth-block bc5 needs --depth-codec aabb".into()));
             }
         };
-        let bounded = self.error.is_some() || self.error_relative.is_some();
+        let bounded = self.max_error.is_some() || self.max_error_relative.is_some();
         match self.depth_codec {
             DepthCodecArg::Aabb if bounded => {
                 return Err(Error::Usage(
-                    "--error bounds the functions of a quadtree: with --depth-codec aabb give --epsilon".into(),
+                    "--max-error bounds the functions of a quadtree: with --depth-codec aabb use --update-threshold"
+                        .into(),
                 ));
             }
             DepthCodecArg::Bc4w if bounded => {
-                return Err(Error::Usage("--depth-codec bc4w has no bound: leave out --error, or use quadtree".into()));
+                return Err(Error::Usage(
+                    "--depth-codec bc4w has no error bound: leave out --max-error, or use quadtree".into(),
+                ));
             }
             _ => {}
         }
-        let codes = ErrorBound::Codes(self.error.unwrap_or(NodeSettings::default().bound));
-        settings.depth.error = self.error_relative.map_or(codes, ErrorBound::Relative);
+        let codes = ErrorBound::Codes(self.max_error.unwrap_or(NodeSettings::default().bound));
+        settings.depth.error = self.max_error_relative.map_or(codes, ErrorBound::Relative);
         settings.temporal.max_aabbs = self.max_aabbs;
         self.domain.apply(settings);
         self.model.apply(settings);
         self.steps.apply(settings);
         if self.depth_block == DepthBlockArg::Bc5 {
             // Two bytes in blocks are seldom exact.
-            settings.temporal.epsilon = self.steps.epsilon.unwrap_or(NodeSettings::default().bound);
+            settings.temporal.epsilon = self.steps.update_threshold.unwrap_or(NodeSettings::default().bound);
         }
         self.units.apply(source, settings);
         Ok(())
@@ -294,7 +301,7 @@ impl DomainArgs {
 impl ModelArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
-        settings.depth.decide = self.decide.into();
+        settings.depth.decide = self.optimize.into();
         settings.depth.min_children = self.min_children;
     }
 }
@@ -303,7 +310,7 @@ impl DepthStepArgs {
     /// Puts the options where the encoder reads them.
     pub fn apply(&self, settings: &mut EncodeSettings) {
         settings.temporal.window = self.depth_window;
-        settings.temporal.epsilon = self.epsilon.unwrap_or(0);
+        settings.temporal.epsilon = self.update_threshold.unwrap_or(0);
     }
 }
 
@@ -311,7 +318,11 @@ impl DepthUnitArgs {
     /// Puts the options where the reader of files and the encoder find them.
     pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
         settings.temporal.keyframe_interval = self.keyframe_interval;
-        settings.tiles = self.tiles;
+        settings.tiles = match (self.depth_tile, self.tiles) {
+            (Some(pixels), _) => TileSize::Pixels(pixels),
+            (None, Some(tiles)) => TileSize::PerSide(tiles),
+            (None, None) => settings.tiles,
+        };
         settings.near_m = self.near;
         settings.far_m = self.far;
         self.reading.apply(source);

@@ -148,7 +148,7 @@ impl Report<'_> {
             let count = found.cameras.len() - found.started;
             notes.push(format!("stopped after {count} cameras; say by --cameras how many more there may be"));
         }
-        if let Some(wanted) = self.args.spread.map(|count| count as usize)
+        if let Some(wanted) = self.args.uniform.map(|count| count as usize)
             && found.cameras.len() - found.started < wanted
         {
             let count = counted((found.cameras.len() - found.started) as u64, "camera");

@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::error::{EXIT_INTERRUPTED, Error, Result};
+use crate::cli::EXIT_INTERRUPTED;
+use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::report::tradeoff::bench::Runner;
 use crate::report::tradeoff::commands::shell_line;

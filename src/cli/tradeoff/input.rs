@@ -338,9 +338,9 @@ mod tests {
         assert_eq!(sorted.decode, ["--gpu-index=1"]);
         let said = |line: &str| of(line).unwrap_err().to_string();
         assert!(said("--stream depth").contains("tradeoff gives it"));
-        assert!(said("--cell 0").contains("'0'"), "{}", said("--cell 0"));
+        assert!(said("--color-cell 0").contains("'0'"), "{}", said("--color-cell 0"));
         assert!(said("--colour").contains("unexpected argument '--colour'"));
         assert!(said("--color-channel A").contains("diff has no such option"));
-        assert!(!said("--cell 0").contains('\n'));
+        assert!(!said("--color-cell 0").contains('\n'));
     }
 }

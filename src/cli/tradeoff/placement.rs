@@ -7,7 +7,7 @@ use clap::parser::ValueSource;
 
 use super::grid::{Grid, Told};
 use super::{Args, grid, input};
-use crate::cli::{Cli, GlobalArgs, Outcome};
+use crate::cli::{Cli, ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
 use crate::report::tradeoff::knob::Stage;
 use crate::report::tradeoff::placement::{self, Sweep};
@@ -26,7 +26,7 @@ pub fn is_scene(text: &str) -> bool {
 }
 
 /// Measures what placing cameras costs.
-pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome> {
+pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     grid::refuse_others(args, "placing cameras in a scene")?;
     let axes = axes(args)?;
@@ -64,7 +64,7 @@ pub fn measure(args: &Args, scene: &str, global: &GlobalArgs) -> Result<Outcome>
         report: &placement::json(scene, &placed),
     };
     grid.tell(&told, folder)?;
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 fn axes(args: &Args) -> Result<Vec<Axis>> {

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::grid::{Grid, Told};
 use super::{Args, grid, input};
-use crate::cli::{Cli, GlobalArgs, Outcome};
+use crate::cli::{Cli, ExitStatus, GlobalArgs};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
 use crate::report::tradeoff::Axis;
@@ -48,7 +48,7 @@ struct Fixed {
 }
 
 /// Measures what rendering costs.
-pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<Outcome> {
+pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     grid::refuse_others(args, "rendering")?;
     let axes = axes(args)?;
@@ -94,7 +94,7 @@ pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<Outcom
         report: &rendering::json(&sweep, &shown),
     };
     grid.tell(&told, folder)?;
-    Ok(Outcome::Fine)
+    Ok(ExitStatus::Passed)
 }
 
 fn axes(args: &Args) -> Result<Vec<Axis>> {

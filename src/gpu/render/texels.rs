@@ -176,7 +176,7 @@ impl DeviceTexels {
             let ([width, height], most) = (self.tile, most[0] * most[1] * most_layers);
             return Err(Error::unsupported(format!(
                 "{}: {tiles} images of {width}x{height} texels are needed at once, and it holds {most} of this size: let \
-                fewer views take part, or use --device cpu",
+                fewer views take part, or use `device` cpu",
                 gpu.info.name
             )));
         }

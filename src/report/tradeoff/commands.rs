@@ -72,10 +72,10 @@ impl Input {
                 let of_functions = [
                     "depth-codec",
                     "depth-block",
-                    "error",
-                    "error-relative",
+                    "max-error",
+                    "max-error-relative",
                     "depth-domain",
-                    "decide",
+                    "optimize",
                     "min-children",
                     "effort",
                 ];
@@ -240,16 +240,19 @@ mod tests {
     #[test]
     fn coding_in_time_alone_keeps_what_belongs_to_time() {
         let scene = input(Form::Dataset, &[]);
-        let of = point(Depth, &[("depth-window", "4"), ("error", "10"), ("epsilon", "3"), ("lzma2", "6")]);
+        let of = point(Depth, &[("depth-window", "4"), ("max-error", "10"), ("update-threshold", "3"), ("lzma2", "6")]);
         let line = shell_line(&scene.temporal(&of));
-        assert_eq!(line, "lightfold encode scene --stream=depth --depth-codec=aabb --depth-window=4 --epsilon=3");
+        assert_eq!(
+            line,
+            "lightfold encode scene --stream=depth --depth-codec=aabb --depth-window=4 --update-threshold=3"
+        );
         for (settings, psnr) in [
-            (&[("color-block", "bc7"), ("cell", "8")][..], "40"),
-            (&[("color-block", "bc1"), ("cell", "8"), ("psnr-final", "28")], "28"),
-            (&[("color-block", "bc7"), ("cell", "8"), ("psnr", "45"), ("psnr-final", "28")], "45"),
+            (&[("color-block", "bc7"), ("color-cell", "8")][..], "40"),
+            (&[("color-block", "bc1"), ("color-cell", "8"), ("psnr-final", "28")], "28"),
+            (&[("color-block", "bc7"), ("color-cell", "8"), ("psnr", "45"), ("psnr-final", "28")], "45"),
         ] {
             let line = shell_line(&scene.temporal(&point(Color, settings)));
-            assert_eq!(line, format!("lightfold encode scene --stream=color --cell=8 --psnr={psnr}"));
+            assert_eq!(line, format!("lightfold encode scene --stream=color --color-cell=8 --psnr={psnr}"));
         }
         let plain = point(Color, &[("psnr", "40")]);
         assert_eq!(scene.temporal(&plain), scene.encode(&plain));
@@ -261,8 +264,8 @@ mod tests {
         assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb")])).is_none());
         assert!(scene.spatial(&point(Depth, &[("depth-codec", "aabb"), ("depth-block", "bc5")])).is_some());
         assert!(scene.spatial(&point(Color, &[("color-block", "none")])).is_none());
-        let tree = scene.spatial(&point(Depth, &[("error", "10"), ("lzma2", "9")])).unwrap();
-        assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --error=10");
+        let tree = scene.spatial(&point(Depth, &[("max-error", "10"), ("lzma2", "9")])).unwrap();
+        assert_eq!(shell_line(&tree), "lightfold encode scene --stream=depth --max-error=10");
     }
 
     #[test]

@@ -251,11 +251,11 @@ fn thresholds_grow_exponentially(results: &Results) -> Finding {
     }
 }
 
-/// CALF section 7. Rows along `cell` with at least two sizes, decoding timed. In each, the decoding time of the smallest
+/// CALF section 7. Rows along `color-cell` with at least two sizes, decoding timed. In each, the decoding time of the smallest
 /// cell over that of the largest, and the largest over the least bytes of any size; found when the geometric mean of the
 /// first is larger.
 fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
-    let runs = runs::along(results, StreamKind::Color, "cell", 2);
+    let runs = runs::along(results, StreamKind::Color, "color-cell", 2);
     let ratios: Vec<(f64, f64)> = runs
         .iter()
         .filter(|run| run.points.iter().all(|(_, point)| point.decode.runs.len() >= LEAST_RUNS))
@@ -268,7 +268,7 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
     let time = geometric_mean(ratios.iter().map(|ratio| ratio.0));
     let size = geometric_mean(ratios.iter().map(|ratio| ratio.1));
     let rests_on = if ratios.is_empty() {
-        format!("Needs colour at two or more values of --cell, with decoding timed in {LEAST_RUNS} or more runs.")
+        format!("Needs colour at two or more values of --color-cell, with decoding timed in {LEAST_RUNS} or more runs.")
     } else {
         format!(
             "The smallest cell takes {} times as long to decode as the largest, and bytes differ by a factor of {} between \
@@ -291,7 +291,7 @@ fn cells_cost_time_more_than_bytes(results: &Results) -> Finding {
 /// GDC 6.3 and figure 8. Found when at every bound E of modelling functions every run is faster than every run of boxes of
 /// codes with the same settings otherwise.
 fn functions_decode_faster_than_codes(results: &Results) -> Finding {
-    let bounds: Vec<(f64, Faster)> = runs::along(results, StreamKind::Depth, "error", 1)
+    let bounds: Vec<(f64, Faster)> = runs::along(results, StreamKind::Depth, "max-error", 1)
         .iter()
         .filter_map(|run| Some((run, runs::in_boxes(results, &run.others)?)))
         .flat_map(|(run, boxes)| {
@@ -301,7 +301,8 @@ fn functions_decode_faster_than_codes(results: &Results) -> Finding {
         .collect();
     let kept = bounds.iter().filter(|(_, found)| *found == Faster::Yes).count();
     let rests_on = if bounds.is_empty() {
-        "Needs depth at values of --error, and the same in boxes (--depth-codec aabb), with decoding timed.".to_owned()
+        "Needs depth at values of --max-error, and the same in boxes (--depth-codec aabb), with decoding timed."
+            .to_owned()
     } else {
         let (low, high) =
             bounds.iter().fold((f64::INFINITY, 0.0f64), |(low, high), (ratio, _)| (low.min(*ratio), high.max(*ratio)));

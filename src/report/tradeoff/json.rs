@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::findings::{self, Finding};
+use super::knob;
 use super::point::{Measured, Point};
 use super::recommend::Advice;
 use super::store::{self, FIGURES, Figure, Row};
@@ -62,11 +63,12 @@ fn figures(measured: &Measured) -> Value {
 }
 
 fn settings(point: &Point) -> Map<String, Value> {
-    point.settings.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect()
+    point.settings.iter().map(|(name, value)| (knob::json_key(name).to_owned(), json!(value))).collect()
 }
 
 fn study(study: &Study) -> Value {
-    let fixed: Map<_, _> = study.fixed.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+    let fixed: Map<_, _> =
+        study.fixed.iter().map(|(name, value)| (knob::json_key(name).to_owned(), json!(value))).collect();
     json!({
         "name": study.name,
         "title": study.title,

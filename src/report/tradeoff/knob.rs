@@ -75,8 +75,8 @@ pub const KNOBS: &[Knob] = &[
         usual: &["1", "2", "4", "8", "16"],
     },
     Knob {
-        name: "epsilon",
-        label: "epsilon (codes)",
+        name: "update-threshold",
+        label: "update threshold (codes)",
         kinds: &[Depth],
         stage: Stage::Encode,
         implies: &[],
@@ -85,7 +85,7 @@ pub const KNOBS: &[Knob] = &[
         usual: &["0", "10", "30", "100"],
     },
     Knob {
-        name: "error",
+        name: "max-error",
         label: "error bound E (codes)",
         kinds: &[Depth],
         stage: Stage::Encode,
@@ -95,13 +95,13 @@ pub const KNOBS: &[Knob] = &[
         usual: &["0", "10", "25", "50", "100", "200", "400", "800"],
     },
     Knob {
-        name: "error-relative",
-        label: "error bound (share of the depth)",
+        name: "max-error-relative",
+        label: "error bound (relative to the depth)",
         kinds: &[Depth],
         stage: Stage::Encode,
         implies: &[],
         without: None,
-        default: "as error",
+        default: "as max-error",
         usual: &["0%", "0.05%", "0.1%", "0.2%", "0.5%"],
     },
     Knob {
@@ -115,14 +115,14 @@ pub const KNOBS: &[Knob] = &[
         usual: &["log", "linear", "inverse"],
     },
     Knob {
-        name: "decide",
-        label: "decision rule",
+        name: "optimize",
+        label: "optimization goal",
         kinds: &[Depth],
         stage: Stage::Encode,
         implies: &[],
         without: None,
-        default: "mse",
-        usual: &["mse", "size"],
+        default: "quality",
+        usual: &["quality", "size"],
     },
     Knob {
         name: "min-children",
@@ -145,14 +145,14 @@ pub const KNOBS: &[Knob] = &[
         usual: &["none", "bc5"],
     },
     Knob {
-        name: "tiles",
-        label: "tiles along a face",
+        name: "depth-tile",
+        label: "tile size (pixels)",
         kinds: &[Depth, Material],
         stage: Stage::Encode,
         implies: &[],
         without: None,
-        default: "2",
-        usual: &["1", "2", "4", "8"],
+        default: "half of the face",
+        usual: &["32", "64", "128", "256"],
     },
     Knob {
         name: "keyframe-interval",
@@ -165,7 +165,7 @@ pub const KNOBS: &[Knob] = &[
         usual: &["4", "8", "16", "32", "64"],
     },
     Knob {
-        name: "cell",
+        name: "color-cell",
         label: "cell size (pixels)",
         kinds: &[Color],
         stage: Stage::Encode,
@@ -266,9 +266,24 @@ pub const KNOBS: &[Knob] = &[
     },
 ];
 
+/// Former names of knobs: still accepted, and the keys in JSON.
+const FORMER_NAMES: &[(&str, &str)] = &[
+    ("cell", "color-cell"),
+    ("decide", "optimize"),
+    ("epsilon", "update-threshold"),
+    ("error", "max-error"),
+    ("error-relative", "max-error-relative"),
+];
+
 /// The knob of a name.
 pub fn find(name: &str) -> Option<&'static Knob> {
+    let name = FORMER_NAMES.iter().find(|(former, _)| *former == name).map_or(name, |(_, now)| *now);
     KNOBS.iter().find(|knob| knob.name == name)
+}
+
+/// The key of a knob in JSON: the first name that it had.
+pub fn json_key(name: &'static str) -> &'static str {
+    FORMER_NAMES.iter().find(|(_, now)| *now == name).map_or(name, |(former, _)| former)
 }
 
 impl Knob {

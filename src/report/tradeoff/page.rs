@@ -337,7 +337,7 @@ mod tests {
             "{both}"
         );
         assert!(
-            both.contains("Study cells: least bytes and time of 25 points: <code>cell=128 psnr=30</code>"),
+            both.contains("Study cells: least bytes and time of 25 points: <code>color-cell=128 psnr=30</code>"),
             "{both}"
         );
         assert!(

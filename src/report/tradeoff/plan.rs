@@ -95,13 +95,13 @@ const PAPER: &[Row] = &[
         "cells",
         "Cells of colour (CALF figure 8)",
         StreamKind::Color,
-        &[("cell", "8,16,32,64,128"), ("psnr", "30,35,40,45,50")],
+        &[("color-cell", "8,16,32,64,128"), ("psnr", "30,35,40,45,50")],
     ),
     (
         "bound",
         "Error bound of depth (GDC figures 5 and 8)",
         StreamKind::Depth,
-        &[("error", "0,10,25,50,100,200,400,800")],
+        &[("max-error", "0,10,25,50,100,200,400,800")],
     ),
     (
         "codecs",
@@ -122,13 +122,13 @@ const QUICK: &[Row] = &[
         "cells",
         "Cells of colour (CALF figure 8, few values)",
         StreamKind::Color,
-        &[("cell", "16,64"), ("psnr", "30,40,50")],
+        &[("color-cell", "16,64"), ("psnr", "30,40,50")],
     ),
     (
         "bound",
         "Error bound of depth (GDC figures 5 and 8, few values)",
         StreamKind::Depth,
-        &[("error", "0,50,200,800")],
+        &[("max-error", "0,50,200,800")],
     ),
     (
         "codecs",
@@ -276,12 +276,12 @@ mod tests {
     fn sweeps_are_parsed_or_refused_in_words() {
         let sweep = Sweep::parse("psnr=30, 40").unwrap();
         assert_eq!((sweep.knob.name, sweep.values.join("|")), ("psnr", "30|40".to_owned()));
-        assert_eq!(Sweep::parse("cell").unwrap().values, ["8", "16", "32", "64", "128"]);
-        assert!(sweep.given && !Sweep::parse("cell").unwrap().given);
+        assert_eq!(Sweep::parse("color-cell").unwrap().values, ["8", "16", "32", "64", "128"]);
+        assert!(sweep.given && !Sweep::parse("color-cell").unwrap().given);
         assert!(Sweep::parse("cells=8").unwrap_err().contains("'cells' is none of the knobs depth-codec, "));
-        assert!(Sweep::parse("cell=8,,16").unwrap_err().contains("empty value"));
-        assert!(Sweep::parse("cell=").unwrap_err().contains("empty value"));
-        assert!(Sweep::parse("cell=8,16,8").unwrap_err().contains("value 8 twice"));
+        assert!(Sweep::parse("color-cell=8,,16").unwrap_err().contains("empty value"));
+        assert!(Sweep::parse("color-cell=").unwrap_err().contains("empty value"));
+        assert!(Sweep::parse("color-cell=8,16,8").unwrap_err().contains("value 8 twice"));
     }
 
     #[test]

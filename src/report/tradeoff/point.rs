@@ -32,7 +32,7 @@ impl Point {
 }
 
 impl std::fmt::Display for Point {
-    /// Such as `depth with error=50 threads=1`.
+    /// Such as `depth with max-error=50 threads=1`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} with {}", self.kind.name(), self.words())
     }
@@ -192,8 +192,8 @@ mod tests {
 
     #[test]
     fn points_have_a_name_for_people() {
-        let settings = vec![("threads", "1".to_owned()), ("error", "50".to_owned())];
-        assert_eq!(Point::new(StreamKind::Depth, settings).to_string(), "depth with error=50 threads=1");
+        let settings = vec![("threads", "1".to_owned()), ("max-error", "50".to_owned())];
+        assert_eq!(Point::new(StreamKind::Depth, settings).to_string(), "depth with max-error=50 threads=1");
         assert_eq!(Point::new(StreamKind::Color, vec![]).to_string(), "color with default settings");
     }
 
@@ -222,8 +222,8 @@ mod tests {
 
     #[test]
     fn settings_are_told_in_words() {
-        let settings = vec![("error", "10".to_owned()), ("depth-codec", "quadtree".to_owned())];
-        assert_eq!(Point::new(StreamKind::Depth, settings).words(), "depth-codec=quadtree error=10");
+        let settings = vec![("max-error", "10".to_owned()), ("depth-codec", "quadtree".to_owned())];
+        assert_eq!(Point::new(StreamKind::Depth, settings).words(), "depth-codec=quadtree max-error=10");
         assert_eq!(Point::new(StreamKind::Depth, vec![]).words(), "default settings");
     }
 

@@ -144,7 +144,7 @@ mod tests {
     /// A point of depth of so many bytes, codes of error and seconds of decoding.
     fn depth(error: &str, bytes: u64, codes: u32, seconds: f64) -> Measured {
         Measured {
-            point: Point::new(StreamKind::Depth, vec![("error", error.to_owned())]),
+            point: Point::new(StreamKind::Depth, vec![("max-error", error.to_owned())]),
             sizes: Sizes { raw: 1000, temporal: bytes, spatial: None, container: bytes, lzma2: bytes },
             quality: Quality {
                 psnr_db: 80.0,

@@ -73,7 +73,7 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
 pub fn as_in_the_papers(point: &Point) -> Measured {
     let number = |name: &str| point.value(name).and_then(knob::number);
     if point.kind == StreamKind::Color {
-        let (cell, psnr) = (number("cell").unwrap_or(64.0), number("psnr").unwrap_or(40.0));
+        let (cell, psnr) = (number("color-cell").unwrap_or(64.0), number("psnr").unwrap_or(40.0));
         let bytes = 1e5 * 10f64.powf((psnr - 30.0) / 15.0) * (1.0 + 1.0 / cell);
         let mut of = measured(&[], bytes as u64, 0.05 * (1.0 + 30.0 / cell));
         of.quality = Quality {
@@ -86,7 +86,7 @@ pub fn as_in_the_papers(point: &Point) -> Measured {
         return of;
     }
     let (limit, window) = (number("max-aabbs").unwrap_or(8.0), number("depth-window").unwrap_or(1.0));
-    let error = if point.value("depth-codec") == Some("aabb") { 0.0 } else { number("error").unwrap_or(50.0) };
+    let error = if point.value("depth-codec") == Some("aabb") { 0.0 } else { number("max-error").unwrap_or(50.0) };
     let bytes = 4e6 * (1.0 + 0.5 / limit) * window.powf(0.8) / (1.0 + error / 60.0);
     let boxes = point.value("depth-codec") == Some("aabb") || point.value("max-aabbs").is_some();
     let slower = if boxes { 4.0 } else { 1.0 };
@@ -141,9 +141,9 @@ pub fn paper() -> Results {
             study(
                 "cells",
                 StreamKind::Color,
-                &[("cell", &["8", "16", "32", "64", "128"]), ("psnr", &["30", "35", "40", "45", "50"])],
+                &[("color-cell", &["8", "16", "32", "64", "128"]), ("psnr", &["30", "35", "40", "45", "50"])],
             ),
-            study("bound", StreamKind::Depth, &[("error", &["0", "10", "25", "50", "100", "200", "400", "800"])]),
+            study("bound", StreamKind::Depth, &[("max-error", &["0", "10", "25", "50", "100", "200", "400", "800"])]),
             study("codecs", StreamKind::Depth, &[("depth-codec", &["aabb"])]),
         ],
         |point| Some(as_in_the_papers(point)),

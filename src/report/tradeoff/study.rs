@@ -116,15 +116,15 @@ mod tests {
     fn a_product_has_every_value_with_every_other_the_last_axis_fastest() {
         let axis =
             |knob, values: &[&str]| Axis { knob, values: values.iter().map(|value| value.to_string()).collect() };
-        let axes = [axis("error", &["1", "2"]), axis("tiles", &["3", "4"])];
+        let axes = [axis("max-error", &["1", "2"]), axis("depth-tile", &["3", "4"])];
         let all = product(&[("effort", "fast".to_owned())], &axes);
         let all: Vec<_> = all.iter().filter_map(|settings| super::super::point::words(settings)).collect();
         assert_eq!(
             all.join(", "),
-            "effort=fast error=1 tiles=3, effort=fast error=1 tiles=4, \
-            effort=fast error=2 tiles=3, effort=fast error=2 tiles=4"
+            "effort=fast max-error=1 depth-tile=3, effort=fast max-error=1 depth-tile=4, \
+            effort=fast max-error=2 depth-tile=3, effort=fast max-error=2 depth-tile=4"
         );
         assert_eq!(product(&[], &[] as &[Axis]), [vec![]]);
-        assert!(product(&[], &[axis("error", &[])]).is_empty());
+        assert!(product(&[], &[axis("max-error", &[])]).is_empty());
     }
 }

@@ -73,8 +73,8 @@ pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
     let count = (duration_s * fps - 1e-6).ceil() as u32;
     if count > MAX_ANIMATION_FRAMES {
         return Err(Error::Usage(format!(
-            "the animation lasts {duration_s} s, more than {MAX_ANIMATION_FRAMES} frames at {fps} fps: say by --frames which \
-             of them are wanted"
+            "the animation lasts {duration_s} s, more than {MAX_ANIMATION_FRAMES} frames at {fps} fps: choose some with \
+             `frames`"
         )));
     }
     Ok(FrameRange { first: 0, last: count.max(1) - 1 })
@@ -147,7 +147,7 @@ impl CapturePlan {
         let (name, placed) = (self.cameras.name_of(camera), &self.cameras.cameras[camera]);
         let fov_y_deg = match self.projection {
             Projection::Perspective => Some(placed.fov_y_deg.or(self.fov_y_deg).ok_or_else(|| {
-                Error::Usage(format!("camera {name} has no field of view: give one by --fov, or as its \"fov_y_deg\""))
+                Error::Usage(format!("camera {name} has no field of view: give one by `fov`, or as its \"fov_y_deg\""))
             })?),
             _ => None,
         };
@@ -267,16 +267,16 @@ impl CapturePlan {
         let passes: Vec<&str> = passes.iter().map(|pass| pass.name()).collect();
         vec![
             ("the name", name.clone()),
-            ("--fps", format!("{fps:?}")),
-            ("--frames", frames.to_string()),
-            ("--projection", format!("{projection:?}")),
-            ("--size", format!("{width}x{height}")),
+            ("`fps`", format!("{fps:?}")),
+            ("`frames`", frames.to_string()),
+            ("`projection`", format!("{projection:?}")),
+            ("`size`", format!("{width}x{height}")),
             ("the cameras", digest(format!("{cameras:?}").as_bytes())),
-            ("--fov", fov_y_deg.map_or("none".to_owned(), |fov| format!("{fov:?}"))),
+            ("`fov`", fov_y_deg.map_or("none".to_owned(), |fov| format!("{fov:?}"))),
             ("what is captured", passes.join(", ")),
-            ("--samples", samples.to_string()),
-            ("--depth", format!("{depth:?}")),
-            ("--far", format!("{far_m:?}")),
+            ("`samples`", samples.to_string()),
+            ("`depth`", format!("{depth:?}")),
+            ("`far`", format!("{far_m:?}")),
         ]
     }
 }
@@ -327,7 +327,7 @@ mod tests {
         assert_eq!(last(100_000.0 / 24.0), 99_999);
         for duration_s in [100_001.0 / 24.0, 1e30, f64::INFINITY] {
             let error = frames_of_animation(duration_s, 24.0).unwrap_err().to_string();
-            assert!(error.contains("--frames"), "{error}");
+            assert!(error.contains("`frames`"), "{error}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! What is fuzzed: functions that take any bytes and say what became of them. The runner and the package of `cargo fuzz`
 //! call the same ones.
 
-use lightfold::error::{EXIT_BAD_INPUT, Error, Result};
+use lightfold::error::{Error, Result};
 
 pub mod container;
 pub mod images;
@@ -79,7 +79,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "mtl", execs: 2000, run: models::run_mtl, bound: models::bound },
 ];
 
-/// Whether an error is one sentence for a person, and ends a command with the code of bad input.
+/// Whether an error is a short printable sentence about the input.
 pub fn refused(error: &Error) -> Judged {
     let text = error.to_string();
     if text.trim().is_empty() {
@@ -91,9 +91,9 @@ pub fn refused(error: &Error) -> Judged {
     if text.chars().count() > 2000 {
         return Err(format!("an error without end: {}", text.chars().take(200).collect::<String>()));
     }
-    match error.exit_code() {
-        EXIT_BAD_INPUT => Ok(Verdict::Refused),
-        code => Err(format!("exit code {code} for: {text}")),
+    match error {
+        Error::Interrupted | Error::Unfinished { .. } => Err(format!("not an error of the input: {text}")),
+        _ => Ok(Verdict::Refused),
     }
 }
 

@@ -13,7 +13,7 @@ const CHART: [u32; 2] = [500, 330];
 
 /// Decoding time, throughput and changed pixels by the bound; none for other knobs or where nothing was timed.
 pub(super) fn figure(results: &Results, study: &Study, axis: &Axis) -> Option<Figure> {
-    if axis.knob != "error" {
+    if axis.knob != "max-error" {
         return None;
     }
     let points = points(results, study, axis);

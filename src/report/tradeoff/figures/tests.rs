@@ -104,7 +104,10 @@ fn the_papers_figures_are_drawn() {
     assert_eq!(names, expected);
     assert!(figures.iter().all(|figure| !figure.caption.contains("usual")));
     let cells = &figures[1].caption;
-    assert!(cells.contains("least bytes and time have cell=128 psnr=30, but points differ in quality"), "{cells}");
+    assert!(
+        cells.contains("least bytes and time have color-cell=128 psnr=30, but points differ in quality"),
+        "{cells}"
+    );
     let tiles = figures.last().unwrap();
     assert!(tiles.caption.contains("effort fast, domain log"), "{}", tiles.caption);
     let boxes = &figures[0];
@@ -170,10 +173,10 @@ fn odd() -> Vec<(&'static str, Results)> {
         ),
         ("equal", of(&[("depth-window", window), ("max-aabbs", window)], &|_| Some(sample::measured(&[], 1000, 0.5)))),
         ("zeros", of(&[("depth-window", window), ("max-aabbs", window)], &|_| Some(sample::measured(&[], 0, 0.0)))),
-        ("zeros in a row", of(&[("error", &["0", "10", "20"])], &|_| Some(sample::measured(&[], 0, 0.0)))),
+        ("zeros in a row", of(&[("max-error", &["0", "10", "20"])], &|_| Some(sample::measured(&[], 0, 0.0)))),
         (
             "untimed",
-            of(&[("error", &["0", "10", "20"])], &|point| {
+            of(&[("max-error", &["0", "10", "20"])], &|point| {
                 let mut of = sample::as_in_the_papers(point);
                 (of.decode.runs, of.encode.runs) = (vec![], vec![]);
                 Some(of)
@@ -181,7 +184,7 @@ fn odd() -> Vec<(&'static str, Results)> {
         ),
         (
             "lossless",
-            of(&[("error", &["0", "10", "20"])], &|point| {
+            of(&[("max-error", &["0", "10", "20"])], &|point| {
                 let mut of = sample::as_in_the_papers(point);
                 of.quality.psnr_db = f64::INFINITY;
                 Some(of)
@@ -199,7 +202,11 @@ fn odd() -> Vec<(&'static str, Results)> {
         (
             "six combinations",
             of(
-                &[("depth-window", window), ("max-aabbs", &["1", "4"]), ("tiles", &["1", "2", "3", "4", "5", "6"])],
+                &[
+                    ("depth-window", window),
+                    ("max-aabbs", &["1", "4"]),
+                    ("depth-tile", &["1", "2", "3", "4", "5", "6"]),
+                ],
                 &usual,
             ),
         ),
@@ -249,11 +256,11 @@ fn points_of_one_number_are_joined_thinly_and_words_are_not_joined() {
         all(&sample::results(vec![study], |point| Some(sample::as_in_the_papers(point))))
     };
     let threads = |figures: &[Figure]| lines_of_width(figures.last().unwrap(), 0.9);
-    assert_eq!(threads(&of(&[("error", &["0", "10", "20"])])), 1);
+    assert_eq!(threads(&of(&[("max-error", &["0", "10", "20"])])), 1);
     assert_eq!(threads(&of(&[("depth-codec", &["quadtree", "aabb"])])), 0);
-    assert_eq!(threads(&of(&[("error", &["0", "10"]), ("tiles", &["1", "2"])])), 0);
-    let grid = |columns: (&str, &[&str])| lines_of_width(&of(&[("error", &["5", "10"]), columns])[0], 1.8);
-    assert!(grid(("tiles", &["1", "2"])) > grid(("depth-domain", &["log", "linear"])));
+    assert_eq!(threads(&of(&[("max-error", &["0", "10"]), ("depth-tile", &["1", "2"])])), 0);
+    let grid = |columns: (&str, &[&str])| lines_of_width(&of(&[("max-error", &["5", "10"]), columns])[0], 1.8);
+    assert!(grid(("depth-tile", &["1", "2"])) > grid(("depth-domain", &["log", "linear"])));
 }
 
 #[test]

@@ -37,7 +37,7 @@ impl Fake {
         told.iter()
             .map(|line| {
                 let command = line.split(' ').nth(1).unwrap();
-                let values = ["cell", "psnr", "error"].iter().filter_map(|name| of(line, name));
+                let values = ["color-cell", "psnr", "max-error"].iter().filter_map(|name| of(line, name));
                 std::iter::once(command.to_owned()).chain(values).collect::<Vec<_>>().join(" ")
             })
             .collect()
@@ -130,7 +130,7 @@ fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
 #[test]
 fn sizes_of_stages_are_encoded_once_for_all_points() {
     let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
-    let (_, store) = run(&fake, &["error=0,50", "lzma2=none,9"], all(1), folder.path()).unwrap();
+    let (_, store) = run(&fake, &["max-error=0,50", "lzma2=none,9"], all(1), folder.path()).unwrap();
     let lines = fake.lines.borrow();
     let count = |words: &str| lines.iter().filter(|line| line.contains(words)).count();
     assert_eq!(count("--depth-codec=aabb"), 1, "coding in time is the same for all bounds");
@@ -189,7 +189,7 @@ fn wherever_it_stops_it_goes_on() {
 #[test]
 fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     // A point takes 4 s at first and 2 s in each run.
-    let sweeps = ["psnr=10,20,30,40,50", "cell=8,16,32"];
+    let sweeps = ["psnr=10,20,30,40,50", "color-cell=8,16,32"];
     let within = |seconds: f64, repeats: u32| {
         let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
         let extent = Extent { repeats, budget_seconds: Some(seconds) };
@@ -209,8 +209,8 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     assert_eq!(
         left_out,
         [
-            "Study color-psnr-cell: psnr 20, 40 did not fit into 40 s.",
-            "Study color-psnr-cell: cell 16 did not fit into 40 s."
+            "Study color-psnr-color-cell: psnr 20, 40 did not fit into 40 s.",
+            "Study color-psnr-color-cell: color-cell 16 did not fit into 40 s."
         ]
     );
     assert!(took <= 40.0, "{took}");
@@ -222,7 +222,7 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     // No budget is too small for one run of one point.
     let (grid, left_out, took) = within(1.0, 3);
     assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
-    assert_eq!(left_out[0], "Study color-psnr-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
+    assert_eq!(left_out[0], "Study color-psnr-color-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
     assert_eq!((left_out.len(), left_out[3].as_str()), (4, "It took 6.0 s instead of 1 s."));
     // Where the ends do not fit, one of them does.
     let (grid, _, took) = within(14.0, 1);
@@ -256,7 +256,7 @@ fn a_point_that_no_longer_fits_is_not_begun() {
 #[test]
 fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
     let folder = TempDir::new().unwrap();
-    let sweeps = ["psnr=10,20,30,40,50", "cell=8,16,32"];
+    let sweeps = ["psnr=10,20,30,40,50", "color-cell=8,16,32"];
     run(&Fake::default(), &sweeps, all(2), folder.path()).unwrap();
     let again = Fake::default();
     *again.clock.borrow_mut() = 9.0;
@@ -273,10 +273,11 @@ fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
     store.save().unwrap();
     let more = Fake::default();
     let extent = Extent { repeats: 2, budget_seconds: Some(30.0) };
-    let (outcome, store) = run(&more, &["psnr=10,20,30,40,50,60,70", "cell=8,16,32"], extent, folder.path()).unwrap();
+    let (outcome, store) =
+        run(&more, &["psnr=10,20,30,40,50,60,70", "color-cell=8,16,32"], extent, folder.path()).unwrap();
     assert!(more.now_seconds() <= 30.0, "{}", more.now_seconds());
     assert_eq!(outcome.studies[0].axes[0].values, ["10", "20", "30", "40", "50", "70"]);
-    assert_eq!(outcome.left_out[0], "Study color-psnr-cell: psnr 60 did not fit into 30 s.");
+    assert_eq!(outcome.left_out[0], "Study color-psnr-color-cell: psnr 60 did not fit into 30 s.");
     assert_eq!(store.rows.len(), 18);
 }
 
@@ -325,7 +326,7 @@ fn sweeps_into_one_folder_keep_their_studies() {
     let folder = TempDir::new().unwrap();
     for (sweeps, names) in [
         (&["psnr=30,40"][..], &["color-psnr"; 2][..]),
-        (&["cell=8,16"], &["color-psnr", "color-psnr", "color-cell", "color-cell"]),
+        (&["color-cell=8,16"], &["color-psnr", "color-psnr", "color-color-cell", "color-color-cell"]),
     ] {
         let (_, store) = run(&Fake::default(), sweeps, all(1), folder.path()).unwrap();
         assert_eq!(store.rows.iter().map(|row| row.studies.join(" ")).collect::<Vec<_>>(), names);
@@ -346,7 +347,7 @@ fn sweeps_into_one_folder_keep_their_studies() {
 fn a_study_that_does_not_fit_is_left_out_as_a_whole() {
     let (fake, folder) = (Fake::default(), TempDir::new().unwrap());
     let extent = Extent { repeats: 1, budget_seconds: Some(20.0) };
-    let (outcome, _) = run(&fake, &["psnr=30,50", "error=0,50"], extent, folder.path()).unwrap();
+    let (outcome, _) = run(&fake, &["psnr=30,50", "max-error=0,50"], extent, folder.path()).unwrap();
     assert_eq!(outcome.studies.len(), 1);
     assert!(outcome.left_out[0].starts_with("Study depth-error was left out: its 2 points"), "{:?}", outcome.left_out);
 }
