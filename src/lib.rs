@@ -35,4 +35,8 @@ pub mod scene;
 pub mod streams;
 pub mod views;
 
+pub use decode::{Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
+pub use encode::{EncodeSettings, EncodeSummary, Encoder, EncoderStream, FrameSource, ProbePose};
 pub use error::{Error, Result};
+pub use half::f16;
+pub use image::{Face, FrameRange, StreamKind};

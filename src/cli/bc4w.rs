@@ -13,8 +13,7 @@ use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
-use crate::encode::dataset::{DepthCodec, EncodeSettings};
-use crate::encode::tile_quality;
+use crate::encode::{DepthCodec, EncodeSettings, tile_quality};
 use crate::error::{Error, Result};
 use crate::report::{Column, Table};
 

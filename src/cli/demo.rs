@@ -14,7 +14,7 @@ use crate::compare::streams::{self, CompareSettings, Pairing, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
-use crate::encode::dataset::{self, EncodeSettings, ErrorBound};
+use crate::encode::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::{OutputFile, OutputFolder};
 use crate::inspect::container::{self, InspectSettings, Totals};
@@ -134,7 +134,7 @@ fn encode(places: &Places, settings: &EncodeSettings, global: &GlobalArgs) -> Re
     let progress = Progress::start(global, "encoding", images)?;
     let path = &places.container;
     let file = OutputFile::create(path)?;
-    let (mut file, _) = dataset::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
+    let (mut file, _) = encode::encode(&source, settings, file, &progress).map_err(|error| error.in_file(path))?;
     file.commit()
 }
 

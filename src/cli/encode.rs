@@ -13,7 +13,7 @@ use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
-use crate::encode::dataset::{self, EncodeSettings, EncodeSummary, Left, Resumable, Stopped};
+use crate::encode::{self, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 
@@ -169,12 +169,9 @@ pub fn encode_file(
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }
     // Before an earlier encode is touched.
-    dataset::check(source, settings)?;
+    encode::check(source, settings)?;
     let start = Instant::now();
-    let images = dataset::selected_groups(source, settings)
-        .iter()
-        .map(|(_, group)| group.frames.count() * group.faces.len() as u64)
-        .sum();
+    let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
     let progress = Progress::start(global, "encoding", images)?;
     let work = Work { source, settings, path, progress: &progress };
     let summary = match unfinished {
@@ -209,7 +206,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// All or nothing.
     fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
-        let done = dataset::encode(self.source, self.settings, file, self.progress);
+        let done = encode::encode(self.source, self.settings, file, self.progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.path))?;
         file.commit().map(|()| summary)
     }
@@ -229,9 +226,9 @@ impl Work<'_> {
             .map_err(|error| stays(error, &file))?;
         let recovered = match (begun, unfinished) {
             (Some(begun), Unfinished::Resume) if !begun.chunks().is_empty() => {
-                dataset::check_recovered(self.source, self.settings, &begun)
+                encode::check_recovered(self.source, self.settings, &begun)
                     .map_err(|error| error.context(self.path.display()))?;
-                let words = dataset::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
+                let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
                 say(global, self.path, &format!("going on behind {words}"), true);
                 Some(begun)
             }
@@ -239,7 +236,7 @@ impl Work<'_> {
                 let words = "there is nothing to resume, so the encode begins at the start";
                 say(global, self.path, words, true);
                 // What a scan found may still serve.
-                begun.filter(|begun| dataset::check_recovered(self.source, self.settings, begun).is_ok())
+                begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
             }
             (begun, _) => {
                 let chunks = begun.map_or(0, |begun| begun.chunks().len());
@@ -254,27 +251,27 @@ impl Work<'_> {
             .map(|found| IntactBytes { file: found.container_bytes(), journal: found.journal_bytes() });
         let journal = file.resume(intact).map_err(|error| if goes_on { stays(error, &file) } else { error })?;
         let resumable = Resumable { out: &mut file, journal, recovered };
-        let done = dataset::encode_resumable(self.source, self.settings, resumable, self.progress);
+        let done = encode::encode_resumable(self.source, self.settings, resumable, self.progress);
         let stopped = match done.map(|(_, summary)| summary) {
             Err(stopped) => stopped,
             Ok(summary) => match file.commit() {
                 Ok(()) => return Ok(summary),
                 Err(error) if !file.is_resumable() => return Err(error),
-                Err(error) => Stopped { error, left: Left::Chunks("all chunks".to_owned()) },
+                Err(error) => Stopped { error, kept: Kept::Chunks("all chunks".to_owned()) },
             },
         };
         let error = output::name_output(stopped.error, self.path);
-        match stopped.left {
-            Left::Nothing => {
+        match stopped.kept {
+            Kept::Nothing => {
                 file.discard();
                 Err(error)
             }
-            Left::AsItWas => {
+            Kept::Unchanged => {
                 // Nothing is promised of it.
                 let _ = file.keep();
                 Err(error.context(self.path.display()))
             }
-            Left::Chunks(words) => {
+            Kept::Chunks(words) => {
                 let on_disk = file.keep();
                 let safe = kept(file.work_path(), &words, &on_disk);
                 Err(Error::Unfinished { cause: Box::new(error), safe })
@@ -303,9 +300,9 @@ fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
 fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
     let Ok(output) = path.canonicalize() else { return false };
     let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == output);
-    dataset::selected_groups(source, settings)
+    encode::selected_groups(source, settings)
         .iter()
-        .any(|(_, group)| group.frames.iter().any(|frame| source.file(group, frame).is_ok_and(|file| same(&file))))
+        .any(|of| of.group.frames.iter().any(|frame| source.file(of.group, frame).is_ok_and(|file| same(&file))))
 }
 
 impl Encoded {

@@ -5,7 +5,7 @@ use crate::cli::options::{ColorArgs, ColorSpaceArg, EffortArgs, FrameArgs, Outpu
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
-use crate::encode::dataset::EncodeSettings;
+use crate::encode::EncodeSettings;
 use crate::error::Result;
 
 /// Arguments.

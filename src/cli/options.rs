@@ -15,7 +15,7 @@ use clap::{Args, ValueEnum};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Selection;
 use crate::effort::Effort;
-use crate::encode::dataset::EncodeSettings;
+use crate::encode::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;

@@ -7,7 +7,7 @@ use crate::cli::options::{
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
 use crate::dataset::stream::StreamKind;
-use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound};
+use crate::encode::{DepthCodec, EncodeSettings, ErrorBound};
 use crate::error::Result;
 
 /// Largest error where none is given, in codes.

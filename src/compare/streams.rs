@@ -13,7 +13,6 @@ use crate::compare::domain::{Converted, Converter, Domain, Origin, Values};
 use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream};
 use crate::dataset::stream::StreamKind;
 use crate::depth::quantise::DepthRange;
-use crate::encode::scan;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
@@ -22,6 +21,7 @@ use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::ColorFormat;
+use crate::streams::convert::DepthExtent;
 
 /// Bytes for each pixel of a pair of images. Each side is read as at most three floats (12) and converted to at most as many
 /// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).
@@ -261,7 +261,7 @@ fn visit(
     let [mut first, mut second] =
         [0, 1].map(|at| SideReader::new(&sides[at], pairs.iter().map(|pair| pair.streams[at]).collect()));
     let ranges = pairs.iter().map(|pair| pair.frames);
-    let all = ranges.reduce(|a, b| FrameRange { first: a.first.min(b.first), last: a.last.max(b.last) });
+    let all = ranges.reduce(FrameRange::hull);
     for frame in all.iter().flat_map(|range| range.iter()) {
         for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.frames.contains(frame)) {
             monitor.check()?;
@@ -283,7 +283,8 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
         visit(pairing.sides, pairs, monitor, |at, _, images| {
             for image in &images {
                 if let Image::Depth(plane) = image {
-                    extents[at] = union(extents[at], scan::extent(plane));
+                    let found = DepthExtent::of(plane);
+                    extents[at] = [extents[at], found].into_iter().flatten().reduce(DepthExtent::union);
                 }
             }
             Ok(())
@@ -295,8 +296,8 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
         // One range for all faces of a probe, as a container has it.
         let probe = |pair: &Pair<'_>| pair.streams.map(|stream| stream.id.probe.clone());
         let same = scanned.iter().filter(|(other, _)| probe(other) == probe(pair)).map(|(_, extent)| *extent);
-        match same.reduce(union).flatten() {
-            Some((near, far)) => DepthRange::new(near, far),
+        match same.flatten().reduce(DepthExtent::union) {
+            Some(extent) => DepthRange::new(extent.near_m, extent.far_m),
             None => Ok(DepthRange::empty()),
         }
     };
@@ -309,15 +310,6 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
             None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Chosen }),
         })
         .collect()
-}
-
-type Extent = Option<(f32, f32)>;
-
-fn union(a: Extent, b: Extent) -> Extent {
-    match (a, b) {
-        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
-        (a, b) => a.or(b),
-    }
 }
 
 struct Job<'a> {

@@ -11,7 +11,7 @@ use crate::streams::{self, StreamInfo, StreamKind};
 
 /// An open container (formats/container.md).
 ///
-/// ```ignore
+/// ```
 /// # fn main() -> lightfold::Result<()> {
 /// # use lightfold::{Encoder, Face, ProbePose};
 /// # let mut encoder = Encoder::new("film", 24.0);
@@ -22,7 +22,7 @@ use crate::streams::{self, StreamInfo, StreamKind};
 /// use lightfold::{Decoder, PixelsMut, StreamKind};
 ///
 /// let container = Decoder::from_memory(file)?; // or Decoder::open("film.lfold")
-/// let stream = container.stream(StreamKind::Depth, "00", Face::View).expect("a depth stream");
+/// let stream = container.stream(StreamKind::Depth, "00", Face::View).unwrap();
 /// let [width, height] = stream.size();
 /// let mut metres = vec![0.0; width as usize * height as usize];
 /// container.face(stream).decode_into(stream.frames.first, PixelsMut::DepthMetres(&mut metres))?;

@@ -1,15 +1,30 @@
-//! Encodes a dataset: reads frames, feeds the unit encoders, writes chunks.
+//! Encodes frames of a source into a container: `lightfold encode`, and [`Encoder`] for frames in memory.
+//!
+//! Enters: a [`FrameSource`]. Leaves: a container, front to back. The path of a frame:
+//!
+//! 1. `depth_range` finds near and far of each probe where they are not given, and keeps what fits into memory.
+//! 2. `group` reads a frame of all faces and brings it into the domain of its codec: depth codes, 8-bit codes, half-float keys.
+//! 3. `job` gives each unit's rectangle to its own encoder (`unit`), a batch of frames at a time, units in parallel.
+//! 4. [`crate::container::Writer`] writes chunks in a fixed order, so that bytes depend on input and settings alone.
 
 #![doc(hidden)]
 
-pub mod dataset;
-mod fingerprint;
-mod memory;
+mod budget;
+mod configuration;
+mod depth_range;
+mod encoder;
+mod group;
+mod job;
+mod order;
 mod resume;
-pub mod scan;
-pub mod settings;
+mod settings;
+mod source;
 pub mod tile_quality;
 mod unit;
 
-pub use dataset::{EncodeSummary, encode};
-pub use settings::EncodeSettings;
+pub use encoder::{Encoder, EncoderStream, ProbePose};
+pub use job::{
+    EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode, encode_resumable,
+};
+pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize};
+pub use source::{FrameSource, GroupRef, selected_groups};

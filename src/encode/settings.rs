@@ -1,35 +1,41 @@
-//! How a dataset is encoded.
+//! Settings of an encode.
 
 use crate::block::SIDE;
-use crate::color::keyframes::SearchSettings;
-use crate::dataset::stream::StreamKind;
+use crate::color::SearchSettings;
+use crate::container::index::MAX_SIZE;
+use crate::depth::block::MAX_TILE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
-use crate::depth::quantise::{DepthRange, FAR_CODE};
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::quantise::FAR_CODE;
+use crate::depth::{DepthRange, TemporalSettings};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
+use crate::image::transfer::ToneMap;
 use crate::memory::Budget;
 use crate::streams::{ColorBlocks, ColorFormat, ColorHeader, DepthCoding, MaterialHeader, NodeHeader};
 
-/// How depth is stored.
+/// Sides of tiles are multiples of this many pixels, so that they can be halved down to blocks.
+const TILE_ALIGN: u32 = 8;
+
+/// Depth codecs (depth.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DepthCodec {
     /// Packed nodes of a quadtree.
     #[default]
     Quadtree,
-    /// The quadtree itself, to be packed at any bound.
+    /// The quadtree itself, which `pack` turns into packed nodes at any bound.
     Tree,
-    /// Codes as they are, in boxes around what changes.
+    /// Codes, in boxes around what changes.
     Boxes,
-    /// The same with pieces of the boxes in BC5 blocks, where these stay within epsilon.
+    /// The same with block tiles in BC5 where these stay within epsilon.
     BoxesInBlocks,
     /// BC4w blocks, without a bound.
     Blocks,
 }
 
-/// How far a decoded surface may be from its source.
+/// Largest error of a decoded depth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ErrorBound {
     /// In log codes.
@@ -38,20 +44,19 @@ pub enum ErrorBound {
     Relative(f64),
 }
 
-/// How depth is coded.
+/// Depth in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthSettings {
-    /// The codec.
     pub codec: DepthCodec,
     /// Largest error of a node.
     pub error: ErrorBound,
-    /// What functions are fitted in.
+    /// Quantity in which functions are fitted.
     pub domain: DomainKind,
-    /// Which function of those within the bound is taken.
+    /// Choice among the functions within the bound.
     pub decide: Decide,
-    /// How hard BC4w blocks are searched for.
+    /// Search effort of BC4w blocks.
     pub effort: Effort,
-    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    /// Children of a node that must have changed before a function is tried for the whole node, 1 to 4.
     pub min_children: u8,
 }
 
@@ -69,22 +74,22 @@ impl Default for DepthSettings {
     }
 }
 
-/// How keyframes of colour become blocks.
+/// Colour keyframes in texture blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorBlockSettings {
     /// The format: BC1 or BC7 for 8 bits, BC6H for half floats.
     pub blocks: ColorBlocks,
-    /// PSNR that every frame of every cell still reaches between keyframes in blocks, in dB; at most that of the search.
+    /// PSNR in dB that every frame of every cell reaches with keyframes in blocks; at most that of the search.
     pub final_psnr_db: f64,
 }
 
 impl ColorBlockSettings {
-    /// The format with the quality that it reaches on most footage, or the search's where that is less.
+    /// The format with its usual quality, or the search's where that is less.
     pub fn new(blocks: ColorBlocks, search: &SearchSettings) -> ColorBlockSettings {
         ColorBlockSettings { blocks, final_psnr_db: Self::usual_psnr_db(blocks).min(search.min_psnr_db) }
     }
 
-    /// The quality in dB that a format reaches on most footage.
+    /// PSNR in dB that a format reaches on most footage.
     pub fn usual_psnr_db(blocks: ColorBlocks) -> f64 {
         match blocks {
             ColorBlocks::Bc1 => 30.0,
@@ -93,17 +98,17 @@ impl ColorBlockSettings {
     }
 }
 
-/// How material is coded.
+/// Coding of material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct MaterialSettings {
     /// Largest difference of any of its three bytes from the source.
     pub epsilon: u16,
-    /// Whether pieces of the boxes are in BC1 blocks, where these stay within epsilon.
+    /// Block tiles in BC1 where these stay within epsilon.
     pub in_blocks: bool,
 }
 
 impl ErrorBound {
-    /// The bound in codes of a stream of this range; a proportion is rounded down, so that it holds.
+    /// The bound in codes of a stream of this range; a proportion is rounded down.
     pub fn codes(self, range: DepthRange) -> u16 {
         match self {
             ErrorBound::Codes(codes) => codes,
@@ -121,16 +126,13 @@ impl ErrorBound {
 pub enum TileSize {
     /// Tiles along each side of a face, at most.
     PerSide(u32),
-    /// Pixels, rounded up to a multiple of [`TILE_ALIGN`].
+    /// Pixels, rounded up to a multiple of 8.
     Pixels(u32),
 }
 
-/// Sides of tiles are multiples of this many pixels.
-const TILE_ALIGN: u32 = 8;
-
 impl TileSize {
     /// Side in pixels on a face of `face_side` pixels; `most` where a codec has a limit.
-    pub(crate) fn side(self, face_side: u32, most: u32) -> u32 {
+    fn side(self, face_side: u32, most: u32) -> u32 {
         let side = match self {
             TileSize::PerSide(tiles) => face_side.div_ceil(tiles.max(face_side.div_ceil(most))),
             TileSize::Pixels(side) => side.min(face_side).min(most),
@@ -139,34 +141,33 @@ impl TileSize {
     }
 }
 
-/// How a dataset is encoded.
+/// Settings of an encode; the default is that of `lightfold encode`.
 #[derive(Debug, Clone)]
 pub struct EncodeSettings {
-    /// Depth in time; material follows it, with an epsilon of its own.
+    /// Depth and material in time; material has its own epsilon.
     pub temporal: TemporalSettings,
-    /// Material.
     pub material: MaterialSettings,
     /// Depth in space.
     pub depth: DepthSettings,
     /// Tiles of depth and material.
     pub tiles: TileSize,
-    /// Nearest surface in metres; found where not given.
+    /// Nearest surface in metres; `None` finds it in the images.
     pub near_m: Option<f32>,
-    /// Farthest surface in metres; found where not given.
+    /// Farthest surface in metres; `None` finds it in the images.
     pub far_m: Option<f32>,
-    /// Colour cells are this many pixels wide and high.
+    /// Width and height of colour cells in pixels.
     pub cell: u32,
-    /// The domain of colour.
+    /// 8 bits or half floats.
     pub color: ColorFormat,
     /// Colour in time.
     pub search: SearchSettings,
     /// Keyframes of colour in blocks; `None` for samples.
     pub color_blocks: Option<ColorBlockSettings>,
-    /// LZMA2 preset for chunks that it makes smaller.
+    /// LZMA2 preset, 0 to 9, for chunks that it makes smaller.
     pub lzma2: Option<u32>,
     /// Kinds of streams to encode.
     pub kinds: Vec<StreamKind>,
-    /// Memory that frames and encoders may take; the file does not depend on it.
+    /// Limit of memory for frames and encoders; the file does not depend on it.
     pub memory: Budget,
 }
 
@@ -180,7 +181,7 @@ impl Default for EncodeSettings {
             near_m: None,
             far_m: None,
             cell: 64,
-            color: ColorFormat::EightBit(crate::image::transfer::ToneMap::default()),
+            color: ColorFormat::EightBit(ToneMap::default()),
             search: SearchSettings::default(),
             color_blocks: None,
             lzma2: None,
@@ -191,7 +192,6 @@ impl Default for EncodeSettings {
 }
 
 impl EncodeSettings {
-    /// Refuses what no encoder could do.
     pub(super) fn check(&self) -> Result<()> {
         self.temporal.check()?;
         self.nodes(0).check()?;
@@ -217,31 +217,37 @@ impl EncodeSettings {
         Ok(())
     }
 
-    /// The header of colour streams.
     pub(super) fn color_header(&self) -> ColorHeader {
-        let header = ColorHeader { format: self.color, blocks: None, min_psnr_db: self.search.min_psnr_db };
-        match self.color_blocks {
-            Some(ColorBlockSettings { blocks, final_psnr_db }) => {
-                ColorHeader { blocks: Some(blocks), min_psnr_db: final_psnr_db, ..header }
-            }
-            None => header,
-        }
+        let (blocks, min_psnr_db) = match self.color_blocks {
+            Some(ColorBlockSettings { blocks, final_psnr_db }) => (Some(blocks), final_psnr_db),
+            None => (None, self.search.min_psnr_db),
+        };
+        ColorHeader { format: self.color, blocks, min_psnr_db }
     }
 
-    /// The header of material streams.
     pub(super) fn material_header(&self) -> MaterialHeader {
         let MaterialSettings { epsilon, in_blocks } = self.material;
         MaterialHeader { temporal: TemporalSettings { epsilon, ..self.temporal }, in_blocks }
     }
 
-    /// How nodes are coded with a bound in codes.
-    pub fn nodes(&self, bound: u16) -> NodeSettings {
+    /// Width and height of the tiles or cells of images of `size`.
+    pub(super) fn unit_size(&self, kind: StreamKind, size: [u32; 2]) -> [u32; 2] {
+        let boxes = matches!(self.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
+        size.map(|side| match kind {
+                StreamKind::Color => self.cell.min(MAX_SIZE),
+                StreamKind::Depth if !boxes => self.tiles.side(side, MAX_TILE),
+                StreamKind::Depth | StreamKind::Material => self.tiles.side(side, u32::MAX),
+        })
+    }
+
+    /// Settings of nodes with a bound in codes.
+    pub(super) fn nodes(&self, bound: u16) -> NodeSettings {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let DepthSettings { decide, effort, min_children, .. } = self.depth;
         NodeSettings { window, epsilon, keyframe_interval, bound, decide, effort, min_children }
     }
 
-    /// The header's part on the codec of depth, for a stream of this range.
+    /// Coding of a depth stream of this range.
     pub(super) fn depth_coding(&self, range: DepthRange) -> Result<DepthCoding> {
         let TemporalSettings { window, epsilon, keyframe_interval, .. } = self.temporal;
         let nodes = || {
@@ -258,13 +264,6 @@ impl EncodeSettings {
             DepthCodec::Blocks => DepthCoding::Blocks,
         })
     }
-}
-
-/// Says which frame of which stream an error came from.
-pub fn name_frame(source: &crate::dataset::Source, group: &crate::dataset::SourceGroup, frame: u32) -> String {
-    let probe = &source.probes()[group.probe].name;
-    let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();
-    format!("{} of probe {probe}, face {}, frame {frame}", group.kind.name(), faces.join("/"))
 }
 
 #[cfg(test)]

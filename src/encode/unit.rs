@@ -1,38 +1,27 @@
-//! The units of a group at work: images become codes, codes become chunks.
+//! The units of a group: each has an encoder, which turns its rectangle of every frame into chunks.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
 
-use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::CellFormat;
-use crate::color::keyframes::SearchSettings;
-use crate::color::quality::{EightBit, Pu21};
-use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
+use crate::color::quality::EightBit;
+use crate::color::temporal::BlockStage;
+use crate::color::{CellEncoder, CellFormat, HalfKey, Sample};
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk};
-use crate::dataset::source::{Source, SourceGroup};
-use crate::dataset::stream::StreamKind;
+use crate::depth::TemporalEncoder;
 use crate::depth::block_chunk::BlockEncoder;
 use crate::depth::block_temporal::HeldBlocks;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::NodeEncoder;
 use crate::depth::nodes::Grid;
-use crate::depth::quantise::Quantiser;
-use crate::depth::temporal::TemporalEncoder;
 use crate::depth::tree_chunk::TreeEncoder;
-use crate::encode::dataset::{EncodeSettings, raw_pixel_bytes};
+use crate::encode::EncodeSettings;
+use crate::encode::budget::ColorMemory;
+use crate::encode::group::{Coded, GroupCoder};
 use crate::error::{Error, Result};
-use crate::image::plane::{DepthPlane, Plane};
-use crate::image::transfer::EncodeTable;
+use crate::image::Plane;
 use crate::monitor::Monitor;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, convert};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 
-/// Pictures that the cells of a group may wait for their next keyframe with: bounds how far it may lie.
-const PENDING_BYTES: u64 = 768 << 20;
-/// Keyframes that the open chunks of a group may hold.
-const OPEN_BYTES: usize = 384 << 20;
-
-/// The encoder of one unit, whatever its stream holds.
+/// The encoder of one unit.
 enum Unit {
     Depth(TemporalEncoder<u16>),
     DepthInBlocks(TemporalEncoder<u16, HeldBlocks<u16>>),
@@ -45,106 +34,120 @@ enum Unit {
     ColorHalf(CellEncoder<HalfKey>),
 }
 
-/// An image in the domain of its codec.
-pub(super) enum Coded {
-    Depth(Plane<u16>),
-    Bytes(Plane<[u8; 3]>),
-    Half(Plane<[HalfKey; 3]>),
+/// Progress in images, whose units are done in any order.
+pub(super) struct Pace<'a> {
+    monitor: &'a dyn Monitor,
+    /// Of all faces.
+    units: u64,
+    faces: u64,
+    done: AtomicU64,
 }
 
-/// What turns the images of a group into codes and codes into chunks.
-pub(super) struct GroupCoder<'a> {
-    pub(super) group: &'a SourceGroup,
-    pub(super) header: CodecHeader,
-    pub(super) settings: &'a EncodeSettings,
-    pub(super) quantiser: Option<Arc<Quantiser>>,
-    table: Option<EncodeTable>,
-    pu21: Option<Pu21>,
-}
-
-/// What the encoders of a group's colour cells may hold, so that large groups stay within memory. It follows from the
-/// footage and the settings alone, because the file depends on it.
-pub(super) struct ColorMemory {
-    search: SearchSettings,
-    close_at_bytes: usize,
-}
-
-impl ColorMemory {
-    pub(super) fn new(
-        group: &SourceGroup,
-        header: &CodecHeader,
-        search: SearchSettings,
-        unit_count: u32,
-    ) -> ColorMemory {
-        let faces = group.faces.len() as u64;
-        let picture = u64::from(group.width) * u64::from(group.height) * faces * raw_pixel_bytes(header);
-        let reach = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.reach)) as u32;
-        let close_at_bytes = CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
-        ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
+impl<'a> Pace<'a> {
+    pub fn new(monitor: &'a dyn Monitor, units: usize, faces: usize) -> Pace<'a> {
+        Pace { monitor, units: units.max(1) as u64, faces: faces as u64, done: AtomicU64::new(0) }
     }
 
-    /// Distinct pictures that may wait for their next keyframe.
-    pub(super) fn reach(&self) -> u32 {
-        self.search.reach
+    /// Counts units of images.
+    pub fn advance(&self, units: u64) {
+        let before = self.done.fetch_add(units, Ordering::Relaxed);
+        self.monitor.advance(self.images(before + units) - self.images(before));
     }
 
-    /// Where the chunk of a cell is closed.
-    pub(super) fn close_at_bytes(&self) -> usize {
-        self.close_at_bytes
-    }
-
-    /// The encoder of a cell; with blocks, frames then reach `final_psnr_db`.
-    fn encoder<S: Sample>(&self, CellFormat { size, blocks }: CellFormat<S>, final_psnr_db: f64) -> CellEncoder<S> {
-        let encoder = CellEncoder::new(self.search, self.close_at_bytes);
-        match blocks {
-            Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
-            None => encoder,
-        }
+    /// Images are counted as if units were done evenly.
+    fn images(&self, units: u64) -> u64 {
+        units * self.faces / self.units
     }
 }
 
-impl<'a> GroupCoder<'a> {
-    pub(super) fn new(
-        group: &'a SourceGroup,
-        header: CodecHeader,
-        settings: &'a EncodeSettings,
-    ) -> Result<GroupCoder<'a>> {
-        let mut coder = GroupCoder { group, header, settings, quantiser: None, table: None, pu21: None };
-        match header {
-            // The tables take longer than a small frame; all faces of a probe share one.
-            CodecHeader::Depth(_) => {}
-            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
-                coder.table = Some(EncodeTable::new(&tone));
+/// Consecutive frames that are coded together.
+pub(super) struct Batch {
+    /// The first frame, counted from the group's first.
+    pub first: u32,
+    /// By frame, then by face.
+    pub pictures: Vec<Vec<Coded>>,
+}
+
+/// A unit of a stream.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct UnitPlace {
+    /// Index among the faces of the group.
+    pub face: usize,
+    pub stream: u32,
+    pub unit: u32,
+    /// Left, top, width and height in the face.
+    pub rect: [u32; 4],
+    /// Frames of the group that an earlier run has coded.
+    pub start: u32,
+}
+
+/// A unit with its encoder.
+pub(super) struct UnitJob {
+    place: UnitPlace,
+    encoder: Unit,
+}
+
+impl UnitJob {
+    pub fn new(coder: &GroupCoder<'_>, memory: &ColorMemory, place: UnitPlace) -> Result<UnitJob> {
+        let [_, _, width, height] = place.rect;
+        Ok(UnitJob { place, encoder: Unit::new(coder, [width, height], memory)? })
+    }
+
+    /// Codes this unit of each picture; returns the chunks that were closed, each with the index of the picture that closed
+    /// it.
+    pub fn push(
+        &mut self,
+        batch: &Batch,
+        coder: &GroupCoder<'_>,
+        pace: &Pace<'_>,
+    ) -> Result<Vec<(usize, PackedChunk)>> {
+        let mut packed = Vec::new();
+        let skipped = self.place.start.saturating_sub(batch.first) as usize;
+        for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
+            pace.monitor.check()?;
+            if let Some(chunk) = self.encoder.push(&picture[self.place.face], self.place.rect, coder)? {
+                packed.push((at, self.pack(chunk, coder)?));
             }
-            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2 }, .. }) => {
-                coder.pu21 = Some(Pu21::new(white_cd_m2)?);
-            }
-            CodecHeader::Material(_) => {}
+            pace.advance(1);
         }
-        Ok(coder)
+        Ok(packed)
     }
 
-    fn unit_encoder(&self, [_, _, width, height]: [u32; 4], memory: &ColorMemory) -> Result<Unit> {
-        let size = [width, height];
-        Ok(match self.header {
-            CodecHeader::Depth(header) => self.depth_encoder(&header, Grid { width, height })?,
+    /// Closes the open chunks.
+    pub fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<PackedChunk>> {
+        let chunks = self.encoder.finish(coder)?;
+        chunks.into_iter().map(|chunk| self.pack(chunk, coder)).collect()
+    }
+
+    fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>) -> Result<PackedChunk> {
+        let UnitPlace { stream, unit, start, .. } = self.place;
+        let first_frame = coder.group.frames.first + start + chunk.first_frame;
+        let key = ChunkKey { stream, unit, first_frame, frame_count: chunk.frame_count };
+        PackedChunk::new(key, chunk.payload, coder.settings.lzma2)
+    }
+}
+
+impl Unit {
+    fn new(coder: &GroupCoder<'_>, size: [u32; 2], memory: &ColorMemory) -> Result<Unit> {
+        let [width, height] = size;
+        Ok(match coder.header {
+            CodecHeader::Depth(header) => Unit::of_depth(&header, Grid { width, height }, coder.settings)?,
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: false }) => {
                 Unit::Material(TemporalEncoder::new(width, temporal))
             }
             CodecHeader::Material(MaterialHeader { temporal, in_blocks: true }) => {
-                Unit::MaterialInBlocks(TemporalEncoder::in_blocks(size, temporal, self.settings.depth.effort))
+                Unit::MaterialInBlocks(TemporalEncoder::in_blocks(size, temporal, coder.settings.depth.effort))
             }
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-                Unit::Color8(memory.encoder(header.cell_of_bytes(size), header.min_psnr_db))
+                Unit::Color8(cell_encoder(memory, header.cell_of_bytes(size), header.min_psnr_db))
             }
             CodecHeader::Color(header) => {
-                Unit::ColorHalf(memory.encoder(header.cell_of_halves(size), header.min_psnr_db))
+                Unit::ColorHalf(cell_encoder(memory, header.cell_of_halves(size), header.min_psnr_db))
             }
         })
     }
 
-    fn depth_encoder(&self, header: &DepthHeader, grid: Grid) -> Result<Unit> {
-        let settings = self.settings;
+    fn of_depth(header: &DepthHeader, grid: Grid, settings: &EncodeSettings) -> Result<Unit> {
         Ok(match header.coding {
             DepthCoding::Boxes(temporal) => Unit::Depth(TemporalEncoder::new(grid.width, temporal)),
             DepthCoding::BoxesInBlocks(temporal) => {
@@ -166,167 +169,6 @@ impl<'a> GroupCoder<'a> {
         })
     }
 
-    /// Reads one frame of all faces and brings it into the codec's domain; also answers how many of its pixels did not fit
-    /// 8 bits.
-    pub(super) fn read(
-        &self,
-        source: &Source,
-        frame: u32,
-        kept: Option<Vec<DepthPlane>>,
-        reading: &AtomicU64,
-        coding: &AtomicU64,
-    ) -> Result<(Vec<Coded>, u64)> {
-        let named = |error: Error| {
-            let error = error.context(crate::encode::settings::name_frame(source, self.group, frame));
-            match source.file(self.group, frame) {
-                Ok(file) => error.in_file(file),
-                Err(_) => error,
-            }
-        };
-        match self.group.kind {
-            StreamKind::Depth => {
-                let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
-                let planes = match kept {
-                    Some(planes) => planes,
-                    None => timed(reading, || source.read_depth(self.group, frame))?,
-                };
-                timed(coding, || {
-                    planes
-                        .iter()
-                        .map(|plane| convert::depth_codes(plane, quantiser).map(Coded::Depth))
-                        .collect::<Result<_>>()
-                })
-                .map(|coded| (coded, 0))
-                .map_err(named)
-            }
-            StreamKind::Color => {
-                let planes = timed(reading, || source.read_color(self.group, frame))?;
-                timed(coding, || {
-                    let mut clipped = 0;
-                    let code = |plane| match &self.table {
-                        Some(table) => {
-                            let (codes, of_plane) = convert::color_codes(plane, table);
-                            clipped += of_plane;
-                            Coded::Bytes(codes)
-                        }
-                        None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
-                    };
-                    let coded = planes.iter().map(code).collect();
-                    Ok((coded, clipped))
-                })
-            }
-            StreamKind::Material => {
-                let planes = timed(reading, || source.read_material(self.group, frame))?;
-                timed(coding, || {
-                    planes.iter().map(|plane| convert::material_codes(plane).map(Coded::Bytes)).collect::<Result<_>>()
-                })
-                .map(|coded| (coded, 0))
-                .map_err(named)
-            }
-        }
-    }
-}
-
-/// Tells the monitor of images, whose units are done in any order.
-pub(super) struct Pace<'a> {
-    monitor: &'a dyn Monitor,
-    /// Units of all faces, and faces.
-    units: u64,
-    faces: u64,
-    done: AtomicU64,
-}
-
-impl<'a> Pace<'a> {
-    pub(super) fn new(monitor: &'a dyn Monitor, units: usize, faces: usize) -> Pace<'a> {
-        Pace { monitor, units: units.max(1) as u64, faces: faces as u64, done: AtomicU64::new(0) }
-    }
-
-    /// So many units of images were done before.
-    pub(super) fn skip(&self, units: u64) {
-        let before = self.done.fetch_add(units, Ordering::Relaxed);
-        self.monitor.advance(self.images(before + units) - self.images(before));
-    }
-
-    /// One unit of one image is done: images are counted as if units were done evenly.
-    fn step(&self) {
-        self.skip(1);
-    }
-
-    fn images(&self, units: u64) -> u64 {
-        units * self.faces / self.units
-    }
-}
-
-/// Frames that are coded together.
-pub(super) struct Batch {
-    /// Frames of the group before them.
-    pub(super) first: u32,
-    /// By frame, then by face.
-    pub(super) pictures: Vec<Vec<Coded>>,
-}
-
-/// One unit of one stream at work.
-pub(super) struct UnitJob {
-    /// Index among the faces of the group.
-    face: usize,
-    stream: u32,
-    unit: u32,
-    rect: [u32; 4],
-    /// Frames of the group before the first that the encoder gets: an earlier run has coded them.
-    start: u32,
-    encoder: Unit,
-}
-
-impl UnitJob {
-    /// The unit `unit` of `stream`, which shows face number `face` of the group.
-    pub(super) fn new(
-        coder: &GroupCoder<'_>,
-        memory: &ColorMemory,
-        [face, stream, unit]: [u32; 3],
-        rect: [u32; 4],
-    ) -> Result<UnitJob> {
-        Ok(UnitJob { face: face as usize, stream, unit, rect, start: 0, encoder: coder.unit_encoder(rect, memory)? })
-    }
-
-    /// The same without the first `start` frames of the group.
-    pub(super) fn starting_at(self, start: u32) -> UnitJob {
-        UnitJob { start, ..self }
-    }
-
-    /// Codes this unit of each picture; answers the chunks that were closed, each with the index of the picture that
-    /// closed it.
-    pub(super) fn push(
-        &mut self,
-        batch: &Batch,
-        coder: &GroupCoder<'_>,
-        pace: &Pace<'_>,
-    ) -> Result<Vec<(usize, PackedChunk)>> {
-        let mut packed = Vec::new();
-        let skipped = self.start.saturating_sub(batch.first) as usize;
-        for (at, picture) in batch.pictures.iter().enumerate().skip(skipped) {
-            pace.monitor.check()?;
-            if let Some(chunk) = self.encoder.push(&picture[self.face], self.rect, coder)? {
-                packed.push((at, self.pack(chunk, coder)?));
-            }
-            pace.step();
-        }
-        Ok(packed)
-    }
-
-    /// The chunks that are still open.
-    pub(super) fn finish(&mut self, coder: &GroupCoder<'_>) -> Result<Vec<PackedChunk>> {
-        let chunks = self.encoder.finish(coder)?;
-        chunks.into_iter().map(|chunk| self.pack(chunk, coder)).collect()
-    }
-
-    fn pack(&self, chunk: EncodedChunk, coder: &GroupCoder<'_>) -> Result<PackedChunk> {
-        let first_frame = coder.group.frames.first + self.start + chunk.first_frame;
-        let key = ChunkKey { stream: self.stream, unit: self.unit, first_frame, frame_count: chunk.frame_count };
-        PackedChunk::new(key, chunk.payload, coder.settings.lzma2)
-    }
-}
-
-impl Unit {
     fn push(&mut self, picture: &Coded, rect: [u32; 4], coder: &GroupCoder<'_>) -> Result<Option<EncodedChunk>> {
         match (self, picture) {
             (Unit::Depth(encoder), Coded::Depth(plane)) => encoder.push(&cut(plane, rect)),
@@ -361,6 +203,19 @@ impl Unit {
     }
 }
 
+/// The encoder of a cell; with blocks, frames then reach `final_psnr_db`.
+fn cell_encoder<S: Sample>(
+    memory: &ColorMemory,
+    CellFormat { size, blocks }: CellFormat<S>,
+    final_psnr_db: f64,
+) -> CellEncoder<S> {
+    let encoder = CellEncoder::new(memory.search, memory.close_at_bytes);
+    match blocks {
+        Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
+        None => encoder,
+    }
+}
+
 /// The pixels of a rectangle (left, top, width, height), row-major.
 fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T> {
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
@@ -368,11 +223,4 @@ fn cut<T: Copy>(plane: &Plane<T>, [left, top, width, height]: [u32; 4]) -> Vec<T
         pixels.extend_from_slice(&plane.row(y)[left as usize..(left + width) as usize]);
     }
     pixels
-}
-
-pub(super) fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let done = work();
-    nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
-    done
 }

@@ -7,7 +7,6 @@ use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::census::NodeCensus;
-use crate::encode::dataset::raw_pixel_bytes;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::memory::{Budget, Need};
@@ -87,7 +86,7 @@ pub struct Spread {
 pub struct StreamStats<'a> {
     /// The stream.
     pub stream: &'a StreamInfo,
-    /// Its size as CALF's table 1 counts it ([`raw_pixel_bytes`]).
+    /// Its size as CALF's table 1 counts it ([`crate::streams::CodecHeader::raw_pixel_bytes`]).
     pub raw_bytes: u64,
     /// Bytes.
     pub storage: StorageStats,
@@ -421,7 +420,7 @@ impl<'a> StreamMeasure<'a> {
             static_units,
             constant_units,
         };
-        stats.raw_bytes = stats.pixels() * raw_pixel_bytes(&stream.header);
+        stats.raw_bytes = stats.pixels() * stream.header.raw_pixel_bytes();
         StreamMeasure { stats, rows, damaged }
     }
 }

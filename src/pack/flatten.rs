@@ -10,7 +10,7 @@ use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::effort::Effort;
-use crate::encode::dataset::ErrorBound;
+use crate::encode::ErrorBound;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};

@@ -7,7 +7,6 @@ use crate::container::{
     ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
 };
 use crate::decode::memory;
-use crate::encode::dataset::raw_pixel_bytes;
 use crate::error::{Error, Result};
 use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
@@ -52,7 +51,7 @@ pub struct PackSettings {
 pub struct PackSummary {
     /// Size of the container.
     pub bytes: u64,
-    /// Size of the same footage as CALF's table 1 counts it ([`raw_pixel_bytes`]), streams of unknown codecs left out.
+    /// Size of the same footage as CALF's table 1 counts it ([`CodecHeader::raw_pixel_bytes`]), streams of unknown codecs left out.
     pub raw_bytes: u64,
     /// Images: frames of all streams.
     pub frames: u64,
@@ -185,7 +184,7 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
 impl PackSummary {
     fn count(&mut self, stream: &StreamEntry) {
         let (frames, pixels) = (u64::from(stream.frame_count), u64::from(stream.width) * u64::from(stream.height));
-        let raw_bytes = CodecHeader::read(stream).map_or(0, |header| raw_pixel_bytes(&header));
+        let raw_bytes = CodecHeader::read(stream).map_or(0, |header| header.raw_pixel_bytes());
         self.streams += 1;
         self.frames += frames;
         self.raw_bytes += frames * pixels * raw_bytes;

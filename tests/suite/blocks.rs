@@ -9,9 +9,7 @@ use lightfold::color::SearchSettings;
 use lightfold::decode::Picture;
 use lightfold::depth::temporal::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::encode::dataset::{
-    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
-};
+use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
 use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};
 use lightfold::monitor::Silent;
 use lightfold::streams::{CodecHeader, ColorBlocks, ColorFormat, convert};

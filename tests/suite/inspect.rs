@@ -11,9 +11,7 @@ use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, Materia
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
-use lightfold::encode::dataset::DepthCodec;
-use lightfold::encode::dataset::encode;
-use lightfold::encode::settings::EncodeSettings;
+use lightfold::encode::{DepthCodec, EncodeSettings, encode};
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
 use lightfold::inspect::container::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use lightfold::memory::Budget;

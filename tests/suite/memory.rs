@@ -10,7 +10,7 @@ use lightfold::container::{ChunkKey, PackedChunk, Reader, Writer};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
 use lightfold::depth::TemporalSettings;
-use lightfold::encode::dataset::{self, EncodeSettings};
+use lightfold::encode::{self, EncodeSettings};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
 use serde_json::Value;
@@ -383,7 +383,7 @@ fn soak_child() {
     let mut settled = 0;
     for cycle in 0..SOAK_CYCLES {
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
-        let (file, _) = dataset::encode(&source, &settings, Vec::new(), &Silent).unwrap();
+        let (file, _) = encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
         let decoder = Decoder::new(Reader::from_memory(file.clone()).unwrap()).unwrap();
         assert_eq!(decoder.streams().len(), 3);
         assert!(samples::decode_all(file).unwrap().iter().all(|images| images.len() == 6));

@@ -12,9 +12,7 @@ use lightfold::dataset::stream::StreamKind;
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::TemporalSettings;
 use lightfold::effort::Effort;
-use lightfold::encode::dataset::{
-    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode,
-};
+use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;

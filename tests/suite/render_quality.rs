@@ -11,7 +11,7 @@ use lightfold::container::Reader;
 use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
-use lightfold::encode::dataset::{EncodeSettings, encode};
+use lightfold::encode::{EncodeSettings, encode};
 use lightfold::evaluate::path::Shot;
 use lightfold::evaluate::reference::{Reference, ReferenceImage};
 use lightfold::evaluate::similarity::Similarity;

@@ -12,8 +12,8 @@ use lightfold::Error;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
 use lightfold::dataset::stream::StreamKind;
-use lightfold::encode::dataset::{
-    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Left, Resumable, Stopped, TileSize,
+use lightfold::encode::{
+    self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
 };
 use lightfold::image::{Plane, exr, png};
 use lightfold::monitor::{Monitor, Silent};
@@ -69,7 +69,7 @@ impl State {
         let container = of(&self.container, recovered.as_ref().map(Recovered::container_bytes));
         let journal = of(&self.journal, recovered.as_ref().map(Recovered::journal_bytes));
         let resumable = Resumable { out: container.clone(), journal: Box::new(journal.clone()), recovered };
-        let done = dataset::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
+        let done = encode::encode_resumable(&footage.source(), &footage.settings, resumable, monitor);
         let state = State { container: container.bytes(), journal: journal.bytes() };
         (state, done.map(|(_, summary)| summary))
     }
@@ -115,7 +115,7 @@ impl Footage {
     fn whole(&self) -> (State, EncodeSummary) {
         let (state, summary) = State::default().go_on(self, &Silent);
         let summary = summary.unwrap();
-        let (plain, _) = dataset::encode(&self.source(), &self.settings, Vec::new(), &Silent).unwrap();
+        let (plain, _) = encode::encode(&self.source(), &self.settings, Vec::new(), &Silent).unwrap();
         assert!(plain == state.container, "a journal changes the container");
         (state, timeless(summary))
     }
@@ -362,8 +362,8 @@ fn an_encode_that_is_asked_to_stop_over_and_over_ends_in_the_same_bytes_on_any_t
                 state = left;
                 let Err(stopped) = done else { break };
                 assert!(matches!(stopped.error, Error::Interrupted), "{}", stopped.error);
-                let safe = matches!(stopped.left, Left::Chunks(_));
-                assert_eq!(safe, state.chunks() > 0, "{name}: {:?}", stopped.left);
+                let safe = matches!(stopped.kept, Kept::Chunks(_));
+                assert_eq!(safe, state.chunks() > 0, "{name}: {:?}", stopped.kept);
                 stops += 1;
                 patience += random.below(60);
             }
@@ -414,16 +414,16 @@ fn write_errors_leave_what_is_safe() {
                 Failing { out: container.clone(), room: room(&whole.0.container, in_container, &mut random), code };
             let log = Failing { out: journal.clone(), room: room(&whole.0.journal, !in_container, &mut random), code };
             let resumable = Resumable { out: BufWriter::new(out), journal: Box::new(log), recovered: None };
-            let stopped = dataset::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
+            let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
             // What a buffer still holds is written, or not, when it goes.
-            let Err(Stopped { error, left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
+            let Err(Stopped { error, kept }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
             let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
             assert_eq!(source.raw_os_error(), Some(code), "{error}");
             let state = State { container: container.bytes(), journal: journal.bytes() };
             let safe = match &left {
-                Left::Chunks(words) => words.split(' ').next().unwrap().parse().unwrap(),
-                Left::Nothing => 0,
-                Left::AsItWas => panic!("{name}: nothing was there"),
+                Kept::Chunks(words) => words.split(' ').next().unwrap().parse().unwrap(),
+                Kept::Nothing => 0,
+                Kept::Unchanged => panic!("{name}: nothing was there"),
             };
             assert!(state.chunks() >= safe, "{name}: {left:?}, but {} chunks are there", state.chunks());
             kept += usize::from(safe > 0);
@@ -444,7 +444,7 @@ fn stopped_after(whole: &State, share: f64) -> State {
 fn refused(left: &State, footage: &Footage) -> String {
     let (after, done) = left.go_on(footage, &Silent);
     let Err(Stopped { error, left: kind }) = done else { panic!("it went on") };
-    assert_eq!(kind, Left::AsItWas, "{error}");
+    assert_eq!(kind, Kept::Unchanged, "{error}");
     assert!(matches!(error, Error::Usage(_)), "{error}");
     assert_eq!(after.container.len() as u64, left.recovered().unwrap().container_bytes(), "something was written");
     error.to_string()
@@ -548,7 +548,7 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
         let (after, done) = left.go_on(&footage, &changes);
         let Err(Stopped { error, left: kind }) = done else { panic!("{name}: it went on") };
         assert!(error.to_string().contains("has changed since"), "{name}: {error}");
-        assert_eq!(kind, Left::AsItWas, "{name}: {error}");
+        assert_eq!(kind, Kept::Unchanged, "{name}: {error}");
         // What it left is refused, too: the old stamp still stands.
         assert!(after.chunks() >= left.chunks(), "{name}");
         assert!(refused(&after, &footage).contains("has changed since"), "{name}");
@@ -620,7 +620,7 @@ fn what_is_safe_is_told_in_words() {
     let footage = dataset();
     let whole = footage.whole();
     let recovered = whole.0.recovered().unwrap();
-    let words = dataset::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
+    let words = encode::describe_recovered(&footage.source(), &footage.settings, &recovered).unwrap();
     let count = recovered.chunks().len();
     assert_eq!(words, format!("{count} chunks, the last of frames 19-19 of probe b, material ny"));
 }

@@ -10,7 +10,7 @@ use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_u
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use lightfold::depth::temporal::TemporalSettings;
-use lightfold::encode::dataset::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
+use lightfold::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;

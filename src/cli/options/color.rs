@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 
 use crate::color::keyframes::SearchSettings;
 use crate::dataset::source::{InvalidColor, SourceOptions};
-use crate::encode::dataset::{ColorBlockSettings, EncodeSettings};
+use crate::encode::{ColorBlockSettings, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::metrics::pu21::DEFAULT_WHITE_CD_M2;

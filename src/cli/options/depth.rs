@@ -8,7 +8,7 @@ use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::temporal::TemporalSettings;
-use crate::encode::dataset::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
+use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::error::{Error, Result};
 
 /// Parses a background: a finite float, or +inf.

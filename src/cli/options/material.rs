@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::encode::dataset::{EncodeSettings, MaterialSettings};
+use crate::encode::{EncodeSettings, MaterialSettings};
 
 /// How far a decoded material may be from its source in blocks, in steps of 8 bits.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;

@@ -11,7 +11,7 @@ use crate::cli::{Cli, Command, GlobalArgs, options};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::dataset::stream::StreamKind;
-use crate::encode::dataset::EncodeSettings;
+use crate::encode::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::ordered::try_map_ordered;
 use crate::report::machine;

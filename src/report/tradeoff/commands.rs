@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::knob::{self, Stage};
 use super::point::Point;
 use crate::dataset::stream::StreamKind;
-use crate::encode::dataset::ColorBlockSettings;
+use crate::encode::ColorBlockSettings;
 use crate::streams::ColorBlocks;
 
 /// Seconds of decoding in one timed run of a point, about: what takes a fraction of a millisecond varies most, and is

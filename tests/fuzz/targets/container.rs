@@ -6,7 +6,7 @@ use lightfold::container::{OpenLimits, Reader, lzma2};
 use lightfold::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
-use lightfold::encode::dataset::ErrorBound;
+use lightfold::encode::ErrorBound;
 use lightfold::error::{Error, Result};
 use lightfold::image::FrameRange;
 use lightfold::inspect::coding_map::frame_anatomy;

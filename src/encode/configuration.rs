@@ -1,43 +1,40 @@
-//! What an encode is of and how it is done, as far as bytes depend on it: so that no other one goes on where it stopped.
+//! The configuration of an encode: everything that its bytes depend on, by name and value, so that an interrupted encode
+//! continues only with an equal one.
 
-use crate::color::keyframes::SearchSettings;
+use crate::color::SearchSettings;
 use crate::container::fields::{Fields, PutFields};
-use crate::dataset::source::Source;
-use crate::dataset::stream::StreamKind;
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::TemporalSettings;
+use crate::encode::source::{FrameSource, selected_groups};
+use crate::encode::{DepthCodec, DepthSettings, EncodeSettings, MaterialSettings};
 use crate::error::{Error, Result};
 use crate::fingerprint::{Fingerprint, digest};
+use crate::image::StreamKind;
 
-use crate::encode::dataset::{DepthCodec, selected_groups};
-use crate::encode::settings::{DepthSettings, EncodeSettings, MaterialSettings};
-
-/// That of an encode of this program on this machine.
-pub(super) fn of(source: &Source, settings: &EncodeSettings) -> Fingerprint {
+/// The configuration of an encode by this program on this machine.
+pub(super) fn of(source: &dyn FrameSource, settings: &EncodeSettings) -> Fingerprint {
     let mut fields = Fingerprint::of_program();
     fields.extend(of_settings(settings));
     fields.push(("the name of the dataset", source.name().to_owned()));
     fields.push(("the frame rate", format!("{:?}", source.fps())));
     fields.push(("the projection", format!("{:?}", source.projection())));
     fields.push(("the probes", digest(format!("{:?}", source.probes()).as_bytes())));
-    let groups = format!("{:?}", selected_groups(source, settings));
-    fields.push(("the streams, their frames and sizes", digest(groups.as_bytes())));
-    fields.extend(source.reading_rules());
+    let groups: Vec<_> = selected_groups(source, settings).iter().map(|group| (group.at, group.group)).collect();
+    fields.push(("the streams, their frames and sizes", digest(format!("{groups:?}").as_bytes())));
+    fields.extend(source.configuration());
     // Last: it may differ only because an option chooses another encoder.
     fields.push(("the kind of machine", machine(settings)));
     Fingerprint::new(fields.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-/// A fingerprint as bytes.
-pub(super) fn write(fingerprint: &Fingerprint) -> Result<Vec<u8>> {
+pub(super) fn write(configuration: &Fingerprint) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    for (name, value) in fingerprint.fields() {
+    for (name, value) in configuration.fields() {
         bytes.put_string("a setting's name", name)?;
         bytes.put_string(name, value)?;
     }
     Ok(bytes)
 }
 
-/// A fingerprint from bytes.
 pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
     let mut fields = Fields::new(bytes, 0, "");
     let mut found = Vec::new();
@@ -47,7 +44,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Fingerprint> {
     Ok(Fingerprint::new(found))
 }
 
-/// Settings that the file depends on, by name. Every new setting belongs here unless the file does not depend on it.
+/// Settings by name. A new setting is named here, or left out with a reason.
 fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let EncodeSettings {
         temporal,
@@ -97,7 +94,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Logarithms are rounded by the system's library, and encoders of blocks use what the processor has.
+/// What rounding depends on: the system's logarithms, and for encoders of blocks the processor's instruction sets.
 fn machine(settings: &EncodeSettings) -> String {
     let in_blocks = settings.color_blocks.is_some()
         || settings.material.in_blocks
@@ -124,7 +121,7 @@ fn instruction_sets() -> String {
     String::new()
 }
 
-/// An encode that is not the one that was begun.
+/// Refuses to continue an encode.
 pub(super) fn other(difference: &str) -> Error {
     Error::Usage(format!(
         "the unfinished encode cannot go on: {difference}; repeat its settings, or leave out `resume` to start anew"

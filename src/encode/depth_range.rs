@@ -1,0 +1,168 @@
+//! Near and far of a probe: as given, or found in its images, which are kept for the encoder where memory allows.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::depth::DepthRange;
+use crate::encode::EncodeSettings;
+use crate::encode::budget::{self, ScanLimits};
+use crate::encode::source::{FrameSource, GroupRef};
+use crate::error::{Error, Result};
+use crate::image::DepthPlane;
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::streams::convert::DepthExtent;
+
+/// Near and far of a probe, and the images that were read to find them.
+#[derive(Debug)]
+pub(super) struct ProbeDepth {
+    pub range: DepthRange,
+    /// By index of the group and frame.
+    pub kept: HashMap<(usize, u32), Vec<DepthPlane>>,
+    /// Time that threads spent reading these.
+    pub reading: Duration,
+    /// Time that threads spent reading images that were not kept.
+    pub scanning: Duration,
+    /// The result of a scan that was made now.
+    pub scan: Option<Scan>,
+}
+
+/// What the depth images of a probe hold.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Scan {
+    /// `None` without a surface.
+    pub extent: Option<DepthExtent>,
+    /// Whether there are invalid depths that become near.
+    pub has_invalid: bool,
+}
+
+/// Near and far of the settings, else of the source.
+pub(super) fn given_range(source: &dyn FrameSource, settings: &EncodeSettings) -> [Option<f32>; 2] {
+    let [near, far] = source.stated_range();
+    [settings.near_m.or(near), settings.far_m.or(far)]
+}
+
+/// Near and far of a probe, of which `groups` are all groups of depth; `known` is an earlier scan of the same images.
+pub(super) fn depth_of_probe(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    groups: &[GroupRef<'_>],
+    known: Option<Scan>,
+    monitor: &dyn Monitor,
+) -> Result<ProbeDepth> {
+    let given = given_range(source, settings);
+    let without_images = |range| {
+        let (kept, reading, scanning) = (HashMap::new(), Duration::ZERO, Duration::ZERO);
+        ProbeDepth { range, kept, reading, scanning, scan: None }
+    };
+    if let [Some(near), Some(far)] = given {
+        return Ok(without_images(DepthRange::new(near, far)?));
+    }
+    let probe = groups.first().map_or("", |group| source.probes()[group.group.probe].name.as_str());
+    if let Some(known) = known {
+        return Ok(without_images(found_range(probe, given, known)?));
+    }
+    let scanned = scan_probe(source, groups, budget::scan_limits(source, settings, groups)?, monitor)?;
+    let range = found_range(probe, given, scanned.scan)?;
+    let ScannedProbe { scan, kept, reading, scanning } = scanned;
+    Ok(ProbeDepth { range, kept, reading, scanning, scan: Some(scan) })
+}
+
+/// The range from what was given, which is at most one of near and far, and what was found.
+fn found_range(probe: &str, given: [Option<f32>; 2], found: Scan) -> Result<DepthRange> {
+    let Some(extent) = found.extent else {
+        return match given[0].or(given[1]) {
+            Some(bound) => DepthRange::new(bound, bound),
+            None if found.has_invalid => Err(Error::invalid(format!(
+                "probe {probe} has no valid depth at all, so that invalid ones cannot be taken as its nearest: give `near`"
+            ))),
+            None => Ok(DepthRange::empty()),
+        };
+    };
+    let (near, far) = (given[0].unwrap_or(extent.near_m), given[1].unwrap_or(extent.far_m));
+    DepthRange::new(near, far).map_err(|_| {
+        Error::Usage(format!(
+            "probe {probe}: near {near} m and far {far} m hold no depth; what was not given was found in the footage, \
+             whose surfaces lie from {} m to {} m",
+            extent.near_m, extent.far_m
+        ))
+    })
+}
+
+/// A scan with the images that it kept.
+#[derive(Debug)]
+pub(super) struct ScannedProbe {
+    pub scan: Scan,
+    kept: HashMap<(usize, u32), Vec<DepthPlane>>,
+    reading: Duration,
+    scanning: Duration,
+}
+
+/// Reads all depth images of a probe.
+///
+/// # Errors
+/// Of all images that cannot be read, the first in the order of groups and frames.
+pub(super) fn scan_probe(
+    source: &dyn FrameSource,
+    groups: &[GroupRef<'_>],
+    limits: ScanLimits,
+    monitor: &dyn Monitor,
+) -> Result<ScannedProbe> {
+    struct ScannedFrame {
+        scan: Scan,
+        reading: Duration,
+        kept: Option<((usize, u32), Vec<DepthPlane>)>,
+    }
+    let kept_bytes = AtomicU64::new(0);
+    let jobs: Vec<_> =
+        groups.iter().flat_map(|&group| group.group.frames.iter().map(move |frame| (group, frame))).collect();
+    let frames = try_map_at_once(jobs, limits.frames_at_once, |(GroupRef { at, group }, frame)| {
+        monitor.check()?;
+        let start = Instant::now();
+        let planes = source.read_depth(group, frame)?;
+        let reading = start.elapsed();
+        let extent = planes.iter().filter_map(DepthExtent::of).reduce(DepthExtent::union);
+        let has_invalid = planes.iter().any(|plane| plane.data().contains(&0.0));
+        let bytes: u64 = planes.iter().map(|plane| plane.data().len() as u64 * 4).sum();
+        let keep = kept_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes <= limits.keep_bytes;
+        let kept = keep.then_some(((at, frame), planes));
+        Ok(ScannedFrame { scan: Scan { extent, has_invalid }, reading, kept })
+    })?;
+    let time = |kept: bool| frames.iter().filter(|frame| frame.kept.is_some() == kept).map(|frame| frame.reading).sum();
+    let (reading, scanning) = (time(true), time(false));
+    let extent = frames.iter().filter_map(|frame| frame.scan.extent).reduce(DepthExtent::union);
+    if let Some(extent) = extent {
+        DepthRange::new(extent.near_m, extent.far_m)?;
+    }
+    let has_invalid = frames.iter().any(|frame| frame.scan.has_invalid);
+    let kept = frames.into_iter().filter_map(|frame| frame.kept).collect();
+    Ok(ScannedProbe { scan: Scan { extent, has_invalid }, kept, reading, scanning })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dataset::{SequenceLayout, Source, SourceOptions};
+    use crate::image::{Plane, StreamKind, exr};
+    use crate::monitor::Silent;
+
+    #[test]
+    fn the_first_bad_frame_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        for frame in 0..40 {
+            let value = if [11, 12, 25, 39].contains(&frame) { -1.0 } else { 1.0 };
+            exr::write_depth(&folder.path().join(format!("z.{frame}.exr")), &Plane::filled(2, 2, value)).unwrap();
+        }
+        let spec = folder.path().join("z.%d.exr");
+        let (layout, options) = (SequenceLayout::default(), SourceOptions::default());
+        let source = Source::from_sequence(StreamKind::Depth, spec.to_str().unwrap(), &layout, &options).unwrap();
+        let groups = [GroupRef { at: 0, group: &source.groups()[0] }];
+        for threads in [1, 2, 8, 8, 8, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let scan = || scan_probe(&source, &groups, ScanLimits::default(), &Silent);
+            let error = pool.install(scan).unwrap_err();
+            assert!(error.to_string().contains("z.11.exr"), "{error}");
+        }
+    }
+}

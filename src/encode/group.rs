@@ -1,0 +1,129 @@
+//! A group of streams: its images, brought into the domain of its codec.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::color::HalfKey;
+use crate::color::quality::Pu21;
+use crate::dataset::SourceGroup;
+use crate::depth::Quantiser;
+use crate::encode::EncodeSettings;
+use crate::encode::source::{FrameSource, name_frame};
+use crate::error::{Error, Result};
+use crate::image::transfer::EncodeTable;
+use crate::image::{DepthPlane, Plane, StreamKind};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
+
+/// An image in the domain of its codec.
+pub(super) enum Coded {
+    Depth(Plane<u16>),
+    Bytes(Plane<[u8; 3]>),
+    Half(Plane<[HalfKey; 3]>),
+}
+
+/// Time of all threads.
+#[derive(Debug, Default)]
+pub(super) struct Times {
+    reading: AtomicU64,
+    coding: AtomicU64,
+}
+
+impl Times {
+    fn read<T>(&self, work: impl FnOnce() -> T) -> T {
+        timed(&self.reading, work)
+    }
+
+    pub fn code<T>(&self, work: impl FnOnce() -> T) -> T {
+        timed(&self.coding, work)
+    }
+
+    /// Reading and coding.
+    pub fn into_durations(self) -> [Duration; 2] {
+        [self.reading, self.coding].map(|nanos| Duration::from_nanos(nanos.into_inner()))
+    }
+}
+
+fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let done = work();
+    nanos.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    done
+}
+
+/// Converts the images of a group.
+pub(super) struct GroupCoder<'a> {
+    pub group: &'a SourceGroup,
+    pub header: CodecHeader,
+    pub settings: &'a EncodeSettings,
+    /// Of depth. Its table takes longer than a small frame; all faces of a probe share one.
+    pub quantiser: Option<Arc<Quantiser>>,
+    /// Of half-float colour.
+    pub pu21: Option<Pu21>,
+    table: Option<EncodeTable>,
+}
+
+impl<'a> GroupCoder<'a> {
+    pub fn new(group: &'a SourceGroup, header: CodecHeader, settings: &'a EncodeSettings) -> Result<GroupCoder<'a>> {
+        let (mut table, mut pu21) = (None, None);
+        match header {
+            CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => {
+                table = Some(EncodeTable::new(&tone));
+            }
+            CodecHeader::Color(ColorHeader { format: ColorFormat::Half { white_cd_m2 }, .. }) => {
+                pu21 = Some(Pu21::new(white_cd_m2)?);
+            }
+            CodecHeader::Depth(_) | CodecHeader::Material(_) => {}
+        }
+        Ok(GroupCoder { group, header, settings, quantiser: None, pu21, table })
+    }
+
+    /// Reads a frame of all faces, unless a scan kept it, and converts it; also returns the number of pixels that did not fit
+    /// 8 bits.
+    pub fn read(
+        &self,
+        source: &dyn FrameSource,
+        frame: u32,
+        kept: Option<Vec<DepthPlane>>,
+        times: &Times,
+    ) -> Result<(Vec<Coded>, u64)> {
+        let named = |error: Error| {
+            let error = error.context(name_frame(source, self.group, frame));
+            match source.file(self.group, frame) {
+                Ok(Some(file)) => error.in_file(file),
+                _ => error,
+            }
+        };
+        let coded: Result<Vec<Coded>> = match self.group.kind {
+            StreamKind::Depth => {
+                let Some(quantiser) = &self.quantiser else { return Ok((Vec::new(), 0)) };
+                let planes = match kept {
+                    Some(planes) => planes,
+                    None => times.read(|| source.read_depth(self.group, frame))?,
+                };
+                let code = |plane| convert::depth_codes(plane, quantiser).map(Coded::Depth);
+                times.code(|| planes.iter().map(code).collect())
+            }
+            StreamKind::Material => {
+                let planes = times.read(|| source.read_material(self.group, frame))?;
+                let code = |plane| convert::material_codes(plane).map(Coded::Bytes);
+                times.code(|| planes.iter().map(code).collect())
+            }
+            StreamKind::Color => {
+                let planes = times.read(|| source.read_color(self.group, frame))?;
+                let mut clipped = 0;
+                let code = |plane| match &self.table {
+                    Some(table) => {
+                        let (codes, of_plane) = convert::color_codes(plane, table);
+                        clipped += of_plane;
+                        Coded::Bytes(codes)
+                    }
+                    None => Coded::Half(plane.map(|pixel| pixel.map(|value| HalfKey::from_bits(value.to_bits())))),
+                };
+                let coded = times.code(|| planes.iter().map(code).collect());
+                return Ok((coded, clipped));
+            }
+        };
+        coded.map(|coded| (coded, 0)).map_err(named)
+    }
+}

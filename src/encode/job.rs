@@ -1,0 +1,458 @@
+//! Encodes the groups of a source one after the other: frames are read in batches, units of a batch are coded in parallel, and
+//! chunks are written in the order of the frames that closed them, those of one frame by unit.
+//!
+//! A batch has as many frames as memory allows. The order of chunks is that of a batch of one frame, so that bytes depend on
+//! neither memory nor threads.
+
+use std::collections::HashMap;
+use std::io::Write;
+use std::sync::Arc;
+use std::time::Duration;
+
+use rayon::prelude::*;
+
+use crate::container::index::{MAX_FRAME, MAX_SIZE};
+use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
+use crate::dataset::SourceGroup;
+use crate::depth::{DepthRange, Quantiser};
+use crate::encode::budget::{self, ColorMemory};
+use crate::encode::depth_range::{self, depth_of_probe, given_range};
+use crate::encode::group::{GroupCoder, Times};
+use crate::encode::order::Order;
+use crate::encode::resume::{Completed, FrameNote, ScanNote, Stamp, note_of_frames, stamps};
+use crate::encode::source::{FrameSource, GroupRef, selected_groups};
+use crate::encode::unit::{Batch, Pace, UnitJob, UnitPlace};
+use crate::encode::{EncodeSettings, configuration};
+use crate::error::{Error, Result};
+use crate::image::{DepthPlane, Projection, StreamKind};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_ordered;
+use crate::streams::{self, CodecHeader, DepthHeader};
+
+/// Units whose last chunks are made together; a killed process loses no more.
+const FINISH_UNITS: usize = 64;
+
+/// Figures of an encode.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct EncodeSummary {
+    /// Size of the container.
+    pub bytes: u64,
+    /// Size of the same footage as CALF's table 1 counts it ([`CodecHeader::raw_pixel_bytes`]).
+    pub raw_bytes: u64,
+    /// Images: frames of all streams.
+    pub frames: u64,
+    /// Number of streams.
+    pub streams: usize,
+    /// Colour pixels that did not fit 8 bits.
+    pub clipped_pixels: u64,
+    /// Colour pixels.
+    pub color_pixels: u64,
+    /// Chunks of an earlier run. All other figures except times are of the whole encode.
+    pub resumed_chunks: u64,
+    /// Time of all threads for reading and decompressing source files.
+    pub reading: Duration,
+    /// Time of all threads for reading images only to find near and far.
+    pub scanning: Duration,
+    /// Time of all threads for converting, coding and compressing.
+    pub coding: Duration,
+}
+
+/// An encode that ended early.
+#[derive(Debug)]
+pub struct Stopped {
+    pub error: Error,
+    pub kept: Kept,
+}
+
+/// What an encode that ended early leaves to be continued.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Kept {
+    /// Nothing worth keeping.
+    Nothing,
+    /// The work of an earlier run, as it was; this encode would not continue it.
+    Unchanged,
+    /// Complete chunks, in words: their number, and the place of the last.
+    Chunks(String),
+}
+
+/// Encodes the streams of `source` into `out`, front to back.
+///
+/// The monitor advances by one for every image of every stream.
+pub fn encode<W: Write>(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    out: W,
+    monitor: &dyn Monitor,
+) -> Result<(W, EncodeSummary)> {
+    run(source, settings, Sink::Plain(out), monitor).map_err(|stopped| stopped.error)
+}
+
+/// Output of an encode that can be continued.
+pub struct Resumable<W> {
+    /// The container: empty, or the sound part of what was recovered, which is appended to.
+    pub out: W,
+    /// The journal, likewise.
+    pub journal: Box<dyn Write + Send>,
+    /// The work of an earlier run; `None` starts anew.
+    pub recovered: Option<Recovered>,
+}
+
+/// As [`encode`], with a journal: an encode that was stopped at any moment continues behind the last complete chunk, and the
+/// container has the same bytes as one that was written in one go.
+///
+/// # Errors
+/// [`Stopped`] with the reason, and what is kept.
+pub fn encode_resumable<W: Write>(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    resumable: Resumable<W>,
+    monitor: &dyn Monitor,
+) -> Result<(W, EncodeSummary), Stopped> {
+    run(source, settings, Sink::Resumable(resumable), monitor)
+}
+
+/// Refuses settings that are out of range, and a source without the streams that they ask for.
+///
+/// # Errors
+/// [`Error::Usage`].
+pub fn check(source: &dyn FrameSource, settings: &EncodeSettings) -> Result<()> {
+    settings.check()?;
+    let groups = selected_groups(source, settings);
+    if groups.is_empty() {
+        return Err(Error::Usage(format!("'{}' has no stream of the kinds asked for", source.name())));
+    }
+    budget::check(source, settings, &groups)
+}
+
+/// Refuses to continue an encode with another configuration.
+///
+/// # Errors
+/// [`Error::Usage`] names the difference.
+pub fn check_recovered(source: &dyn FrameSource, settings: &EncodeSettings, recovered: &Recovered) -> Result<()> {
+    let order = Order::of(source, settings);
+    Completed::of(recovered, &configuration::of(source, settings), &order).map(|_| ())
+}
+
+/// Complete chunks of an interrupted encode, in words; `None` where there are none.
+pub fn describe_recovered(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    recovered: &Recovered,
+) -> Option<String> {
+    Order::of(source, settings).describe(source, recovered.safe())
+}
+
+enum Sink<W> {
+    Plain(W),
+    Resumable(Resumable<W>),
+}
+
+fn run<W: Write>(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    sink: Sink<W>,
+    monitor: &dyn Monitor,
+) -> Result<(W, EncodeSummary), Stopped> {
+    let order = Order::of(source, settings);
+    let recovered = match &sink {
+        Sink::Resumable(Resumable { recovered, .. }) => recovered.as_ref(),
+        Sink::Plain(_) => None,
+    };
+    let kept = |safe| order.describe(source, safe).map_or(Kept::Nothing, Kept::Chunks);
+    let before = recovered.map(Recovered::safe).unwrap_or_default();
+    let continues = recovered.is_some();
+    let completed = prepare(source, settings, recovered, &order, monitor).map_err(|error| {
+        let kept = match (&error, continues) {
+            (_, false) => Kept::Nothing,
+            (Error::Usage(_), true) => Kept::Unchanged,
+            (_, true) => kept(before),
+        };
+        Stopped { error, kept }
+    })?;
+    let summary = EncodeSummary { resumed_chunks: completed.chunks, ..EncodeSummary::default() };
+    let writer = open(source, settings, sink).map_err(|error| Stopped { error, kept: kept(before) })?;
+    let mut job = Job { source, settings, writer, monitor, completed, summary };
+    let ran = job.run(&selected_groups(source, settings));
+    let Job { writer, mut summary, .. } = job;
+    let written = kept(writer.safe());
+    match ran.and_then(|()| writer.finish_checked(streams::check_written)) {
+        Ok((out, bytes)) => {
+            summary.bytes = bytes;
+            Ok((out, summary))
+        }
+        // The same command would be refused again.
+        Err(error @ Error::Usage(_)) if continues => Err(Stopped { error, kept: Kept::Unchanged }),
+        Err(error) => Err(Stopped { error, kept: written }),
+    }
+}
+
+/// Checks everything that can be checked before anything is written.
+fn prepare(
+    source: &dyn FrameSource,
+    settings: &EncodeSettings,
+    recovered: Option<&Recovered>,
+    order: &Order<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Completed> {
+    check(source, settings)?;
+    let Some(recovered) = recovered else { return Ok(Completed::default()) };
+    let mut completed = Completed::of(recovered, &configuration::of(source, settings), order)?;
+    completed.check_files(source, settings, order, monitor)?;
+    Ok(completed)
+}
+
+/// A writer at the start of the container, or behind what was recovered, with the probes.
+fn open<W: Write>(source: &dyn FrameSource, settings: &EncodeSettings, sink: Sink<W>) -> Result<Writer<W>> {
+    let projection = u8::from(source.projection() == Projection::Perspective);
+    let (name, fps) = (source.name(), source.fps());
+    let mut writer = match sink {
+        Sink::Plain(out) => Writer::new(out, name, fps, projection)?,
+        Sink::Resumable(Resumable { out, journal, recovered: Some(recovered) }) => {
+            let journal = Journal::go_on(journal, &recovered);
+            Writer::go_on(out, name, fps, projection, (recovered, journal))
+        }
+        Sink::Resumable(Resumable { out, journal, recovered: None }) => {
+            let head = configuration::write(&configuration::of(source, settings))?;
+            Writer::new(out, name, fps, projection)?.with_journal(Journal::start(journal, &head))
+        }
+    };
+    for probe in source.probes() {
+        writer.add_probe(ProbeEntry {
+            name: probe.name.clone(),
+            position: probe.position,
+            orientation: probe.orientation,
+            frames: [probe.frames.first, probe.frames.last],
+            intrinsics: probe.intrinsics.unwrap_or_default(),
+        })?;
+    }
+    Ok(writer)
+}
+
+struct Job<'a, W: Write> {
+    source: &'a dyn FrameSource,
+    settings: &'a EncodeSettings,
+    writer: Writer<W>,
+    monitor: &'a dyn Monitor,
+    completed: Completed,
+    summary: EncodeSummary,
+}
+
+/// The streams of a group, and where they are continued.
+struct Part {
+    /// Index of the group.
+    at: usize,
+    /// One for each face, with its number.
+    streams: Vec<(u32, StreamEntry)>,
+    /// Frames of each unit that an earlier run has coded, face by face.
+    starts: Vec<u32>,
+}
+
+impl Part {
+    /// Frames that an earlier run has coded in all units.
+    fn complete_frames(&self) -> u32 {
+        self.starts.iter().min().copied().unwrap_or(0)
+    }
+}
+
+impl<W: Write> Job<'_, W> {
+    fn run(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
+        for probe in 0..self.source.probes().len() {
+            for kind in StreamKind::ALL {
+                let is_next = |group: &&GroupRef<'_>| group.group.probe == probe && group.group.kind == kind;
+                let groups: Vec<GroupRef<'_>> = groups.iter().filter(is_next).copied().collect();
+                match kind {
+                    StreamKind::Depth => self.encode_depth(&groups)?,
+                    StreamKind::Color => {
+                        self.encode_others(&groups, CodecHeader::Color(self.settings.color_header()))?
+                    }
+                    StreamKind::Material => {
+                        self.encode_others(&groups, CodecHeader::Material(self.settings.material_header()))?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn encode_others(&mut self, groups: &[GroupRef<'_>], header: CodecHeader) -> Result<()> {
+        for &group in groups {
+            let Some(part) = self.begin(group, &header)? else { continue };
+            self.encode_group(&part, &GroupCoder::new(group.group, header, self.settings)?, |_| None)?;
+        }
+        Ok(())
+    }
+
+    fn encode_depth(&mut self, groups: &[GroupRef<'_>]) -> Result<()> {
+        let Some(first) = groups.first() else { return Ok(()) };
+        let probe = first.group.probe;
+        let known = self.completed.scans.get(&probe).map(|note| note.scan);
+        // Files as they are before they are read.
+        let scans = known.is_none() && given_range(self.source, self.settings).contains(&None);
+        let files = if scans { stamps(self.source, groups)? } else { HashMap::new() };
+        let found = depth_of_probe(self.source, self.settings, groups, known, self.monitor)?;
+        let depth_range::ProbeDepth { range, mut kept, reading, scanning, scan } = found;
+        let note = scan.map(|scan| ScanNote { scan, files });
+        if let Some(note) = &note {
+            self.writer.note(&note.write(probe));
+            self.writer.checkpoint()?;
+        }
+        self.summary.reading += reading;
+        self.summary.scanning += scanning;
+        let mut quantiser = None;
+        for &group in groups {
+            let header = CodecHeader::Depth(DepthHeader {
+                range,
+                background: presented_background(self.source.background(), range),
+                kind: self.source.depth_kind(),
+                coding: self.settings.depth_coding(range)?,
+            });
+            let Some(part) = self.begin(group, &header)? else { continue };
+            let mut coder = GroupCoder::new(group.group, header, self.settings)?;
+            coder.quantiser = Some(Arc::clone(quantiser.get_or_insert_with(|| Arc::new(Quantiser::new(range)))));
+            self.encode_group(&part, &coder, |frame| {
+                let planes = kept.remove(&(group.at, frame))?;
+                Some((*note.as_ref()?.files.get(&(group.at, frame))?, planes))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Declares the streams of a group; `None` where an earlier run has completed it.
+    fn begin(&mut self, group_ref: GroupRef<'_>, header: &CodecHeader) -> Result<Option<Part>> {
+        let GroupRef { at, group } = group_ref;
+        let streams = self.declare_streams(group, header)?;
+        let first = group.frames.first;
+        let units = streams.iter().flat_map(|(stream, entry)| (0..entry.unit_count()).map(move |unit| (*stream, unit)));
+        let starts = units.map(|(stream, unit)| self.completed.start(stream, unit, first) - first).collect();
+        let part = Part { at, streams, starts };
+        let complete = part.complete_frames();
+        let before = group.frames.iter().take(complete as usize);
+        self.summary.clipped_pixels += before.map(|frame| self.completed.clipped(at, frame)).sum::<u64>();
+        if u64::from(complete) < group.frames.count() {
+            return Ok(Some(part));
+        }
+        self.monitor.advance(group_ref.images());
+        self.monitor.check().map(|()| None)
+    }
+
+    fn encode_group(
+        &mut self,
+        part: &Part,
+        coder: &GroupCoder<'_>,
+        mut kept: impl FnMut(u32) -> Option<(Stamp, Vec<DepthPlane>)>,
+    ) -> Result<()> {
+        let group = coder.group;
+        let mut units = self.unit_jobs(part, coder)?;
+        let batch = budget::batch_frames(self.source, self.settings, group)?;
+        let frames: Vec<u32> = group.frames.iter().skip(part.complete_frames() as usize).collect();
+        let last_used = self.completed.last_frame(part.streams.iter().map(|(stream, _)| *stream));
+        let times = Times::default();
+        let pace = Pace::new(self.monitor, units.len(), group.faces.len());
+        pace.advance(part.starts.iter().copied().map(u64::from).sum());
+        // A colour cell looks ahead; other chunks depend on none but their own frames.
+        let last_frame = |chunk: &PackedChunk, closed_by: u32| match group.kind {
+            StreamKind::Color => closed_by,
+            StreamKind::Depth | StreamKind::Material => chunk.key.first_frame + (chunk.key.frame_count - 1),
+        };
+        for frames in frames.chunks(batch) {
+            let inputs: Vec<_> = frames.iter().map(|&frame| (frame, kept(frame))).collect();
+            let read = try_map_ordered(inputs, |(frame, kept)| {
+                self.monitor.check()?;
+                let (stamp, kept) = match kept {
+                    Some((stamp, planes)) => (stamp, Some(planes)),
+                    None => (Stamp::of(self.source, group, frame)?, None),
+                };
+                if last_used.is_some_and(|last| frame <= last) {
+                    self.completed.check_file(self.source, GroupRef { at: part.at, group }, frame, stamp)?;
+                }
+                let (picture, clipped) = coder.read(self.source, frame, kept, &times)?;
+                Ok((FrameNote { stamp, clipped }, picture))
+            })?;
+            let (notes, pictures): (Vec<_>, Vec<_>) = read.into_iter().unzip();
+            self.writer.note(&note_of_frames(part.at, frames[0], &notes));
+            self.summary.clipped_pixels += notes.iter().map(|note| note.clipped).sum::<u64>();
+            let batch = Batch { first: frames[0] - group.frames.first, pictures };
+            let packed = units
+                .par_iter_mut()
+                .map(|unit| times.code(|| unit.push(&batch, coder, &pace)))
+                .collect::<Result<Vec<_>>>()?;
+            // By frame, then by unit: the same order whatever fits a batch.
+            let mut packed: Vec<_> = packed.into_iter().flatten().collect();
+            packed.sort_by_key(|(closed_by, _)| *closed_by);
+            let push = |(closed_by, chunk): &(usize, PackedChunk)| {
+                self.writer.push_after(chunk, last_frame(chunk, frames[*closed_by]))
+            };
+            packed.iter().try_for_each(push)?;
+            self.writer.checkpoint()?;
+        }
+        for units in units.chunks_mut(FINISH_UNITS) {
+            self.monitor.check()?;
+            let packed =
+                units.par_iter_mut().map(|unit| times.code(|| unit.finish(coder))).collect::<Result<Vec<_>>>()?;
+            let push = |chunk: &PackedChunk| self.writer.push_after(chunk, last_frame(chunk, group.frames.last));
+            packed.iter().flatten().try_for_each(push)?;
+            self.writer.checkpoint()?;
+        }
+        let [reading, coding] = times.into_durations();
+        self.summary.reading += reading;
+        self.summary.coding += coding;
+        Ok(())
+    }
+
+    fn unit_jobs(&self, part: &Part, coder: &GroupCoder<'_>) -> Result<Vec<UnitJob>> {
+        let unit_count = part.streams.iter().map(|(_, entry)| entry.unit_count()).sum();
+        let memory = ColorMemory::new(coder.group, &coder.header, self.settings.search, unit_count);
+        let units = part.streams.iter().enumerate().flat_map(|(face, (stream, entry))| {
+            (0..entry.unit_count()).map(move |unit| (face, *stream, unit, entry.unit_rect(unit)))
+        });
+        units
+            .zip(&part.starts)
+            .map(|((face, stream, unit, rect), &start)| {
+                UnitJob::new(coder, &memory, UnitPlace { face, stream, unit, rect, start })
+            })
+            .collect()
+    }
+
+    fn declare_streams(&mut self, group: &SourceGroup, header: &CodecHeader) -> Result<Vec<(u32, StreamEntry)>> {
+        if group.width > MAX_SIZE || group.height > MAX_SIZE {
+            return Err(Error::unsupported(format!(
+                "faces of {}x{} pixels: at most {MAX_SIZE}x{MAX_SIZE} fit a container",
+                group.width, group.height
+            )));
+        }
+        let frame_count = u32::try_from(group.frames.count())
+            .ok()
+            .filter(|_| group.frames.last < MAX_FRAME)
+            .ok_or_else(|| Error::unsupported(format!("frames {}: numbers must be below 2^31", group.frames)))?;
+        let [unit_width, unit_height] = self.settings.unit_size(group.kind, [group.width, group.height]);
+        let pixels = u64::from(frame_count) * u64::from(group.width) * u64::from(group.height);
+        let mut streams = Vec::new();
+        for &face in &group.faces {
+            let entry = StreamEntry {
+                kind: group.kind as u8,
+                face: face as u8,
+                probe: group.probe as u16,
+                codec: header.codec(),
+                width: group.width,
+                height: group.height,
+                first_frame: group.frames.first,
+                frame_count,
+                unit_width,
+                unit_height,
+                codec_header: header.write(),
+            };
+            self.summary.frames += u64::from(frame_count);
+            self.summary.raw_bytes += pixels * header.raw_pixel_bytes();
+            self.summary.color_pixels += if group.kind == StreamKind::Color { pixels } else { 0 };
+            self.summary.streams += 1;
+            streams.push((self.writer.add_stream(entry.clone()), entry));
+        }
+        Ok(streams)
+    }
+}
+
+/// What decoders present as background: the value of the source files, unless it could be taken for a surface. (It is in the
+/// files' unit, surfaces are in metres.)
+fn presented_background(value: f32, range: DepthRange) -> f32 {
+    if (range.near_m()..=range.far_m()).contains(&value) { f32::INFINITY } else { value }
+}

@@ -1,0 +1,159 @@
+//! Where frames to encode come from: files of a dataset, or memory.
+
+use std::path::PathBuf;
+
+use crate::dataset::{ProbeInfo, Source, SourceGroup};
+use crate::encode::EncodeSettings;
+use crate::error::Result;
+use crate::image::{ColorPlane, DepthKind, DepthPlane, MaterialPlane, Projection};
+
+/// Probes, groups of streams that are read together, and their pixels. Frames are read in parallel.
+pub trait FrameSource: Sync {
+    fn name(&self) -> &str;
+
+    /// Frames per second, above 0.
+    fn fps(&self) -> f64;
+
+    fn projection(&self) -> Projection;
+
+    fn probes(&self) -> &[ProbeInfo];
+
+    fn groups(&self) -> &[SourceGroup];
+
+    /// What decoders present as background, besides +inf.
+    fn background(&self) -> f32 {
+        f32::INFINITY
+    }
+
+    /// What [`Self::read_depth`] measures.
+    fn depth_kind(&self) -> DepthKind {
+        DepthKind::Distance
+    }
+
+    /// Near and far in metres, where the source states them.
+    fn stated_range(&self) -> [Option<f32>; 2] {
+        [None; 2]
+    }
+
+    /// Pixels of a file, which is decoded before faces are cut from it; 0 without files.
+    fn file_pixels(&self) -> u64 {
+        0
+    }
+
+    /// Depth of a frame in metres, one plane a face: +inf for the background, 0 for an invalid depth that becomes near.
+    ///
+    /// # Errors
+    /// Names the file.
+    fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>>;
+
+    /// Linear Rec. 709 colour of a frame, one plane a face.
+    ///
+    /// # Errors
+    /// As for [`Self::read_depth`].
+    fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>>;
+
+    /// Reflection weight, refraction weight and index of refraction of a frame, one plane a face.
+    ///
+    /// # Errors
+    /// As for [`Self::read_depth`].
+    fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>>;
+
+    /// The file of a frame; `None` in memory.
+    ///
+    /// # Errors
+    /// The group has no such frame.
+    fn file(&self, _group: &SourceGroup, _frame: u32) -> Result<Option<PathBuf>> {
+        Ok(None)
+    }
+
+    /// Settings that pixels depend on, by name and value; an interrupted encode continues only with equal ones.
+    fn configuration(&self) -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+}
+
+impl FrameSource for Source {
+    fn name(&self) -> &str {
+        self.name()
+    }
+
+    fn fps(&self) -> f64 {
+        self.fps()
+    }
+
+    fn projection(&self) -> Projection {
+        self.projection()
+    }
+
+    fn probes(&self) -> &[ProbeInfo] {
+        self.probes()
+    }
+
+    fn groups(&self) -> &[SourceGroup] {
+        self.groups()
+    }
+
+    fn background(&self) -> f32 {
+        self.background()
+    }
+
+    fn depth_kind(&self) -> DepthKind {
+        self.depth_stored()
+    }
+
+    fn stated_range(&self) -> [Option<f32>; 2] {
+        let depth = self.manifest().and_then(|manifest| manifest.depth.as_ref());
+        depth.map_or([None; 2], |depth| [depth.near, depth.far].map(|bound| bound.map(|metres| metres as f32)))
+    }
+
+    fn file_pixels(&self) -> u64 {
+        self.file_pixels()
+    }
+
+    fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
+        self.read_depth(group, frame)
+    }
+
+    fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
+        self.read_color(group, frame)
+    }
+
+    fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
+        self.read_material(group, frame)
+    }
+
+    fn file(&self, group: &SourceGroup, frame: u32) -> Result<Option<PathBuf>> {
+        self.file(group, frame).map(Some)
+    }
+
+    fn configuration(&self) -> Vec<(&'static str, String)> {
+        self.reading_rules()
+    }
+}
+
+/// A group of a source, with its index.
+#[derive(Debug, Clone, Copy)]
+pub struct GroupRef<'a> {
+    pub at: usize,
+    pub group: &'a SourceGroup,
+}
+
+impl GroupRef<'_> {
+    /// Number of images: frames of all faces.
+    pub fn images(&self) -> u64 {
+        self.group.frames.count() * self.group.faces.len() as u64
+    }
+}
+
+/// The groups of the kinds that the settings ask for.
+pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSettings) -> Vec<GroupRef<'a>> {
+    let groups = source.groups().iter().enumerate().map(|(at, group)| GroupRef { at, group });
+    groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()
+}
+
+/// Kind, probe, faces and frame, for errors.
+pub(super) fn name_frame(source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> String {
+    let probe = &source.probes()[group.probe].name;
+    let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();
+    format!("{} of probe {probe}, face {}, frame {frame}", group.kind.name(), faces.join("/"))
+}
