@@ -416,7 +416,7 @@ fn write_errors_leave_what_is_safe() {
             let resumable = Resumable { out: BufWriter::new(out), journal: Box::new(log), recovered: None };
             let stopped = encode::encode_resumable(&footage.source(), &footage.settings, resumable, &Silent);
             // What a buffer still holds is written, or not, when it goes.
-            let Err(Stopped { error, kept }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
+            let Err(Stopped { error, kept: left }) = stopped.map(|_| ()) else { panic!("{name}: nothing failed") };
             let Error::Io { source, .. } = &error else { panic!("{name}: {error}") };
             assert_eq!(source.raw_os_error(), Some(code), "{error}");
             let state = State { container: container.bytes(), journal: journal.bytes() };
@@ -443,7 +443,7 @@ fn stopped_after(whole: &State, share: f64) -> State {
 #[track_caller]
 fn refused(left: &State, footage: &Footage) -> String {
     let (after, done) = left.go_on(footage, &Silent);
-    let Err(Stopped { error, left: kind }) = done else { panic!("it went on") };
+    let Err(Stopped { error, kept: kind }) = done else { panic!("it went on") };
     assert_eq!(kind, Kept::Unchanged, "{error}");
     assert!(matches!(error, Error::Usage(_)), "{error}");
     assert_eq!(after.container.len() as u64, left.recovered().unwrap().container_bytes(), "something was written");
@@ -546,7 +546,7 @@ fn a_frame_that_changes_while_it_is_gone_on_with_is_refused_as_one_that_had_chan
         let left = left.unwrap_or_else(|| panic!("{name}: no frame is read again"));
         let changes = Changes(Mutex::new(Some(footage.path(last_frame(&left)))));
         let (after, done) = left.go_on(&footage, &changes);
-        let Err(Stopped { error, left: kind }) = done else { panic!("{name}: it went on") };
+        let Err(Stopped { error, kept: kind }) = done else { panic!("{name}: it went on") };
         assert!(error.to_string().contains("has changed since"), "{name}: {error}");
         assert_eq!(kind, Kept::Unchanged, "{name}: {error}");
         // What it left is refused, too: the old stamp still stands.
