@@ -26,5 +26,7 @@ pub use encoder::{Encoder, EncoderStream, ProbePose};
 pub use job::{
     EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode, encode_resumable,
 };
-pub use settings::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize};
+pub use settings::{
+    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,
+};
 pub use source::{FrameSource, GroupRef, selected_groups};

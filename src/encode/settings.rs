@@ -234,9 +234,9 @@ impl EncodeSettings {
     pub(super) fn unit_size(&self, kind: StreamKind, size: [u32; 2]) -> [u32; 2] {
         let boxes = matches!(self.depth.codec, DepthCodec::Boxes | DepthCodec::BoxesInBlocks);
         size.map(|side| match kind {
-                StreamKind::Color => self.cell.min(MAX_SIZE),
-                StreamKind::Depth if !boxes => self.tiles.side(side, MAX_TILE),
-                StreamKind::Depth | StreamKind::Material => self.tiles.side(side, u32::MAX),
+            StreamKind::Color => self.cell.min(MAX_SIZE),
+            StreamKind::Depth if !boxes => self.tiles.side(side, MAX_TILE),
+            StreamKind::Depth | StreamKind::Material => self.tiles.side(side, u32::MAX),
         })
     }
 
