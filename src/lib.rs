@@ -25,6 +25,7 @@ pub mod inspect;
 pub mod march;
 pub mod math;
 pub mod memory;
+pub mod mesh;
 pub mod metrics;
 pub mod monitor;
 pub mod ordered;

@@ -10,9 +10,9 @@ use glam::DVec3;
 
 use crate::gpu::random::Random;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::mesh::{AxisBox, Mesh, Ray};
 use crate::scene::{
-    AxisBox, Lamp, Light, Material, Mesh, MeshBvh, MeshMaterial, Object, Optics, Ray, SceneAtTime, Shape, Sphere,
-    Texture, Window, trace,
+    Lamp, Light, Material, MeshMaterial, Object, Optics, SceneAtTime, SceneMesh, Shape, Sphere, Texture, Window, trace,
 };
 
 /// Sizes of scenes, metres, and how far from the origin they lie, in sizes.
@@ -88,14 +88,14 @@ fn ball() -> Vec<[DVec3; 3]> {
     triangles
 }
 
-fn mesh(triangles: &[[DVec3; 3]]) -> MeshBvh {
-    MeshBvh::new(Mesh {
+fn mesh(triangles: &[[DVec3; 3]]) -> SceneMesh {
+    let mesh = Mesh {
         positions: triangles.as_flattened().to_vec(),
         triangles: (0..triangles.len() as u32).map(|number| [3 * number, 3 * number + 1, 3 * number + 2]).collect(),
         material_of: vec![0; triangles.len()],
-        materials: [MeshMaterial::default()].into(),
         ..Mesh::default()
-    })
+    };
+    SceneMesh::new(mesh, [MeshMaterial::default()].into())
 }
 
 /// The ball of a size, so many sizes from the origin along each axis.
@@ -161,7 +161,7 @@ fn at_edges(size: f64, away: f64) -> Measured {
         let origin = near + 0.3 * size * inside(random);
         (origin, target - origin)
     }) {
-        let leaks = bvh.nearest(&ray, 0.0).is_none() || !bvh.occluded(&ray, 0.0, f64::INFINITY);
+        let leaks = bvh.nearest(&ray, 0.0..f64::INFINITY).is_none() || !bvh.occluded(&ray, 0.0..f64::INFINITY);
         note(&mut wrong, leaks, || format!("{:?} along {:?}", ray.origin(), ray.direction()));
     }
     wrong
@@ -199,7 +199,9 @@ fn against_one_metre(size: f64) -> Measured {
     }) {
         // Rays of the same direction: the length of one of another size may be rounded otherwise.
         let scaled = Ray::new(size * ray.origin(), ray.direction());
-        let (Some(a), Some(b)) = (plain.nearest(&ray, 0.0), scaled.and_then(|ray| other.nearest(&ray, 0.0))) else {
+        let (Some(a), Some(b)) =
+            (plain.nearest(&ray, 0.0..f64::INFINITY), scaled.and_then(|ray| other.nearest(&ray, 0.0..f64::INFINITY)))
+        else {
             continue;
         };
         let [p, q, r] = plain.mesh().corners(a.triangle);
@@ -238,7 +240,9 @@ fn among_broken() -> Measured {
         let origin = 2.0 * inside(random);
         (origin, 0.5 * inside(random) - origin)
     }) {
-        note(&mut wrong, plain.nearest(&ray, 0.0) != other.nearest(&ray, 0.0), || format!("{ray:?}"));
+        note(&mut wrong, plain.nearest(&ray, 0.0..f64::INFINITY) != other.nearest(&ray, 0.0..f64::INFINITY), || {
+            format!("{ray:?}")
+        });
     }
     wrong
 }
@@ -251,7 +255,9 @@ fn among_doubled() -> Measured {
         let origin = 2.0 * inside(random);
         (origin, 0.5 * inside(random) - origin)
     }) {
-        note(&mut wrong, plain.nearest(&ray, 0.0) != other.nearest(&ray, 0.0), || format!("{ray:?}"));
+        note(&mut wrong, plain.nearest(&ray, 0.0..f64::INFINITY) != other.nearest(&ray, 0.0..f64::INFINITY), || {
+            format!("{ray:?}")
+        });
     }
     wrong
 }
@@ -264,8 +270,10 @@ fn from_afar(reach: f64) -> Measured {
         (origin, -origin)
     }) {
         // At 1e12 the direction is off the middle by a thousandth of the radius at most.
-        let close = bvh.nearest(&ray, 0.0).is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
-        note(&mut wrong, !close || !bvh.occluded(&ray, 0.0, 2.0 * reach), || format!("{:?}", ray.origin()));
+        let close = bvh
+            .nearest(&ray, 0.0..f64::INFINITY)
+            .is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
+        note(&mut wrong, !close || !bvh.occluded(&ray, 0.0..2.0 * reach), || format!("{:?}", ray.origin()));
     }
     wrong
 }

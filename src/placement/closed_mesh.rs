@@ -12,9 +12,9 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::sequence;
-use super::triangle_tree::TriangleTree;
 use crate::error::{Error, Result};
-use crate::scene::{AxisBox, Mesh, Model, Ray};
+use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
+use crate::scene::Model;
 
 /// Rays that vote on whether a point is inside: an odd number.
 const VOTES: usize = 5;
@@ -24,7 +24,8 @@ const BORDER: f64 = 1e-12;
 /// A closed mesh, at time 0 of its file.
 #[derive(Debug, Clone)]
 pub struct ClosedMesh {
-    tree: TriangleTree,
+    triangles: Vec<[DVec3; 3]>,
+    bvh: Bvh,
     bounds: AxisBox,
 }
 
@@ -50,9 +51,9 @@ impl ClosedMesh {
             .filter(|corners| corners.iter().all(|corner| corner.is_finite()))
             .filter(|[a, b, c]| a != b && b != c && c != a)
             .collect();
-        if triangles.is_empty() {
+        let Some(bounds) = AxisBox::around(triangles.iter().flatten().copied()) else {
             return Err(Error::invalid("a region needs a closed mesh, and this has no triangles"));
-        }
+        };
         let (open, turned) = wrong_edges(&triangles);
         if open > 0 {
             return Err(Error::invalid(format!(
@@ -65,12 +66,8 @@ impl ClosedMesh {
                  different sides; turn them alike"
             )));
         }
-        let corners = || triangles.iter().flatten();
-        let bounds = AxisBox {
-            min: corners().fold(DVec3::INFINITY, |min, corner| min.min(*corner)),
-            max: corners().fold(DVec3::NEG_INFINITY, |max, corner| max.max(*corner)),
-        };
-        Ok(ClosedMesh { tree: TriangleTree::new(triangles), bounds })
+        let bvh = Bvh::new(triangles.iter().copied());
+        Ok(ClosedMesh { triangles, bvh, bounds })
     }
 
     /// A box around it.
@@ -81,20 +78,36 @@ impl ClosedMesh {
     /// Whether it winds around a point, as most of some rays say (one along an edge may be wrong), or has the point on its
     /// surface.
     pub fn contains(&self, point: DVec3) -> bool {
-        if (point - self.bounds.min).min(self.bounds.max - point).min_element() < 0.0 {
+        if !self.bounds.contains(point) {
             return false;
         }
         let border_m = BORDER * (self.bounds.max - self.bounds.min).length();
         let votes = (0..VOTES).filter(|&vote| {
             let ray = Ray::new(point, sequence::on_sphere(vote, VOTES));
-            ray.is_some_and(|ray| self.tree.winding(&ray, border_m) != Some(0))
+            ray.is_some_and(|ray| self.winding(&ray, border_m) != Some(0))
         });
         votes.count() > VOTES / 2
     }
 
+    /// Crossings from front to back subtracted from those from back to front, which is the winding number around the
+    /// origin; coincident triangles count each. `None` where a triangle is within `border_m` of the origin.
+    fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
+        let mut winding = 0;
+        for hit in self.bvh.all(ray, -2.0 * border_m..f64::INFINITY) {
+            if hit.distance.abs() <= border_m {
+                return None;
+            }
+            if hit.distance > 0.0 {
+                let [a, b, c] = self.triangles[hit.triangle];
+                winding += if (b - a).cross(c - a).dot(ray.direction()) > 0.0 { 1 } else { -1 };
+            }
+        }
+        Some(winding)
+    }
+
     /// Metres to the nearest triangle, from inside or outside.
     pub fn surface_distance_m(&self, point: DVec3) -> f64 {
-        self.tree.distance_m(point)
+        self.bvh.distance_m(point)
     }
 }
 
@@ -124,7 +137,7 @@ mod tests {
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         let material_of = vec![0; triangles.len()];
-        Mesh { positions, triangles, material_of, materials: vec![Default::default()].into(), ..Mesh::default() }
+        Mesh { positions, triangles, material_of, ..Mesh::default() }
     }
 
     #[test]

@@ -19,7 +19,6 @@ pub mod search;
 pub mod sequence;
 pub mod site;
 pub mod surface;
-pub mod triangle_tree;
 
 pub use candidates::CandidateKind;
 pub use coverage::Figures;

@@ -8,7 +8,8 @@ use glam::DVec3;
 
 use super::closed_mesh::ClosedMesh;
 use crate::error::{Error, Result};
-use crate::scene::{AxisBox, Sphere};
+use crate::mesh::AxisBox;
+use crate::scene::Sphere;
 
 /// One of the volumes of a region.
 #[derive(Debug, Clone)]

@@ -12,8 +12,9 @@ use super::region::Region;
 use super::site::{Facets, Site, ViewerDistance};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::mesh::AxisBox;
 use crate::monitor::Monitor;
-use crate::scene::{AxisBox, Scene, SceneAtTime};
+use crate::scene::{Scene, SceneAtTime};
 
 /// The gain, as a part of all area and time, at which a search ends where nobody says when: 0.1%.
 pub const DEFAULT_UNTIL: f64 = 1e-3;

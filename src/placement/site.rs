@@ -15,7 +15,8 @@ use super::region::Region;
 use super::sequence;
 use super::surface::{self, SurfacePoint};
 use crate::error::{Error, Result};
-use crate::scene::{AxisBox, Ray, SceneAtTime, Shape, Thing};
+use crate::mesh::{AxisBox, Ray};
+use crate::scene::{HitSurface, SceneAtTime, Shape};
 
 /// Directions that are looked in to find out whether a position is inside something.
 const FEELERS: usize = 26;
@@ -209,12 +210,12 @@ enum Side {
 fn first_met(scene: &SceneAtTime, ray: &Ray) -> Option<(f64, Side)> {
     let is_near = |at: &usize| scene.objects()[*at].bounds().intersect(ray, 0.0).is_some();
     let hit = scene.first_hit(ray, (0..scene.objects().len()).filter(is_near))?;
-    let normal = match hit.thing {
-        Thing::Object { index, .. } if matches!(scene.objects()[index].shape(), Shape::Quad(_)) => {
+    let normal = match hit.surface {
+        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape(), Shape::Quad(_)) => {
             return Some((hit.distance, Side::Front));
         }
-        Thing::Object { normal, .. } => normal,
-        Thing::Mesh { index, at } => {
+        HitSurface::Object { normal, .. } => normal,
+        HitSurface::Mesh { index, at } => {
             let [a, b, c] = scene.meshes()[index].mesh().corners(at.triangle);
             (b - a).cross(c - a)
         }
@@ -227,7 +228,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::{Light, Material, Mesh, MeshBvh, Object, Quad, Sphere, Texture};
+    use crate::mesh::Mesh;
+    use crate::scene::{Light, Material, Object, Quad, SceneMesh, Sphere, Texture};
 
     fn object(shape: Shape) -> Object {
         Object::new(shape, Material::diffuse(Texture::Solid(DVec3::ONE)))
@@ -310,7 +312,8 @@ mod tests {
         };
         for flip in [false, true] {
             let mesh = Mesh { positions: positions.clone(), triangles: triangles(flip), ..Mesh::default() };
-            let scene = SceneAtTime::with_meshes(vec![], vec![Arc::new(MeshBvh::new(mesh))], Light::default());
+            let scene =
+                SceneAtTime::with_meshes(vec![], vec![Arc::new(SceneMesh::new(mesh, [].into()))], Light::default());
             let site = Site::new(vec![scene], 300).unwrap();
             let facets = facets_of(&site, &[DVec3::splat(3.0), DVec3::splat(-3.0)]);
             assert_eq!(facets.facets.len(), 300);

@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use super::sequence;
-use crate::scene::{AxisBox, Fence, SceneAtTime, Shape, TurnedBox};
+use crate::mesh::AxisBox;
+use crate::scene::{Fence, SceneAtTime, Shape, TurnedBox};
 
 /// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,9 +85,9 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     for [corner, u, v] in flats {
         add(Patch::Flat { corner, u, v }, u.cross(v).length());
     }
-    for (mesh, bvh) in scene.meshes().iter().enumerate() {
-        for triangle in 0..bvh.mesh().triangles.len() {
-            let [a, b, c] = bvh.mesh().corners(triangle);
+    for (mesh, of_mesh) in scene.meshes().iter().enumerate() {
+        for triangle in 0..of_mesh.mesh().triangles.len() {
+            let [a, b, c] = of_mesh.mesh().corners(triangle);
             add(Patch::Triangle { mesh, triangle }, 0.5 * (b - a).cross(c - a).length());
         }
     }
@@ -141,8 +142,8 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
             Some(SurfacePoint { point: center + radius * normal, normal })
         }
         Patch::Triangle { mesh, triangle } => {
-            let mesh = scene.meshes().get(mesh)?.mesh();
-            let [a, b, c] = mesh.corners(triangle);
+            let mesh = scene.meshes().get(mesh)?;
+            let [a, b, c] = mesh.mesh().corners(triangle);
             // The half of the square beyond the diagonal, turned over.
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let is_hole = mesh.is_hole(triangle, glam::DVec2::new(s, t));
@@ -172,9 +173,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::scene::{
-        DemoKind, DemoScene, Light, Material, Mesh, MeshBvh, MeshMaterial, Object, Quad, Sphere, Texture,
-    };
+    use crate::mesh::{Mesh, Ray};
+    use crate::scene::{DemoKind, DemoScene, Light, Material, MeshMaterial, Object, Quad, SceneMesh, Sphere, Texture};
 
     fn scene(shapes: Vec<Shape>) -> SceneAtTime {
         let paint = Material::diffuse(Texture::Solid(DVec3::ONE));
@@ -206,7 +206,7 @@ mod tests {
             let mut met = 0;
             let points = spread(&alone, 200, 5).points;
             for at in &points {
-                let ray = crate::scene::Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
+                let ray = Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
                 let Some(hit) = object.shape().intersect(&ray, 0.0) else { continue };
                 met += 1;
                 // Posts and rails of a fence reach into each other.
@@ -236,10 +236,13 @@ mod tests {
                 positions: positions.clone(),
                 triangles: triangles.clone(),
                 material_of: vec![0; 3],
-                materials: vec![material].into(),
                 ..Mesh::default()
             };
-            let scene = SceneAtTime::with_meshes(vec![], vec![Arc::new(MeshBvh::new(mesh))], Light::default());
+            let scene = SceneAtTime::with_meshes(
+                vec![],
+                vec![Arc::new(SceneMesh::new(mesh, [material].into()))],
+                Light::default(),
+            );
             let found = spread(&scene, 50, 0);
             assert_eq!(found.points.len(), expected);
             assert!(found.points.iter().all(|at| at.point.x + at.point.y <= 1.0 && at.normal == DVec3::Z));

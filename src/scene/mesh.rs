@@ -1,50 +1,26 @@
-//! Triangles and what they are painted with, as every kind of mesh file is brought into.
-//!
-//! Enters: nothing; these are plain data, in world space, metres, at one moment. [`super::bvh::MeshBvh`] makes them
-//! visible to rays, [`super::model`] reads them from files.
+//! A mesh with the materials that rays are shaded with, and its bounding volume hierarchy.
 
+use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4};
+use glam::{DVec2, DVec3};
 
-use super::texture::ImageTexture;
+use crate::mesh::{AxisBox, Bvh, ImageTexture, Mesh, Ray, TriangleHit};
 
-/// Triangles in the world at one moment.
-#[derive(Debug, Clone, Default)]
-pub struct Mesh {
-    /// Corners, metres. Triangles with a corner that is not finite are left out of rays and samples.
-    pub positions: Vec<DVec3>,
-    /// Shading normal of each corner, of any length above 0; empty where triangles are flat.
-    pub normals: Vec<Vec3>,
-    /// Texture coordinates of each corner, (0, 0) the top left of an image; empty where there are none.
-    pub uvs: Vec<Vec2>,
-    /// Colour and alpha of each corner, linear, 0..=1, multiplied with the base colour and its alpha; empty where there are
-    /// none.
-    pub colors: Vec<Vec4>,
-    /// Corners of each triangle, counter-clockwise seen from outside.
-    pub triangles: Vec<[u32; 3]>,
-    /// Index into [`Self::materials`] of each triangle.
-    pub material_of: Vec<u32>,
-    /// What the triangles are painted with.
-    pub materials: Arc<[MeshMaterial]>,
-}
-
-/// A part of the light that leaves a surface by mirror reflection or refraction.
+/// Specular transport at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Optics {
-    /// None.
     #[default]
     Opaque,
-    /// All of it is reflected, times this tint (linear, 0..=1).
     Mirror {
-        /// Reflectance.
+        /// Reflectance, linear, 0..=1.
         tint: DVec3,
     },
-    /// Clear glass: reflected and refracted by Fresnel's equations.
+    /// Clear glass: reflection and refraction by Fresnel's equations.
     Glass {
         /// Index of refraction, 1 or more.
         ior: f64,
-        /// What is left of light that passes (linear, 0..=1).
+        /// Transmittance, linear, 0..=1.
         tint: DVec3,
     },
 }
@@ -58,30 +34,26 @@ pub struct Phong {
     pub exponent: f64,
 }
 
-/// What triangles are painted with.
+/// The material of triangles, as rays are shaded with it.
 #[derive(Debug, Clone)]
 pub struct MeshMaterial {
-    /// Name in the file, for notes.
+    /// As in the file.
     pub name: String,
     /// Diffuse albedo, linear, multiplied with the texture's.
     pub base_color: DVec3,
-    /// Texture of the albedo.
     pub base_texture: Option<Arc<ImageTexture>>,
-    /// Where alpha times the texture's lies below this, there is a hole; `None` for no holes.
+    /// Alpha below it is a hole; `None` without holes.
     pub alpha_cutoff: Option<f64>,
     /// Alpha, multiplied with the texture's.
     pub alpha: f64,
-    /// Radiance given off, linear, multiplied with the texture's.
+    /// Emitted radiance, linear, multiplied with the texture's.
     pub emission: DVec3,
-    /// Texture of the emission.
     pub emissive_texture: Option<Arc<ImageTexture>>,
-    /// Highlight.
     pub phong: Phong,
-    /// The part of its weight that is the base colour of a metal, and takes the colours of corners as that does.
+    /// Part of the weight of the highlight that is a metal's base colour: vertex colours multiply it, too.
     pub metal: DVec3,
-    /// Mirror or glass.
     pub optics: Optics,
-    /// Whether it shines with its colour whatever the light.
+    /// Whether it shows its base colour under any light.
     pub unlit: bool,
 }
 
@@ -104,43 +76,145 @@ impl Default for MeshMaterial {
     }
 }
 
-impl Mesh {
-    /// Corners of a triangle.
-    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
-        self.triangles[triangle].map(|corner| self.positions[corner as usize])
+/// A mesh that rays can be traced against. Holes of alpha are passed through.
+#[derive(Debug, Clone)]
+pub struct SceneMesh {
+    mesh: Mesh,
+    materials: Arc<[MeshMaterial]>,
+    bvh: Bvh,
+    /// Whether any material has holes, and whether any is glass.
+    has_holes: bool,
+    has_glass: bool,
+}
+
+impl SceneMesh {
+    pub fn new(mesh: Mesh, materials: Arc<[MeshMaterial]>) -> SceneMesh {
+        let bvh = Bvh::new((0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)));
+        let has_holes = materials.iter().any(|material| material.alpha_cutoff.is_some());
+        let has_glass = materials.iter().any(|material| matches!(material.optics, Optics::Glass { .. }));
+        SceneMesh { mesh, materials, bvh, has_holes, has_glass }
     }
 
-    /// Texture coordinates at barycentric coordinates (weights of the second and third corner); (0, 0) without any.
-    pub fn uv(&self, triangle: usize, at: DVec2) -> DVec2 {
-        if self.uvs.is_empty() {
-            return DVec2::ZERO;
-        }
-        let [a, b, c] = self.triangles[triangle].map(|corner| self.uvs[corner as usize].as_dvec2());
-        a + at.x * (b - a) + at.y * (c - a)
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
     }
 
-    /// Colour and alpha between the corners, as [`Self::uv`]; `None` without any.
-    pub fn color(&self, triangle: usize, at: DVec2) -> Option<DVec4> {
-        if self.colors.is_empty() {
-            return None;
-        }
-        let [a, b, c] = self.triangles[triangle].map(|corner| self.colors[corner as usize].as_dvec4());
-        Some(a + at.x * (b - a) + at.y * (c - a))
+    pub fn materials(&self) -> &Arc<[MeshMaterial]> {
+        &self.materials
     }
 
-    /// Whether the triangle's material has a hole there, at barycentric coordinates as for [`Self::uv`].
+    /// As [`Bvh::bounds`].
+    pub fn bounds(&self) -> Option<AxisBox> {
+        self.bvh.bounds()
+    }
+
+    /// The nearest triangle strictly within the range, in metres, from either side.
+    pub fn nearest(&self, ray: &Ray, range: Range<f64>) -> Option<TriangleHit> {
+        self.bvh.nearest(ray, range, |hit| !self.is_hole(hit.triangle, hit.barycentric))
+    }
+
+    /// Whether a triangle lies strictly within the range, in metres.
+    pub fn occluded(&self, ray: &Ray, range: Range<f64>) -> bool {
+        self.bvh.any(ray, range, |hit| !self.is_hole(hit.triangle, hit.barycentric))
+    }
+
+    /// [`Self::occluded`] for light, which passes clear glass.
+    pub(super) fn casts_shadow(&self, ray: &Ray, range: Range<f64>) -> bool {
+        self.bvh.any(ray, range, |hit| !self.is_glass(hit.triangle) && !self.is_hole(hit.triangle, hit.barycentric))
+    }
+
+    /// `None` for an index that is not in the list of materials.
+    pub fn material(&self, triangle: usize) -> Option<&MeshMaterial> {
+        self.materials.get(*self.mesh.material_of.get(triangle)? as usize)
+    }
+
+    /// Whether the material has a hole at barycentric coordinates, as for [`Mesh::uv`].
     pub fn is_hole(&self, triangle: usize, at: DVec2) -> bool {
-        let material = self.material_of.get(triangle).and_then(|&index| self.materials.get(index as usize));
-        let Some((material, cutoff)) = material.and_then(|material| Some((material, material.alpha_cutoff?))) else {
+        if !self.has_holes {
             return false;
-        };
+        }
+        let Some(material) = self.material(triangle) else { return false };
+        let Some(cutoff) = material.alpha_cutoff else { return false };
         let mut alpha = material.alpha;
         if let Some(texture) = &material.base_texture {
-            alpha *= texture.sample(self.uv(triangle, at)).1;
+            alpha *= texture.sample(self.mesh.uv(triangle, at)).1;
         }
-        if let Some(color) = self.color(triangle, at) {
+        if let Some(color) = self.mesh.color(triangle, at) {
             alpha *= color.w;
         }
         alpha < cutoff
+    }
+
+    fn is_glass(&self, triangle: usize) -> bool {
+        self.has_glass
+            && self.material(triangle).is_some_and(|material| matches!(material.optics, Optics::Glass { .. }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::mesh::Wrap;
+    use crate::mesh::bvh::tests::brute_force;
+    use crate::mesh::numbers::Numbers;
+
+    #[test]
+    #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
+    fn hits_in_files_equal_brute_force() {
+        let meshes = std::path::Path::new(option_env!("LIGHTFOLD_DATA").unwrap_or("no data")).join("meshes");
+        for file in ["sponza.glb", "dragon.glb", "bunny.obj"] {
+            let (model, _) = crate::scene::Model::open(&meshes.join(file)).unwrap();
+            let scene = model.at(0.0);
+            let bounds = scene.bounds().unwrap();
+            let mut numbers = Numbers::new(7);
+            let mut anywhere = || 0.5 * (bounds.min + bounds.max) + 0.5 * (bounds.max - bounds.min) * numbers.point();
+            let mut hits = 0;
+            for mesh in scene.meshes() {
+                let triangles: Vec<_> = (0..mesh.mesh().triangles.len()).map(|at| mesh.mesh().corners(at)).collect();
+                for _ in 0..60 {
+                    let (from, to) = (anywhere(), anywhere());
+                    let ray = Ray::new(from, to - from).unwrap();
+                    let expected = brute_force(&triangles, &ray, 0.0..f64::INFINITY);
+                    assert_eq!(mesh.bvh.all(&ray, 0.0..f64::INFINITY), expected, "{file} {from} {to}");
+                    let solid = |hit: &&TriangleHit| !mesh.is_hole(hit.triangle, hit.barycentric);
+                    assert_eq!(mesh.nearest(&ray, 0.0..f64::INFINITY), expected.iter().find(solid).copied());
+                    hits += usize::from(!expected.is_empty());
+                }
+            }
+            assert!(hits > 10, "{file}: {hits}");
+        }
+    }
+
+    #[test]
+    fn glass_stops_rays_but_not_light_and_holes_stop_neither() {
+        let square = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        let behind: Vec<DVec3> = square.iter().map(|corner| corner - DVec3::Z).collect();
+        let with = |material: MeshMaterial| {
+            let mesh = Mesh {
+                positions: [square.clone(), behind.clone()].concat(),
+                uvs: vec![Vec2::ZERO; 8],
+                triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]],
+                material_of: vec![0, 0, 1, 1],
+                ..Mesh::default()
+            };
+            SceneMesh::new(mesh, [material, MeshMaterial::default()].into())
+        };
+        let ray = Ray::new(DVec3::new(0.7, 0.2, 1.0), DVec3::NEG_Z).unwrap();
+        let sees = |mesh: &SceneMesh| mesh.nearest(&ray, 0.0..f64::INFINITY).unwrap().triangle;
+        let holes = |alpha| MeshMaterial { alpha, alpha_cutoff: Some(0.5), ..MeshMaterial::default() };
+        assert_eq!(sees(&with(holes(0.6))), 0);
+        assert_eq!(sees(&with(holes(0.4))), 2);
+        assert!(!with(holes(0.4)).occluded(&ray, 0.0..1.5));
+        assert!(with(holes(0.4)).occluded(&ray, 0.0..2.5));
+        let texture = Arc::new(ImageTexture { width: 1, height: 1, pixels: vec![[255; 4]], wrap: [Wrap::Repeat; 2] });
+        assert_eq!(sees(&with(MeshMaterial { base_texture: Some(texture), ..holes(0.6) })), 0);
+        let glass =
+            with(MeshMaterial { optics: Optics::Glass { ior: 1.5, tint: DVec3::ONE }, ..MeshMaterial::default() });
+        assert_eq!(sees(&glass), 0);
+        assert!(glass.occluded(&ray, 0.0..1.5));
+        assert!(!glass.casts_shadow(&ray, 0.0..1.5));
+        assert!(glass.casts_shadow(&ray, 0.0..2.5));
     }
 }

@@ -4,34 +4,31 @@
 //! is what `lightfold demo` and the tests of a codec need.
 
 pub mod animated;
-pub mod bvh;
 pub mod capture;
 pub mod footage;
 pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod model;
-#[cfg(test)]
-mod numbers;
+pub mod object;
 pub mod primitive;
 pub mod procedural;
 pub mod raycast;
 pub mod shading;
 mod shadow_grid;
 mod surface;
-pub mod texture;
-mod triangle;
+pub mod trace;
 
 pub use animated::Scene;
-pub use bvh::{MeshBvh, MeshHit};
 pub use capture::{CapturePlan, CaptureSummary, Kept, MAX_FACE_SIZE, Pass, capture_face};
 pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun, Window};
 pub use material::{Material, Texture};
-pub use mesh::{Mesh, MeshMaterial, Optics, Phong};
+pub use mesh::{MeshMaterial, Optics, Phong, SceneMesh};
 pub use model::{Model, Play};
-pub use primitive::{AxisBox, Fence, Intersection, Quad, Ray, Shape, Sphere, TurnedBox};
+pub use object::{CastsShadow, Object};
+pub use primitive::{Fence, Quad, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
-pub use raycast::{CastsShadow, FirstHit, Hit, OPAQUE, Object, SceneAtTime, Thing, trace};
-pub use texture::{ImageTexture, Wrap};
-pub(crate) use triangle::RayFrame;
+pub use raycast::{FirstHit, HitSurface, SceneAtTime};
+pub use shading::OPAQUE;
+pub use trace::{Hit, trace};

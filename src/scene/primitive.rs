@@ -5,53 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-/// A half line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    origin: DVec3,
-    direction: DVec3,
-    /// 1 / direction, infinite where an axis is 0: every box asks for it.
-    inverse: DVec3,
-}
-
-impl Ray {
-    /// A ray in `direction`, which need not have length 1.
-    ///
-    /// `None` when the origin is not finite or the direction has no length.
-    pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
-        let direction = direction.try_normalize()?;
-        origin.is_finite().then_some(Ray::from_unit(origin, direction))
-    }
-
-    /// A ray whose direction is known to have length 1.
-    pub(super) fn from_unit(origin: DVec3, direction: DVec3) -> Ray {
-        Ray { origin, direction, inverse: direction.recip() }
-    }
-
-    /// Where it starts, metres.
-    pub fn origin(&self) -> DVec3 {
-        self.origin
-    }
-
-    /// Where it goes; length 1.
-    pub fn direction(&self) -> DVec3 {
-        self.direction
-    }
-
-    /// The point at `distance` metres.
-    pub fn at(&self, distance: f64) -> DVec3 {
-        self.origin + distance * self.direction
-    }
-}
-
-/// Where a ray meets a surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Intersection {
-    /// Metres along the ray.
-    pub distance: f64,
-    /// Normal of the surface, length 1, pointing out of the solid (for a [`Quad`], to the side of `u × v`).
-    pub normal: DVec3,
-}
+use crate::mesh::{AxisBox, Intersection, Ray};
 
 /// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,10 +19,10 @@ pub struct Sphere {
 impl Sphere {
     /// The nearest surface point beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let to_center = self.center - ray.origin;
-        let closest = to_center.dot(ray.direction);
+        let to_center = self.center - ray.origin();
+        let closest = to_center.dot(ray.direction());
         // The offset of the ray from the centre, squared directly: b² − c would cancel for small far spheres.
-        let offset = to_center - closest * ray.direction;
+        let offset = to_center - closest * ray.direction();
         let inside = self.radius * self.radius - offset.length_squared();
         if inside < 0.0 {
             return None;
@@ -78,85 +32,6 @@ impl Sphere {
         let ahead = |distance: &f64| *distance > min_distance && distance.is_finite();
         let distance = [closest - half, closest + half].into_iter().find(ahead)?;
         Some(Intersection { distance, normal: (ray.at(distance) - self.center) / self.radius })
-    }
-}
-
-/// A box whose edges follow the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AxisBox {
-    /// Smallest corner, metres.
-    pub min: DVec3,
-    /// Largest corner, metres.
-    pub max: DVec3,
-}
-
-impl AxisBox {
-    /// The smallest box around points; `None` without any.
-    pub fn around(points: impl IntoIterator<Item = DVec3>) -> Option<AxisBox> {
-        let alone = |point| AxisBox { min: point, max: point };
-        points.into_iter().map(alone).reduce(AxisBox::join)
-    }
-
-    /// The smallest box around two.
-    pub fn join(self, other: AxisBox) -> AxisBox {
-        AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
-    }
-
-    /// Whether a point lies inside or on a face.
-    pub fn contains(&self, point: DVec3) -> bool {
-        point.cmpge(self.min).all() && point.cmple(self.max).all()
-    }
-
-    /// Distance in metres from a point to the box; 0 inside.
-    pub fn distance_m(&self, point: DVec3) -> f64 {
-        point.distance(point.clamp(self.min, self.max))
-    }
-
-    /// The eight corners.
-    pub fn corners(&self) -> [DVec3; 8] {
-        std::array::from_fn(|i| {
-            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
-            DVec3::new(pick(0), pick(1), pick(2))
-        })
-    }
-
-    /// The nearest surface point beyond `min_distance`, also from inside.
-    pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let (enters, leaves) = self.slabs(ray);
-        let (enter, leave) = (enters.max_element(), leaves.min_element());
-        // Asked this way round, a box or ray of NaN is a miss.
-        let met = enter <= leave && leave > min_distance;
-        if !met {
-            return None;
-        }
-        let entering = enter > min_distance;
-        let distance = if entering { enter } else { leave };
-        // Which face only a hit needs to know.
-        let axis = if entering { enters.max_position() } else { leaves.min_position() };
-        let mut normal = DVec3::ZERO;
-        normal[axis] = if entering { -ray.direction[axis].signum() } else { ray.direction[axis].signum() };
-        Some(Intersection { distance, normal })
-    }
-
-    /// Where the ray enters and leaves the slab of each axis.
-    ///
-    /// A ray parallel to a slab is inside it for ever or never: −inf..+inf or an empty stretch. The product alone
-    /// would give 0 · inf = NaN on the slab's own plane.
-    pub(super) fn slabs(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let a = (self.min - ray.origin) * ray.inverse;
-        let b = (self.max - ray.origin) * ray.inverse;
-        let (mut enters, mut leaves) = (a.min(b), a.max(b));
-        if ray.inverse.is_finite() {
-            return (enters, leaves);
-        }
-        for axis in 0..3 {
-            if !ray.inverse[axis].is_finite() {
-                let inside = ray.origin[axis] >= self.min[axis] && ray.origin[axis] <= self.max[axis];
-                (enters[axis], leaves[axis]) =
-                    if inside { (f64::NEG_INFINITY, f64::INFINITY) } else { (f64::INFINITY, f64::NEG_INFINITY) };
-            }
-        }
-        (enters, leaves)
     }
 }
 
@@ -186,7 +61,7 @@ impl TurnedBox {
 
     /// The nearest surface point beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let local = Ray::from_unit(self.to_local(ray.origin - self.center), self.to_local(ray.direction));
+        let local = Ray::from_unit(self.to_local(ray.origin() - self.center), self.to_local(ray.direction()));
         let hit = AxisBox { min: -self.half, max: self.half }.intersect(&local, min_distance)?;
         Some(Intersection { distance: hit.distance, normal: self.to_world(hit.normal) })
     }
@@ -207,11 +82,11 @@ impl Quad {
     /// The surface point, if it lies beyond `min_distance`. A ray in the plane itself misses.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let across = self.u.cross(self.v);
-        let slope = across.dot(ray.direction);
+        let slope = across.dot(ray.direction());
         if slope == 0.0 {
             return None;
         }
-        let distance = across.dot(self.corner - ray.origin) / slope;
+        let distance = across.dot(self.corner - ray.origin()) / slope;
         if distance <= min_distance || !distance.is_finite() {
             return None;
         }
@@ -256,8 +131,8 @@ impl Fence {
     /// The nearest surface point beyond `min_distance`. Only the posts beside which the ray passes are tried.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let bounds = self.bounds();
-        let (enters, leaves) = bounds.slabs(ray);
-        let (enter, leave) = (enters.max_element().max(min_distance), leaves.min_element());
+        let slabs = bounds.slabs(ray);
+        let (enter, leave) = (slabs.enter().max(min_distance), slabs.leave());
         if enter > leave || self.posts == 0 {
             return None;
         }
@@ -346,8 +221,6 @@ mod tests {
         Ray::new(DVec3::from(origin), DVec3::from(direction)).unwrap()
     }
 
-    const UNIT: AxisBox = AxisBox { min: DVec3::NEG_ONE, max: DVec3::ONE };
-
     #[test]
     fn sphere_from_outside_inside_and_beside() {
         let ball = Sphere { center: DVec3::new(0.0, 0.0, -5.0), radius: 2.0 };
@@ -373,33 +246,6 @@ mod tests {
             let away = Ray::new(from.at(hit.distance) + 1e-6 * hit.normal, hit.normal).unwrap();
             assert_eq!(ball.intersect(&away, 0.0), None);
         }
-    }
-
-    #[test]
-    fn a_box_around_points_contains_them_and_is_so_far_from_others() {
-        assert_eq!(AxisBox::around([]), None);
-        let points = [DVec3::new(1.0, 5.0, -3.0), DVec3::new(-1.0, 2.0, 0.0), DVec3::new(0.0, 3.0, 1.0)];
-        let around = AxisBox::around(points).unwrap();
-        assert_eq!((around.min, around.max), (DVec3::new(-1.0, 2.0, -3.0), DVec3::new(1.0, 5.0, 1.0)));
-        assert!(points.iter().all(|&point| around.contains(point) && around.distance_m(point) == 0.0));
-        for (outside, distance) in [(DVec3::new(4.0, 3.0, 5.0), 5.0), (DVec3::new(0.0, 1.0, 0.0), 1.0)] {
-            assert!(!around.contains(outside) && around.distance_m(outside) == distance);
-        }
-        assert!(!around.contains(DVec3::NAN));
-    }
-
-    #[test]
-    fn box_faces_axis_parallel_and_inside() {
-        let hit = UNIT.intersect(&ray([0.3, 0.2, 4.0], [0.0, 0.0, -1.0]), 0.0).unwrap();
-        assert_eq!((hit.distance, hit.normal), (3.0, DVec3::Z));
-        let hit = UNIT.intersect(&ray([-4.0, 0.0, 0.0], [1.0, 0.0, 0.0]), 0.0).unwrap();
-        assert_eq!((hit.distance, hit.normal), (3.0, DVec3::NEG_X));
-        let hit = UNIT.intersect(&ray([0.0; 3], [0.0, -1.0, 0.0]), 0.0).unwrap();
-        assert_eq!((hit.distance, hit.normal), (1.0, DVec3::NEG_Y));
-        // Parallel to a face: in its plane it still grazes, outside it never does, and nothing is NaN.
-        assert!(UNIT.intersect(&ray([1.0, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0).is_some());
-        assert_eq!(UNIT.intersect(&ray([1.000_001, 0.0, 4.0], [0.0, 0.0, -1.0]), 0.0), None);
-        assert_eq!(UNIT.intersect(&ray([0.0, 0.0, 4.0], [0.0, 0.0, 1.0]), 0.0), None);
     }
 
     #[test]
@@ -490,13 +336,5 @@ mod tests {
             }
             assert!(hits > 100, "{shape:?}: {hits}");
         }
-        assert_eq!(UNIT.corners().iter().sum::<DVec3>(), DVec3::ZERO);
-    }
-
-    #[test]
-    fn bad_rays_are_refused() {
-        assert_eq!(Ray::new(DVec3::ZERO, DVec3::ZERO), None);
-        assert_eq!(Ray::new(DVec3::NAN, DVec3::X), None);
-        assert_eq!(Ray::new(DVec3::ZERO, DVec3::NAN), None);
     }
 }

@@ -7,13 +7,13 @@ mod cornell;
 mod courtyard;
 mod interior;
 mod mirrors;
+mod parts;
 mod turning;
 
 use glam::DVec3;
 
-use super::material::{Material, Texture};
-use super::primitive::{AxisBox, Quad, Shape, Sphere};
-use super::raycast::{CastsShadow, Object, SceneAtTime};
+use super::object::Object;
+use super::raycast::SceneAtTime;
 
 /// The scenes there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -114,50 +114,11 @@ impl DemoScene {
     }
 }
 
-fn rgb(r: f64, g: f64, b: f64) -> DVec3 {
-    DVec3::new(r, g, b)
-}
-
-/// A box by its smallest and largest corner.
-fn block(min: [f64; 3], max: [f64; 3], texture: Texture) -> Object {
-    Object::new(Shape::AxisBox(AxisBox { min: min.into(), max: max.into() }), Material::diffuse(texture))
-}
-
-/// A ball, textured in its own coordinates.
-fn ball(center: DVec3, radius: f64, texture: Texture) -> Object {
-    let mut object = Object::new(Shape::Sphere(Sphere { center, radius }), Material::diffuse(texture));
-    object.anchor = center;
-    object
-}
-
-/// A rectangle that keeps no light from anything: walls of a room that is lit from within, and lights.
-fn wall(corner: [f64; 3], u: DVec3, v: DVec3, texture: Texture) -> Object {
-    let mut object = Object::new(Shape::Quad(Quad { corner: corner.into(), u, v }), Material::diffuse(texture));
-    object.casts_shadow = CastsShadow::No;
-    object
-}
-
-/// Floor, ceiling, and the walls to −X, +X, −Z, +Z of a room.
-fn room(inside: AxisBox, textures: [Texture; 6]) -> [Object; 6] {
-    let AxisBox { min, max } = inside;
-    let size = max - min;
-    let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
-    let [floor, ceiling, left, right, back, front] = textures;
-    let low = min.to_array();
-    [
-        wall(low, z, x, floor),
-        wall([min.x, max.y, min.z], x, z, ceiling),
-        wall(low, y, z, left),
-        wall([max.x, min.y, min.z], z, y, right),
-        wall(low, x, y, back),
-        wall([min.x, min.y, max.z], y, x, front),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::Face;
+    use crate::mesh::AxisBox;
     use crate::scene::capture_face;
 
     #[test]
@@ -167,16 +128,6 @@ mod tests {
             assert_eq!(DemoScene::new(kind).kind(), kind);
         }
         assert_eq!(DemoKind::from_name("castle"), None);
-    }
-
-    #[test]
-    fn walls_face_into_the_room() {
-        let inside = AxisBox { min: DVec3::new(-1.0, 0.0, -2.0), max: DVec3::new(2.0, 3.0, 1.0) };
-        let middle = 0.5 * (inside.min + inside.max);
-        for wall in room(inside, [Texture::Solid(DVec3::ONE); 6]) {
-            let Shape::Quad(quad) = wall.shape() else { panic!("{wall:?}") };
-            assert!(quad.u.cross(quad.v).dot(middle - quad.corner) > 0.0, "{quad:?}");
-        }
     }
 
     #[test]

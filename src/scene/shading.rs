@@ -10,17 +10,19 @@ mod tests;
 
 use glam::DVec3;
 
-use super::bvh::Stops;
 use super::light::Lamp;
 use super::mesh::{Optics, Phong};
-use super::primitive::Ray;
 use super::raycast::SceneAtTime;
 use super::surface::Surface;
+use crate::mesh::Ray;
 
 /// Reflections and refractions on one path; what lies beyond counts as the ambient light.
 pub const MAX_BOUNCES: u32 = 8;
 /// A path that brings less than this share of its light to the eye ends in the ambient light, too.
 const LEAST_WEIGHT: f64 = 1e-4;
+
+/// Weight of reflection, weight of refraction and index of refraction of an opaque surface.
+pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// How a ray came about.
 #[derive(Debug, Clone, Copy)]
@@ -170,16 +172,16 @@ impl SceneAtTime {
 
     /// Whether something keeps light from the first `length` metres.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
-        self.objects().iter().filter(|object| object.keeps_light()).any(|object| {
+        self.objects().iter().filter(|object| object.is_occluder()).any(|object| {
             object.bounds().intersect(ray, 0.0).is_some()
                 && object.shape().intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
-        }) || self.meshes().iter().any(|mesh| mesh.stopped(ray, [0.0, length], Stops::Opaque))
+        }) || self.meshes().iter().any(|mesh| mesh.casts_shadow(ray, 0.0..length))
     }
 
     fn in_sun_shadow(&self, sun: DVec3, shadows: &super::shadow_grid::ShadowGrid, point: DVec3) -> bool {
         let ray = Ray::from_unit(point, sun);
         shadows.casters(point).iter().any(|&index| self.objects()[index].shape().intersect(&ray, 0.0).is_some())
-            || self.meshes().iter().any(|mesh| mesh.stopped(&ray, [0.0, f64::INFINITY], Stops::Opaque))
+            || self.meshes().iter().any(|mesh| mesh.casts_shadow(&ray, 0.0..f64::INFINITY))
     }
 }
 
@@ -232,7 +234,7 @@ impl Surface {
     /// Weights of reflection and refraction and the index of refraction, as a material stream has them.
     pub(super) fn optical_weights(&self, direction: DVec3) -> [f64; 3] {
         match self.optics {
-            Optics::Opaque => super::raycast::OPAQUE,
+            Optics::Opaque => OPAQUE,
             Optics::Mirror { .. } => [1.0, 0.0, 1.0],
             Optics::Glass { ior, .. } => {
                 let (share, _) = self.fresnel(direction, self.optical_normal(direction), ior);

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::raycast::Object;
+use super::object::Object;
 
 /// The shafts of one sun.
 #[derive(Debug, Clone)]
@@ -29,7 +29,7 @@ impl ShadowGrid {
         let casters: Vec<(usize, DVec2, DVec2)> = objects
             .iter()
             .enumerate()
-            .filter(|(_, object)| object.keeps_light())
+            .filter(|(_, object)| object.is_occluder())
             .map(|(index, object)| {
                 let corners = object.bounds().corners().map(flat);
                 // Ten micrometres for rounding and for the lift of shadow rays.

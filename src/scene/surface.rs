@@ -3,12 +3,14 @@
 //! Enters: a scene, a ray, the nearest hit on it. Leaves: `Surface`: point, normals, paint. Normals lie on the side
 //! from which the ray came, because the side that is seen is the side that is lit.
 
+use std::sync::Arc;
+
 use glam::{DQuat, DVec3};
 
-use super::bvh::{MeshBvh, MeshHit};
-use super::mesh::{MeshMaterial, Optics, Phong};
-use super::primitive::Ray;
-use super::raycast::{FirstHit, Object, SceneAtTime, Thing};
+use super::mesh::{MeshMaterial, Optics, Phong, SceneMesh};
+use super::object::Object;
+use super::raycast::{FirstHit, HitSurface, SceneAtTime};
+use crate::mesh::{ImageTexture, Ray, TriangleHit};
 
 /// A point of a surface, as it is seen from one side.
 #[derive(Debug, Clone, Copy)]
@@ -30,9 +32,9 @@ pub(super) struct Surface {
 impl SceneAtTime {
     /// What lies at `hit`, which is on `ray`.
     pub(super) fn surface(&self, ray: &Ray, hit: &FirstHit) -> Surface {
-        match hit.thing {
-            Thing::Object { index, normal } => of_object(&self.objects()[index], ray, (hit.distance, normal)),
-            Thing::Mesh { index, at } => of_mesh(&self.meshes()[index], ray, &at),
+        match hit.surface {
+            HitSurface::Object { index, normal } => of_object(&self.objects()[index], ray, (hit.distance, normal)),
+            HitSurface::Mesh { index, at } => of_mesh(&self.meshes()[index], ray, &at),
         }
     }
 }
@@ -60,8 +62,8 @@ fn of_object(object: &Object, ray: &Ray, (distance, outward): (f64, DVec3)) -> S
     }
 }
 
-fn of_mesh(bvh: &MeshBvh, ray: &Ray, hit: &MeshHit) -> Surface {
-    let mesh = bvh.mesh();
+fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
+    let mesh = scene_mesh.mesh();
     let corners = mesh.corners(hit.triangle);
     let outward = outward(&corners);
     let from_within = outward.dot(ray.direction()) > 0.0;
@@ -78,13 +80,10 @@ fn of_mesh(bvh: &MeshBvh, ray: &Ray, hit: &MeshHit) -> Surface {
         if between.dot(side) < 0.0 { -between } else { between }
     };
     let absent = MeshMaterial::default();
-    let index = mesh.material_of.get(hit.triangle).copied().unwrap_or(u32::MAX);
-    let material = mesh.materials.get(index as usize).unwrap_or(&absent);
+    let material = scene_mesh.material(hit.triangle).unwrap_or(&absent);
     let uv = mesh.uv(hit.triangle, hit.barycentric);
-    let textured = |color: DVec3, texture: &Option<_>| match texture {
-        Some(texture) if color != DVec3::ZERO => {
-            color * std::sync::Arc::<super::ImageTexture>::as_ref(texture).sample(uv).0
-        }
+    let textured = |color: DVec3, texture: &Option<Arc<ImageTexture>>| match texture {
+        Some(texture) if color != DVec3::ZERO => color * texture.sample(uv).0,
         _ => color,
     };
     let mut painted = Surface {

@@ -13,8 +13,8 @@ use std::time::Instant;
 
 use clock::Clock;
 use glam::{DVec3, Vec3};
-use lightfold::scene::mesh::{Mesh, MeshMaterial};
-use lightfold::scene::{Light, MeshBvh, Ray, Scene, SceneAtTime};
+use lightfold::mesh::{Mesh, Ray};
+use lightfold::scene::{Light, MeshMaterial, Scene, SceneAtTime, SceneMesh};
 
 /// Widths of faces in pixels.
 const SIZES: [u32; 3] = [256, 512, 1024];
@@ -31,7 +31,7 @@ fn main() {
         "scene", "triangles", "build s", "256", "512", "1024", "shadow", "random", "sees", "shaded"
     );
     let start = Instant::now();
-    let tree = MeshBvh::new(landscape());
+    let tree = SceneMesh::new(landscape(), [MeshMaterial::default()].into());
     let seconds = start.elapsed().as_secs_f64();
     let scene = SceneAtTime::with_meshes(vec![], vec![tree.into()], Light::default());
     measure("landscape", &scene, seconds);
@@ -41,7 +41,7 @@ fn main() {
             let moment = scene.at(0.0);
             let start = Instant::now();
             for mesh in moment.meshes() {
-                black_box(MeshBvh::new(mesh.mesh().clone()));
+                black_box(SceneMesh::new(mesh.mesh().clone(), mesh.materials().clone()));
             }
             measure("sponza.glb", &moment, start.elapsed().as_secs_f64());
         }
@@ -66,7 +66,7 @@ fn measure(name: &str, scene: &SceneAtTime, build_seconds: f64) {
     let sun = Light::default().suns[0].direction;
     let to_sun: Vec<Ray> = hits.iter().filter_map(|&at| Ray::new(at, sun)).collect();
     let seconds = median(|| {
-        let dark = |ray: &&Ray| scene.meshes().iter().any(|mesh| mesh.occluded(ray, 1e-4, f64::INFINITY));
+        let dark = |ray: &&Ray| scene.meshes().iter().any(|mesh| mesh.occluded(ray, 1e-4..f64::INFINITY));
         to_sun.iter().filter(dark).count()
     });
     print!("  {:>6.2} ", speed(to_sun.len(), seconds));
@@ -78,7 +78,7 @@ fn measure(name: &str, scene: &SceneAtTime, build_seconds: f64) {
     print!("{:>6.2} ", speed(rays_anywhere.len(), seconds));
     let seconds = median(|| hits.iter().zip(&ends).filter(|(hit, ends)| scene.sees(ends[0], **hit)).count());
     print!("{:>6.2} ", speed(hits.len().min(RANDOM), seconds));
-    let seconds = median(|| rays.iter().map(|ray| scene.look(ray, []).color).sum::<DVec3>().x as usize);
+    let seconds = median(|| rays.iter().map(|ray| scene.trace(ray, []).color).sum::<DVec3>().x as usize);
     println!("{:>6.2}", speed(rays.len(), seconds));
 }
 
@@ -99,7 +99,7 @@ fn camera(eye: DVec3, size: u32) -> Vec<Ray> {
 
 /// Hills in a bowl, ten metres wide.
 fn landscape() -> Mesh {
-    let mut mesh = Mesh { materials: [MeshMaterial::default()].into(), ..Mesh::default() };
+    let mut mesh = Mesh::default();
     let side = SQUARES + 1;
     for row in 0..side {
         for col in 0..side {

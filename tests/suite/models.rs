@@ -1,9 +1,11 @@
 //! Scenes from mesh files: what is in them, where it is at which time, and what is said about files that are broken.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::DVec3;
-use lightfold::scene::{Mesh, Model, Play, SceneAtTime};
+use lightfold::mesh::Mesh;
+use lightfold::scene::{MeshMaterial, Model, Play, SceneAtTime};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, MTL, OBJ, TRIANGLE, rich};
@@ -39,8 +41,24 @@ fn only(scene: &SceneAtTime) -> &Mesh {
     scene.meshes()[0].mesh()
 }
 
-pub fn first(model: &Model) -> Mesh {
-    only(&model.at(0.0)).clone()
+/// A mesh and its materials.
+pub struct Painted {
+    pub mesh: Mesh,
+    pub materials: Arc<[MeshMaterial]>,
+}
+
+impl std::ops::Deref for Painted {
+    type Target = Mesh;
+
+    fn deref(&self) -> &Mesh {
+        &self.mesh
+    }
+}
+
+/// The only mesh at the beginning.
+pub fn first(model: &Model) -> Painted {
+    let scene = model.at(0.0);
+    Painted { mesh: only(&scene).clone(), materials: scene.meshes()[0].materials().clone() }
 }
 
 #[track_caller]
@@ -87,7 +105,7 @@ fn a_triangle_comes_out_of_each_kind_of_file() {
         let mesh = first(&model);
         assert_corners(&mesh, &CORNERS);
         assert!(mesh.normals.is_empty() && mesh.uvs.is_empty());
-        assert_eq!((mesh.materials[0].base_color, mesh.material_of), (DVec3::splat(0.8), vec![0]));
+        assert_eq!((mesh.materials[0].base_color, &mesh.material_of[..]), (DVec3::splat(0.8), &[0][..]));
         assert_eq!(model.at(0.0).light().suns.len(), 1, "a day, as the file has no light");
     }
 }

@@ -1,7 +1,8 @@
 //! What triangles of mesh files are painted with, and what shines on them.
 
 use glam::{DVec2, DVec3};
-use lightfold::scene::{MeshMaterial, Model, Optics, Window, Wrap, trace};
+use lightfold::mesh::Wrap;
+use lightfold::scene::{MeshMaterial, Model, Optics, Window, trace};
 use serde_json::{Value, json};
 
 use crate::model_files::{Gltf, TRIANGLE, base64, png};
@@ -146,7 +147,7 @@ fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
         ("data:image/png;base64,????".to_string(), "base64"),
         ("data:,".to_string(), "base64"),
         (inside(b"GIF89a"), "neither a PNG nor a JPEG"),
-        (inside(&bomb), "the picture"),
+        (inside(&bomb), "the image"),
         (inside(&torn), "damaged"),
     ];
     for (uri, expected) in cases {

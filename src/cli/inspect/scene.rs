@@ -123,9 +123,9 @@ impl Facts {
 fn materials(moment: &SceneAtTime) -> Vec<&MeshMaterial> {
     let mut found = Vec::new();
     let mut known = BTreeSet::new();
-    for mesh in moment.meshes().iter().map(|mesh| mesh.mesh()) {
-        let used: BTreeSet<u32> = mesh.material_of.iter().copied().collect();
-        for material in used.into_iter().filter_map(|number| mesh.materials.get(number as usize)) {
+    for mesh in moment.meshes() {
+        let used: BTreeSet<u32> = mesh.mesh().material_of.iter().copied().collect();
+        for material in used.into_iter().filter_map(|number| mesh.materials().get(number as usize)) {
             // What moves and what does not share one list.
             if known.insert(std::ptr::from_ref(material)) {
                 found.push(material);

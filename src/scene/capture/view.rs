@@ -14,9 +14,10 @@ use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::{Face, equirect};
+use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
-use crate::scene::primitive::{AxisBox, Ray};
-use crate::scene::raycast::{OPAQUE, SceneAtTime};
+use crate::scene::raycast::SceneAtTime;
+use crate::scene::shading::OPAQUE;
 
 /// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;
@@ -260,7 +261,7 @@ impl View<'_> {
         let mut centre = None;
         if let Some(color) = &mut band.color {
             if self.shot.samples.is_centre() {
-                let hit = self.scene.look(&self.ray(x, y), candidates.iter().copied());
+                let hit = self.scene.trace(&self.ray(x, y), candidates.iter().copied());
                 color[pixel] = halves(hit.color);
                 centre = Some(Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics });
             } else {
@@ -293,7 +294,7 @@ impl View<'_> {
         let points = self.shot.samples.points();
         let look = |[x, y]: [f64; 2]| {
             let ray = self.ray(f64::from(col) + x, f64::from(row) + y);
-            self.scene.look(&ray, candidates.iter().copied()).color
+            self.scene.trace(&ray, candidates.iter().copied()).color
         };
         let sum = points.iter().fold(DVec3::ZERO, |sum, &point| sum + look(point));
         halves(sum / points.len() as f64)
@@ -306,7 +307,7 @@ impl View<'_> {
             let distance = first.map_or(f64::INFINITY, |first| first.distance);
             return Centre { distance, normal: DVec3::ZERO, optics: OPAQUE };
         }
-        let hit = self.scene.look(ray, candidates.iter().copied());
+        let hit = self.scene.trace(ray, candidates.iter().copied());
         Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics }
     }
 

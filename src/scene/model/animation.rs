@@ -8,9 +8,9 @@ use gltf::json;
 use gltf::json::animation::{Interpolation, Property};
 use gltf::json::validation::Checked;
 
-use super::buffers::Buffers;
-use super::nodes::{Pose, quaternion};
 use crate::error::{Error, Result};
+use crate::mesh::gltf::buffers::Buffers;
+use crate::mesh::gltf::nodes::{Pose, quaternion};
 
 /// Values at times.
 #[derive(Debug, Clone)]

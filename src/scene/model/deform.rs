@@ -2,30 +2,12 @@
 //!
 //! Enters: a mesh as its file has it, weights, and where joints are. Leaves: its corners and normals in the world.
 
-use glam::{DMat3, DMat4, DVec3, Vec3};
+use glam::{DMat3, DMat4, DVec3};
 
-use super::assembly::Winding;
-use super::buffers::Buffers;
-use super::primitives::Geometry;
 use crate::error::{Error, Result};
-
-/// What one morph target adds to corners.
-#[derive(Debug, Default)]
-pub struct Target {
-    /// To positions; empty for nothing.
-    pub positions: Vec<Vec3>,
-    /// To normals; empty for nothing.
-    pub normals: Vec<Vec3>,
-}
-
-/// Four joints that move each corner, and how much each of them does.
-#[derive(Debug)]
-pub struct Influences {
-    /// Numbers of joints of the skin.
-    pub joints: Vec<[u32; 4]>,
-    /// Their weights.
-    pub weights: Vec<[f32; 4]>,
-}
+use crate::mesh::assembly::Winding;
+use crate::mesh::gltf::buffers::Buffers;
+use crate::mesh::gltf::primitives::{Geometry, Influences};
 
 /// Joints.
 #[derive(Debug)]

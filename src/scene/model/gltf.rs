@@ -6,17 +6,19 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::animation::Animation;
-use super::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
-use super::buffers::Buffers;
 use super::deform::Skin;
-use super::document::{self, Parsed};
-use super::folder::Folder;
-use super::materials::{self, Paint};
-use super::nodes::Nodes;
-use super::primitives::{self, Geometry};
+use super::lights;
+use super::materials::shaded;
+use super::options::{Play, printable};
 use super::stage::{Instance, Stage};
-use super::{Play, lights};
 use crate::error::{Error, Result};
+use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
+use crate::mesh::folder::Folder;
+use crate::mesh::gltf::buffers::Buffers;
+use crate::mesh::gltf::document::{self, Parsed};
+use crate::mesh::gltf::materials::{self, Paint};
+use crate::mesh::gltf::nodes::Nodes;
+use crate::mesh::gltf::primitives::{self, Geometry};
 
 /// A scene, and the names of all animations in its file.
 #[derive(Debug)]
@@ -77,7 +79,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
             let all = if all.is_empty() {
                 "it has none".to_string()
             } else {
-                super::printable(&format!("it has {}", all.join(", ")))
+                printable(&format!("it has {}", all.join(", ")))
             };
             Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display()))
         })?),
@@ -91,7 +93,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         let shown: String = first.chars().take(80).collect();
         notes.push(format!("of {} animations the first is shown, “{shown}”", animations.len()));
     }
-    let materials = paints.into_iter().map(|paint| paint.material).collect();
+    let materials = paints.into_iter().map(shaded).collect();
     let durations_s = root.animations.iter().map(|animation| stated_duration_s(root, animation)).collect();
     let contents = buffers.folder.contents(bytes);
     let stage = Stage { nodes, instances, skins, materials, lights, animation };

@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3};
 use gltf::khr_lights_punctual::Kind;
 
 use crate::error::{Error, Result};
-use crate::scene::raycast::{Cone, Lamp, Light, Sun, Window};
+use crate::scene::light::{Cone, Lamp, Light, Sun, Window};
 
 /// Most lights of a scene: each surface point asks for each of them whether it is in its shadow.
 const MAX_SUNS: usize = 64;

@@ -1,191 +1,61 @@
-//! Materials of a glTF file as what rays are shaded with (glTF 2.0, section 3.9, and its extensions).
+//! Metallic-roughness materials as the ray caster shades them: Lambert and Phong, mirror or clear glass.
 //!
-//! Enters: metallic-roughness or specular-glossiness parameters. Leaves: diffuse, a highlight, emission, mirror or glass.
-//!
-//! A microfacet lobe of roughness r becomes Phong's. Microfacets are about as many as those of Blinn's lobe with exponent
-//! 2/α² − 2, where α = r²; that one is of the angle of the half vector. Phong's is of the angle to the mirror direction,
-//! which is twice that, so that a lobe as wide has about a quarter of the exponent: (2/α² − 2)/4, at least 1.
-//! A dielectric reflects what its index of refraction makes it reflect head on, a metal its base colour, and a metal has
-//! no diffuse part. Roughness and metalness in textures count by their means.
+//! A microfacet lobe of roughness r (α = r²) is about as wide as Blinn's of exponent 2/α² − 2 over the half vector. The
+//! angle to the mirror direction is twice that to the half vector, so Phong's exponent is a quarter: (2/α² − 2)/4, at
+//! least 1. A metal reflects its base colour and has no diffuse part.
 
 use glam::DVec3;
-use gltf::Material;
-use gltf::material::AlphaMode;
-use gltf::texture::Info;
 
-use super::buffers::Buffers;
-use super::primitives::Coordinates;
-use super::textures::{Textures, coordinates};
+use crate::mesh::gltf::materials::Paint;
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
 
-/// Metals at least so pure, and at most so rough, are mirrors.
+/// Least metalness and largest roughness of a mirror.
 const MIRROR_METALLIC: f64 = 0.95;
 const MIRROR_ROUGHNESS: f64 = 0.05;
-/// From so much transmission on a surface is glass.
+/// Least transmission of glass.
 const GLASS_TRANSMISSION: f64 = 0.5;
-/// Alpha below this is a hole where a file asks for blending.
-const BLEND_CUTOFF: f64 = 0.5;
 /// Largest exponent of a highlight: narrower ones fall between the rays.
 const MAX_EXPONENT: f64 = 1e4;
 
-/// A material, and where its textures are looked up.
-#[derive(Debug, Clone)]
-pub struct Paint {
-    /// The material.
-    pub material: MeshMaterial,
-    /// Where its textures are looked up; `None` without textures.
-    pub coordinates: Option<Coordinates>,
-}
-
-/// All materials of a document. Index 0 is the one of triangles without any; those of the document follow in order.
-pub fn read_all(document: &gltf::Document, buffers: &mut Buffers, notes: &mut Vec<String>) -> Vec<Paint> {
-    let mut textures = Textures::default();
-    let mut all = vec![Paint { material: MeshMaterial::default(), coordinates: None }];
-    for material in document.materials() {
-        all.push(read(&material, buffers, &mut textures, notes));
-    }
-    notes.append(&mut textures.notes);
-    note_left_out(document, notes);
-    all
-}
-
-/// What no material is shown with, said once.
-fn note_left_out(document: &gltf::Document, notes: &mut Vec<String>) {
-    let normal = document.materials().filter(|material| material.normal_texture().is_some()).count();
-    let occlusion = document.materials().filter(|material| material.occlusion_texture().is_some()).count();
-    if normal + occlusion > 0 {
-        notes.push(format!(
-            "normal maps of {normal} materials and occlusion maps of {occlusion} are left out: surfaces are shaded without"
-        ));
-    }
-    let single = document.materials().filter(|material| material.index().is_some() && !material.double_sided()).count();
-    if single > 0 && single < document.materials().count() {
-        notes.push(format!("{single} materials are single-sided in the file; here all are seen from both sides"));
-    }
-}
-
-fn read(material: &Material, buffers: &mut Buffers, textures: &mut Textures, notes: &mut Vec<String>) -> Paint {
-    let number = material.index().unwrap_or(0);
-    let name = material.name().map_or_else(|| format!("material {number}"), str::to_string);
-    let surface = Surface::of(material);
-    let base_texture = surface.base_info.as_ref().and_then(|info| textures.get(&info.texture(), buffers));
-    let base_mean = surface.base * textures.means(surface.base_info.as_ref(), buffers)[0];
-    let map = material.pbr_metallic_roughness().metallic_roughness_texture().filter(|_| surface.uses_maps);
-    let maps = textures.means(map.as_ref(), buffers)[1];
-    let (metallic, roughness) = (surface.metallic * maps.z, surface.roughness * maps.y);
-    let transmission = material.transmission().map_or(0.0, |transmission| {
-        let map = textures.means(transmission.transmission_texture().as_ref(), buffers)[1];
-        unit(transmission.transmission_factor()) * map.x
-    });
-    let emissive_info = material.emissive_texture();
-    let emissive_texture = emissive_info.as_ref().and_then(|info| textures.get(&info.texture(), buffers));
-
-    let ior = material.ior().map_or(1.5, f64::from);
-    let ior = if ior.is_finite() { ior.clamp(1.0, 100.0) } else { 1.5 };
-    let optics = if material.unlit() {
+pub fn shaded(paint: Paint) -> MeshMaterial {
+    let Paint { material, mean_color, .. } = paint;
+    let optics = if material.unlit {
         Optics::Opaque
-    } else if transmission >= GLASS_TRANSMISSION {
-        Optics::Glass { ior, tint: base_mean }
-    } else if metallic >= MIRROR_METALLIC && roughness <= MIRROR_ROUGHNESS {
-        Optics::Mirror { tint: base_mean }
+    } else if material.transmission >= GLASS_TRANSMISSION {
+        Optics::Glass { ior: material.ior, tint: mean_color }
+    } else if material.metallic >= MIRROR_METALLIC && material.roughness <= MIRROR_ROUGHNESS {
+        Optics::Mirror { tint: mean_color }
     } else {
         Optics::Opaque
     };
-    let alpha = roughness * roughness;
-    let exponent = ((2.0 / (alpha * alpha) - 2.0) / 4.0).clamp(1.0, MAX_EXPONENT);
-    let head_on = surface.specular.unwrap_or_else(|| DVec3::splat(((ior - 1.0) / (ior + 1.0)).powi(2)));
-    let weight = (head_on * (1.0 - metallic) + base_mean * metallic).clamp(DVec3::ZERO, DVec3::ONE);
-    let strength = material.emissive_strength().map_or(1.0, f64::from).clamp(0.0, 1e6);
-    let emission = DVec3::from_array(material.emissive_factor().map(unit)) * strength;
-
-    let alpha_cutoff = match material.alpha_mode() {
-        AlphaMode::Opaque => None,
-        AlphaMode::Mask => Some(material.alpha_cutoff().map_or(0.5, f64::from)),
-        AlphaMode::Blend => {
-            notes.push(format!(
-                "“{name}” is blended by its alpha; here it is a hole below {BLEND_CUTOFF}, and solid above"
-            ));
-            Some(BLEND_CUTOFF)
-        }
+    let is_opaque = optics == Optics::Opaque;
+    let base_color = match optics {
+        Optics::Opaque if material.unlit => material.base_color,
+        Optics::Opaque => material.base_color * (1.0 - material.metallic),
+        _ => DVec3::ZERO,
     };
-    let base_coordinates = surface.base_info.as_ref().filter(|_| base_texture.is_some()).map(coordinates);
-    let emissive_coordinates = emissive_info.as_ref().filter(|_| emissive_texture.is_some()).map(coordinates);
-    if base_coordinates.zip(emissive_coordinates).is_some_and(|(one, other)| one != other) {
-        notes.push(format!("“{name}” emits by texture coordinates of its own; here by those of its base colour"));
+    let (mut phong, mut metal) = (Phong::default(), DVec3::ZERO);
+    if is_opaque && !material.unlit {
+        let alpha = material.roughness * material.roughness;
+        let exponent = ((2.0 / (alpha * alpha) - 2.0) / 4.0).clamp(1.0, MAX_EXPONENT);
+        let of_ior = || DVec3::splat(((material.ior - 1.0) / (material.ior + 1.0)).powi(2));
+        let reflectance = material.specular.unwrap_or_else(of_ior);
+        let weight = reflectance * (1.0 - material.metallic) + mean_color * material.metallic;
+        let weight = weight.clamp(DVec3::ZERO, DVec3::ONE);
+        phong = Phong { weight, exponent };
+        metal = (mean_color * material.metallic).clamp(DVec3::ZERO, weight);
     }
-    let plain = optics == Optics::Opaque;
-    let matt = material.unlit() || !plain;
-    Paint {
-        material: MeshMaterial {
-            name,
-            base_color: if material.unlit() {
-                surface.base
-            } else if plain {
-                surface.base * (1.0 - metallic)
-            } else {
-                DVec3::ZERO
-            },
-            base_texture,
-            alpha_cutoff,
-            alpha: surface.alpha,
-            emission,
-            emissive_texture,
-            metal: if matt { DVec3::ZERO } else { (base_mean * metallic).clamp(DVec3::ZERO, weight) },
-            phong: if matt { Phong::default() } else { Phong { weight, exponent } },
-            optics,
-            unlit: material.unlit(),
-        },
-        coordinates: base_coordinates.or(emissive_coordinates),
+    MeshMaterial {
+        name: material.name,
+        base_color,
+        base_texture: material.base_texture,
+        alpha_cutoff: material.alpha_cutoff,
+        alpha: material.alpha,
+        emission: material.emission,
+        emissive_texture: material.emissive_texture,
+        phong,
+        metal,
+        optics,
+        unlit: material.unlit,
     }
-}
-
-/// The parameters that two models of materials have in common.
-struct Surface<'a> {
-    base: DVec3,
-    alpha: f64,
-    base_info: Option<Info<'a>>,
-    metallic: f64,
-    roughness: f64,
-    /// What a dielectric reflects head on, where the file says so.
-    specular: Option<DVec3>,
-    /// Whether metalness and roughness are multiplied with those of a texture.
-    uses_maps: bool,
-}
-
-impl<'a> Surface<'a> {
-    fn of(material: &Material<'a>) -> Surface<'a> {
-        if let Some(glossy) = material.pbr_specular_glossiness() {
-            let [r, g, b, alpha] = glossy.diffuse_factor().map(unit);
-            return Surface {
-                base: DVec3::new(r, g, b),
-                alpha,
-                base_info: glossy.diffuse_texture(),
-                metallic: 0.0,
-                roughness: 1.0 - unit(glossy.glossiness_factor()),
-                specular: Some(DVec3::from_array(glossy.specular_factor().map(unit))),
-                uses_maps: false,
-            };
-        }
-        let rough = material.pbr_metallic_roughness();
-        let [r, g, b, alpha] = rough.base_color_factor().map(unit);
-        let specular = material.specular().map(|specular| {
-            let ior = material.ior().map_or(1.5, f64::from).max(1.0);
-            let color = DVec3::from_array(specular.specular_color_factor().map(f64::from));
-            ((ior - 1.0) / (ior + 1.0)).powi(2) * color * unit(specular.specular_factor())
-        });
-        Surface {
-            base: DVec3::new(r, g, b),
-            alpha,
-            base_info: rough.base_color_texture(),
-            metallic: unit(rough.metallic_factor()),
-            roughness: unit(rough.roughness_factor()),
-            specular: specular.filter(|specular| specular.is_finite()),
-            uses_maps: true,
-        }
-    }
-}
-
-/// A factor of a file, which should lie in 0..=1.
-fn unit(value: f32) -> f64 {
-    if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }

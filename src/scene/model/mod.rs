@@ -9,38 +9,34 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use self::budget::Budget;
+pub use self::options::Play;
+use self::options::printable;
 use self::stage::{Moves, Stage, Which};
-use super::bvh::MeshBvh;
-use super::raycast::{Light, SceneAtTime};
+use super::light::Light;
+use super::mesh::SceneMesh;
+use super::raycast::SceneAtTime;
 use crate::error::{Error, Result};
+use crate::mesh::budget::Budget;
+use crate::mesh::folder;
+use crate::mesh::gltf::document;
 
 mod animation;
-mod assembly;
-mod budget;
-mod buffers;
 mod deform;
-mod document;
-mod folder;
 mod gltf;
 mod lights;
 mod materials;
 mod mtl;
-mod nodes;
 mod obj;
-mod pictures;
-mod primitives;
+mod options;
 mod stage;
-mod textures;
 
-/// Most notes about a file, and most characters of one.
+/// Most notes about a file.
 const MAX_NOTES: usize = 40;
-const MAX_NOTE: usize = 400;
 
 /// A scene read from a file of meshes: glTF, GLB or OBJ.
 #[derive(Debug)]
 pub struct Model {
-    still: Vec<Arc<MeshBvh>>,
+    still: Vec<Arc<SceneMesh>>,
     light: Light,
     motion: Option<Motion>,
     animations: Vec<String>,
@@ -54,18 +50,6 @@ struct Motion {
     stage: Stage,
     /// Which of its instances move.
     moves: Moves,
-}
-
-/// Which animation of a file is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Play<'a> {
-    /// The first, if there is any.
-    #[default]
-    First,
-    /// None: nodes are where the file puts them.
-    None,
-    /// The first of this name, as [`Model::animations`] has it.
-    Named(&'a str),
 }
 
 impl Model {
@@ -115,14 +99,14 @@ impl Model {
             )));
         }
         let (mesh, contents) = obj::read(&bytes, path, notes)?;
-        if mesh.triangles.is_empty() {
+        if mesh.mesh().triangles.is_empty() {
             return Err(nothing());
         }
-        let still = vec![Arc::new(MeshBvh::new(mesh))];
+        let still = vec![Arc::new(mesh)];
         Ok(Model { contents, ..Model::of_parts(still, Light::default(), None) })
     }
 
-    fn of_parts(still: Vec<Arc<MeshBvh>>, light: Light, motion: Option<Motion>) -> Model {
+    fn of_parts(still: Vec<Arc<SceneMesh>>, light: Light, motion: Option<Motion>) -> Model {
         Model { still, light, motion, animations: Vec::new(), durations_s: Vec::new(), contents: String::new() }
     }
 
@@ -137,7 +121,7 @@ impl Model {
         if shown == 0 && !moves.anything() {
             return Err(nothing());
         }
-        let still = if fixed.mesh.triangles.is_empty() { vec![] } else { vec![Arc::new(MeshBvh::new(fixed.mesh))] };
+        let still = stage.scene_mesh(fixed.mesh).into_iter().collect();
         let motion = moves.anything().then_some(Motion { stage, moves });
         Ok(Model::of_parts(still, fixed.light, motion))
     }
@@ -183,18 +167,10 @@ impl Model {
             let time_s = if time_s.is_nan() { 0.0 } else { time_s };
             let shown = motion.stage.at(time_s, Which::Moving, &motion.moves);
             light = shown.light;
-            if !shown.mesh.triangles.is_empty() {
-                meshes.push(Arc::new(MeshBvh::new(shown.mesh)));
-            }
+            meshes.extend(motion.stage.scene_mesh(shown.mesh));
         }
         SceneAtTime::with_meshes(Vec::new(), meshes, light)
     }
-}
-
-/// A note without what a terminal would obey: names in it are those of the file.
-fn printable(note: &str) -> String {
-    let plain = |c: char| if c.is_control() { c.escape_default().collect() } else { c.to_string() };
-    note.chars().take(MAX_NOTE).map(plain).collect()
 }
 
 fn nothing() -> Error {

@@ -13,12 +13,11 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use super::budget::Budget;
-use super::folder::Folder;
-use super::pictures;
 use crate::error::Result;
+use crate::mesh::budget::Budget;
+use crate::mesh::folder::Folder;
+use crate::mesh::{ImageTexture, Wrap};
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
-use crate::scene::texture::{ImageTexture, Wrap};
 
 /// Alpha below this is a hole.
 const CUTOFF: f64 = 0.5;
@@ -119,7 +118,7 @@ impl Library<'_> {
         let (name, wrap) = file_of(statement);
         let read = |library: &mut Self| -> Result<ImageTexture> {
             let bytes = library.folder.fetch(name, library.budget)?;
-            pictures::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
+            ImageTexture::decode(&bytes, [wrap; 2], library.budget).map_err(|error| error.context(name))
         };
         let read = read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
         let read = read.ok().map(Arc::new);

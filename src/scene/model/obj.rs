@@ -12,12 +12,12 @@ use std::path::Path;
 
 use glam::{DVec3, Vec2};
 
-use super::assembly::{Assembly, Channels, Part, Winding};
-use super::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
-use super::folder::Folder;
 use super::mtl;
 use crate::error::{Error, Result};
-use crate::scene::mesh::{Mesh, MeshMaterial};
+use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
+use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
+use crate::mesh::folder::Folder;
+use crate::scene::mesh::{MeshMaterial, SceneMesh};
 
 /// Bytes that the parser takes for each byte of text, at most.
 const PARSED: u64 = 32;
@@ -26,7 +26,7 @@ const PARSED: u64 = 32;
 ///
 /// # Errors
 /// When a line cannot be read, or a face has a corner that is not there.
-pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Mesh, String)> {
+pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(SceneMesh, String)> {
     let mut budget = Budget::new(bytes.len() as u64);
     budget.take(bytes.len() as u64, PARSED, "the text")?;
     let Plain { text, no_surface } = plain(bytes)?;
@@ -78,7 +78,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Mesh,
         });
     }
     assembly.left_out.note(notes);
-    Ok((assembly.finish(paints.into()), folder.contents(bytes)))
+    Ok((SceneMesh::new(assembly.finish(), paints.into()), folder.contents(bytes)))
 }
 
 /// A text that the parser cannot stumble over.

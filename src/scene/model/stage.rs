@@ -7,13 +7,14 @@ use std::sync::Arc;
 use gltf::json::animation::Property;
 
 use super::animation::Animation;
-use super::assembly::{Assembly, Channels, LeftOut, Part};
 use super::deform::{self, Carrier, Skin};
 use super::lights::{self, NodeLight};
-use super::nodes::{Local, Nodes};
-use super::primitives::Geometry;
-use crate::scene::mesh::{Mesh, MeshMaterial};
-use crate::scene::raycast::Light;
+use crate::mesh::Mesh;
+use crate::mesh::assembly::{Assembly, Channels, LeftOut, Part};
+use crate::mesh::gltf::nodes::{Local, Nodes};
+use crate::mesh::gltf::primitives::Geometry;
+use crate::scene::light::Light;
+use crate::scene::mesh::{MeshMaterial, SceneMesh};
 
 /// A primitive on a node.
 #[derive(Debug)]
@@ -82,6 +83,11 @@ impl Moves {
 }
 
 impl Stage {
+    /// `None` for a mesh without triangles.
+    pub fn scene_mesh(&self, mesh: Mesh) -> Option<Arc<SceneMesh>> {
+        (!mesh.triangles.is_empty()).then(|| Arc::new(SceneMesh::new(mesh, self.materials.clone())))
+    }
+
     /// What the animation moves.
     pub fn moves(&self) -> Moves {
         let mut nodes = vec![false; self.nodes.locals.len()];
@@ -146,7 +152,6 @@ impl Stage {
             });
         }
         let left_out = assembly.left_out;
-        let mesh = assembly.finish(self.materials.clone());
-        Shown { mesh, light: lights::place(&self.lights, &to_world), left_out }
+        Shown { mesh: assembly.finish(), light: lights::place(&self.lights, &to_world), left_out }
     }
 }

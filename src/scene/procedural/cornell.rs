@@ -2,11 +2,13 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{rgb, room, wall};
+use super::parts::{rgb, room, wall};
+use crate::mesh::AxisBox;
 use crate::scene::light::{Cone, Lamp, Light, Sky, Window};
 use crate::scene::material::{Material, Texture};
-use crate::scene::primitive::{AxisBox, Shape, TurnedBox};
-use crate::scene::raycast::{Object, SceneAtTime};
+use crate::scene::object::Object;
+use crate::scene::primitive::{Shape, TurnedBox};
+use crate::scene::raycast::SceneAtTime;
 
 /// Where probes belong: before the blocks, the middle and the reach along each axis.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.3, 0.75), DVec3::new(0.3, 0.15, 0.15));

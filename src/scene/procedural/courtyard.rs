@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::{ball, block, rgb};
+use super::parts::{ball, block, rgb};
 use crate::scene::light::{Lamp, Light, Window};
 use crate::scene::material::{Material, Texture};
+use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Fence, Quad, Shape, TurnedBox};
-use crate::scene::raycast::{CastsShadow, Object, SceneAtTime};
+use crate::scene::raycast::SceneAtTime;
 
 /// Where probes belong: the middle, and the reach along each axis.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3));
@@ -161,7 +162,8 @@ mod tests {
     use super::super::{DemoKind, DemoScene};
     use super::*;
     use crate::image::{DepthPlane, Face};
-    use crate::scene::{AxisBox, capture_face, trace};
+    use crate::mesh::AxisBox;
+    use crate::scene::{capture_face, trace};
 
     const TIMES: [f64; 5] = [0.0, 0.7, 1.5, 2.9, 3.95];
 

@@ -5,12 +5,14 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
-use super::{ball, block, rgb, room};
+use super::parts::{ball, block, rgb, room};
+use crate::mesh::AxisBox;
 use crate::scene::light::{Cone, Lamp, Light, Sky, Window};
 use crate::scene::material::{Material, Texture};
 use crate::scene::mesh::Phong;
-use crate::scene::primitive::{AxisBox, Fence, Shape};
-use crate::scene::raycast::{CastsShadow, Object, SceneAtTime};
+use crate::scene::object::{CastsShadow, Object};
+use crate::scene::primitive::{Fence, Shape};
+use crate::scene::raycast::SceneAtTime;
 
 /// Where probes belong: the middle, and the reach along each axis.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.5, 0.3), DVec3::new(0.3, 0.2, 0.3));

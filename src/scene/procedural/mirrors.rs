@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::{ball, block, rgb, room};
+use super::parts::{ball, block, rgb, room};
+use crate::mesh::AxisBox;
 use crate::scene::light::{Lamp, Light, Sky, Window};
 use crate::scene::material::Texture;
 use crate::scene::mesh::{Optics, Phong};
-use crate::scene::primitive::AxisBox;
-use crate::scene::raycast::{CastsShadow, Object, SceneAtTime};
+use crate::scene::object::{CastsShadow, Object};
+use crate::scene::raycast::SceneAtTime;
 
 /// Where probes belong: the middle, and the reach along each axis.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.6, 1.1), DVec3::new(0.3, 0.15, 0.2));

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::rgb;
-use crate::scene::bvh::MeshBvh;
+use super::parts::rgb;
+use crate::mesh::Mesh;
 use crate::scene::light::{Light, Sky, Sun};
-use crate::scene::mesh::{Mesh, MeshMaterial, Phong};
+use crate::scene::mesh::{MeshMaterial, Phong, SceneMesh};
 use crate::scene::raycast::SceneAtTime;
 
 /// Where probes belong: the middle, and the reach along each axis.
@@ -30,8 +30,14 @@ pub(super) fn at(phase: f64) -> SceneAtTime {
         lamps: vec![],
         sky: Sky { ambient: rgb(0.12, 0.13, 0.15), ..Sky::NONE },
     };
-    let mesh = knot(&DQuat::from_rotation_y(TAU * phase));
-    SceneAtTime::with_meshes(vec![], vec![Arc::new(MeshBvh::new(mesh))], light)
+    let painted = |base_color: DVec3| MeshMaterial {
+        base_color,
+        phong: Phong { weight: DVec3::splat(0.2), exponent: 50.0 },
+        ..MeshMaterial::default()
+    };
+    let materials = [painted(rgb(0.5, 0.2, 0.09)), painted(rgb(0.6, 0.57, 0.5))];
+    let mesh = SceneMesh::new(knot(&DQuat::from_rotation_y(TAU * phase)), materials.into());
+    SceneAtTime::with_meshes(vec![], vec![Arc::new(mesh)], light)
 }
 
 /// A trefoil, turned. Every sixteenth ring is painted in another colour.
@@ -59,12 +65,6 @@ fn knot(turn: &DQuat) -> Mesh {
             mesh.material_of.extend([u32::from(ring % 16 < 4); 2]);
         }
     }
-    let painted = |base_color: DVec3| MeshMaterial {
-        base_color,
-        phong: Phong { weight: DVec3::splat(0.2), exponent: 50.0 },
-        ..MeshMaterial::default()
-    };
-    mesh.materials = [painted(rgb(0.5, 0.2, 0.09)), painted(rgb(0.6, 0.57, 0.5))].into();
     mesh
 }
 

@@ -2,13 +2,11 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::super::bvh::MeshBvh;
-use super::super::light::{Cone, Light, Sky, Sun, Window};
-use super::super::material::{Material, Texture};
-use super::super::mesh::{Mesh, MeshMaterial};
-use super::super::primitive::{AxisBox, Quad, Shape, Sphere};
-use super::super::raycast::{Hit, Object, trace};
 use super::*;
+use crate::mesh::{AxisBox, Mesh};
+use crate::scene::{
+    Cone, Hit, Light, Material, MeshMaterial, Object, Quad, SceneMesh, Shape, Sky, Sphere, Sun, Texture, Window, trace,
+};
 
 const SKY: Sky = Sky { horizon: DVec3::splat(0.5), zenith: DVec3::splat(0.5), ambient: DVec3::splat(0.25) };
 
@@ -27,19 +25,19 @@ fn optical(shape: Shape, optics: Optics) -> Object {
 }
 
 /// A square of two triangles, four metres wide, that faces up at a height.
-fn square(height: f64, material: MeshMaterial) -> Mesh {
+fn square(height: f64, material: MeshMaterial) -> SceneMesh {
     let corner = |x: f64, z: f64| DVec3::new(x, height, z);
-    Mesh {
+    let mesh = Mesh {
         positions: vec![corner(-2.0, -2.0), corner(-2.0, 2.0), corner(2.0, 2.0), corner(2.0, -2.0)],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material_of: vec![0, 0],
-        materials: [material].into(),
         ..Mesh::default()
-    }
+    };
+    SceneMesh::new(mesh, [material].into())
 }
 
-fn with_mesh(objects: Vec<Object>, mesh: Mesh, light: Light) -> SceneAtTime {
-    SceneAtTime::with_meshes(objects, vec![Arc::new(MeshBvh::new(mesh))], light)
+fn with_mesh(objects: Vec<Object>, mesh: SceneMesh, light: Light) -> SceneAtTime {
+    SceneAtTime::with_meshes(objects, vec![Arc::new(mesh)], light)
 }
 
 fn floor(height: f64) -> Shape {
@@ -114,8 +112,9 @@ fn a_highlight_is_where_the_mirror_direction_meets_the_light() {
 
 #[test]
 fn interpolated_normals_never_light_the_back() {
-    let mut mesh = square(0.0, MeshMaterial { base_color: DVec3::ONE, ..MeshMaterial::default() });
-    mesh.normals = vec![Vec3::new(0.8, 0.6, 0.0); 4];
+    let flat = square(0.0, MeshMaterial { base_color: DVec3::ONE, ..MeshMaterial::default() });
+    let normals = vec![Vec3::new(0.8, 0.6, 0.0); 4];
+    let mesh = SceneMesh::new(Mesh { normals, ..flat.mesh().clone() }, flat.materials().clone());
     // The sun stands below the horizon of the square, but above that of its normals.
     let low = Sun { direction: DVec3::new(0.995, -0.0998, 0.0).normalize(), radiance: DVec3::ONE };
     let scene = with_mesh(vec![], mesh.clone(), Light { suns: vec![low], lamps: vec![], sky: Sky::NONE });

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lightfold::scene::Model;
+use lightfold::scene::{Model, SceneMesh};
 use tempfile::NamedTempFile;
 
 use super::{Judged, Verdict, judge};
@@ -47,7 +47,7 @@ fn look(path: &Path) -> Judged {
         for time in [0.0, duration / 3.0, f64::NAN] {
             let (scene, again) = (model.at(time), model.at(time));
             for (mesh, again) in scene.meshes().iter().zip(again.meshes()) {
-                sound(mesh.mesh(), again.mesh())?;
+                sound(mesh, again)?;
             }
         }
     }
@@ -55,7 +55,9 @@ fn look(path: &Path) -> Judged {
 }
 
 /// Whether a mesh is one that rays can be asked of, and the same each time.
-fn sound(mesh: &lightfold::scene::Mesh, again: &lightfold::scene::Mesh) -> Result<(), String> {
+fn sound(mesh: &SceneMesh, again: &SceneMesh) -> Result<(), String> {
+    let materials = mesh.materials().len();
+    let (mesh, again) = (mesh.mesh(), again.mesh());
     let count = mesh.positions.len();
     if mesh.positions != again.positions || mesh.triangles != again.triangles || mesh.normals != again.normals {
         return Err("placed twice, it is not the same".into());
@@ -71,7 +73,7 @@ fn sound(mesh: &lightfold::scene::Mesh, again: &lightfold::scene::Mesh) -> Resul
         return Err("lists of one mesh differ in length".into());
     }
     let beyond = mesh.triangles.as_flattened().iter().any(|&corner| corner as usize >= count);
-    if beyond || mesh.material_of.iter().any(|&material| material as usize >= mesh.materials.len()) {
+    if beyond || mesh.material_of.iter().any(|&material| material as usize >= materials) {
         return Err("a triangle leads to what is not there".into());
     }
     Ok(())

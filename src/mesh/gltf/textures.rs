@@ -9,10 +9,9 @@ use glam::{Affine2, DVec3, Vec2};
 use gltf::texture::{Info, Texture, WrappingMode};
 
 use super::buffers::Buffers;
-use super::pictures;
 use super::primitives::Coordinates;
 use crate::error::{Error, Result};
-use crate::scene::texture::{ImageTexture, Wrap};
+use crate::mesh::texture::{ImageTexture, Wrap};
 
 /// Decoded images; `None` for those that cannot be read.
 #[derive(Debug, Default)]
@@ -70,12 +69,12 @@ fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<Ima
     match (image.buffer_view, &image.uri) {
         (Some(view), _) => {
             let (bytes, range) = buffers.view(view.value())?;
-            pictures::decode(&bytes[range], wrap, &mut buffers.budget)
+            ImageTexture::decode(&bytes[range], wrap, &mut buffers.budget)
         }
         (None, Some(uri)) => {
             let bytes = buffers.fetch(uri)?;
             let shown = if uri.starts_with("data:") { "data in a URI" } else { uri };
-            pictures::decode(&bytes, wrap, &mut buffers.budget).map_err(|error| error.context(shown))
+            ImageTexture::decode(&bytes, wrap, &mut buffers.budget).map_err(|error| error.context(shown))
         }
         (None, None) => Err(Error::invalid("it has neither a URI nor a buffer view")),
     }

@@ -1,20 +1,19 @@
-//! Where a ray meets a triangle, without gaps between neighbours (Woop, Benthin and Wald, "Watertight ray/triangle
-//! intersection", JCGT 2013), in f64 on the corners as they are.
+//! Intersection of a ray with a triangle, and distance of a point from it, in f64.
 //!
-//! Enters: a ray once, then corners. Leaves: distance and barycentric coordinates. What two triangles have in common,
-//! an edge or a corner, is brought into the ray's frame by the same roundings, and the side of an edge on which the ray
-//! passes is never misjudged. So a ray through a closed mesh cannot slip out between two of its triangles.
+//! Based on: Woop, Benthin and Wald, "Watertight ray/triangle intersection", JCGT 2013. Shared edges and corners are
+//! rounded in the same way for both triangles, and the sign of an edge function is exact, so no ray passes between two
+//! triangles of a closed mesh.
 
 use glam::{DVec2, DVec3};
 
-use super::primitive::Ray;
+use super::ray::Ray;
 
-/// A ray's own frame: the axis that it follows most becomes depth, the others are sheared so that it runs along it.
+/// A ray as its dominant axis (depth) and the shear that aligns the ray with it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RayFrame {
     origin: DVec3,
     depth: usize,
-    /// Shear of the two axes that follow it for each metre of depth, and metres along the ray for each of them.
+    /// Shear of the other two axes, and metres along the ray, for each metre of depth.
     shear: [f64; 3],
 }
 
@@ -27,20 +26,20 @@ impl RayFrame {
         RayFrame { origin: ray.origin(), depth, shear }
     }
 
-    /// Metres along the ray (of either sign) and weights of the second and third corner, or `None` for a miss and for
-    /// triangles that the ray sees edge on. Edges and corners belong to all triangles that have them.
+    /// Metres along the ray (of either sign) and weights of the second and third corner; `None` for a miss and for
+    /// triangles seen edge on. Edges and corners belong to every triangle that has them.
     #[inline]
-    pub(crate) fn meet(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
+    pub(crate) fn intersect(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
         match self.depth {
-            0 => self.meet_in([1, 2, 0], corners),
-            1 => self.meet_in([2, 0, 1], corners),
-            _ => self.meet_in([0, 1, 2], corners),
+            0 => self.intersect_in([1, 2, 0], corners),
+            1 => self.intersect_in([2, 0, 1], corners),
+            _ => self.intersect_in([0, 1, 2], corners),
         }
     }
 
-    /// With the axes known to the compiler.
+    /// [`Self::intersect`] with constant axes.
     #[inline(always)]
-    fn meet_in(&self, axes: [usize; 3], corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
+    fn intersect_in(&self, axes: [usize; 3], corners: &[DVec3; 3]) -> Option<(f64, DVec2)> {
         let [a, b, c] = corners.map(|corner| {
             let from = (corner - self.origin).to_array();
             let depth = from[axes[2]];
@@ -67,13 +66,13 @@ impl RayFrame {
     }
 }
 
-/// Twice the area of the triangle that the ray makes with an edge. Rounding is monotone: the sign is right, or it is 0.
+/// Edge function: twice the signed area between the ray and an edge. The sign is right or 0, as rounding is monotone.
 #[inline(always)]
 fn side(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0] * q[1] - p[1] * q[0]
 }
 
-/// The same where both products round to the same number: what they lost decides.
+/// [`side`] where both products round to the same number: the lost parts decide.
 #[cold]
 fn side_exactly(p: [f64; 3], q: [f64; 3]) -> f64 {
     let rounded = side(p, q);
@@ -84,13 +83,34 @@ fn side_exactly(p: [f64; 3], q: [f64; 3]) -> f64 {
     p[0].mul_add(q[1], -first) - p[1].mul_add(q[0], -second)
 }
 
+/// Whether the cross product of two edges is not 0.
+pub(super) fn has_area([a, b, c]: &[DVec3; 3]) -> bool {
+    (b - a).cross(c - a) != DVec3::ZERO
+}
+
+/// To the plane of the triangle where the point lies above it, else to the nearest edge; square metres.
+pub(super) fn distance_squared([a, b, c]: [DVec3; 3], point: DVec3) -> f64 {
+    let normal = (b - a).cross(c - a);
+    let above = |from: DVec3, to: DVec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+    if above(a, b) && above(b, c) && above(c, a) && normal.length_squared() > 0.0 {
+        let height = (point - a).dot(normal.normalize());
+        return height * height;
+    }
+    let edge = |from: DVec3, to: DVec3| {
+        let along = to - from;
+        let share = (point - from).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        (point - (from + share.clamp(0.0, 1.0) * along)).length_squared()
+    };
+    edge(a, b).min(edge(b, c)).min(edge(c, a))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn meet(corners: [[f64; 3]; 3], origin: [f64; 3], direction: [f64; 3]) -> Option<(f64, DVec2)> {
         let ray = Ray::new(origin.into(), direction.into()).unwrap();
-        RayFrame::new(&ray).meet(&corners.map(DVec3::from))
+        RayFrame::new(&ray).intersect(&corners.map(DVec3::from))
     }
 
     const RIGHT: [[f64; 3]; 3] = [[0.0, 0.0, -2.0], [1.0, 0.0, -2.0], [0.0, 1.0, -2.0]];

@@ -1,10 +1,7 @@
-//! The tree over boxes that rays walk down.
-//!
-//! Enters: a box for each primitive, finite. Leaves: a compressed wide tree of `obvhs`. The boxes are divided from the
-//! top down where the surface area heuristic says so, and by halves of their number once the tree has grown deep or
-//! their centres fall together. So depth and time are bounded for any input: the bottom-up builder of `obvhs` takes
-//! quadratic time and unbounded recursion for many boxes around the same centre. The tree does not depend on the
-//! number of threads.
+//! Builds the tree from the top down by the surface area heuristic, and by halves of the number of primitives once it is
+//! deep or centres coincide: depth is at most 60 and time n log n for any input. The bottom-up builder of `obvhs` joins
+//! one pair of concentric boxes in each pass, which takes quadratic time and unbounded recursion (copies of a triangle,
+//! nested shells). The tree does not depend on the number of threads.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -13,18 +10,18 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 
-/// Levels below the root that follow the heuristic; then come at most 32 of halving.
+/// Levels below the root divided by the heuristic; at most 32 levels of halves follow.
 const GUIDED_LEVELS: u32 = 28;
-/// No path in the tree is longer.
+/// Longest path of the tree.
 pub(super) const MAX_DEPTH: usize = GUIDED_LEVELS as usize + 32;
-/// Slices of a node's extent, along each axis, between which it may be divided.
+/// Bins along each axis of a node.
 const BINS: usize = 16;
-/// Nodes of fewer primitives are not divided among threads.
+/// Nodes of fewer primitives are built on one thread.
 const PARALLEL: usize = 8192;
-/// Primitives in a leaf of the wide tree.
+/// Most primitives in a leaf of the wide tree.
 const LEAF: u32 = 3;
 
-/// Builds the tree. Its `primitive_indices` are the order of primitives in its leaves.
+/// Builds the tree over finite boxes; its `primitive_indices` are the primitives in the order of its leaves.
 pub(super) fn tree(boxes: &[Aabb]) -> CwBvh {
     if boxes.is_empty() {
         return CwBvh::default();
@@ -58,17 +55,16 @@ impl Item {
     }
 }
 
-/// Where a node's part of the arrays begins.
+/// First elements of a node in the arrays.
 #[derive(Clone, Copy)]
 struct Place {
-    /// In the order of primitives.
     primitive: u32,
-    /// In the nodes: those below it.
+    /// Node.
     below: u32,
     level: u32,
 }
 
-/// Makes `root` the node of all `items`, and fills `below`, which has room for exactly the nodes under it.
+/// Makes `root` the node of all `items`, and fills `below`, which holds exactly the nodes under it.
 fn divide(items: &mut [Item], root: &mut Bvh2Node, below: &mut [Bvh2Node], place: Place) {
     let bounds = items.iter().fold(Aabb::empty(), |bounds, item| bounds.union(&item.bounds));
     let ([left, right, rest @ ..], true) = (below, items.len() > 1) else {
@@ -93,7 +89,7 @@ fn divide(items: &mut [Item], root: &mut Bvh2Node, below: &mut [Bvh2Node], place
     }
 }
 
-/// Brings the items of the first child to the front and counts them: at least one, and not all.
+/// Moves the items of the first child to the front and returns their number: at least one, and not all.
 fn split(items: &mut [Item], level: u32) -> usize {
     let (low, high) = items.iter().fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), item| {
         (low.min(item.middle()), high.max(item.middle()))
@@ -116,16 +112,16 @@ fn split(items: &mut [Item], level: u32) -> usize {
 }
 
 fn bins_per_unit(extent: Vec3A) -> Vec3A {
-    // Flat axes fall into bin 0: 0 times anything finite.
+    // Items of a flat axis fall into bin 0.
     Vec3A::splat(BINS as f32) / extent.max(Vec3A::splat(1e-30))
 }
 
-/// Casts saturate, and the last bin has its border.
+/// Casts saturate.
 fn bin_of(offset: f32, scale: f32) -> usize {
     ((offset * scale) as usize).min(BINS - 1)
 }
 
-/// The axis, and the bin before which to cut, whose halves have the least area times primitives.
+/// Axis and bin of the cut with the least cost: area times primitives, summed over both halves.
 fn best_cut(items: &[Item], low: Vec3A, extent: Vec3A) -> Option<(usize, usize)> {
     let scale = bins_per_unit(extent);
     let mut bins = [[(Aabb::empty(), 0_u32); BINS]; 3];
@@ -159,7 +155,7 @@ fn best_cut(items: &[Item], low: Vec3A, extent: Vec3A) -> Option<(usize, usize)>
     best.map(|(_, axis, bin)| (axis, bin))
 }
 
-/// Items for which `first` holds come before the others. Which is where follows from their order alone.
+/// Moves items for which `first` holds to the front and returns their number; deterministic.
 fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for index in 0..items.len() {
@@ -174,7 +170,7 @@ fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::numbers::Numbers;
+    use crate::mesh::numbers::Numbers;
 
     fn around(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)

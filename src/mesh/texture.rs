@@ -1,49 +1,49 @@
-//! Images on triangles.
-//!
-//! Enters: texture coordinates. Leaves: linear Rec. 709 light and alpha.
+//! Textures: 8-bit sRGB images with alpha, decoded from PNG or JPEG and sampled bilinearly in linear light.
 
+use std::io::Cursor;
 use std::sync::OnceLock;
 
+use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits};
 use glam::{DVec2, DVec3};
 
-use crate::image::Transfer;
+use super::budget::Budget;
+use crate::error::{Error, Result};
+use crate::image::{ReadLimits, Transfer};
 
-/// What lies beyond the edge of an image.
+/// Bytes of pixels that an image of any size may claim; see [`ReadLimits`].
+const PIXEL_FLOOR: u64 = 64 << 20;
+
+/// Texture coordinates outside of 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub enum Wrap {
-    /// The image again.
     #[default]
     Repeat,
-    /// The image mirrored, and again.
     Mirror,
-    /// The pixel at the edge.
     Clamp,
 }
 
-/// An image of 8-bit sRGB codes and alpha.
+/// An image of 8-bit sRGB codes and alpha, of at least one pixel.
 #[derive(Debug, Clone)]
 pub struct ImageTexture {
-    /// Width in pixels, at least 1.
     pub width: u32,
-    /// Height in pixels, at least 1.
     pub height: u32,
     /// Red, green, blue as sRGB codes, and alpha; row by row from the top.
     pub pixels: Vec<[u8; 4]>,
-    /// Beyond the left and right, and beyond the top and bottom edge.
+    /// Horizontally, vertically.
     pub wrap: [Wrap; 2],
 }
 
-/// Linear light of each sRGB code.
+/// Linear light of each sRGB code, 0..=1.
 fn linear() -> &'static [f64; 256] {
     static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
     TABLE.get_or_init(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)))
 }
 
 impl Wrap {
-    /// Two neighbouring pixels of a side of `size`, and where between their centres a coordinate lies (0..1).
+    /// The two pixels around a coordinate along a side of `size` pixels, and the weight of the second.
     fn neighbours(self, at: f64, size: u32) -> (usize, usize, f64) {
         let side = f64::from(size);
-        // What is not finite is 0; the rest is brought near the image first, so that integers cannot overflow.
+        // Brought near the image first, so that integers cannot overflow.
         let at = if at.is_finite() { at } else { 0.0 };
         let near = match self {
             Wrap::Repeat => at - at.floor(),
@@ -70,8 +70,57 @@ impl Wrap {
 }
 
 impl ImageTexture {
-    /// Colour and alpha at texture coordinates, (0, 0) the top left corner of the image: bilinear between the centres of
-    /// the four pixels around, in linear light. Coordinates that are not finite count as 0.
+    /// Decodes a PNG or JPEG image. 16-bit samples lose their lower half; grey becomes three equal colours.
+    ///
+    /// # Errors
+    /// When it is neither PNG nor JPEG, is damaged, or claims more pixels than a file of its size may.
+    pub fn decode(bytes: &[u8], wrap: [Wrap; 2], budget: &mut Budget) -> Result<ImageTexture> {
+        let format = ::image::guess_format(bytes).ok();
+        let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = format else {
+            return Err(Error::unsupported("neither a PNG nor a JPEG image"));
+        };
+        let damaged = |error: ::image::ImageError| Error::invalid(format!("the image is damaged: {error}"));
+        let cap = ReadLimits::default().believable(bytes.len() as u64, PIXEL_FLOOR);
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(cap);
+        let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(damaged)?;
+        let (width, height) = decoder.dimensions();
+        let pixels = u64::from(width) * u64::from(height);
+        if decoder.total_bytes().max(4 * pixels) > cap {
+            return Err(Error::invalid(format!(
+                "the image claims {width}x{height} pixels, more than its {} bytes may",
+                bytes.len()
+            )));
+        }
+        if pixels == 0 {
+            return Err(Error::invalid("the image has no pixels"));
+        }
+        // As stored in the file, and as decoded.
+        budget.take(pixels, 8, "an image")?;
+        let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
+        Ok(ImageTexture { width, height, pixels: image.as_chunks::<4>().0.to_vec(), wrap })
+    }
+
+    /// The image as a PNG file.
+    ///
+    /// # Errors
+    /// When there are not as many pixels as the size says.
+    pub fn to_png(&self) -> Result<Vec<u8>> {
+        let mut png = Vec::new();
+        let encoder = ::image::codecs::png::PngEncoder::new(&mut png);
+        if self.pixels.len() as u64 != u64::from(self.width) * u64::from(self.height) {
+            return Err(Error::invalid(format!("{} pixels for {}x{}", self.pixels.len(), self.width, self.height)));
+        }
+        let written =
+            encoder.write_image(self.pixels.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8);
+        written.map_err(|error| Error::invalid(format!("the image cannot be written as PNG: {error}")))?;
+        Ok(png)
+    }
+
+    /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner. Coordinates that are not finite
+    /// count as 0.
     pub fn sample(&self, uv: DVec2) -> (DVec3, f64) {
         let (left, right, along) = self.wrap[0].neighbours(uv.x, self.width);
         let (top, bottom, down) = self.wrap[1].neighbours(uv.y, self.height);
@@ -104,7 +153,7 @@ impl ImageTexture {
         DVec3::from_array([mean(&counts[0]), mean(&counts[1]), mean(&counts[2])])
     }
 
-    /// Mean of the codes themselves over all pixels, 0..=1, red, green, blue: of images that hold no colours.
+    /// Mean of the codes over all pixels, 0..=1: of images that hold no colours.
     pub fn mean_codes(&self) -> DVec3 {
         let mut sums = [0u64; 3];
         for pixel in &self.pixels {

@@ -8,7 +8,6 @@ use gltf::accessor::Dimensions;
 use gltf::mesh::Mode;
 
 use super::buffers::Buffers;
-use super::deform::{Influences, Target};
 use crate::error::{Error, Result};
 
 /// Triangles in the space of their node.
@@ -30,6 +29,20 @@ pub struct Geometry {
     pub targets: Vec<Target>,
     /// What joints move it, four joints a set.
     pub influences: Vec<Influences>,
+}
+
+/// Displacements of a morph target; empty for none.
+#[derive(Debug, Default)]
+pub struct Target {
+    pub positions: Vec<Vec3>,
+    pub normals: Vec<Vec3>,
+}
+
+/// Four joints that move each corner, by number in the skin, with their weights.
+#[derive(Debug)]
+pub struct Influences {
+    pub joints: Vec<[u32; 4]>,
+    pub weights: Vec<[f32; 4]>,
 }
 
 /// Which texture coordinates a material wants, and how they are moved.

@@ -1,11 +1,15 @@
 //! Scenes of all sizes, cameras in bad places, rays that graze, and what is very far.
 
+use std::sync::Arc;
+
 use glam::{DVec2, Vec2};
 
-use super::super::material::Texture;
-use super::super::mesh::{Mesh, MeshMaterial, Phong};
-use super::super::primitive::{Quad, Sphere, TurnedBox};
 use super::*;
+use crate::mesh::{AxisBox, Mesh};
+use crate::scene::{
+    Lamp, Light, Material, MeshMaterial, Object, Optics, Phong, Quad, SceneMesh, Shape, Sphere, Texture, TurnedBox,
+    Window,
+};
 
 /// A floor and a tent of triangles, a ball of each kind, a turned box, a sun and a lamp: all of it `scale` times as
 /// large, and moved.
@@ -43,7 +47,6 @@ fn scene(scale: f64, shift: DVec3) -> SceneAtTime {
         uvs: vec![Vec2::ZERO; corners.len()],
         triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6]],
         material_of: vec![0; 3],
-        materials: [MeshMaterial::default()].into(),
         ..Mesh::default()
     };
     let lamp = Lamp {
@@ -54,7 +57,7 @@ fn scene(scale: f64, shift: DVec3) -> SceneAtTime {
         cone: None,
     };
     let light = Light { lamps: vec![lamp], ..Light::default() };
-    SceneAtTime::with_meshes(objects, vec![Arc::new(MeshBvh::new(mesh))], light)
+    SceneAtTime::with_meshes(objects, vec![Arc::new(SceneMesh::new(mesh, [MeshMaterial::default()].into()))], light)
 }
 
 #[test]
@@ -127,7 +130,6 @@ fn hits_at_the_end_of_the_world_are_finite_or_infinite() {
             positions: vec![DVec3::new(-far, -far, far), DVec3::new(far, -far, far), DVec3::new(0.0, far, far)],
             triangles: vec![[0, 1, 2]],
             material_of: vec![0],
-            materials: [MeshMaterial::default()].into(),
             ..Mesh::default()
         };
         let shapes = [
@@ -140,7 +142,11 @@ fn hits_at_the_end_of_the_world_are_finite_or_infinite() {
         mesh.positions.push(DVec3::NAN);
         mesh.triangles.push([0, 1, 3]);
         mesh.material_of.push(0);
-        let scene = SceneAtTime::with_meshes(objects, vec![Arc::new(MeshBvh::new(mesh))], Light::default());
+        let scene = SceneAtTime::with_meshes(
+            objects,
+            vec![Arc::new(SceneMesh::new(mesh, [MeshMaterial::default()].into()))],
+            Light::default(),
+        );
         let mut met = 0;
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             for direction in [axis, -axis, axis + DVec3::splat(0.01)] {
@@ -172,14 +178,9 @@ fn of_coplanar_things_shapes_come_first_and_then_the_lower_index() {
     let square = |color: f64| {
         let positions = vec![DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::X];
         let material = MeshMaterial { base_color: DVec3::splat(color), unlit: true, ..MeshMaterial::default() };
-        let mesh = Mesh {
-            positions,
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
-            material_of: vec![0; 2],
-            materials: [material].into(),
-            ..Mesh::default()
-        };
-        Arc::new(MeshBvh::new(mesh))
+        let mesh =
+            Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], material_of: vec![0; 2], ..Mesh::default() };
+        Arc::new(SceneMesh::new(mesh, [material].into()))
     };
     let look = |scene: &SceneAtTime| trace(scene, DVec3::new(0.25, 1.0, 0.5), DVec3::NEG_Y);
     let two = SceneAtTime::with_meshes(vec![], vec![square(0.25), square(0.5)], Light::default());

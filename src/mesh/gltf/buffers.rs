@@ -9,9 +9,9 @@ use gltf::json::Root;
 use gltf::json::accessor::{Accessor, ComponentType};
 use gltf::json::validation::Checked;
 
-use super::budget::Budget;
-use super::folder::{Folder, percent_decoded};
 use crate::error::{Error, Result};
+use crate::mesh::budget::Budget;
+use crate::mesh::folder::{Folder, percent_decoded};
 
 /// All binary data that a document leads to.
 #[derive(Debug)]

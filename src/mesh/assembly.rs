@@ -3,11 +3,9 @@
 //! Enters: parts as a file has them, already in the world. Leaves: a [`Mesh`] without what rays cannot meet: triangles
 //! with a corner that is not finite, or without area.
 
-use std::sync::Arc;
-
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::scene::mesh::{Mesh, MeshMaterial};
+use super::triangles::Mesh;
 
 /// A part of a scene at one moment.
 #[derive(Debug)]
@@ -154,8 +152,7 @@ impl Assembly {
     }
 
     /// The mesh.
-    pub fn finish(mut self, materials: Arc<[MeshMaterial]>) -> Mesh {
-        self.mesh.materials = materials;
+    pub fn finish(mut self) -> Mesh {
         self.mesh.positions.shrink_to_fit();
         self.mesh.normals.shrink_to_fit();
         self.mesh.uvs.shrink_to_fit();

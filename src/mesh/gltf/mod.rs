@@ -1,0 +1,9 @@
+//! glTF 2.0 files: checked reading of documents, data, materials and primitives; writing of meshes.
+
+pub mod buffers;
+pub mod document;
+pub mod materials;
+pub mod nodes;
+pub mod primitives;
+mod textures;
+pub mod write;

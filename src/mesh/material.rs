@@ -1,0 +1,56 @@
+//! Metallic-roughness materials (glTF 2.0, section 3.9).
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::texture::ImageTexture;
+
+/// A metallic-roughness material. Colours are linear Rec. 709; factors lie in 0..=1 where no other range is given.
+#[derive(Debug, Clone)]
+pub struct Material {
+    pub name: String,
+    /// Multiplied with the texture.
+    pub base_color: DVec3,
+    /// Multiplied with the alpha of the texture.
+    pub alpha: f64,
+    pub base_texture: Option<Arc<ImageTexture>>,
+    /// Alpha below it is a hole; `None` for an opaque material.
+    pub alpha_cutoff: Option<f64>,
+    /// Constant over the surface: the mean of a texture.
+    pub metallic: f64,
+    /// As [`Self::metallic`].
+    pub roughness: f64,
+    /// Reflectance of a dielectric at normal incidence; `None` where it follows from the index of refraction.
+    pub specular: Option<DVec3>,
+    /// Index of refraction, 1..=100.
+    pub ior: f64,
+    /// Share of light that passes the surface, as [`Self::metallic`].
+    pub transmission: f64,
+    /// Radiance, 0 or more; multiplied with the texture.
+    pub emission: DVec3,
+    pub emissive_texture: Option<Arc<ImageTexture>>,
+    /// Whether it shows its base colour under any light.
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// Matt, 80% grey.
+    fn default() -> Self {
+        Material {
+            name: String::new(),
+            base_color: DVec3::splat(0.8),
+            alpha: 1.0,
+            base_texture: None,
+            alpha_cutoff: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            specular: None,
+            ior: 1.5,
+            transmission: 0.0,
+            emission: DVec3::ZERO,
+            emissive_texture: None,
+            unlit: false,
+        }
+    }
+}

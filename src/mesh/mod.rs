@@ -1,0 +1,20 @@
+//! Plain triangle meshes: geometry, materials, textures, the bounding volume hierarchy, glTF in and out.
+
+pub mod assembly;
+pub mod budget;
+pub mod bvh;
+pub mod folder;
+pub mod gltf;
+pub mod material;
+#[cfg(test)]
+pub(crate) mod numbers;
+pub mod ray;
+pub mod texture;
+mod triangle;
+pub mod triangles;
+
+pub use bvh::{Bvh, TriangleHit};
+pub use material::Material;
+pub use ray::{AxisBox, Intersection, Ray};
+pub use texture::{ImageTexture, Wrap};
+pub use triangles::Mesh;

@@ -1,0 +1,56 @@
+//! An analytic shape with its material.
+
+use glam::{DQuat, DVec3};
+
+use super::material::Material;
+use super::mesh::Optics;
+use super::primitive::Shape;
+use crate::mesh::AxisBox;
+
+/// A shape with its material.
+#[derive(Debug, Clone, Copy)]
+pub struct Object {
+    shape: Shape,
+    bounds: AxisBox,
+    pub material: Material,
+    /// Origin of the texture's coordinates in the world, metres.
+    pub anchor: DVec3,
+    /// Rotation from world axes to the axes of the texture.
+    pub texture_from_world: DQuat,
+    pub casts_shadow: CastsShadow,
+}
+
+/// Whether shadow rays are tested against an object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CastsShadow {
+    Yes,
+    No,
+}
+
+impl Object {
+    /// An object that casts shadows, textured in world coordinates.
+    pub fn new(shape: Shape, material: Material) -> Self {
+        Object {
+            shape,
+            bounds: shape.bounding_box(),
+            material,
+            anchor: DVec3::ZERO,
+            texture_from_world: DQuat::IDENTITY,
+            casts_shadow: CastsShadow::Yes,
+        }
+    }
+
+    pub fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// A box that contains the shape.
+    pub fn bounds(&self) -> &AxisBox {
+        &self.bounds
+    }
+
+    /// Whether it casts shadows; glass never does.
+    pub(super) fn is_occluder(&self) -> bool {
+        self.casts_shadow == CastsShadow::Yes && !matches!(self.material.optics, Optics::Glass { .. })
+    }
+}

@@ -1,0 +1,62 @@
+//! A ray traced through a scene: distance, radiance, normal and optics of what it meets first.
+
+#[cfg(test)]
+mod extremes;
+#[cfg(test)]
+mod tests;
+
+use glam::DVec3;
+
+use super::raycast::{HitSurface, SceneAtTime};
+use super::shading::{OPAQUE, Path};
+use crate::mesh::Ray;
+
+/// What a ray hits, or the background.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Metres along the ray, `+inf` for nothing.
+    pub distance: f64,
+    /// Linear Rec. 709 radiance towards the ray's origin.
+    pub color: DVec3,
+    /// Shading normal on the ray's side, length 1, zero for nothing; an interpolated one may lean away from the ray.
+    pub normal: DVec3,
+    /// Index into [`SceneAtTime::objects`], `None` for nothing and for a mesh.
+    pub object: Option<usize>,
+    /// Weight of reflection, weight of refraction, index of refraction; 0, 0, 1 for opaque surfaces and for nothing.
+    pub optics: [f64; 3],
+}
+
+impl Hit {
+    const NOTHING: Hit =
+        Hit { distance: f64::INFINITY, color: DVec3::ZERO, normal: DVec3::ZERO, object: None, optics: OPAQUE };
+}
+
+/// Traces a ray from `origin` along `direction`, of any length. Without a length, or not finite, it hits nothing:
+/// distance `+inf` and the colour of the horizon.
+pub fn trace(scene: &SceneAtTime, origin: DVec3, direction: DVec3) -> Hit {
+    let Some(ray) = Ray::new(origin, direction) else {
+        return Hit { color: scene.light().sky.horizon, ..Hit::NOTHING };
+    };
+    scene.trace(&ray, 0..scene.objects().len())
+}
+
+impl SceneAtTime {
+    /// [`trace`] against all meshes and the `candidates` (indices of objects, rising); reflected, refracted and shadow rays
+    /// are traced against all objects.
+    pub fn trace(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Hit {
+        let Some(hit) = self.first_hit(ray, candidates) else {
+            return Hit { color: self.light().sky.radiance(ray.direction()), ..Hit::NOTHING };
+        };
+        let surface = self.surface(ray, &hit);
+        Hit {
+            distance: hit.distance,
+            color: self.radiance(&surface, ray.direction(), Path::FIRST),
+            normal: surface.normal,
+            object: match hit.surface {
+                HitSurface::Object { index, .. } => Some(index),
+                HitSurface::Mesh { .. } => None,
+            },
+            optics: surface.optical_weights(ray.direction()),
+        }
+    }
+}
