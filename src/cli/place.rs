@@ -236,11 +236,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let settings = args.settings();
     let range = args.frames(&scene)?;
     // What stands still is looked at once.
-    let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).moments } else { 1 };
-    let frames = search::spread_frames(range, most);
-    let moments = search::moments(&scene, &frames, args.fps());
+    let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).time_samples } else { 1 };
+    let frames = search::sample_frames(range, most);
+    let times = search::time_samples(&scene, &frames, args.fps());
     let progress = Progress::start(global, "looking", settings.steps())?;
-    let mut search = Search::new(moments, &region, &settings, &progress)?;
+    let mut search = Search::new(times, &region, &settings, &progress)?;
     drop(progress);
     let mut positions = Vec::new();
     if let Some(set) = &start {
@@ -254,7 +254,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let started = positions.len();
     if let Some(count) = args.uniform {
-        positions.extend(search.spread(count as usize)?);
+        positions.extend(search.uniform(count as usize)?);
     }
     let progress = Progress::start(global, "placing", u64::from(args.cameras.unwrap_or(0)))?;
     let place = |search: &Search<'_>, lighting: Lighting| -> Result<Placement> {
@@ -328,7 +328,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
             "k_per_m": search.problem().rate_per_m(),
             "min_distance_m": search.min_distance_m(),
             "effort": format!("{:?}", args.effort()).to_lowercase(),
-            "candidates": search.views().len(),
+            "candidates": search.candidate_count(),
             "surface_samples": search.surface_samples(),
         }
     }));

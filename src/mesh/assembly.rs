@@ -1,68 +1,56 @@
-//! One mesh of many parts.
-//!
-//! Enters: parts as a file has them, already in the world. Leaves: a [`Mesh`] without what rays cannot meet: triangles
-//! with a corner that is not finite, or without area.
+//! Joins parts in world space to one [`Mesh`], without triangles that rays cannot hit: those with a corner that is
+//! not finite, or without area.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::triangles::Mesh;
 
-/// A part of a scene at one moment.
+/// A part of a scene at one time.
 #[derive(Debug)]
 pub struct Part<'a> {
-    /// Corners in the world, metres.
+    /// World space, metres.
     pub positions: &'a [DVec3],
-    /// Normals of the corners, of any length; empty for a part that is flat.
+    /// Of any length; empty for a flat part.
     pub normals: &'a [DVec3],
-    /// Texture coordinates, or empty.
     pub uvs: &'a [Vec2],
-    /// Colours of the corners, or empty.
     pub colors: &'a [Vec4],
-    /// Corners of the triangles, all of them within `positions`.
     pub triangles: &'a [[u32; 3]],
-    /// Index of the material.
     pub material: u32,
-    /// Whether corners run the other way round, as in a mirror.
     pub winding: Winding,
 }
 
-/// Which way round the corners of triangles are given.
+/// Winding order of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Winding {
-    /// Counter-clockwise from outside.
+    /// Counter-clockwise seen from outside.
     Outward,
     /// Clockwise.
     Mirrored,
 }
 
-/// What a mesh holds for each corner besides its place.
+/// Vertex attributes of a mesh: those that any part has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Channels {
-    /// Normals: some part has some. Parts without any are cut into single triangles, so that they are flat.
+    /// Parts without normals are split into single triangles.
     pub normals: bool,
-    /// Texture coordinates: some part has some.
     pub uvs: bool,
-    /// Colours: some part has some. Others are white.
+    /// White for parts without colours.
     pub colors: bool,
 }
 
-/// Triangles that were left out.
+/// Numbers of triangles left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeftOut {
-    /// A corner is not finite.
     pub not_finite: usize,
-    /// No area.
     pub no_area: usize,
 }
 
 impl LeftOut {
-    /// More of it.
     pub fn add(&mut self, other: LeftOut) {
         self.not_finite += other.not_finite;
         self.no_area += other.no_area;
     }
 
-    /// Sentences about it, if there is anything.
     pub fn note(&self, notes: &mut Vec<String>) {
         if self.not_finite > 0 {
             notes.push(format!("{} triangles are left out: a corner is not a finite number", self.not_finite));
@@ -73,24 +61,22 @@ impl LeftOut {
     }
 }
 
-/// A mesh in the making.
+/// A mesh under construction.
 #[derive(Debug)]
 pub struct Assembly {
     mesh: Mesh,
     channels: Channels,
-    /// What was left out so far.
     pub left_out: LeftOut,
 }
 
 const UNUSED: u32 = u32::MAX;
 
 impl Assembly {
-    /// An empty mesh.
     pub fn new(channels: Channels) -> Assembly {
         Assembly { mesh: Mesh::default(), channels, left_out: LeftOut::default() }
     }
 
-    /// Adds a part. What [`super::budget`] allows has fewer corners than there are numbers for them.
+    /// Adds a part. Corners fit into `u32`, as [`super::budget`] allows no more.
     pub fn add(&mut self, part: &Part) {
         let smooth = self.channels.normals && !part.normals.is_empty();
         let welded = smooth || !self.channels.normals;
@@ -122,7 +108,7 @@ impl Assembly {
         }
     }
 
-    /// Normal of a triangle that can be met, length 1.
+    /// Normal of a triangle with an area, length 1.
     fn face_normal(&mut self, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
         if ![a, b, c].iter().all(|corner| corner.is_finite()) {
             self.left_out.not_finite += 1;
@@ -151,7 +137,6 @@ impl Assembly {
         number
     }
 
-    /// The mesh.
     pub fn finish(mut self) -> Mesh {
         self.mesh.positions.shrink_to_fit();
         self.mesh.normals.shrink_to_fit();

@@ -1,26 +1,22 @@
-//! How much memory a scene may ask for.
-//!
-//! Enters: bytes of files that were read, and what is about to be made of them. Leaves: consent, or an error before
-//! anything is allocated.
+//! Memory that a scene file may ask for, checked before it is allocated: 512 MiB and 128 times the size of its files.
 
 use std::fmt::Display;
 
 use crate::error::{Error, Result};
 
-/// Bytes that a file of any size may ask for.
+/// Bytes allowed for a file of any size.
 const FLOOR: u64 = 512 << 20;
-/// Bytes that each byte of a file may ask for beyond that: a picture of one colour or a node that shows a mesh again
-/// is a few bytes in the file.
+/// Further bytes for each byte of the files: an image of one colour, or another node of a mesh, is a few bytes in the
+/// file.
 const PER_BYTE: u64 = 128;
-/// Most bytes, whatever the size of the files.
+/// Most bytes for files of any size.
 const MOST: u64 = 16 << 30;
 
-/// Bytes that a triangle takes in a mesh and in the tree of its boxes.
+/// Bytes of a triangle in a mesh and its bounding volume hierarchy.
 pub const TRIANGLE_BYTES: u64 = 160;
-/// Bytes that a corner takes in a mesh, and on the way there.
+/// Bytes of a corner in a mesh and on the way there.
 pub const CORNER_BYTES: u64 = 152;
 
-/// Bytes of memory that may still be asked for.
 #[derive(Debug)]
 pub struct Budget {
     files: u64,
@@ -28,25 +24,21 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// That of a file of `bytes` bytes.
     pub fn new(bytes: u64) -> Budget {
         Budget { files: bytes, taken: 0 }
     }
 
-    /// Another file of the scene was read.
+    /// Adds a file of the scene.
     pub fn grow(&mut self, bytes: u64) {
         self.files = self.files.saturating_add(bytes);
     }
 
-    /// Most bytes that a scene in files of so many bytes may come to.
+    /// Most bytes that a scene of so many bytes of files may take.
     pub fn allowance(files: u64) -> u64 {
         files.saturating_mul(PER_BYTE).saturating_add(FLOOR).min(MOST)
     }
 
-    /// Asks for `count` things of `size` bytes.
-    ///
-    /// # Errors
-    /// When that is more than files of this size may ask for.
+    /// Reserves memory, or fails where it is more than the files allow.
     pub fn take(&mut self, count: u64, size: u64, what: impl Display) -> Result<()> {
         let taken = count.saturating_mul(size).saturating_add(self.taken);
         let allowance = Budget::allowance(self.files);

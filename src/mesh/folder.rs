@@ -1,6 +1,4 @@
-//! The folder of a scene's file, and the files in it that the scene names.
-//!
-//! Enters: a name or URI as a file of somebody else has it. Leaves: the bytes of a file in that folder or below.
+//! Files that a scene names: in its folder or below, and nowhere else.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,26 +8,22 @@ use crate::error::{Error, Result};
 use crate::fingerprint::digest;
 use crate::image::open_regular;
 
-/// Where names of other files lead.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
-    /// What was read, so that a file that is named twice is read once.
+    /// Each file is read once.
     read: Vec<(PathBuf, Arc<Vec<u8>>)>,
-    /// Names that led to nothing.
+    /// Names that could not be read.
     missing: Vec<String>,
 }
 
 impl Folder {
-    /// The folder that a scene's file lies in.
+    /// The folder of a file.
     pub fn of(file: &Path) -> Folder {
         Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new(), missing: Vec::new() }
     }
 
-    /// Bytes of the file that `name` leads to.
-    ///
-    /// # Errors
-    /// When the name leads out of the folder, or the file cannot be read.
+    /// Bytes of the file of that name; fails where the name leads out of the folder.
     pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
         let fetched = self.look_up(name, budget);
         if fetched.is_err() {
@@ -38,8 +32,7 @@ impl Folder {
         fetched
     }
 
-    /// A stand-in for the bytes of a scene's file and of all that were fetched since, and for the names of those that could
-    /// not be: what the scene follows from.
+    /// Digest of a scene's file, of all files fetched since, and of the names of those that could not be.
     pub fn contents(&self, file: &[u8]) -> String {
         let of_named: Vec<(&Path, String)> = self
             .read
@@ -65,10 +58,7 @@ impl Folder {
     }
 }
 
-/// All bytes of a file.
-///
-/// # Errors
-/// When it cannot be read, or is not a regular file.
+/// All bytes of a regular file.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     use std::io::Read;
     let mut bytes = Vec::new();
@@ -76,10 +66,7 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The path below the folder that a name stands for.
-///
-/// # Errors
-/// For absolute names, other schemes than files, and names with `..`.
+/// Path below the folder; fails for absolute names, schemes and `..`.
 fn inside(name: &str) -> Result<PathBuf> {
     let shown = name.chars().take(80).collect::<String>();
     let refuse = |why: &str| Err(Error::invalid(format!("“{shown}” {why}")));
@@ -100,7 +87,7 @@ fn inside(name: &str) -> Result<PathBuf> {
     Ok(parts.iter().collect())
 }
 
-/// A URI without its percent signs (RFC 3986, 2.1). What is not UTF-8 then is left as it was.
+/// Percent decoding (RFC 3986, 2.1). What is then not UTF-8 is left as it was.
 pub fn percent_decoded(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());

@@ -1,12 +1,10 @@
-//! Numbers for tests of scenes that look random and are always the same.
+//! Pseudorandom numbers for tests.
 
 use glam::DVec3;
 
-/// A sequence of numbers.
 pub(crate) struct Numbers(u64);
 
 impl Numbers {
-    /// The sequence of a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Numbers(seed)
     }
@@ -17,7 +15,6 @@ impl Numbers {
         (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// Three of them.
     pub(crate) fn point(&mut self) -> DVec3 {
         DVec3::new(self.next(), self.next(), self.next())
     }

@@ -71,9 +71,6 @@ impl Wrap {
 
 impl ImageTexture {
     /// Decodes a PNG or JPEG image. 16-bit samples lose their lower half; grey becomes three equal colours.
-    ///
-    /// # Errors
-    /// When it is neither PNG nor JPEG, is damaged, or claims more pixels than a file of its size may.
     pub fn decode(bytes: &[u8], wrap: [Wrap; 2], budget: &mut Budget) -> Result<ImageTexture> {
         let format = ::image::guess_format(bytes).ok();
         let Some(format @ (ImageFormat::Png | ImageFormat::Jpeg)) = format else {
@@ -104,9 +101,6 @@ impl ImageTexture {
     }
 
     /// The image as a PNG file.
-    ///
-    /// # Errors
-    /// When there are not as many pixels as the size says.
     pub fn to_png(&self) -> Result<Vec<u8>> {
         let mut png = Vec::new();
         let encoder = ::image::codecs::png::PngEncoder::new(&mut png);

@@ -1,10 +1,8 @@
-//! A mesh file as a volume.
+//! A closed mesh as a volume.
 //!
-//! Enters: triangles without a border. Leaves: whether a point is inside, and how far outside.
-//!
-//! Inside is where the surface winds around a point, whichever way and how often: shells that overlap, touch or lie in the same
-//! place are their union, and a shell that is turned inwards in another one is a cavity. So each edge must have as many
-//! triangles that run along it one way as the other.
+//! A point is inside where the winding number is not 0: shells that overlap, touch or coincide form their union, and
+//! a shell turned inwards inside another is a cavity. So each edge must be run along as often one way as the other.
+//! Elsewhere (`SampledScene::is_free`) no winding number is used, as scenes have open meshes.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,9 +14,9 @@ use crate::error::{Error, Result};
 use crate::mesh::{AxisBox, Bvh, Mesh, Ray};
 use crate::scene::Model;
 
-/// Rays that vote on whether a point is inside: an odd number.
+/// Rays that vote on whether a point is inside: an odd number, as one along an edge may be wrong.
 const VOTES: usize = 5;
-/// What counts as on the surface, as a part of the diagonal of the bounds.
+/// Thickness of the surface, as a fraction of the diagonal of the bounds.
 const BORDER: f64 = 1e-12;
 
 /// A closed mesh, at time 0 of its file.
@@ -30,20 +28,14 @@ pub struct ClosedMesh {
 }
 
 impl ClosedMesh {
-    /// Reads a mesh file.
-    ///
-    /// # Errors
-    /// When it cannot be read, is empty or has a border.
     pub fn open(path: &Path) -> Result<ClosedMesh> {
         let (model, _) = Model::open(path)?;
         let meshes = model.at(0.0).meshes().iter().map(|part| part.mesh().clone()).collect();
         Self::new(meshes).map_err(|error| error.in_file(path))
     }
 
-    /// The volume of meshes: the union of their shells. Corners at the same place are one.
-    ///
-    /// # Errors
-    /// When there is no triangle, or an edge whose triangles do not run along it as often one way as the other.
+    /// The union of the shells of all meshes; equal corners are one. Fails without a triangle, and where an edge is
+    /// not run along as often one way as the other.
     pub fn new(meshes: Vec<Mesh>) -> Result<ClosedMesh> {
         let triangles: Vec<[DVec3; 3]> = meshes
             .iter()
@@ -70,13 +62,11 @@ impl ClosedMesh {
         Ok(ClosedMesh { triangles, bvh, bounds })
     }
 
-    /// A box around it.
     pub fn bounds(&self) -> AxisBox {
         self.bounds
     }
 
-    /// Whether it winds around a point, as most of some rays say (one along an edge may be wrong), or has the point on its
-    /// surface.
+    /// Whether the winding number around the point is not 0, or the point is on the surface.
     pub fn contains(&self, point: DVec3) -> bool {
         if !self.bounds.contains(point) {
             return false;
@@ -89,8 +79,8 @@ impl ClosedMesh {
         votes.count() > VOTES / 2
     }
 
-    /// Crossings from front to back subtracted from those from back to front, which is the winding number around the
-    /// origin; coincident triangles count each. `None` where a triangle is within `border_m` of the origin.
+    /// Winding number around the origin of the ray; coincident triangles count each. `None` where a triangle is
+    /// within `border_m` of the origin.
     fn winding(&self, ray: &Ray, border_m: f64) -> Option<i64> {
         let mut winding = 0;
         for hit in self.bvh.all(ray, -2.0 * border_m..f64::INFINITY) {
@@ -105,13 +95,12 @@ impl ClosedMesh {
         Some(winding)
     }
 
-    /// Metres to the nearest triangle, from inside or outside.
+    /// Metres to the nearest triangle.
     pub fn surface_distance_m(&self, point: DVec3) -> f64 {
         self.bvh.distance_m(point)
     }
 }
 
-/// Edges with an odd number of triangles, and others that are not run along as often one way as the other.
 fn wrong_edges(triangles: &[[DVec3; 3]]) -> (usize, usize) {
     // −0 and 0 are one place.
     let key = |corner: DVec3| corner.to_array().map(|value| (value + 0.0).to_bits());

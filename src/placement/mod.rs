@@ -1,13 +1,14 @@
-//! Where cameras are to stand, so that few of them see a scene well (CALF 4).
+//! Camera placement (CALF 4): few positions in a region that together see a scene well, in the order of their gain.
+//! The result does not depend on the number of threads.
 //!
-//! Enters: a scene over frames, a region in which viewers move, and what "well" means. Leaves: positions in the order in
-//! which they are worth capturing, with what each of them adds. The same input gives the same bits on any number of threads.
+//! 1. [`region`]: where viewers, and so cameras, may be; distance `Z(x)` of surfaces from them.
+//! 2. [`surface`]: points on surfaces, by area; [`sampled_scene`]: visibility, and free space.
+//! 3. [`candidates`]: positions tested, and their refinement.
+//! 4. [`objective`]: equations 2, 3, 4, 6 and 7; [`greedy`]: equation 5; [`search`]: algorithm 1.
+//! 5. [`coverage`]: coverage that does not depend on the objective.
 //!
-//! 1. [`region`]: where viewers, and so cameras, may be; how far surfaces are from them: `Z(x)`.
-//! 2. [`surface`]: points on surfaces, by area; [`site`]: what is seen from where, and where there is room for a camera.
-//! 3. [`candidates`]: positions that are tried, and better ones beside the best of them.
-//! 4. [`objective`]: equations 2, 3, 4, 6 and 7; [`greedy`]: equation 5, twice; [`search`]: algorithm 1.
-//! 5. [`coverage`]: what cameras come to, in words that do not depend on the objective.
+//! Lengths that are not given are fractions of the region's diagonal, and random numbers are replaced by
+//! low-discrepancy sequences ([`sequence`]), so that scenes of any size are treated alike.
 
 pub mod candidates;
 pub mod closed_mesh;
@@ -15,14 +16,14 @@ pub mod coverage;
 pub mod greedy;
 pub mod objective;
 pub mod region;
+pub mod sampled_scene;
 pub mod search;
 pub mod sequence;
-pub mod site;
 pub mod surface;
 
 pub use candidates::CandidateKind;
 pub use coverage::Figures;
-pub use objective::{Lighting, Problem, State, View};
+pub use objective::{Lighting, Problem, State, VisibleSet};
 pub use region::Region;
+pub use sampled_scene::SampledScene;
 pub use search::{Placed, Placement, Search, Settings, Stop};
-pub use site::Site;

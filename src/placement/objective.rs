@@ -1,58 +1,54 @@
-//! What a camera is worth (CALF 4, equations 2, 3, 4, 6 and 7).
+//! The gain of a camera (CALF 4, equations 2, 3, 4, 6 and 7).
 //!
-//! Enters: facets of surfaces, and which of them each position sees. Leaves: the gain of a camera, given others.
+//! With `d = |x O|`, `Z` the viewer distance of x and `k` the rate of decay, the suitability of a camera at O for x
+//! is `I_suit = V · exp(−k · max(d − Z, 0))` (2). Its gain at x is `I_cov = max(I_suit(O) − max_i I_suit(C_i), 0)`
+//! (3), and its gain is the sum over surfels by area (4).
 //!
-//! With `d = |x O|`, `Z` the viewer distance of x and `k` the rate of decay, a camera at O is suited to see x by
-//! `I_suit = V · exp(−k · max(d − Z, 0))` (2). What it adds there is `I_cov = max(I_suit(O) − max_i I_suit(C_i), 0)` (3), and
-//! what it adds at all is the sum of it over facets by area (4).
+//! **Equation 6**, for specular surfaces, is printed as `I(θ ≥ ∠(xO, xC_i)) · I_cov`: a new camera would count only
+//! *near* an old one, and the first nowhere. The text asks for a *minimum* angle between views. Here a camera is
+//! redundant to another one within θ, seen from x: `I'_cov = max(I_suit(O) − max over i with ∠ < θ of I_suit(C_i),
+//! 0)`. θ = 180° is the diffuse case, choice for choice; with θ = 0° nothing is redundant.
 //!
-//! **Equation 6**, for surfaces that look different from each side, is printed as `I(θ ≥ ∠(xO, xC_i)) · I_cov`: a new camera
-//! would count only *near* an old one. Its prose wants a least angle between views. Here a camera covers x for another one if the
-//! angle between them, seen from x, is less than θ:
-//! `I'_cov = max(I_suit(O) − max over i with ∠ < θ of I_suit(C_i), 0)`. With θ = 180° all cameras count, as for diffuse
-//! surfaces; with θ = 0° none does, and nothing is ever redundant.
+//! **Equation 7**, for scenes that move, multiplies `I_suit · I_cov` under the integral over time. `I_cov` contains
+//! `I_suit` already: squared, distance would count twice as much as in a still scene, and one frame would not give
+//! equation 4. Here (7) is the integral of (4) over time: surfels of several time samples.
 //!
-//! **Equation 7**, for scenes that move, multiplies `I_suit · I_cov` under the integral over time. `I_cov` has `I_suit` in it
-//! already: a still scene would be judged by another measure than (4), and what is seen from afar would be punished twice.
-//! Here (7) is the integral of (4) over time: facets of several frames, each with its part of the time.
-//!
-//! A gain never grows when cameras are added: in each term the maximum is then taken over more of them. Terms are added in a
-//! fixed order and rounding is monotone, so that this is so for the computed numbers, too; [`super::greedy`] relies on it.
+//! A gain never grows when cameras are added, as the maximum is over more of them. Terms are added in a fixed order
+//! and rounding is monotone, so this holds for the computed numbers, too; [`super::greedy`] relies on it.
 
 use glam::DVec3;
 
-/// Facets whose distances [`State::bound`] takes together: a byte of a view's bits.
+/// Surfels that [`State::bound`] treats together: a byte of a visible set.
 const GROUP: usize = 8;
-/// More than rounding can make a suitability too large, relative to it.
+/// Relative margin above the rounding of suitabilities.
 const ROUNDING: f64 = 1e-9;
 
-/// One side of a surface around a point, at one moment.
+/// Surface sample: one side of a surface around a point, at one time sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Facet {
-    /// Where, metres.
+pub struct Surfel {
+    /// Metres.
     pub point: DVec3,
-    /// To the side that is meant, length 1.
+    /// On the visible side, length 1.
     pub normal: DVec3,
-    /// Its part of all area and time; those of all facets come to 1.
+    /// Fraction of all area and time; the sum over all surfels is 1.
     pub weight: f64,
-    /// Z: metres within which it is seen as well as any viewer sees it.
+    /// Z: metres within which a camera sees it as well as any viewer.
     pub viewer_distance_m: f64,
 }
 
-/// What light does at surfaces, as far as cameras must know.
+/// Reflectance of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lighting {
-    /// A point looks alike from everywhere: one camera will do (CALF 4.1).
+    /// Looks the same from everywhere: one camera is enough (CALF 4.1).
     Diffuse,
-    /// It looks different from each side (CALF 4.2).
+    /// Looks different from each direction (CALF 4.2).
     Specular {
-        /// θ: cameras less than so many degrees apart, seen from a point, see the same there; 0..=180.
+        /// θ, degrees, 0..=180: cameras closer to each other, seen from a point, are redundant there.
         theta_deg: f64,
     },
 }
 
 impl Lighting {
-    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Lighting::Diffuse => "diffuse",
@@ -60,8 +56,8 @@ impl Lighting {
         }
     }
 
-    /// The cosine above which two directions from a point are near each other; beyond all cosines at both ends of the range of θ,
-    /// where rounding must not decide.
+    /// Cosine above which two directions are within θ; beyond all cosines at both ends of the range, where rounding
+    /// must not decide.
     pub(super) fn near_cosine(self) -> f64 {
         match self {
             Lighting::Specular { theta_deg } if theta_deg <= 0.0 => f64::INFINITY,
@@ -71,18 +67,18 @@ impl Lighting {
     }
 }
 
-/// Which facets a position sees: one bit for each, the first the lowest of the first word.
+/// The surfels that a position sees, one bit each, from the lowest of the first word.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// Where, metres.
+pub struct VisibleSet {
+    /// Metres.
     pub position: DVec3,
-    /// The bits; those beyond the last facet are 0.
+    /// Bits beyond the last surfel are 0.
     pub seen: Vec<u64>,
 }
 
-impl View {
-    /// Indices of the facets that it sees, in order.
-    pub fn facets(&self) -> impl Iterator<Item = usize> + '_ {
+impl VisibleSet {
+    /// Indices of the surfels, in order.
+    pub fn surfels(&self) -> impl Iterator<Item = usize> + '_ {
         self.seen.iter().enumerate().flat_map(|(at, &word)| {
             let mut left = word;
             std::iter::from_fn(move || {
@@ -96,44 +92,42 @@ impl View {
     }
 }
 
-/// All facets, and how their importance fades with distance.
+/// All surfels, and the rate of decay.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    facets: Vec<Facet>,
+    surfels: Vec<Surfel>,
     rate_per_m: f64,
     groups: Vec<Group>,
 }
 
-/// What is known of [`GROUP`] facets that follow each other.
+/// Bounds of [`GROUP`] consecutive surfels.
 #[derive(Debug, Clone)]
 struct Group {
     min: DVec3,
     max: DVec3,
-    /// Middle of the box, and how far from it the facets are at most.
+    /// Centre of the box, and the radius of a sphere around the surfels.
     middle: DVec3,
     radius_m: f64,
     viewer_distance_m: f64,
 }
 
 impl Problem {
-    /// Facets, and k: by how much a camera is less suited with each metre beyond the viewer distance, 0 or more.
-    pub fn new(facets: Vec<Facet>, rate_per_m: f64) -> Problem {
-        let group = |facets: &[Facet]| {
-            let min = facets.iter().fold(DVec3::INFINITY, |min, facet| min.min(facet.point));
-            let max = facets.iter().fold(DVec3::NEG_INFINITY, |max, facet| max.max(facet.point));
-            let viewer_distance_m = facets.iter().map(|facet| facet.viewer_distance_m).fold(0.0, f64::max);
+    /// `rate_per_m` is k, 0 or more.
+    pub fn new(surfels: Vec<Surfel>, rate_per_m: f64) -> Problem {
+        let group = |surfels: &[Surfel]| {
+            let min = surfels.iter().fold(DVec3::INFINITY, |min, surfel| min.min(surfel.point));
+            let max = surfels.iter().fold(DVec3::NEG_INFINITY, |max, surfel| max.max(surfel.point));
+            let viewer_distance_m = surfels.iter().map(|surfel| surfel.viewer_distance_m).fold(0.0, f64::max);
             Group { min, max, middle: 0.5 * (min + max), radius_m: 0.5 * (max - min).length(), viewer_distance_m }
         };
-        let groups = facets.chunks(GROUP).map(group).collect();
-        Problem { facets, rate_per_m, groups }
+        let groups = surfels.chunks(GROUP).map(group).collect();
+        Problem { surfels, rate_per_m, groups }
     }
 
-    /// The facets.
-    pub fn facets(&self) -> &[Facet] {
-        &self.facets
+    pub fn surfels(&self) -> &[Surfel] {
+        &self.surfels
     }
 
-    /// Puts another k in the place of the one that was given.
     pub fn set_rate_per_m(&mut self, rate_per_m: f64) {
         self.rate_per_m = rate_per_m;
     }
@@ -143,10 +137,10 @@ impl Problem {
         self.rate_per_m
     }
 
-    /// `I_suit` (2) of a camera for a facet that it sees: 1 within the viewer distance, less beyond it.
-    pub fn suitability(&self, camera: DVec3, facet: usize) -> f64 {
-        let facet = &self.facets[facet];
-        self.decay(camera.distance(facet.point) - facet.viewer_distance_m)
+    /// `I_suit` (2) of a camera for a surfel that it sees.
+    pub fn suitability(&self, camera: DVec3, surfel: usize) -> f64 {
+        let surfel = &self.surfels[surfel];
+        self.decay(camera.distance(surfel.point) - surfel.viewer_distance_m)
     }
 
     fn decay(&self, beyond_m: f64) -> f64 {
@@ -154,20 +148,20 @@ impl Problem {
     }
 }
 
-/// A camera that sees facets of a group.
+/// A camera that sees surfels of a group.
 #[derive(Debug, Clone, Copy)]
-struct Near {
-    /// From the middle of the group.
+struct GroupCamera {
+    /// From the centre of the group.
     direction: DVec3,
-    /// How much the direction can differ for a facet of the group, radians.
+    /// Largest angle to the direction from a surfel of the group, radians.
     spread: f64,
-    /// The least of its suitabilities for those that it sees, one bit for each.
+    /// Smallest suitability for the surfels that it sees.
     suitability: f64,
     seen: u8,
 }
 
 impl Group {
-    /// Direction from the middle, and by how many radians it can differ for a facet of the group.
+    /// Direction from the centre, and the largest angle to that from a surfel of the group.
     fn direction_to(&self, position: DVec3) -> (DVec3, f64) {
         let way = position - self.middle;
         let share = self.radius_m / way.length();
@@ -175,24 +169,23 @@ impl Group {
     }
 }
 
-/// What cameras so far cover.
+/// Coverage by the cameras so far.
 #[derive(Debug, Clone)]
 pub struct State<'a> {
     problem: &'a Problem,
     near_cosine: f64,
-    /// Of each facet, the largest suitability of any camera: all that diffuse surfaces ask for.
+    /// Largest suitability of any camera for each surfel.
     best: Vec<f64>,
-    /// Of each facet, direction and suitability of the cameras that see it; empty for diffuse surfaces.
+    /// Direction and suitability of the cameras that see each surfel; empty for diffuse surfaces.
     around: Vec<Vec<(DVec3, f64)>>,
-    /// The same of each group, for bounds.
-    around_groups: Vec<Vec<Near>>,
+    /// The same for each group.
+    around_groups: Vec<Vec<GroupCamera>>,
     cameras: Vec<DVec3>,
 }
 
 impl<'a> State<'a> {
-    /// No cameras.
     pub fn new(problem: &'a Problem, lighting: Lighting) -> State<'a> {
-        let count = problem.facets.len();
+        let count = problem.surfels.len();
         let of_specular = lighting != Lighting::Diffuse;
         State {
             problem,
@@ -204,65 +197,64 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The facets.
     pub fn problem(&self) -> &'a Problem {
         self.problem
     }
 
-    /// Where the cameras are, metres.
+    /// Positions, metres.
     pub fn cameras(&self) -> &[DVec3] {
         &self.cameras
     }
 
-    /// The sum of the best suitabilities by area: what (4) comes to over all cameras of a diffuse scene.
+    /// Mean of the best suitabilities: the sum of all gains (4) in a diffuse scene.
     pub fn weighted(&self) -> f64 {
-        self.problem.facets.iter().zip(&self.best).map(|(facet, best)| facet.weight * best).sum()
+        self.problem.surfels.iter().zip(&self.best).map(|(surfel, best)| surfel.weight * best).sum()
     }
 
-    /// f (4) of a further camera, as a part of all area and time. Nothing where a camera stands already.
-    pub fn gain(&self, view: &View) -> f64 {
-        if self.cameras.contains(&view.position) {
+    /// Gain (4) of a further camera, as a fraction of all area and time; 0 at the position of a camera.
+    pub fn gain(&self, visible: &VisibleSet) -> f64 {
+        if self.cameras.contains(&visible.position) {
             return 0.0;
         }
         let mut sum = 0.0;
-        for facet in view.facets() {
-            let suitability = self.problem.suitability(view.position, facet);
-            let left = suitability - self.covered(view.position, facet);
+        for surfel in visible.surfels() {
+            let suitability = self.problem.suitability(visible.position, surfel);
+            let left = suitability - self.covered(visible.position, surfel);
             if left > 0.0 {
-                sum += self.problem.facets[facet].weight * left;
+                sum += self.problem.surfels[surfel].weight * left;
             }
         }
         sum
     }
 
-    /// At least the gain of a camera, for less work: the facets of a group are taken to be as near as the nearest could be, and a
-    /// camera covers for another where it does so for all facets of the group.
-    pub fn bound(&self, view: &View) -> f64 {
+    /// Upper bound of the gain at less cost: distances are those of the nearest point of a group's box, and a camera
+    /// makes another redundant only where it does so for the whole group.
+    pub fn bound(&self, visible: &VisibleSet) -> f64 {
         let mut sum = 0.0;
         for (at, group) in self.problem.groups.iter().enumerate() {
             let first = at * GROUP;
-            let mut left = (view.seen[first / 64] >> (first % 64)) as u8;
+            let mut left = (visible.seen[first / 64] >> (first % 64)) as u8;
             if left == 0 {
                 continue;
             }
-            let off = (group.min - view.position).max(view.position - group.max).max(DVec3::ZERO).length();
+            let off = (group.min - visible.position).max(visible.position - group.max).max(DVec3::ZERO).length();
             let most = self.problem.decay(off - group.viewer_distance_m) * (1.0 + ROUNDING);
             let mut covered: [f64; GROUP] = std::array::from_fn(|_| 0.0);
             match self.around_groups.get(at) {
                 None => covered.iter_mut().zip(&self.best[first..]).for_each(|(covered, best)| *covered = *best),
-                Some(cameras) => self.cover_group(&mut covered, group.direction_to(view.position), cameras),
+                Some(cameras) => self.cover_group(&mut covered, group.direction_to(visible.position), cameras),
             }
             while left != 0 {
                 let bit = left.trailing_zeros() as usize;
-                sum += self.problem.facets[first + bit].weight * (most - covered[bit]).max(0.0);
+                sum += self.problem.surfels[first + bit].weight * (most - covered[bit]).max(0.0);
                 left &= left - 1;
             }
         }
         sum
     }
 
-    /// Raises what is covered of each facet of a group by the cameras that cover it for all of the group.
-    fn cover_group(&self, covered: &mut [f64; GROUP], (direction, spread): (DVec3, f64), cameras: &[Near]) {
+    /// Raises the covered suitabilities of a group by the cameras that are redundant for all of it.
+    fn cover_group(&self, covered: &mut [f64; GROUP], (direction, spread): (DVec3, f64), cameras: &[GroupCamera]) {
         for camera in cameras {
             // A margin far above what rounding makes of an angle.
             let angle = direction.dot(camera.direction).clamp(-1.0, 1.0).acos() + spread + camera.spread + 1e-6;
@@ -274,39 +266,38 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The largest suitability of the cameras that cover a facet for a position.
-    fn covered(&self, position: DVec3, facet: usize) -> f64 {
+    /// Largest suitability of the cameras that make a position redundant for a surfel.
+    fn covered(&self, position: DVec3, surfel: usize) -> f64 {
         if self.around.is_empty() {
-            return self.best[facet];
+            return self.best[surfel];
         }
-        let direction = (position - self.problem.facets[facet].point).normalize_or_zero();
-        let near = self.around[facet].iter().filter(|(other, _)| direction.dot(*other) > self.near_cosine);
+        let direction = (position - self.problem.surfels[surfel].point).normalize_or_zero();
+        let near = self.around[surfel].iter().filter(|(other, _)| direction.dot(*other) > self.near_cosine);
         near.map(|(_, suitability)| *suitability).fold(0.0, f64::max)
     }
 
-    /// Adds a camera.
-    pub fn add(&mut self, view: &View) {
-        for facet in view.facets() {
-            let suitability = self.problem.suitability(view.position, facet);
-            self.best[facet] = self.best[facet].max(suitability);
-            if let Some(around) = self.around.get_mut(facet) {
-                let direction = (view.position - self.problem.facets[facet].point).normalize_or_zero();
+    pub fn add(&mut self, visible: &VisibleSet) {
+        for surfel in visible.surfels() {
+            let suitability = self.problem.suitability(visible.position, surfel);
+            self.best[surfel] = self.best[surfel].max(suitability);
+            if let Some(around) = self.around.get_mut(surfel) {
+                let direction = (visible.position - self.problem.surfels[surfel].point).normalize_or_zero();
                 around.push((direction, suitability));
             }
         }
         for (at, around) in self.around_groups.iter_mut().enumerate() {
             let first = at * GROUP;
-            let seen = (view.seen[first / 64] >> (first % 64)) as u8;
+            let seen = (visible.seen[first / 64] >> (first % 64)) as u8;
             if seen != 0 {
-                let (direction, spread) = self.problem.groups[at].direction_to(view.position);
+                let (direction, spread) = self.problem.groups[at].direction_to(visible.position);
                 let suitabilities = (0..GROUP).filter(|bit| seen >> bit & 1 == 1);
                 let suitability = suitabilities
-                    .map(|bit| self.problem.suitability(view.position, first + bit))
+                    .map(|bit| self.problem.suitability(visible.position, first + bit))
                     .fold(f64::INFINITY, f64::min);
-                around.push(Near { direction, spread, suitability, seen });
+                around.push(GroupCamera { direction, spread, suitability, seen });
             }
         }
-        self.cameras.push(view.position);
+        self.cameras.push(visible.position);
     }
 }
 
@@ -314,31 +305,31 @@ impl<'a> State<'a> {
 mod tests {
     use super::*;
 
-    fn facet(point: DVec3, weight: f64) -> Facet {
-        Facet { point, normal: DVec3::Y, weight, viewer_distance_m: 1.0 }
+    fn surfel(point: DVec3, weight: f64) -> Surfel {
+        Surfel { point, normal: DVec3::Y, weight, viewer_distance_m: 1.0 }
     }
 
-    fn view(position: DVec3, seen: u64) -> View {
-        View { position, seen: vec![seen] }
+    fn visible(position: DVec3, seen: u64) -> VisibleSet {
+        VisibleSet { position, seen: vec![seen] }
     }
 
     #[test]
     fn suitability_fades_beyond_the_viewer_distance() {
-        let problem = Problem::new(vec![facet(DVec3::ZERO, 1.0)], 0.5);
+        let problem = Problem::new(vec![surfel(DVec3::ZERO, 1.0)], 0.5);
         let at = |height: f64| problem.suitability(DVec3::Y * height, 0);
         assert_eq!([at(0.2), at(1.0), at(3.0)], [1.0, 1.0, (-1.0f64).exp()]);
     }
 
     #[test]
     fn only_what_is_better_seen_counts() {
-        let problem = Problem::new(vec![facet(DVec3::ZERO, 0.75), facet(DVec3::X * 4.0, 0.25)], 1.0);
+        let problem = Problem::new(vec![surfel(DVec3::ZERO, 0.75), surfel(DVec3::X * 4.0, 0.25)], 1.0);
         let mut state = State::new(&problem, Lighting::Diffuse);
-        let far = view(DVec3::Y * 3.0, 0b01);
+        let far = visible(DVec3::Y * 3.0, 0b01);
         let first = state.gain(&far);
         assert!((first - 0.75 * (-2.0f64).exp()).abs() < 1e-15);
         state.add(&far);
         assert_eq!(state.gain(&far), 0.0);
-        let near = view(DVec3::Y, 0b11);
+        let near = visible(DVec3::Y, 0b11);
         let second = state.gain(&near);
         assert!(state.bound(&near) >= second && state.bound(&near) < 1.0);
         let beyond = 17f64.sqrt() - 1.0;
@@ -351,13 +342,13 @@ mod tests {
 
     #[test]
     fn a_camera_covers_for_others_within_theta() {
-        let problem = Problem::new(vec![facet(DVec3::ZERO, 1.0)], 1.0);
-        let above = view(DVec3::Y, 1);
-        let aside = view(DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0), 1);
+        let problem = Problem::new(vec![surfel(DVec3::ZERO, 1.0)], 1.0);
+        let above = visible(DVec3::Y, 1);
+        let aside = visible(DVec3::new(0.5f64.sqrt(), 0.5f64.sqrt(), 0.0), 1);
         let gain = |theta_deg: f64| {
             let mut state = State::new(&problem, Lighting::Specular { theta_deg });
             state.add(&above);
-            (state.gain(&aside), state.gain(&view(DVec3::Y * 0.5, 1)), state.gain(&above))
+            (state.gain(&aside), state.gain(&visible(DVec3::Y * 0.5, 1)), state.gain(&above))
         };
         assert_eq!(gain(44.0), (1.0, 0.0, 0.0));
         assert_eq!(gain(46.0), (0.0, 0.0, 0.0));
@@ -368,8 +359,8 @@ mod tests {
 
     #[test]
     fn bits_are_facets() {
-        let view = View { position: DVec3::ZERO, seen: vec![0b1010, 1 << 63 | 1] };
-        assert_eq!(view.facets().collect::<Vec<_>>(), [1, 3, 64, 127]);
+        let visible = VisibleSet { position: DVec3::ZERO, seen: vec![0b1010, 1 << 63 | 1] };
+        assert_eq!(visible.surfels().collect::<Vec<_>>(), [1, 3, 64, 127]);
     }
 
     mod bounds {
@@ -380,7 +371,7 @@ mod tests {
 
         proptest! {
             #![proptest_config(ProptestConfig::with_cases(400))]
-            /// Facets in clusters of any size, so that cameras lie inside the boxes of groups too; near the origin and far off.
+            /// Surfels in clusters of any size, so that cameras lie inside the boxes of groups too; near the origin and far off.
             #[test]
             fn a_bound_is_never_below_the_gain(
                 count in 1usize..128,
@@ -391,30 +382,30 @@ mod tests {
                 cameras in prop::collection::vec((0u64..5000, any::<[u64; 2]>(), 0.0..4.0f64), 2..12),
             ) {
                 let place = |at: u64, size: f64| DVec3::splat(off) + size * (in_cube(at) - 0.5);
-                let facet = |at: usize| Facet {
+                let surfel = |at: usize| Surfel {
                     point: place((at / 8) as u64, 3.0) - DVec3::splat(off) + place(900 + at as u64, size),
                     viewer_distance_m: 0.2 * (at % 5) as f64,
-                    ..facet(DVec3::ZERO, 1.0 / count as f64)
+                    ..surfel(DVec3::ZERO, 1.0 / count as f64)
                 };
-                let problem = Problem::new((0..count).map(facet).collect(), rate);
+                let problem = Problem::new((0..count).map(surfel).collect(), rate);
                 let mask = |word: usize| match count.saturating_sub(64 * word) {
                     0 => 0,
                     left @ 1..64 => (1 << left) - 1,
                     _ => u64::MAX,
                 };
                 let words = count.div_ceil(64);
-                let views: Vec<View> = cameras
+                let visible_sets: Vec<VisibleSet> = cameras
                     .iter()
-                    .map(|(at, seen, spread)| View {
+                    .map(|(at, seen, spread)| VisibleSet {
                         position: place(*at, *spread),
                         seen: (0..words).map(|word| seen[word] & mask(word)).collect(),
                     })
                     .collect();
                 let lighting = theta.map_or(Lighting::Diffuse, |theta_deg| Lighting::Specular { theta_deg });
                 let mut state = State::new(&problem, lighting);
-                for placed in &views {
-                    for view in &views {
-                        let (bound, gain) = (state.bound(view), state.gain(view));
+                for placed in &visible_sets {
+                    for visible in &visible_sets {
+                        let (bound, gain) = (state.bound(visible), state.gain(visible));
                         prop_assert!(bound >= gain, "{bound:e} {gain:e} with {} cameras", state.cameras().len());
                     }
                     state.add(placed);

@@ -1,6 +1,4 @@
-//! The region that viewers move in: a union of boxes, balls and closed meshes (CALF 4.1, footnote 1).
-//!
-//! Enters: what the command line says. Leaves: whether a point is inside, and how far it is from the region.
+//! The region of viewers: a union of boxes, spheres and closed meshes (CALF 4.1, footnote 1).
 
 use std::path::Path;
 
@@ -11,14 +9,11 @@ use crate::error::{Error, Result};
 use crate::mesh::AxisBox;
 use crate::scene::Sphere;
 
-/// One of the volumes of a region.
 #[derive(Debug, Clone)]
 pub enum Volume {
-    /// A box along the axes; it may be flat.
+    /// Along the axes; may be flat.
     Box(AxisBox),
-    /// A ball.
     Ball(Sphere),
-    /// What a mesh encloses.
     Mesh(Box<ClosedMesh>),
 }
 
@@ -30,9 +25,6 @@ pub struct Region {
 
 impl Volume {
     /// Parses `x0,y0,z0,x1,y1,z1` (two opposite corners), `sphere:x,y,z,r`, or the name of a file with a closed mesh.
-    ///
-    /// # Errors
-    /// When it is none of these, or the file cannot be used.
     pub fn parse(text: &str) -> Result<Volume> {
         let wrong = |what: &str| {
             Error::Usage(format!(
@@ -65,7 +57,6 @@ impl Volume {
         }
     }
 
-    /// A box around it.
     pub fn bounds(&self) -> AxisBox {
         match self {
             Volume::Box(solid) => *solid,
@@ -95,10 +86,7 @@ impl Volume {
 }
 
 impl Region {
-    /// The union of volumes.
-    ///
-    /// # Errors
-    /// When there is none, or one is larger than numbers can tell.
+    /// Fails without a volume, and where the diagonal exceeds 1e100 m.
     pub fn new(volumes: Vec<Volume>) -> Result<Region> {
         let region = Region { volumes };
         if region.volumes.is_empty() {
@@ -110,39 +98,29 @@ impl Region {
         Ok(region)
     }
 
-    /// Parses each volume, as [`Volume::parse`] does, and joins them.
-    ///
-    /// # Errors
-    /// Those of [`Volume::parse`] and [`Region::new`].
     pub fn parse(texts: &[impl AsRef<str>]) -> Result<Region> {
         Self::new(texts.iter().map(|text| Volume::parse(text.as_ref())).collect::<Result<_>>()?)
     }
 
-    /// Its volumes, as they were given.
     pub fn volumes(&self) -> &[Volume] {
         &self.volumes
     }
 
-    /// Whether a point is in one of the volumes.
     pub fn contains(&self, point: DVec3) -> bool {
         self.volumes.iter().any(|volume| volume.contains(point))
     }
 
-    /// Metres from a point to the nearest volume: how close a viewer can come to it.
+    /// Metres from a point to the nearest volume.
     pub fn distance_m(&self, point: DVec3) -> f64 {
         self.volumes.iter().map(|volume| volume.distance_m(point)).fold(f64::INFINITY, f64::min)
     }
 
-    /// A box around all of it.
     pub fn bounds(&self) -> AxisBox {
-        let each = || self.volumes.iter().map(Volume::bounds);
-        AxisBox {
-            min: each().fold(DVec3::INFINITY, |min, one| min.min(one.min)),
-            max: each().fold(DVec3::NEG_INFINITY, |max, one| max.max(one.max)),
-        }
+        let bounds = self.volumes.iter().map(Volume::bounds).reduce(AxisBox::join);
+        bounds.unwrap_or(AxisBox { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY })
     }
 
-    /// Metres between two opposite corners of the box around it: what lengths that nobody gave are parts of.
+    /// Diagonal of the box around the region, metres.
     pub fn diagonal_m(&self) -> f64 {
         let bounds = self.bounds();
         (bounds.max - bounds.min).length()

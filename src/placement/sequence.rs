@@ -1,6 +1,5 @@
-//! Points that fill space evenly, without chance: additive recurrences of the generalised golden ratio, and spirals.
-//!
-//! Enters: an index. Leaves: a point of the unit cube, or a direction. Any run of consecutive indices is spread evenly.
+//! Low-discrepancy sequences: additive recurrences of the generalised golden ratio, Hammersley sets, spirals. Any run
+//! of consecutive indices is spread evenly.
 
 use std::f64::consts::TAU;
 
@@ -8,23 +7,22 @@ use glam::DVec3;
 
 /// Powers of 1/g, where g is the root of x⁴ = x + 1.
 const CUBE_STEPS: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_1];
-/// Turn between two points of a spiral: the golden angle as a part of a full turn.
+/// Golden angle as a fraction of a full turn.
 const GOLDEN_TURN: f64 = 0.381_966_011_250_105_1;
 
-/// The point of an index, each coordinate in 0..1; the first is the middle.
+/// Point of the sequence in the unit cube; the first is its centre.
 pub fn in_cube(index: u64) -> DVec3 {
     // Beyond 2^40 points the fraction would become coarse; no search comes near.
     let along = |step: f64| (0.5 + (index % (1 << 40)) as f64 * step).fract();
     DVec3::new(along(CUBE_STEPS[0]), along(CUBE_STEPS[1]), along(CUBE_STEPS[2]))
 }
 
-/// A point of Hammersley's set of `count` in three dimensions, each coordinate in 0..1: its index as a part of the count, and
-/// the index mirrored at the point in base 2 and in base 3. Half a step on along the first axis, so that none lies at its end.
+/// Point of a Hammersley set: (index + ½) / count, and the radical inverses of the index in base 2 and 3.
 pub fn hammersley(index: u64, count: u64) -> DVec3 {
     DVec3::new((index as f64 + 0.5) / count as f64, mirrored(index, 2), mirrored(index, 3))
 }
 
-/// The digits of a number behind the point, the last one first.
+/// Radical inverse.
 fn mirrored(mut number: u64, base: u64) -> f64 {
     let (mut value, mut digit) = (0.0, 1.0);
     while number > 0 {
@@ -35,12 +33,12 @@ fn mirrored(mut number: u64, base: u64) -> f64 {
     value
 }
 
-/// A direction of length 1, one of `count` that are spread evenly over the sphere.
+/// One of `count` directions spread evenly over the sphere.
 pub fn on_sphere(index: usize, count: usize) -> DVec3 {
     spiral(index, 1.0 - 2.0 * (index as f64 + 0.5) / count as f64)
 }
 
-/// A direction of length 1 with y above 0, one of `count` that are spread evenly over the half sphere.
+/// One of `count` directions spread evenly over the hemisphere of y > 0.
 pub fn on_hemisphere(index: usize, count: usize) -> DVec3 {
     spiral(index, 1.0 - (index as f64 + 0.5) / count as f64)
 }

@@ -1,7 +1,5 @@
-//! Points on the surfaces of a scene, spread by area: what the integrals of CALF 4 become sums over.
-//!
-//! Enters: a scene at one moment. Leaves: points with the normals of their surfaces, in an order in which neighbours in the
-//! list are neighbours in space. Each stands for the same area.
+//! Points on the surfaces of a scene, uniform by area: samples for the integrals of CALF 4. Neighbours in the list
+//! are neighbours in space.
 
 use std::f64::consts::TAU;
 
@@ -11,37 +9,42 @@ use super::sequence;
 use crate::mesh::AxisBox;
 use crate::scene::{Fence, SceneAtTime, Shape, TurnedBox};
 
-/// A point on a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// Where, metres.
+    /// Metres.
     pub point: DVec3,
-    /// Length 1, to the side that the triangle's corners run round counter-clockwise, or out of the solid.
+    /// Length 1, out of the solid or to the front of the triangle.
     pub normal: DVec3,
 }
 
-/// Points on all surfaces of a scene.
 #[derive(Debug, Clone, Default)]
 pub struct SurfacePoints {
-    /// The points.
     pub points: Vec<SurfacePoint>,
-    /// Square metres that each of them stands for.
+    /// Square metres.
     pub area_of_each: f64,
 }
 
-/// A piece of surface whose area is known.
+/// A part of the surface of known area.
 enum Patch {
-    /// A parallelogram.
-    Flat { corner: DVec3, u: DVec3, v: DVec3 },
-    /// A ball.
-    Ball { center: DVec3, radius: f64 },
-    /// A triangle of a mesh, by their indices.
-    Triangle { mesh: usize, triangle: usize },
+    Flat {
+        corner: DVec3,
+        u: DVec3,
+        v: DVec3,
+    },
+    Ball {
+        center: DVec3,
+        radius: f64,
+    },
+    /// Indices.
+    Triangle {
+        mesh: usize,
+        triangle: usize,
+    },
 }
 
-/// Spreads `count` points over all surfaces: one in each of as many strips of equal area, at a place in it that is the
-/// `first`th and following of [`sequence::in_cube`]. Points in holes of textures are left out.
-pub fn spread(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
+/// `count` points, one in each of as many strips of equal area; `first` is the index in [`sequence::in_cube`] of the
+/// first. Points in holes of textures are left out.
+pub fn sample(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
     let (patches, ends) = patches(scene);
     let area = ends.last().copied().unwrap_or(0.0);
     if !(area > 0.0 && area.is_finite()) {
@@ -58,7 +61,7 @@ pub fn spread(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
     SurfacePoints { points, area_of_each: area / count as f64 }
 }
 
-/// All patches that have an area, and the sum of the areas up to and with each.
+/// All patches with an area, and their cumulative areas.
 fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     let mut patches = Vec::new();
     let mut ends = Vec::new();
@@ -94,7 +97,7 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     (patches, ends)
 }
 
-/// The sides of a box: a corner and two edges, so that their cross product points outwards.
+/// Sides of a box as a corner and two edges, whose cross product points outwards.
 fn sides(solid: &AxisBox) -> [[DVec3; 3]; 6] {
     let size = solid.max - solid.min;
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
@@ -113,7 +116,7 @@ fn turned_sides(solid: &TurnedBox) -> [[DVec3; 3]; 6] {
         .map(|[corner, u, v]| [solid.center + solid.to_world(corner), solid.to_world(u), solid.to_world(v)])
 }
 
-/// Rails and posts of a fence. What of them lies inside each other is on no surface, and is never seen.
+/// Rails and posts of a fence; parts inside each other are never seen.
 fn fence_solids(fence: &Fence) -> Vec<AxisBox> {
     let bounds = fence.bounds();
     let half = 0.5 * fence.width;
@@ -128,7 +131,7 @@ fn fence_solids(fence: &Fence) -> Vec<AxisBox> {
     fence.rails.into_iter().map(rail).chain((0..fence.posts).map(post)).collect()
 }
 
-/// The point of a patch at two coordinates in 0..1, uniform in area; none in a hole.
+/// Point of a patch at two coordinates in 0..1, uniform by area; `None` in a hole.
 fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<SurfacePoint> {
     match *patch {
         Patch::Flat { corner, u, v } => {
@@ -153,7 +156,7 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
     }
 }
 
-/// Sorts points along a curve that fills space (Morton's), 1024 cells along each axis.
+/// Sorts points along a Morton curve of 1024 cells along each axis.
 fn sort_in_space(points: &mut [SurfacePoint]) {
     let min = points.iter().fold(DVec3::INFINITY, |min, at| min.min(at.point));
     let max = points.iter().fold(DVec3::NEG_INFINITY, |max, at| max.max(at.point));
@@ -185,7 +188,7 @@ mod tests {
     fn points_lie_where_the_area_is() {
         let ball = Sphere { center: DVec3::new(9.0, 0.0, 0.0), radius: 1.0 };
         let solid = AxisBox { min: DVec3::ZERO, max: DVec3::new(1.0, 2.0, 3.0) };
-        let found = spread(&scene(vec![Shape::Sphere(ball), Shape::AxisBox(solid)]), 4000, 0);
+        let found = sample(&scene(vec![Shape::Sphere(ball), Shape::AxisBox(solid)]), 4000, 0);
         assert!((found.area_of_each * 4000.0 - (2.0 * TAU + 22.0)).abs() < 1e-9);
         let on_ball = found.points.iter().filter(|at| at.point.x > 2.0).count() as f64;
         assert!((on_ball / 4000.0 - 2.0 * TAU / (2.0 * TAU + 22.0)).abs() < 0.001, "{on_ball}");
@@ -204,7 +207,7 @@ mod tests {
         for object in found.objects() {
             let alone = scene(vec![*object.shape()]);
             let mut met = 0;
-            let points = spread(&alone, 200, 5).points;
+            let points = sample(&alone, 200, 5).points;
             for at in &points {
                 let ray = Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
                 let Some(hit) = object.shape().intersect(&ray, 0.0) else { continue };
@@ -220,7 +223,7 @@ mod tests {
     #[test]
     fn neighbours_in_the_list_are_neighbours_in_space() {
         let floor = Quad { corner: DVec3::ZERO, u: DVec3::X, v: DVec3::Z };
-        let points = spread(&scene(vec![Shape::Quad(floor)]), 1024, 0).points;
+        let points = sample(&scene(vec![Shape::Quad(floor)]), 1024, 0).points;
         let mean = points.windows(2).map(|pair| pair[0].point.distance(pair[1].point)).sum::<f64>() / 1023.0;
         assert!(mean < 0.06, "{mean}");
     }
@@ -243,10 +246,10 @@ mod tests {
                 vec![Arc::new(SceneMesh::new(mesh, [material].into()))],
                 Light::default(),
             );
-            let found = spread(&scene, 50, 0);
+            let found = sample(&scene, 50, 0);
             assert_eq!(found.points.len(), expected);
             assert!(found.points.iter().all(|at| at.point.x + at.point.y <= 1.0 && at.normal == DVec3::Z));
         }
-        assert!(spread(&scene(vec![]), 50, 0).points.is_empty());
+        assert!(sample(&scene(vec![]), 50, 0).points.is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! A scene by its name: built in, or from a file.
+//! A scene by its name: built in, or a file.
 
 use std::path::Path;
 
@@ -7,38 +7,28 @@ use super::procedural::{DemoKind, DemoScene};
 use super::raycast::SceneAtTime;
 use crate::error::{Error, Result};
 
-/// What files of scenes end in, without the dot.
 const ENDINGS: [&str; 3] = ["glb", "gltf", "obj"];
 
-/// A scene that has a state at every time.
+/// A scene over time.
 #[derive(Debug)]
 pub enum Scene {
-    /// Built in.
     Procedural(DemoScene),
-    /// From a file of meshes.
     Model(Box<Model>),
 }
 
 impl Scene {
-    /// Whether [`Self::open`] would take a text for a scene, by its name alone: one that is built in, or a file that ends
-    /// in `.glb`, `.gltf` or `.obj`.
+    /// Whether [`Self::open`] would take a text for a scene by its name alone.
     pub fn is_named_by(text: &str) -> bool {
         has_ending(text) || built_in(text).is_some()
     }
 
-    /// Opens a built-in scene by its name ([`DemoKind::from_name`]), or a file with its first animation. A file is meant where
-    /// one of that name exists; a folder is none. Notes tell what was left out or replaced, a sentence each.
-    ///
-    /// # Errors
-    /// As for [`Model::open`], and when there is neither a scene nor a file of that name.
+    /// Opens a built-in scene by its name, or a file with its first animation. An existing file precedes a built-in
+    /// scene of its name; a folder does not. Notes say what was left out or replaced.
     pub fn open(text: &str) -> Result<(Scene, Vec<String>)> {
         Scene::open_to_play(text, Play::First)
     }
 
-    /// The same with any animation. That of a built-in scene has no name.
-    ///
-    /// # Errors
-    /// As for [`Self::open`], and when there is no animation of that name.
+    /// The same with any animation; that of a built-in scene has no name.
     pub fn open_to_play(text: &str, play: Play) -> Result<(Scene, Vec<String>)> {
         if let Some(kind) = built_in(text) {
             return match play {
@@ -60,7 +50,7 @@ impl Scene {
         Ok((Scene::Model(Box::new(model)), notes))
     }
 
-    /// Everything at `time_s` seconds. The same time gives the same bits.
+    /// The same time gives the same bits.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         match self {
             Scene::Procedural(scene) => scene.at(time_s),
@@ -68,7 +58,7 @@ impl Scene {
         }
     }
 
-    /// Length of its animation in seconds, 0 where nothing moves.
+    /// Length of the animation in seconds, 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         match self {
             Scene::Procedural(scene) => scene.duration_s(),
@@ -76,8 +66,7 @@ impl Scene {
         }
     }
 
-    /// What it follows from, told apart from what it may come to later: the name of a built-in scene, a stand-in for the bytes
-    /// of all files that were read.
+    /// Identifies the contents: the name of a built-in scene, or a digest of all files that were read.
     pub fn contents(&self) -> &str {
         match self {
             Scene::Procedural(scene) => scene.kind().name(),
@@ -91,7 +80,7 @@ fn has_ending(text: &str) -> bool {
     ending.is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))
 }
 
-/// The built-in scene that is meant: a file of its name comes first, a folder does not.
+/// An existing file precedes a built-in scene of its name; a folder does not.
 fn built_in(text: &str) -> Option<DemoKind> {
     let path = Path::new(text);
     DemoKind::from_name(text).filter(|_| !path.exists() || path.is_dir())

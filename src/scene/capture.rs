@@ -1,7 +1,4 @@
-//! Scenes seen through cube maps, panoramas and perspective images, and written as datasets.
-//!
-//! Enters: a scene, cameras, frames, sizes. Leaves: images, one by one ([`view`]), or a folder of them that is a dataset
-//! ([`plan`], [`mod@write`]).
+//! Captures scenes as cube maps, panoramas and perspective images, and writes them as datasets.
 
 pub mod plan;
 pub mod samples;
@@ -21,16 +18,11 @@ pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, Window, capture_view};
 pub use write::{CaptureSummary, Kept};
 
-/// Samples of a pixel's colour where nothing else is asked for, on a regular grid of four by four.
+/// Default samples of a pixel's colour.
 pub const COLOR_SAMPLES: u32 = 16;
 
-/// Captures `face` of the cube map at `position`: `size`×`size` pixels, colour of [`COLOR_SAMPLES`].
-///
-/// Colour is linear radiance rounded to half floats. Depth is the Euclidean distance in metres along the ray through
-/// the pixel's centre, `+inf` where there is nothing. The result does not depend on the number of threads.
-///
-/// # Errors
-/// If `size` is 0 or above [`MAX_FACE_SIZE`], or the position is not finite.
+/// Captures a face of the cube map at a position, with [`COLOR_SAMPLES`]. Depth is the distance in metres along the
+/// ray through the pixel's centre, `+inf` for the background.
 pub fn capture_face(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Result<(ColorPlane, DepthPlane)> {
     let samples = SamplePattern::new(COLOR_SAMPLES)?;
     let passes = [Pass::Color, Pass::Depth];

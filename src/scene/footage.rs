@@ -1,7 +1,4 @@
-//! A demo scene captured to files: EXR sequences and the `lightfield.json` that describes them.
-//!
-//! Enters: which scene, how many frames and probes, how large. Leaves: a folder that is a dataset, as a renderer would
-//! have left it. The bytes depend on nothing but the plan.
+//! Built-in scenes captured as datasets. The bytes follow from the plan alone.
 
 use std::path::Path;
 
@@ -17,24 +14,21 @@ use crate::error::{Error, Result};
 use crate::image::FrameRange;
 use crate::monitor::Monitor;
 
-/// Frames per second of captured footage.
 pub const FPS: f64 = 24.0;
 
-/// What to capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FootagePlan {
-    /// The scene.
     pub kind: DemoKind,
-    /// Number of frames, at least 1; the first is frame 0.
+    /// At least 1.
     pub frames: u32,
-    /// Width and height of a face in pixels, 1 to [`super::capture::MAX_FACE_SIZE`].
+    /// Width and height in pixels, 1 to [`super::capture::MAX_FACE_SIZE`].
     pub face_size: u32,
-    /// Number of probes, at least 1.
+    /// At least 1.
     pub probes: u32,
 }
 
 impl FootagePlan {
-    /// Where the probes stand: evenly along the diagonal of the region that the scene keeps free, or in its middle.
+    /// Positions evenly along the diagonal of the scene's probe region, or its centre.
     pub fn positions(&self) -> Vec<DVec3> {
         let (middle, reach) = DemoScene::new(self.kind).probe_region();
         let last = f64::from(self.probes.saturating_sub(1));
@@ -42,10 +36,7 @@ impl FootagePlan {
         (0..self.probes).map(|probe| middle + along(probe) * reach).collect()
     }
 
-    /// The capture that makes it: distances, and colours of [`COLOR_SAMPLES`].
-    ///
-    /// # Errors
-    /// When there is no frame or no probe.
+    /// Distances, and colours of [`COLOR_SAMPLES`].
     pub fn capture(&self) -> Result<CapturePlan> {
         let FootagePlan { kind, frames, face_size, probes } = *self;
         if frames == 0 || probes == 0 {
@@ -72,18 +63,11 @@ impl FootagePlan {
         })
     }
 
-    /// The manifest of the dataset.
-    ///
-    /// # Errors
-    /// When a number of the plan is out of its range.
     pub fn manifest(&self) -> Result<Manifest> {
         self.capture()?.manifest()
     }
 
-    /// Captures everything into `folder`, which is made where it is missing. The monitor advances by one for each image.
-    ///
-    /// # Errors
-    /// When a number of the plan is out of its range, a file cannot be written, or the monitor is interrupted.
+    /// Captures everything into `folder`. The monitor advances by one for each image.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
         let plan = self.capture()?;
         plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, Kept::None, monitor)?;

@@ -1,43 +1,42 @@
-//! What shines: suns, lamps and the sky. Plain data; [`super::shading`] says what surfaces make of it.
+//! Suns, lamps and the sky.
 
 use glam::DVec3;
 
 /// A light at infinity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sun {
-    /// Direction towards it, length 1.
+    /// Towards the light, length 1.
     pub direction: DVec3,
     /// Radiance of a white surface that faces it.
     pub radiance: DVec3,
 }
 
-/// A light at a point whose reach ends: beyond it, nothing changes when it does.
+/// A point light of limited range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lamp {
-    /// Where, metres.
+    /// Metres.
     pub position: DVec3,
-    /// Radiance of a white surface that faces it at 1 m, before the fall-off to the reach.
+    /// Radiance of a white surface that faces it at 1 m, without the window.
     pub radiance: DVec3,
-    /// Distance in metres from which on it lights nothing; may be `+inf`.
+    /// Metres; may be `+inf`.
     pub reach: f64,
-    /// How its light comes to an end there.
     pub window: Window,
-    /// Where it shines to, `None` for all around.
+    /// `None` for all directions.
     pub cone: Option<Cone>,
 }
 
-/// What the inverse square of the distance is multiplied with, so that light ends at the reach of its lamp.
+/// Factor of the inverse square law that ends the light at its range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Window {
-    /// (1 − (d/r)²)², which ends with slope 0: the lamps of the procedural scenes.
+    /// (1 − (d/r)²)², of slope 0 at the end: the lamps of built-in scenes.
     #[default]
     Smooth,
-    /// 1 − (d/r)⁴, as glTF's `KHR_lights_punctual` recommends: nearly the inverse square up to half the reach.
+    /// 1 − (d/r)⁴, as `KHR_lights_punctual` recommends.
     Punctual,
 }
 
 impl Window {
-    /// Two factors whose product is the window, for the squares of the distance and of the reach: 1 without an end.
+    /// Two factors whose product is the window, given squared distances.
     pub(super) fn factors(self, squared: f64, reach_squared: f64) -> [f64; 2] {
         let share = squared / reach_squared;
         match self {
@@ -47,20 +46,20 @@ impl Window {
     }
 }
 
-/// The light of a spot.
+/// The cone of a spot light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
-    /// Its middle, length 1.
+    /// Length 1.
     pub axis: DVec3,
-    /// Cosine of the angle from the axis within which it has its full strength.
+    /// Cosine of the angle from the axis of full intensity.
     pub cos_inner: f64,
-    /// Cosine of the angle from which on it lights nothing, below `cos_inner`.
+    /// Cosine of the angle from the axis of no intensity, below `cos_inner`.
     pub cos_outer: f64,
 }
 
 impl Cone {
-    /// Share of the lamp's light that goes in a direction of length 1: 1 inside, 0 outside, and between the two cosines
-    /// the square of a straight line in the cosine, as glTF's `KHR_lights_punctual` recommends.
+    /// Share of the intensity in a direction of length 1: the square of a linear ramp between the two cosines, as
+    /// `KHR_lights_punctual` recommends.
     pub fn strength(&self, direction: DVec3) -> f64 {
         let width = (self.cos_inner - self.cos_outer).max(1e-9);
         let inside = ((direction.dot(self.axis) - self.cos_outer) / width).clamp(0.0, 1.0);
@@ -68,10 +67,10 @@ impl Cone {
     }
 }
 
-/// What is seen where there is nothing, and the light that comes from there.
+/// Background, and ambient light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sky {
-    /// Radiance up to the elevation whose sine is [`Sky::GRADIENT_START`]: one constant.
+    /// Radiance up to an elevation whose sine is [`Sky::GRADIENT_START`].
     pub horizon: DVec3,
     /// Radiance straight up.
     pub zenith: DVec3,
@@ -80,33 +79,28 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Sine of the elevation where the sky starts to change: just above 45°, so that the four horizontal faces of a
-    /// cube map see one constant.
+    /// Just above 45°: the four horizontal faces of a cube map see a constant.
     pub const GRADIENT_START: f64 = 0.71;
 
-    /// Black, and no light from anywhere.
     pub const NONE: Sky = Sky { horizon: DVec3::ZERO, zenith: DVec3::ZERO, ambient: DVec3::ZERO };
 
-    /// Radiance in a direction of length 1.
+    /// In a direction of length 1.
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let rise = (direction.y - Sky::GRADIENT_START) / (1.0 - Sky::GRADIENT_START);
         if rise <= 0.0 { self.horizon } else { self.horizon.lerp(self.zenith, rise.min(1.0)) }
     }
 }
 
-/// All that shines in a scene, but for surfaces.
+/// All light sources but emissive surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// Lights at infinity.
     pub suns: Vec<Sun>,
-    /// Lights at points.
     pub lamps: Vec<Lamp>,
-    /// The background.
     pub sky: Sky,
 }
 
 impl Default for Light {
-    /// A bright day, for scenes that bring no light.
+    /// A bright day, for scenes without lights.
     fn default() -> Self {
         let sun = Sun { direction: DVec3::new(0.5, 0.78, 0.38).normalize(), radiance: DVec3::new(1.75, 1.6, 1.35) };
         let sky = Sky {

@@ -1,31 +1,25 @@
-//! What a surface is painted with: textures that are functions of the point alone.
-//!
-//! Enters: a point in the object's own coordinates, metres, and its normal. Leaves: linear Rec. 709 albedo.
+//! Materials of analytic shapes, with textures that are functions of the point alone. Points are in the object's own
+//! coordinates, metres.
 
 use glam::DVec3;
 
 use super::mesh::{Optics, Phong};
 
-/// A pattern of albedos (linear, 0..=1).
+/// A pattern of albedos, linear Rec. 709, 0..=1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Texture {
-    /// One colour.
     Solid(DVec3),
-    /// Cubes of two colours.
     Checker {
-        /// The two colours.
         colors: [DVec3; 2],
         /// Edge of a cube, metres.
         size: f64,
     },
-    /// Slices of two colours across an axis.
     Stripes {
-        /// The two colours.
         colors: [DVec3; 2],
-        /// Direction across the slices, its length the slices per metre.
+        /// Direction across the stripes; its length is the number of stripes per metre.
         wave: DVec3,
     },
-    /// Rows of bricks or slabs, each a little lighter or darker, in mortar. Follows the two axes across the normal.
+    /// Rows of bricks of varying brightness in mortar, along the two axes across the normal.
     Bricks {
         /// Mean brick colour and mortar colour.
         colors: [DVec3; 2],
@@ -37,7 +31,6 @@ pub enum Texture {
 }
 
 impl Texture {
-    /// The albedo at `point`, on a surface with that `normal` (both in the object's own axes).
     pub fn albedo(&self, point: DVec3, normal: DVec3) -> DVec3 {
         match *self {
             Texture::Solid(color) => color,
@@ -59,7 +52,7 @@ impl Texture {
     }
 }
 
-/// The two coordinates across the axis that the normal follows most: (horizontal, vertical) on walls, (x, z) on floors.
+/// The two coordinates across the dominant axis of the normal: (horizontal, vertical) on walls, (x, z) on floors.
 fn across(point: DVec3, normal: DVec3) -> (f64, f64) {
     let n = normal.abs();
     if n.y >= n.x && n.y >= n.z {
@@ -76,7 +69,7 @@ fn parity(whole: f64) -> usize {
     (whole as i64 & 1) as usize
 }
 
-/// A fixed number in 0..1 for each brick: an integer hash, so that it is the same on every machine.
+/// A fixed number in 0..1 for each brick: an integer hash, the same on every machine.
 fn cell_noise(column: f64, row: f64) -> f64 {
     // Casts saturate; bricks lie within a few thousand of the origin.
     let mut h = (column as i32 as u32).wrapping_mul(0x9e37_79b1) ^ (row as i32 as u32).wrapping_mul(0x85eb_ca77);
@@ -85,21 +78,17 @@ fn cell_noise(column: f64, row: f64) -> f64 {
     f64::from(h >> 8) / f64::from(1_u32 << 24)
 }
 
-/// How a surface answers light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Diffuse albedo.
     pub texture: Texture,
-    /// Radiance that the surface gives off by itself, linear, scene-referred.
+    /// Emitted radiance, linear.
     pub emission: DVec3,
-    /// Highlight.
     pub phong: Phong,
-    /// Mirror or glass.
     pub optics: Optics,
 }
 
 impl Material {
-    /// A matt surface.
     pub fn diffuse(texture: Texture) -> Self {
         Material { texture, emission: DVec3::ZERO, phong: Phong::default(), optics: Optics::Opaque }
     }

@@ -1,23 +1,19 @@
-//! Analytic shapes and where a ray meets them.
-//!
-//! Enters: a ray in world space, metres. Leaves: the nearest [`Intersection`] beyond a smallest distance. All in f64,
-//! so that depth is exact to far below what a 16-bit code resolves.
+//! Analytic shapes and their intersections with rays, in f64: exact to far below a 16-bit depth code.
 
 use glam::{DVec2, DVec3};
 
 use crate::mesh::{AxisBox, Intersection, Ray};
 
-/// A ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Centre, metres.
+    /// Metres.
     pub center: DVec3,
-    /// Radius, metres, above 0.
+    /// Metres, above 0.
     pub radius: f64,
 }
 
 impl Sphere {
-    /// The nearest surface point beyond `min_distance`, also from inside.
+    /// The nearest intersection beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let to_center = self.center - ray.origin();
         let closest = to_center.dot(ray.direction());
@@ -35,31 +31,31 @@ impl Sphere {
     }
 }
 
-/// A box turned about the vertical.
+/// A box rotated about the vertical.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurnedBox {
-    /// Centre, metres.
+    /// Metres.
     pub center: DVec3,
     /// Half the length of each edge, metres.
     pub half: DVec3,
-    /// Cosine and sine of the turn about +Y (from +Z towards +X).
+    /// Cosine and sine of the rotation about +Y (from +Z towards +X).
     pub turn: DVec2,
 }
 
 impl TurnedBox {
-    /// A world direction in the box's own axes.
+    /// World to local axes.
     pub fn to_local(&self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x - sin * v.z, v.y, sin * v.x + cos * v.z)
     }
 
-    /// A direction in the box's own axes in the world's.
+    /// Local to world axes.
     pub fn to_world(&self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
     }
 
-    /// The nearest surface point beyond `min_distance`, also from inside.
+    /// The nearest intersection beyond `min_distance`, also from inside.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let local = Ray::from_unit(self.to_local(ray.origin() - self.center), self.to_local(ray.direction()));
         let hit = AxisBox { min: -self.half, max: self.half }.intersect(&local, min_distance)?;
@@ -67,19 +63,19 @@ impl TurnedBox {
     }
 }
 
-/// A flat rectangle, seen from both sides.
+/// A flat rectangle, visible from both sides; its normal is that of `u × v`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quad {
-    /// A corner, metres.
+    /// Metres.
     pub corner: DVec3,
-    /// Edge from that corner, metres.
+    /// Edge from the corner, metres.
     pub u: DVec3,
-    /// The other edge from that corner, metres, at a right angle to `u`.
+    /// The other edge, at a right angle to `u`.
     pub v: DVec3,
 }
 
 impl Quad {
-    /// The surface point, if it lies beyond `min_distance`. A ray in the plane itself misses.
+    /// The intersection, if it is beyond `min_distance`. A ray in the plane misses.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let across = self.u.cross(self.v);
         let slope = across.dot(ray.direction());
@@ -100,25 +96,24 @@ impl Quad {
     }
 }
 
-/// A row of equal thin posts along +X, joined by rails: what a depth codec finds hardest.
+/// A row of equal thin posts along +X, joined by rails: hard for a depth codec.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fence {
     /// Foot of the first post's centre, metres.
     pub foot: DVec3,
-    /// Number of posts, at least 1.
+    /// At least 1.
     pub posts: u32,
-    /// Distance from one post's centre to the next, metres, above `width`.
+    /// Distance between the centres of posts, metres, above `width`.
     pub spacing: f64,
     /// Width of a post in x and z, metres.
     pub width: f64,
-    /// Height of the posts, metres.
+    /// Metres.
     pub height: f64,
-    /// Heights of the centres of the two rails above the foot, metres; rails are as thick as posts are wide.
+    /// Heights of the centres of the rails above the foot, metres; rails are as thick as posts.
     pub rails: [f64; 2],
 }
 
 impl Fence {
-    /// The smallest box around it.
     pub fn bounds(&self) -> AxisBox {
         let half = 0.5 * self.width;
         let length = f64::from(self.posts.saturating_sub(1)) * self.spacing;
@@ -128,7 +123,7 @@ impl Fence {
         }
     }
 
-    /// The nearest surface point beyond `min_distance`. Only the posts beside which the ray passes are tried.
+    /// The nearest intersection beyond `min_distance`. Only posts near the ray are tested.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let bounds = self.bounds();
         let slabs = bounds.slabs(ray);
@@ -167,23 +162,17 @@ impl Fence {
     }
 }
 
-/// Any of the shapes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    /// A ball.
     Sphere(Sphere),
-    /// A box along the axes.
     AxisBox(AxisBox),
-    /// A box turned about the vertical.
     TurnedBox(TurnedBox),
-    /// A rectangle.
     Quad(Quad),
-    /// A row of posts.
     Fence(Fence),
 }
 
 impl Shape {
-    /// The nearest surface point beyond `min_distance` metres.
+    /// The nearest intersection beyond `min_distance` metres.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         match self {
             Shape::Sphere(shape) => shape.intersect(ray, min_distance),
@@ -194,7 +183,7 @@ impl Shape {
         }
     }
 
-    /// A box along the axes that contains the shape (not always the smallest).
+    /// A box that contains the shape (not always the smallest).
     pub fn bounding_box(&self) -> AxisBox {
         let around = |center: DVec3, half: DVec3| AxisBox { min: center - half, max: center + half };
         match self {

@@ -1,7 +1,5 @@
-//! Small scenes made of formulas: footage for anyone, without a renderer and without a download.
-//!
-//! Enters: a time in seconds. Leaves: [`SceneAtTime`]. What moves is a function of the time alone and repeats after
-//! [`DemoScene::PERIOD_S`]; what does not move is the same objects in the same order at every time.
+//! Built-in scenes. The moving objects follow from the time alone and repeat after [`DemoScene::PERIOD_S`]; static
+//! ones are the same objects in the same order at every time.
 
 mod cornell;
 mod courtyard;
@@ -15,28 +13,24 @@ use glam::DVec3;
 use super::object::Object;
 use super::raycast::SceneAtTime;
 
-/// The scenes there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DemoKind {
-    /// A paved terrace under an open sky: brick wall to −X, striped wall with a lamp to −Z, pergola above, fence to +Z,
-    /// nothing at all to +X. Three balls and a box move.
+    /// Terrace under an open sky, with thin fence posts; the face +X is empty. Three spheres and a box move.
     Courtyard,
-    /// A closed room with lamps, furniture and a lattice; three balls move, one of them behind the lattice.
+    /// Closed room with lamps, furniture and a lattice; three spheres move.
     Interior,
-    /// A knotted tube that turns in empty space: triangles, black around it, depth `+inf`.
+    /// A knotted tube that turns in empty space, as a mesh.
     Object,
-    /// A closed room with a glass ball and a mirror ball that moves.
+    /// Closed room with a glass sphere and a moving mirror sphere.
     Mirrors,
-    /// A box that is open to +Z, with a red and a green wall, a light in the ceiling and two blocks. Nothing moves.
+    /// The Cornell box, open to +Z; static.
     Cornell,
 }
 
 impl DemoKind {
-    /// All scenes.
     pub const ALL: [DemoKind; 5] =
         [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Object, DemoKind::Mirrors, DemoKind::Cornell];
 
-    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             DemoKind::Courtyard => "courtyard",
@@ -47,25 +41,22 @@ impl DemoKind {
         }
     }
 
-    /// The scene of that name, if there is one.
     pub fn from_name(name: &str) -> Option<DemoKind> {
         DemoKind::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// A scene over time.
 #[derive(Debug, Clone)]
 pub struct DemoScene {
     kind: DemoKind,
-    /// What never moves, the first objects of every moment.
+    /// Static objects: the first objects at every time.
     fixed: Vec<Object>,
 }
 
 impl DemoScene {
-    /// Seconds after which everything is as it was.
+    /// Period of the animation, seconds.
     pub const PERIOD_S: f64 = 4.0;
 
-    /// Sets the scene up.
     pub fn new(kind: DemoKind) -> Self {
         let fixed = match kind {
             DemoKind::Courtyard => courtyard::fixed(),
@@ -77,18 +68,17 @@ impl DemoScene {
         DemoScene { kind, fixed }
     }
 
-    /// Which scene it is.
     pub fn kind(&self) -> DemoKind {
         self.kind
     }
 
-    /// Seconds after which it repeats, 0 where nothing moves.
+    /// Seconds after which it repeats, 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         if self.kind == DemoKind::Cornell { 0.0 } else { Self::PERIOD_S }
     }
 
-    /// Where probes belong, in metres: the middle, and how far from it along each axis. From anywhere within, at any
-    /// time, no surface is nearer than 0.4 m (in the courtyard 0.9 m), and in the courtyard the face +X sees nothing.
+    /// Region for probes: centre and half size, metres. From anywhere within, at any time, no surface is nearer than
+    /// 0.4 m (0.9 m in the courtyard).
     pub fn probe_region(&self) -> (DVec3, DVec3) {
         match self.kind {
             DemoKind::Courtyard => courtyard::REGION,
@@ -99,7 +89,7 @@ impl DemoScene {
         }
     }
 
-    /// The scene at a time in seconds, which may be negative; a time that is not finite is taken as 0.
+    /// A negative time is allowed; one that is not finite counts as 0.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         // 0..1 through the period.

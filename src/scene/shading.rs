@@ -1,9 +1,9 @@
-//! The light that leaves a surface towards a ray: Lambert and Phong under suns, lamps and an ambient sky, with hard
-//! shadows; mirrors and clear glass, which send further rays.
+//! Radiance of a surface: Lambert and Phong under suns, lamps and an ambient sky, with hard shadows; mirrors and
+//! clear glass by recursive rays.
 //!
-//! Enters: a `Surface` and the direction of the ray that met it. Leaves: linear radiance. Rays go on only where optics
-//! call for them. Light passes clear glass on its way to a surface as if the glass were not there: there are no caustics
-//! and glass casts no shadow.
+//! Reflected and refracted rays are traced only where materials call for them. Shadow rays pass clear glass, and
+//! there are no caustics: light behind glass is bent, so a straight shadow would be darker than the truth nearly
+//! everywhere.
 
 #[cfg(test)]
 mod tests;
@@ -16,15 +16,15 @@ use super::raycast::SceneAtTime;
 use super::surface::Surface;
 use crate::mesh::Ray;
 
-/// Reflections and refractions on one path; what lies beyond counts as the ambient light.
+/// Reflections and refractions on one path; beyond, the ambient light is used.
 pub const MAX_BOUNCES: u32 = 8;
-/// A path that brings less than this share of its light to the eye ends in the ambient light, too.
+/// Paths of less weight end in the ambient light, too.
 const LEAST_WEIGHT: f64 = 1e-4;
 
 /// Weight of reflection, weight of refraction and index of refraction of an opaque surface.
 pub const OPAQUE: [f64; 3] = [0.0, 0.0, 1.0];
 
-/// How a ray came about.
+/// State of a path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
     bounces: u32,
@@ -33,7 +33,6 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// From the eye.
     pub(super) const FIRST: Path = Path { bounces: 0, weight: 1.0 };
 }
 
@@ -44,7 +43,7 @@ thread_local! {
 }
 
 impl SceneAtTime {
-    /// Radiance of the surface towards where a ray in `direction` came from.
+    /// Radiance towards the origin of a ray in `direction`.
     pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> DVec3 {
         match surface.optics {
             Optics::Opaque => self.lit(surface, direction),
@@ -72,7 +71,7 @@ impl SceneAtTime {
         }
     }
 
-    /// What comes from `direction` to the surface, to the side that `out` points to.
+    /// Radiance that arrives from `direction` on the side of `out`.
     fn along(&self, surface: &Surface, out: DVec3, direction: DVec3, path: Path) -> DVec3 {
         if path.bounces > MAX_BOUNCES || path.weight < LEAST_WEIGHT {
             return self.light().sky.ambient;
@@ -86,7 +85,6 @@ impl SceneAtTime {
         }
     }
 
-    /// Lambert and Phong, and what the surface gives off itself.
     fn lit(&self, surface: &Surface, direction: DVec3) -> DVec3 {
         if surface.unlit {
             return surface.emission + surface.albedo;
@@ -103,8 +101,8 @@ impl SceneAtTime {
         surface.phong.weight * self.direct(surface, direction)[1]
     }
 
-    /// Light on the surface, ambient and direct: as a white matt surface sends it on, and as Phong's lobe of weight 1
-    /// does. The ambient light is the same from everywhere, so a lobe sends on as much of it as a matt surface does.
+    /// Ambient and direct light: reflected by a white matt surface, and by a Phong lobe of weight 1. The ambient
+    /// light is uniform, so a lobe reflects as much of it as a matt surface.
     fn arriving(&self, surface: &Surface, direction: DVec3) -> [DVec3; 2] {
         let ambient = |normal: DVec3| {
             // A surface that faces down sees ground instead of sky: a bit less than half the light.
@@ -148,7 +146,7 @@ impl SceneAtTime {
         [matt, gloss]
     }
 
-    /// A lamp's light on a white matt surface, and the direction towards the lamp.
+    /// A lamp's light on a white matt surface, and the direction to the lamp.
     fn lamp_light(&self, lamp: &Lamp, point: DVec3, surface: &Surface) -> Option<(DVec3, DVec3)> {
         let to_lamp = lamp.position - point;
         let squared = to_lamp.length_squared();
@@ -170,7 +168,7 @@ impl SceneAtTime {
         Some((lamp.radiance * fall_off * strength, towards))
     }
 
-    /// Whether something keeps light from the first `length` metres.
+    /// Whether a shadow caster is within the first `length` metres.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
         self.objects().iter().filter(|object| object.is_occluder()).any(|object| {
             object.bounds().intersect(ray, 0.0).is_some()
@@ -186,33 +184,30 @@ impl SceneAtTime {
 }
 
 impl Path {
-    /// One bounce on, by which `share` of the light comes.
     fn on(self, share: f64) -> Path {
         Path { bounces: self.bounces + 1, weight: self.weight * share }
     }
 }
 
 impl Phong {
-    /// Whether there is no highlight.
     pub fn is_matt(&self) -> bool {
         self.weight == DVec3::ZERO
     }
 
-    /// Share of a white surface's light that goes off at this cosine from the mirror direction.
+    /// Reflectance at this cosine from the mirror direction, relative to a white surface.
     fn lobe(&self, cosine: f64) -> f64 {
         if cosine <= 0.0 { 0.0 } else { 0.5 * (self.exponent + 2.0) * cosine.powf(self.exponent) }
     }
 }
 
 impl Surface {
-    /// The shading normal, unless what it reflects would go into the surface.
+    /// The shading normal, or the geometric one where the reflection would enter the surface.
     fn optical_normal(&self, direction: DVec3) -> DVec3 {
         let sound = direction.dot(self.normal) < 0.0 && reflect(direction, self.normal).dot(self.side) > 0.0;
         if sound { self.normal } else { self.side }
     }
 
-    /// Reflected share of unpolarised light by Fresnel's equations, and where the rest goes: nowhere in total
-    /// reflection.
+    /// Fresnel reflectance of unpolarised light, and the refracted direction; none in total reflection.
     fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
         // Whatever a file says, what follows stays finite.
         let ior = if ior > 1.0 { ior.min(1e3) } else { 1.0 };
@@ -231,7 +226,7 @@ impl Surface {
         (0.5 * (parallel * parallel + across * across), refracted.or(Some(direction)))
     }
 
-    /// Weights of reflection and refraction and the index of refraction, as a material stream has them.
+    /// Weights of reflection and refraction and the index of refraction, as in a material stream.
     pub(super) fn optical_weights(&self, direction: DVec3) -> [f64; 3] {
         match self.optics {
             Optics::Opaque => OPAQUE,

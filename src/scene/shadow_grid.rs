@@ -1,16 +1,14 @@
-//! Who may stand between a point and the sun: the scene cut into shafts parallel to the sun's rays, each with the
-//! objects whose bounding boxes reach into it.
+//! Shadow casters of a sun, by cells of a grid across its direction.
 
 use glam::{DVec2, DVec3};
 
 use super::object::Object;
 
-/// The shafts of one sun.
 #[derive(Debug, Clone)]
 pub(super) struct ShadowGrid {
     /// Two axes across the sun's direction.
     axes: [DVec3; 2],
-    /// Smallest coordinates of all casters, and shafts per metre, along those axes.
+    /// Smallest coordinates of all casters, and cells per metre, along those axes.
     min: DVec2,
     per_metre: DVec2,
     /// Indices of objects, row-major.
@@ -18,7 +16,7 @@ pub(super) struct ShadowGrid {
 }
 
 impl ShadowGrid {
-    /// Shafts along each axis.
+    /// Cells along each axis.
     const SIDE: usize = 48;
 
     pub(super) fn new(objects: &[Object], sun: DVec3) -> Self {
@@ -58,13 +56,13 @@ impl ShadowGrid {
         grid
     }
 
-    /// Column and row of a flat point. Casts saturate and NaN (a grid without casters) is 0, so points outside fall
-    /// into a border shaft, whose casters they try in vain.
+    /// Column and row. Casts saturate and NaN (a grid without casters) is 0, so points outside fall into a border
+    /// cell, whose casters are tested in vain.
     fn shaft(&self, flat: DVec2) -> [usize; 2] {
         ((flat - self.min) * self.per_metre).to_array().map(|at| (at as usize).min(Self::SIDE - 1))
     }
 
-    /// Indices of the objects that may keep the sun from `point`.
+    /// Indices of the objects that may occlude the sun at `point`.
     pub(super) fn casters(&self, point: DVec3) -> &[usize] {
         let [column, row] = self.shaft(DVec2::new(point.dot(self.axes[0]), point.dot(self.axes[1])));
         &self.shafts[row * Self::SIDE + column]

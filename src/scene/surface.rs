@@ -1,7 +1,5 @@
-//! What a ray has met, whatever it is made of: one description for analytic objects and for triangles.
-//!
-//! Enters: a scene, a ray, the nearest hit on it. Leaves: `Surface`: point, normals, paint. Normals lie on the side
-//! from which the ray came, because the side that is seen is the side that is lit.
+//! Surface attributes at a hit, the same for shapes and triangles. Normals are on the side of the ray's origin: the
+//! visible side is lit.
 
 use std::sync::Arc;
 
@@ -12,15 +10,14 @@ use super::object::Object;
 use super::raycast::{FirstHit, HitSurface, SceneAtTime};
 use crate::mesh::{ImageTexture, Ray, TriangleHit};
 
-/// A point of a surface, as it is seen from one side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     pub point: DVec3,
-    /// Normal of the surface itself, length 1.
+    /// Geometric normal, length 1.
     pub side: DVec3,
-    /// Normal for shading, length 1, less than 90° from `side`; where corners have no normals, the same.
+    /// Shading normal, length 1, less than 90° from `side`.
     pub normal: DVec3,
-    /// Whether it is seen from within the solid.
+    /// Whether it is seen from inside the solid.
     pub from_within: bool,
     pub albedo: DVec3,
     pub emission: DVec3,
@@ -30,7 +27,6 @@ pub(super) struct Surface {
 }
 
 impl SceneAtTime {
-    /// What lies at `hit`, which is on `ray`.
     pub(super) fn surface(&self, ray: &Ray, hit: &FirstHit) -> Surface {
         match hit.surface {
             HitSurface::Object { index, normal } => of_object(&self.objects()[index], ray, (hit.distance, normal)),
@@ -104,7 +100,7 @@ fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
 }
 
 impl Surface {
-    /// Multiplies the base colour with a colour, which is also the highlight of a metal and the tint of optics.
+    /// Multiplies the base colour, which is also the highlight of a metal and the tint of optics.
     fn tint(&mut self, color: DVec3, metal: DVec3) {
         self.albedo *= color;
         self.phong.weight -= metal * (1.0 - color);
@@ -114,7 +110,7 @@ impl Surface {
     }
 }
 
-/// The normal to which the corners turn counter-clockwise, length 1, for triangles of any size.
+/// Geometric normal of the front, length 1, for triangles of any size.
 fn outward([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let size = ab.abs().max_element().max(ac.abs().max_element());

@@ -137,7 +137,9 @@ fn what_makes_no_sense_is_said_in_a_sentence() {
     };
     let region = "--region=-0.3,1.3,-0.3,0.3,1.7,0.3 --candidates 8 --surface-samples 64 -o c.json";
     assert!(said("--region 1,2,3 -o c.json").contains("x0,y0,z0,x1,y1,z1"));
-    assert!(said("--region sphere:0,2.3,6,0.2 --candidates 8 --surface-samples 64 -o c.json").contains("no room"));
+    assert!(
+        said("--region sphere:0,2.3,6,0.2 --candidates 8 --surface-samples 64 -o c.json").contains("no free space")
+    );
     assert!(said(&format!("{region} --theta 30")).contains("--lighting specular"));
     assert!(said(&format!("{region} --lighting specular --theta 0")).contains("--cameras"));
     assert!(said(&format!("{region} --lighting specular --theta 0 --cameras 2 --until 0.1")).contains("--cameras"));

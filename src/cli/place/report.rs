@@ -195,7 +195,7 @@ impl Report<'_> {
         let _ = writeln!(
             text,
             "{}, {} on surfaces, {}; k {} per metre, viewer distance at least {} m",
-            counted(self.search.views().len() as u64, "candidate"),
+            counted(self.search.candidate_count() as u64, "candidate"),
             counted(self.search.surface_samples() as u64, "point"),
             match self.frames.len() {
                 1 => "1 frame".to_owned(),
@@ -295,9 +295,9 @@ impl Report<'_> {
             "min_distance_m": self.search.min_distance_m(),
             "frames": self.range,
             "frames_looked_at": self.frames,
-            "candidates": self.search.views().len(),
+            "candidates": self.search.candidate_count(),
             "surface_samples": self.search.surface_samples(),
-            "facets": self.search.problem().facets().len(),
+            "facets": self.search.problem().surfels().len(),
             "objective_calls": self.placement.objective_calls,
             "bound_calls": self.placement.bound_calls,
             "plain_objective_calls": self.placement.plain_objective_calls,

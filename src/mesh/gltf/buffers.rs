@@ -1,6 +1,4 @@
-//! Buffers, views and accessors (glTF 2.0, section 3.6), with every range checked before it is read.
-//!
-//! Enters: numbers of accessors. Leaves: their elements as floats or indices.
+//! Buffers, views and accessors (glTF 2.0, section 3.6); every range is checked before it is read.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,15 +11,12 @@ use crate::error::{Error, Result};
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::{Folder, percent_decoded};
 
-/// All binary data that a document leads to.
 #[derive(Debug)]
 pub struct Buffers<'a> {
     root: &'a Root,
     blob: Option<Vec<u8>>,
     loaded: Vec<Option<Arc<Vec<u8>>>>,
-    /// Files beside the document.
     pub folder: Folder,
-    /// What may still be asked for.
     pub budget: Budget,
 }
 
@@ -33,15 +28,11 @@ struct Elements {
 }
 
 impl<'a> Buffers<'a> {
-    /// Data of a document in `folder`.
     pub fn new(root: &'a Root, blob: Option<Vec<u8>>, folder: Folder, budget: Budget) -> Buffers<'a> {
         Buffers { root, blob, loaded: vec![None; root.buffers.len()], folder, budget }
     }
 
-    /// Bytes that a URI stands for: in it, or in a file in the document's folder.
-    ///
-    /// # Errors
-    /// When it cannot be read or leads out of the folder.
+    /// Bytes of a data URI, or of a file in the document's folder.
     pub fn fetch(&mut self, uri: &str) -> Result<Arc<Vec<u8>>> {
         if uri.starts_with("data:") {
             self.budget.take(uri.len() as u64, 1, "data in a URI")?;
@@ -73,10 +64,7 @@ impl<'a> Buffers<'a> {
         Ok(bytes)
     }
 
-    /// A buffer, and the part of it that a view shows.
-    ///
-    /// # Errors
-    /// When the view reaches beyond the buffer.
+    /// A buffer, and the range of a view in it.
     pub fn view(&mut self, number: usize) -> Result<(Arc<Vec<u8>>, Range<usize>)> {
         let root = self.root;
         let missing = || Error::invalid(format!("there is no buffer view {number}"));
@@ -93,7 +81,6 @@ impl<'a> Buffers<'a> {
         Ok((bytes, start as usize..end as usize))
     }
 
-    /// An image as the document has it.
     pub fn image(&self, number: usize) -> Option<&'a gltf::json::Image> {
         self.root.images.get(number)
     }
@@ -149,7 +136,7 @@ impl<'a> Buffers<'a> {
         Ok(Elements { component: component.0, normalized: accessor.normalized, bytes })
     }
 
-    /// Sparse accessors: some elements are others (glTF 2.0, section 3.6.2.3).
+    /// Replaces elements of sparse accessors (glTF 2.0, section 3.6.2.3).
     fn displace(&mut self, accessor: &Accessor, bytes: &mut [u8], size: usize) -> Result<()> {
         let Some(sparse) = &accessor.sparse else { return Ok(()) };
         if sparse.count.0 > accessor.count.0 {
@@ -172,10 +159,7 @@ impl<'a> Buffers<'a> {
         Ok(())
     }
 
-    /// Elements of `N` numbers. Integers that are marked as normalised become −1..=1 or 0..=1.
-    ///
-    /// # Errors
-    /// When the accessor has other elements, or reaches beyond its data.
+    /// Elements of `N` numbers. Normalised integers become −1..=1 or 0..=1.
     pub fn floats<const N: usize>(&mut self, number: usize) -> Result<Vec<[f32; N]>> {
         let elements = self.elements(number, N).map_err(|error| error.context(format!("accessor {number}")))?;
         let scale = |most: f32| if elements.normalized { 1.0 / most } else { 1.0 };
@@ -195,10 +179,7 @@ impl<'a> Buffers<'a> {
         Ok(numbers.as_chunks::<N>().0.to_vec())
     }
 
-    /// Elements of `N` unsigned integers.
-    ///
-    /// # Errors
-    /// As for [`Self::floats`], and when they are signed or floats.
+    /// Elements of `N` unsigned integers; fails for signed integers and floats.
     pub fn integers<const N: usize>(&mut self, number: usize) -> Result<Vec<[u32; N]>> {
         let elements = self.elements(number, N).map_err(|error| error.context(format!("accessor {number}")))?;
         if !matches!(elements.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {

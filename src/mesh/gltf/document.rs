@@ -1,7 +1,5 @@
-//! The JSON of a glTF file, checked before anything is read through it (glTF 2.0, sections 3 and 4.4).
-//!
-//! Enters: the bytes of a `.gltf` or `.glb` file. Leaves: a document whose indices all lead somewhere, and the binary
-//! chunk.
+//! The JSON of a glTF file, checked before it is used (glTF 2.0, sections 3 and 4.4): the crates that parse it index
+//! what a file claims.
 
 use gltf::json::validation::{Error as Fault, Validate};
 use gltf::{Document, json};
@@ -24,10 +22,10 @@ const KNOWN: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-/// Most things of a kind in a file: `{}` is a node to its author and some hundred bytes in memory.
+/// Most elements of a list: `{}` is a few hundred bytes in memory.
 const MAX_COUNT: usize = 1 << 18;
 
-/// What is looked at before the rest is read into memory.
+/// Checked before the rest is read into memory.
 #[derive(Deserialize)]
 struct Preview {
     asset: Version,
@@ -60,24 +58,19 @@ struct Version {
     version: String,
 }
 
-/// A document, and the binary chunk of a `.glb` file.
 #[derive(Debug)]
 pub struct Parsed {
-    /// The JSON.
     pub document: Document,
-    /// What the first buffer without a URI is.
+    /// The binary chunk: the first buffer without a URI.
     pub blob: Option<Vec<u8>>,
 }
 
-/// Whether a file begins as binary glTF does.
 pub fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(b"glTF")
 }
 
-/// Reads the JSON, of either kind of file.
-///
-/// # Errors
-/// When it is not glTF 2, requires an extension that is not known here, or leads to what is not there.
+/// Reads the JSON of a `.gltf` or `.glb` file; fails where it requires an unknown extension or an index is out of
+/// range.
 pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let (text, blob) = if is_glb(bytes) { split(bytes)? } else { (bytes, None) };
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
@@ -91,7 +84,7 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     Ok(Parsed { document: Document::from_json_without_validation(root), blob: blob.map(<[u8]>::to_vec) })
 }
 
-/// The JSON and the binary chunk of a `.glb` file (glTF 2.0, section 4.4). Other chunks are passed over.
+/// JSON and binary chunk of a `.glb` file (glTF 2.0, section 4.4); other chunks are skipped.
 fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     let word =
         |at: usize| bytes.get(at..at + 4).and_then(|word| word.first_chunk::<4>()).map(|w| u32::from_le_bytes(*w));
@@ -150,7 +143,7 @@ fn judge(preview: &Preview) -> Result<()> {
     }
 }
 
-/// Whether all indices lead somewhere, and all words are known ones.
+/// Checks all indices and enumerations.
 fn check(root: &json::Root) -> Result<()> {
     // The crate's own check reads this one accessor before it has looked whether there is one.
     for (number, mesh) in root.meshes.iter().enumerate() {

@@ -161,7 +161,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A factor of a file, which should lie in 0..=1.
+/// A factor, clamped to 0..=1.
 fn unit(value: f32) -> f64 {
     if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -1,6 +1,4 @@
-//! The tree of nodes (glTF 2.0, section 3.5.3).
-//!
-//! Enters: the nodes of a document. Leaves: where each of them is, parents before children, however deep the tree.
+//! The node hierarchy (glTF 2.0, section 3.5.3).
 
 use glam::{DMat4, DQuat, DVec3};
 use gltf::Document;
@@ -8,35 +6,32 @@ use gltf::scene::Transform;
 
 use crate::error::{Error, Result};
 
-/// Where a node is in its parent: scaled, then turned, then moved.
+/// Transform to the parent: scale, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Moved by, metres.
+    /// Metres.
     pub translation: DVec3,
-    /// Turned by, length 1.
+    /// Length 1.
     pub rotation: DQuat,
-    /// Scaled by.
     pub scale: DVec3,
 }
 
 impl Pose {
-    /// The matrix.
     pub fn matrix(&self) -> DMat4 {
         DMat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 }
 
-/// Where a node is in its parent, as its file has it.
+/// Transform to the parent, as in the file.
 #[derive(Debug, Clone, Copy)]
 pub enum Local {
-    /// As a matrix, which may shear.
+    /// May shear.
     Matrix(DMat4),
-    /// In parts, which may be animated.
+    /// May be animated.
     Pose(Pose),
 }
 
 impl Local {
-    /// The matrix.
     pub fn matrix(&self) -> DMat4 {
         match self {
             Local::Matrix(matrix) => *matrix,
@@ -44,7 +39,7 @@ impl Local {
         }
     }
 
-    /// The parts; those of a matrix without its shear.
+    /// Decomposition of a matrix loses its shear.
     pub fn pose(&self) -> Pose {
         match self {
             Local::Pose(pose) => *pose,
@@ -56,23 +51,19 @@ impl Local {
     }
 }
 
-/// All nodes of a document.
 #[derive(Debug)]
 pub struct Nodes {
     parents: Vec<Option<usize>>,
-    /// All nodes, parents first.
+    /// Parents first.
     order: Vec<usize>,
-    /// Where each node is in its parent.
     pub locals: Vec<Local>,
     /// Whether the node belongs to the scene that is shown.
     pub shown: Vec<bool>,
 }
 
 impl Nodes {
-    /// The tree of a document; its default scene is shown, or the first one, or all nodes where there is none.
-    ///
-    /// # Errors
-    /// When a node has two parents, or is its own ancestor.
+    /// Shows the default scene, or the first, or all nodes where there is none. Fails where a node has two parents or
+    /// is its own ancestor.
     pub fn read(document: &Document) -> Result<Nodes> {
         let count = document.nodes().len();
         let mut parents: Vec<Option<usize>> = vec![None; count];
@@ -116,7 +107,7 @@ impl Nodes {
         Ok(Nodes { parents, order, locals, shown })
     }
 
-    /// From each node to the world, with these matrices from each node to its parent.
+    /// Transforms to the world, given those to the parents.
     pub fn to_world(&self, locals: &[DMat4]) -> Vec<DMat4> {
         let mut world = locals.to_vec();
         for &node in &self.order {
@@ -127,7 +118,7 @@ impl Nodes {
         world
     }
 
-    /// Marks what lies below marked nodes, too.
+    /// Sets the flags of all descendants of flagged nodes.
     pub fn spread(&self, marked: &mut [bool]) {
         for &node in &self.order {
             marked[node] |= self.parents[node].is_some_and(|parent| marked[parent]);
@@ -135,7 +126,7 @@ impl Nodes {
     }
 }
 
-/// The nodes and all their descendants, parents first. Each node has one parent at most, so it is met once.
+/// The nodes and all their descendants, parents first.
 fn below(roots: impl Iterator<Item = usize>, children: &[Vec<usize>]) -> Vec<usize> {
     let mut order: Vec<usize> = roots.collect();
     let mut at = 0;
@@ -157,7 +148,7 @@ fn local(transform: &Transform) -> Local {
     }
 }
 
-/// A rotation of length 1; none, where the file's has no length.
+/// Normalised; the identity where it has no length.
 pub fn quaternion(xyzw: [f64; 4]) -> DQuat {
     let length = xyzw.iter().map(|part| part * part).sum::<f64>().sqrt();
     if length.is_finite() && length > 0.0 { DQuat::from_array(xyzw.map(|part| part / length)) } else { DQuat::IDENTITY }

@@ -1,6 +1,4 @@
-//! The triangles of a glTF mesh (glTF 2.0, sections 3.7.2 and 5.24).
-//!
-//! Enters: a primitive of a document. Leaves: its corners and triangles as they are before nodes move them.
+//! Triangles of a glTF mesh (glTF 2.0, sections 3.7.2 and 5.24), in the space of their node.
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 use gltf::Semantic;
@@ -10,24 +8,20 @@ use gltf::mesh::Mode;
 use super::buffers::Buffers;
 use crate::error::{Error, Result};
 
-/// Triangles in the space of their node.
+/// Triangles in the space of their node. Lists of vertex attributes may be empty.
 #[derive(Debug, Default)]
 pub struct Geometry {
-    /// Corners.
     pub positions: Vec<Vec3>,
-    /// A normal for each corner, or none at all.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates for each corner, or none at all.
     pub uvs: Vec<Vec2>,
-    /// Colour and alpha of each corner, linear, 0..=1, or none at all.
+    /// With alpha, linear, 0..=1.
     pub colors: Vec<Vec4>,
-    /// Corners of each triangle; all of them exist.
+    /// All corners exist.
     pub triangles: Vec<[u32; 3]>,
-    /// Index of the material.
     pub material: u32,
-    /// What morphs it.
+    /// Morph targets.
     pub targets: Vec<Target>,
-    /// What joints move it, four joints a set.
+    /// Joints, four in each set.
     pub influences: Vec<Influences>,
 }
 
@@ -45,19 +39,16 @@ pub struct Influences {
     pub weights: Vec<[f32; 4]>,
 }
 
-/// Which texture coordinates a material wants, and how they are moved.
+/// Texture coordinates that a material uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coordinates {
-    /// Number of the set.
     pub set: u32,
     /// From the file's coordinates to the image's.
     pub transform: Affine2,
 }
 
-/// Reads a primitive; `None` for points and lines.
-///
-/// # Errors
-/// When accessors are broken, of different length, or indices lead to corners that are not there.
+/// Reads a primitive; `None` for points and lines. Fails where accessors are broken or differ in length, or an index
+/// is out of range.
 pub fn read(
     primitive: &gltf::Primitive,
     material: u32,
@@ -102,7 +93,7 @@ pub fn read(
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
 
-/// The first set of colours; without alpha, they are solid. glTF has them between 0 and 1.
+/// The first set of vertex colours; without alpha, they are opaque.
 fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };
     let read: Vec<Vec4> = match accessor.dimensions() {
@@ -146,7 +137,7 @@ fn influences(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) 
     Ok(sets)
 }
 
-/// Which of so many corners, in their order, make triangles.
+/// Corners, numbered in order, of each triangle.
 fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>> {
     let last = corners.saturating_sub(2);
     match mode {
@@ -157,8 +148,6 @@ fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>>
     }
 }
 
-/// # Errors
-/// When there are not as many as positions.
 pub fn same(positions: usize, others: usize, what: &str) -> Result<()> {
     if positions == others {
         return Ok(());

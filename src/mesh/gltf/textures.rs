@@ -1,6 +1,4 @@
-//! Textures of a glTF file (glTF 2.0, section 3.8).
-//!
-//! Enters: references to textures. Leaves: decoded images, each of them once, or a note about what is wrong with one.
+//! Textures of a glTF file (glTF 2.0, section 3.8), each decoded once.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -13,18 +11,17 @@ use super::primitives::Coordinates;
 use crate::error::{Error, Result};
 use crate::mesh::texture::{ImageTexture, Wrap};
 
-/// Decoded images; `None` for those that cannot be read.
+/// `None` for images that cannot be read.
 #[derive(Debug, Default)]
 pub struct Textures {
     images: BTreeMap<(usize, [Wrap; 2]), Option<Arc<ImageTexture>>>,
-    /// Means of images over all their pixels: of their light, and of their codes.
+    /// [`ImageTexture::mean`] and [`ImageTexture::mean_codes`] by image.
     means: BTreeMap<usize, [DVec3; 2]>,
-    /// A sentence for each image that cannot be read.
+    /// One for each image that cannot be read.
     pub notes: Vec<String>,
 }
 
 impl Textures {
-    /// The image of a texture.
     pub fn get(&mut self, texture: &Texture, buffers: &mut Buffers) -> Option<Arc<ImageTexture>> {
         let image = texture.source().index();
         let sampler = texture.sampler();
@@ -51,8 +48,7 @@ impl Textures {
         read
     }
 
-    /// Mean light and mean codes of a texture, as [`ImageTexture::mean`] and [`ImageTexture::mean_codes`] have them; 1
-    /// without a texture, or where it cannot be read.
+    /// Mean light and mean codes of a texture; 1 without a texture, or where it cannot be read.
     pub fn means(&mut self, info: Option<&Info>, buffers: &mut Buffers) -> [DVec3; 2] {
         let Some(texture) = info.map(Info::texture) else { return [DVec3::ONE; 2] };
         let Some(image) = self.get(&texture, buffers) else { return [DVec3::ONE; 2] };
@@ -80,7 +76,7 @@ fn read(texture: &Texture, wrap: [Wrap; 2], buffers: &mut Buffers) -> Result<Ima
     }
 }
 
-/// Which coordinates a texture is looked up at, with its KHR_texture_transform: scaled, then turned, then moved.
+/// Texture coordinates and KHR_texture_transform: scale, then rotation, then translation.
 pub fn coordinates(info: &Info) -> Coordinates {
     let Some(moved) = info.texture_transform() else {
         return Coordinates { set: info.tex_coord(), transform: Affine2::IDENTITY };

@@ -18,9 +18,6 @@ const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
 /// Writes the meshes, whose triangles have materials of the list, as a `.glb` file.
-///
-/// # Errors
-/// When a triangle has a corner or material that is not there, the file would exceed 4 GiB, or writing fails.
 pub fn glb(meshes: &[Mesh], materials: &[Material], out: &mut dyn Write) -> Result<()> {
     let mut document = Document::default();
     for material in materials {

@@ -72,7 +72,7 @@ fn plain_and_lazy_place_the_same_and_lazy_asks_a_tenth() {
         assert_eq!(lazy.refinement_calls, plain.refinement_calls);
         assert_eq!(plain.objective_calls, plain.plain_objective_calls);
         assert_eq!(lazy.plain_objective_calls, plain.objective_calls);
-        assert!(lazy.bound_calls >= search.views.len() as u64 && plain.bound_calls == 0);
+        assert!(lazy.bound_calls >= search.visible_sets.len() as u64 && plain.bound_calls == 0);
         assert!(lazy.cameras.len() >= 15, "{}", lazy.cameras.len());
         let calls = [lazy.objective_calls, plain.objective_calls];
         assert!(10 * calls[0] <= calls[1], "{lighting:?}: {calls:?} for {} cameras", lazy.cameras.len());
@@ -159,8 +159,8 @@ fn what_moves_is_seen_in_all_its_places() {
     // A wall hides either half of the time what a camera on one side would see.
     let at = |x: f64| scene(&[ball(DVec3::X * x, 0.4), solid(DVec3::new(-0.1, -2.0, -2.0), DVec3::new(0.1, 2.0, 2.0))]);
     let region = Region::parse(&["-3,-1,-1,3,1,1"]).unwrap();
-    let place = |moments: Vec<SceneAtTime>| {
-        let search = Search::new(moments, &region, &settings(Effort::Fast), &Silent).unwrap();
+    let place = |times: Vec<SceneAtTime>| {
+        let search = Search::new(times, &region, &settings(Effort::Fast), &Silent).unwrap();
         search.place(Lighting::Diffuse, &[], CONVERGED, &Silent).unwrap()
     };
     let moving = place(vec![at(-1.5), at(1.5)]);
@@ -206,47 +206,47 @@ fn too_much_is_refused_and_an_interruption_heeded() {
 
 #[test]
 fn frames_are_spread_over_the_range() {
-    assert_eq!(spread_frames([0, 95], 4), [12, 36, 60, 84]);
-    assert_eq!(spread_frames([7, 9], 16), [7, 8, 9]);
-    assert_eq!(spread_frames([5, 5], 16), [5]);
-    assert_eq!(spread_frames([0, u32::MAX], 2).len(), 2);
+    assert_eq!(sample_frames([0, 95], 4), [12, 36, 60, 84]);
+    assert_eq!(sample_frames([7, 9], 16), [7, 8, 9]);
+    assert_eq!(sample_frames([5, 5], 16), [5]);
+    assert_eq!(sample_frames([0, u32::MAX], 2).len(), 2);
 }
 
-/// Equation 7 as ARCHITECTURE reads it: the integral of equation 4 over time, worked out here from its words alone.
+/// Equation 7 as `objective` reads it: the integral of equation 4 over time, computed here from its words alone.
 #[test]
 fn of_a_film_each_moment_counts_by_its_time_and_nothing_twice() {
     let at = |x: f64| scene(&[ball(DVec3::X * x, 0.5)]);
     let region = Region::parse(&["-4,-4,2,4,4,4"]).unwrap();
     let settings = Settings { rate_per_m: Some(0.7), min_distance_m: Some(0.5), ..settings(Effort::Fast) };
     let search = Search::new(vec![at(-2.0), at(2.0)], &region, &settings, &Silent).unwrap();
-    let facets = search.problem().facets();
-    let time = |is_meant: fn(&super::super::objective::Facet) -> bool| -> f64 {
-        facets.iter().filter(|facet| is_meant(facet)).map(|facet| facet.weight).sum()
+    let surfels = search.problem().surfels();
+    let time = |is_meant: fn(&super::super::objective::Surfel) -> bool| -> f64 {
+        surfels.iter().filter(|surfel| is_meant(surfel)).map(|surfel| surfel.weight).sum()
     };
-    // The ball is as large at both moments, and each is half of the time.
-    assert!((time(|facet| facet.point.x < 0.0) - 0.5).abs() < 1e-12);
-    assert!((time(|facet| facet.point.x > 0.0) - 0.5).abs() < 1e-12);
+    // The ball is as large at both times, and each is half of the time.
+    assert!((time(|surfel| surfel.point.x < 0.0) - 0.5).abs() < 1e-12);
+    assert!((time(|surfel| surfel.point.x > 0.0) - 0.5).abs() < 1e-12);
     let cameras = [DVec3::new(-3.0, 0.3, 3.5), DVec3::new(1.0, -0.4, 2.2)];
     let stop = Stop { cameras: Some(0), until: 0.0 };
     let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();
     let suited = |camera: DVec3, at: usize| {
-        let facet = &facets[at];
-        let way = camera - facet.point;
+        let surfel = &surfels[at];
+        let way = camera - surfel.point;
         // A ball hides what is turned away, and nothing else stands here.
-        let is_seen = way.dot(facet.normal) > 0.0;
+        let is_seen = way.dot(surfel.normal) > 0.0;
         // Z: straight up to the region above, or half a metre.
-        let viewer_m = (2.0 - facet.point.z).max(0.5);
+        let viewer_m = (2.0 - surfel.point.z).max(0.5);
         if is_seen { (-0.7 * (way.length() - viewer_m).max(0.0)).exp() } else { 0.0 }
     };
-    let mut best = vec![0.0; facets.len()];
+    let mut best = vec![0.0; surfels.len()];
     for (camera, placed) in cameras.iter().zip(&found.cameras) {
         let mut once = 0.0;
         let mut twice = 0.0;
         for (at, best) in best.iter_mut().enumerate() {
             let suitability = suited(*camera, at);
             let left = (suitability - *best).max(0.0);
-            once += facets[at].weight * left;
-            twice += facets[at].weight * suitability * left;
+            once += surfels[at].weight * left;
+            twice += surfels[at].weight * suitability * left;
             *best = best.max(suitability);
         }
         assert!((placed.gain - once).abs() < 1e-9, "{} {once}", placed.gain);
@@ -258,7 +258,7 @@ fn of_a_film_each_moment_counts_by_its_time_and_nothing_twice() {
 fn spread_cameras_need_no_search_and_are_measured() {
     let region = around(2.0);
     let search = Search::new(vec![group(1.0)], &region, &settings(Effort::Fast), &Silent).unwrap();
-    let cameras = search.spread(12).unwrap();
+    let cameras = search.uniform(12).unwrap();
     assert!(cameras.len() == 12 && cameras.iter().all(|camera| search.admits(*camera)));
     let stop = Stop { cameras: Some(0), until: 0.0 };
     let found = search.place(Lighting::Diffuse, &cameras, stop, &Silent).unwrap();

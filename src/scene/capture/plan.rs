@@ -1,6 +1,6 @@
-//! What a capture is to make: which images, where their files are, and the manifest that describes them.
+//! Plan of a capture: its images, their files, and the manifest that describes them.
 //!
-//! Enters: numbers, cameras. Leaves: a [`Manifest`], and the list of all images, in a fixed order.
+//! Near and far are not in the manifest: `encode` finds them for each probe, which is finer than one pair for all.
 
 use std::path::PathBuf;
 
@@ -20,54 +20,45 @@ use crate::fingerprint::digest;
 use crate::image::{Face, FrameRange, Pattern};
 use crate::math::camera::rotation;
 
-/// Channels of a file of normals, halves.
+/// Channels of files of normals, half floats.
 pub const NORMAL_CHANNELS: [&str; 3] = ["X", "Y", "Z"];
 
-/// What to capture of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CapturePlan {
-    /// Name of the dataset.
     pub name: String,
-    /// Frames per second: frame f shows the scene at f / fps seconds.
+    /// Frames per second: frame f is the scene at f / fps seconds.
     pub fps: f64,
-    /// First and last frame.
     pub frames: FrameRange,
-    /// How images are projected.
     pub projection: Projection,
-    /// Width and height of each image in pixels; faces are square, panoramas twice as wide as high.
+    /// Width and height in pixels; faces are square, panoramas twice as wide as high.
     pub size: [u32; 2],
-    /// Where from. Frames of a camera are cut to [`Self::frames`].
+    /// Frames of a camera are cut to [`Self::frames`].
     pub cameras: CameraSet,
-    /// Vertical field of view in degrees, for cameras of perspective captures that have none.
+    /// Vertical field of view in degrees, for perspective cameras without their own.
     pub fov_y_deg: Option<f64>,
-    /// What of, each once.
+    /// Each once.
     pub passes: Vec<Pass>,
     /// Samples of colour in a pixel.
     pub samples: u32,
-    /// What depth measures.
     pub depth: DepthKind,
-    /// Metres; surfaces farther away are background, but for colour. `+inf` for none.
+    /// Metres; surfaces beyond are background, except in colour, as a backdrop is seen and not reconstructed. `+inf`
+    /// for none.
     pub far_m: f64,
 }
 
-/// The images of one face of one probe in one frame.
+/// One face of one probe in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Take {
     /// Index of the probe.
     pub probe: usize,
-    /// Which face.
     pub face: Face,
-    /// Which frame.
     pub frame: u32,
 }
 
-/// Most frames of an animation that nobody asked for: more than an hour's worth, and a stray key in a file may ask for more.
+/// Most frames where no range is given: a stray key in a file may ask for more.
 const MAX_ANIMATION_FRAMES: u32 = 100_000;
 
-/// Frames of an animation of that length: all that begin before its end, and at least one.
-///
-/// # Errors
-/// When there are more than 100 000 of them.
+/// Frames of an animation: all that begin before its end, and at least one.
 pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
     // A millionth of a frame is rounding. Casts saturate, and NaN is 0.
     let count = (duration_s * fps - 1e-6).ceil() as u32;
@@ -81,10 +72,7 @@ pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
 }
 
 impl CapturePlan {
-    /// The manifest of the dataset. Near and far are left to those who read it.
-    ///
-    /// # Errors
-    /// When the plan cannot be carried out; it says why.
+    /// Fails where the plan is contradictory.
     pub fn manifest(&self) -> Result<Manifest> {
         self.check()?;
         let wants = |pass| self.passes.contains(&pass);
@@ -166,47 +154,42 @@ impl CapturePlan {
         })
     }
 
-    /// Frames in which a camera looks, `None` where there are none.
+    /// Frames of a camera; `None` where it has none.
     fn frames_of(&self, camera: usize) -> Option<FrameRange> {
         let Some([first, last]) = self.cameras.cameras[camera].frames else { return Some(self.frames) };
         self.frames.intersect(FrameRange { first, last })
     }
 
-    /// Pattern of the files of a pass, as in a manifest.
+    /// File pattern of a pass, as in a manifest.
     fn file_text(&self, pass: Pass) -> String {
         let face = if self.projection == Projection::Cubemap { "face_{face}/" } else { "" };
         format!("probe_{{probe}}/{face}{}.%04d.exr", pass.name())
     }
 
-    /// The file of an image, below the folder of the dataset.
-    ///
-    /// # Errors
-    /// When the name of the camera does not go into a file's name.
+    /// File of an image, relative to the folder of the dataset.
     pub fn file(&self, take: &Take, pass: Pass) -> Result<PathBuf> {
         let text = self.file_text(pass).replace("{probe}", &self.cameras.name_of(take.probe));
         Ok(Pattern::parse(&text.replace("{face}", take.face.name()))?.path(take.frame))
     }
 
-    /// Faces of each probe.
     pub fn faces(&self) -> &'static [Face] {
         if self.projection == Projection::Cubemap { &Face::CUBE } else { &[Face::View] }
     }
 
-    /// All images of a frame, in order of probes and faces.
+    /// All requests of a frame, in order of probes and faces.
     pub fn takes(&self, frame: u32) -> impl Iterator<Item = Take> + '_ {
         let looks = move |probe: &usize| self.frames_of(*probe).is_some_and(|frames| frames.contains(frame));
         let probes = (0..self.cameras.cameras.len()).filter(looks);
         probes.flat_map(move |probe| self.faces().iter().map(move |&face| Take { probe, face, frame }))
     }
 
-    /// Number of files, but for the manifest.
+    /// Number of image files.
     pub fn image_count(&self) -> u64 {
         let frames = |camera| self.frames_of(camera).map_or(0, |frames| frames.count());
         let frames: u64 = (0..self.cameras.cameras.len()).map(frames).sum();
         frames * self.faces().len() as u64 * self.passes.len() as u64
     }
 
-    /// From where an image is taken.
     pub fn viewpoint(&self, take: &Take) -> Viewpoint {
         let camera = &self.cameras.cameras[take.probe];
         let window = match self.projection {
@@ -224,10 +207,7 @@ impl CapturePlan {
         }
     }
 
-    /// Refuses to write into the folder of a dataset of which images would be left that are not of this one.
-    ///
-    /// # Errors
-    /// When there are such images.
+    /// Fails where the folder of an existing dataset would keep images that are not of this one.
     pub fn check_replaces(&self, old: &Manifest) -> Result<()> {
         let new = self.manifest()?;
         let normals = |manifest: &Manifest| manifest.extra.as_ref().and_then(|extra| extra.get("normal")).is_some();
@@ -258,7 +238,7 @@ impl CapturePlan {
         )))
     }
 
-    /// Names and values of all that images depend on but the scene.
+    /// Names and values of all settings that images depend on.
     pub fn options(&self) -> Vec<(&'static str, String)> {
         // What is added to the plan has to be named here, too.
         let CapturePlan { name, fps, frames, projection, size, cameras, fov_y_deg, passes, samples, depth, far_m } =

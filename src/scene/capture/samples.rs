@@ -1,11 +1,10 @@
-//! Where in a pixel its colour is sampled.
+//! Sample positions of a pixel's colour.
 //!
-//! The same points in every pixel and every frame: what does not move keeps its bits. A square number of samples lies on a
-//! regular grid, any other on Hammersley's points: `k/N` across, the bits of `k` mirrored at the binary point down.
+//! They are the same in every pixel and frame, so static pixels keep their bits. A square number of samples is on a
+//! regular grid, any other on Hammersley points: `k/N` across, the bit-reversed `k` down.
 
 use crate::error::{Error, Result};
 
-/// The most samples of a pixel.
 pub const MAX_SAMPLES: u32 = 4096;
 
 /// Points in a pixel, each coordinate in 0..1, its centre at (½, ½).
@@ -15,10 +14,6 @@ pub struct SamplePattern {
 }
 
 impl SamplePattern {
-    /// So many points. One is the centre.
-    ///
-    /// # Errors
-    /// When `count` is 0 or above [`MAX_SAMPLES`].
     pub fn new(count: u32) -> Result<SamplePattern> {
         if count == 0 || count > MAX_SAMPLES {
             return Err(Error::Usage(format!("a pixel has 1 to {MAX_SAMPLES} samples, not {count}")));
@@ -37,7 +32,6 @@ impl SamplePattern {
         Ok(SamplePattern { points })
     }
 
-    /// The points, in a fixed order.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }

@@ -154,10 +154,6 @@ pub struct Images {
 }
 
 /// Captures an image. It does not depend on the number of threads.
-///
-/// # Errors
-/// When a side is 0 or above [`MAX_FACE_SIZE`], the position is not finite, planar depth is asked of a panorama, or the
-/// monitor is interrupted.
 pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, monitor: &dyn Monitor) -> Result<Images> {
     let [width, height] = from.window.size();
     if [width, height].iter().any(|&side| side == 0 || side > MAX_FACE_SIZE) {

@@ -1,7 +1,5 @@
-//! A capture carried out: images and their manifest in a folder.
-//!
-//! Enters: a plan, a scene, a folder. Leaves: files whose bytes follow from plan and scene alone, each under its name only
-//! when it is whole. What an earlier process left of the same capture may be kept.
+//! Writes a capture: images, each renamed when it is complete, and the manifest. Their bytes follow from plan and
+//! scene alone; images of an earlier run can be kept.
 
 use std::path::{Path, PathBuf};
 
@@ -21,34 +19,33 @@ use crate::scene::raycast::SceneAtTime;
 /// The unfinished folder of a capture.
 pub const UNFINISHED: FolderKind =
     FolderKind { suffix: ".capture.partial", state: ".capture.json", extension: "exr", manifest: MANIFEST_NAME };
-/// What images at work may take together, if they are more than one.
+/// Memory of images in progress, if they are more than one.
 const MEMORY_BYTES: u64 = 1 << 30;
-/// Of a pixel with all passes, and once more as it is written.
+/// A pixel with all passes, and its copy while it is written.
 const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
-/// The most moments of a scene that are there at a time.
+/// Most time samples of a scene in memory.
 const MAX_MOMENTS: usize = 16;
 
-/// What becomes of images that are in the folder already.
+/// Images that are in the folder already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kept {
-    /// They are made anew.
+    /// Captured again.
     None,
-    /// Those that can be read and have the right size are kept.
+    /// Kept where they can be read and have the right size.
     Sound,
 }
 
-/// What a capture came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CaptureSummary {
     /// Image files of the dataset.
     pub images: u64,
-    /// Of these, those that were there already.
+    /// Those kept from an earlier run.
     pub kept_images: u64,
-    /// Rays from cameras; those after reflection and for shadows are not counted.
+    /// Camera rays; reflected, refracted and shadow rays are not counted.
     pub rays: u64,
     /// Bytes of all images.
     pub bytes: u64,
-    /// Nearest and farthest depth in metres as it is stored, (+inf, 0) without any.
+    /// Nearest and farthest stored depth in metres, (+inf, 0) without any.
     pub depth_range_m: [f32; 2],
 }
 
@@ -73,21 +70,17 @@ impl CaptureSummary {
     }
 }
 
-/// Images of one place and time that are still to be made.
+/// Passes of a frame request that are still to be captured.
 struct Job {
     take: Take,
     passes: Vec<Pass>,
-    /// What was there.
+    /// Summary of those that are there.
     kept: CaptureSummary,
 }
 
 impl CapturePlan {
-    /// Captures everything into `folder`, which exists. The monitor advances by one for each image. At most sixteen moments
-    /// of the scene, and 1 GiB of images or one face, are there at a time.
-    ///
-    /// # Errors
-    /// When the plan cannot be carried out, a file cannot be written, or the monitor is interrupted. Images that are done
-    /// stay in the folder.
+    /// Captures everything into an existing folder. The monitor advances by one for each image. On an error, complete
+    /// images stay. In memory are at most sixteen time samples, and 1 GiB of images or one face.
     pub fn write(&self, scene: &Scene, folder: &Path, kept: Kept, monitor: &dyn Monitor) -> Result<CaptureSummary> {
         let manifest = self.manifest()?;
         let work = Work { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
@@ -118,7 +111,7 @@ impl CapturePlan {
         Ok(sum)
     }
 
-    /// Frames whose images are made in one go, so that there is work for all threads.
+    /// Frames captured together, so that all threads have work.
     fn frames_at_once(&self) -> usize {
         let images = self.cameras.cameras.len() * self.faces().len();
         (2 * rayon::current_num_threads()).div_ceil(images.max(1)).clamp(1, MAX_MOMENTS)
@@ -159,7 +152,6 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// What is still to be made.
     fn look_for(&self, take: Take, kept: Kept) -> Result<Job> {
         let mut job = Job { take, passes: Vec::new(), kept: CaptureSummary::NOTHING };
         for &pass in &self.plan.passes {

@@ -1,7 +1,5 @@
-//! Keyframe animation of nodes (glTF 2.0, sections 3.11 and 5.4, appendix C).
-//!
-//! Enters: the samplers of an animation. Leaves: poses and weights at any time; before the first key and behind the
-//! last one, those of that key.
+//! Keyframe animation of nodes (glTF 2.0, sections 3.11 and 5.4, appendix C). Before the first key and after the last
+//! one, the value is that of the key.
 
 use glam::{DQuat, DVec3};
 use gltf::json;
@@ -12,42 +10,33 @@ use crate::error::{Error, Result};
 use crate::mesh::gltf::buffers::Buffers;
 use crate::mesh::gltf::nodes::{Pose, quaternion};
 
-/// Values at times.
 #[derive(Debug, Clone)]
 pub struct Curve {
     /// Seconds, not decreasing; at least one.
     times: Vec<f32>,
-    /// For each key its value, or with splines its in-tangent, value and out-tangent.
+    /// The value of each key, or the in-tangent, value and out-tangent of a cubic spline.
     values: Vec<f32>,
     /// Numbers of a value.
     width: usize,
     interpolation: Interpolation,
 }
 
-/// What a curve moves.
 #[derive(Debug, Clone)]
 pub struct Channel {
-    /// The node.
     pub node: usize,
-    /// Which of its properties.
     pub property: Property,
     curve: Curve,
 }
 
-/// An animation.
 #[derive(Debug, Clone, Default)]
 pub struct Animation {
-    /// What it moves. Where two move the same, the later one does.
+    /// Of two that move the same property, the later one applies.
     pub channels: Vec<Channel>,
-    /// Time of its last key, seconds.
+    /// Time of the last key, seconds.
     pub duration_s: f64,
 }
 
 impl Animation {
-    /// Reads an animation of a document with so many nodes.
-    ///
-    /// # Errors
-    /// When samplers are broken, or move what is not there.
     pub fn read(animation: &json::Animation, node_count: usize, buffers: &mut Buffers) -> Result<Animation> {
         let mut read = Animation::default();
         for (number, channel) in animation.channels.iter().enumerate() {
@@ -70,7 +59,6 @@ impl Animation {
 }
 
 impl Channel {
-    /// Whether it has the same value at all times.
     pub fn is_constant(&self) -> bool {
         let Curve { values, width, interpolation, .. } = &self.curve;
         let keys = values.chunks_exact(self.curve.stride());
@@ -84,7 +72,7 @@ impl Channel {
         }
     }
 
-    /// Writes the value at a time into a pose.
+    /// Applies the value at a time to a pose.
     pub fn move_pose(&self, time_s: f64, pose: &mut Pose) {
         match self.property {
             Property::Translation => pose.translation = self.curve.vector(time_s),
@@ -94,17 +82,17 @@ impl Channel {
         }
     }
 
-    /// The value at a time, of weights.
+    /// Morph target weights at a time.
     pub fn weights(&self, time_s: f64) -> Vec<f64> {
         self.curve.at(time_s)
     }
 }
 
-/// Where a time lies between keys.
+/// Where a time is between keys.
 enum Span {
-    /// At a key, before all of them, or behind.
+    /// At a key, before the first, or after the last.
     Key(usize),
-    /// Behind this key by this share of the way to the next one, which is this many seconds long.
+    /// After this key, by this fraction of an interval of this many seconds.
     Between(usize, f64, f64),
 }
 
@@ -160,12 +148,11 @@ impl Curve {
         self.values[at..at + self.width].iter().map(|&value| f64::from(value))
     }
 
-    /// The value at a key.
     fn value(&self, key: usize) -> impl Iterator<Item = f64> {
         self.part(key, usize::from(self.interpolation == Interpolation::CubicSpline))
     }
 
-    /// The value at a time; rotations are not treated as such.
+    /// Interpolated component by component.
     fn at(&self, time_s: f64) -> Vec<f64> {
         match self.span(time_s) {
             Span::Key(key) => self.value(key).collect(),

@@ -1,6 +1,4 @@
 //! Skins and morph targets (glTF 2.0, sections 3.7.2.2 and 3.7.3).
-//!
-//! Enters: a mesh as its file has it, weights, and where joints are. Leaves: its corners and normals in the world.
 
 use glam::{DMat3, DMat4, DVec3};
 
@@ -9,19 +7,14 @@ use crate::mesh::assembly::Winding;
 use crate::mesh::gltf::buffers::Buffers;
 use crate::mesh::gltf::primitives::{Geometry, Influences};
 
-/// Joints.
 #[derive(Debug)]
 pub struct Skin {
-    /// Their nodes.
+    /// Nodes.
     pub joints: Vec<usize>,
     inverse_bind: Vec<DMat4>,
 }
 
 impl Skin {
-    /// Reads a skin.
-    ///
-    /// # Errors
-    /// When it lacks matrices.
     pub fn read(skin: &gltf::Skin, buffers: &mut Buffers) -> Result<Skin> {
         let joints: Vec<usize> = skin.joints().map(|node| node.index()).collect();
         let mut inverse_bind = vec![DMat4::IDENTITY; joints.len()];
@@ -37,13 +30,11 @@ impl Skin {
         Ok(Skin { joints, inverse_bind })
     }
 
-    /// From the mesh as it was bound to the world, for each joint.
+    /// Transforms of the joints from the bind pose to the world.
     pub fn matrices(&self, to_world: &[DMat4]) -> Vec<DMat4> {
         self.joints.iter().zip(&self.inverse_bind).map(|(&joint, inverse)| to_world[joint] * *inverse).collect()
     }
 
-    /// # Errors
-    /// When a corner hangs on a joint that is not there.
     pub fn check(&self, geometry: &Geometry) -> Result<()> {
         for Influences { joints, weights } in &geometry.influences {
             let used = joints.as_flattened().iter().zip(weights.as_flattened()).filter(|(_, weight)| **weight > 0.0);
@@ -56,27 +47,23 @@ impl Skin {
     }
 }
 
-/// What moves a mesh.
 #[derive(Debug, Clone, Copy)]
 pub enum Carrier<'a> {
-    /// A node.
     Node(&'a DMat4),
-    /// The joints of a skin.
     Joints(&'a [DMat4]),
 }
 
-/// A mesh in the world.
+/// A mesh in world space.
 #[derive(Debug)]
 pub struct Placed {
-    /// Corners, metres.
+    /// Metres.
     pub positions: Vec<DVec3>,
-    /// Normals, of any length; empty where there are none.
+    /// Of any length; empty where there are none.
     pub normals: Vec<DVec3>,
-    /// Which way round triangles are.
     pub winding: Winding,
 }
 
-/// Puts a mesh into the world: first morphed, then carried. Targets without a weight count nothing.
+/// Applies morph targets, then the node or the skin.
 pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     let mut positions: Vec<DVec3> = geometry.positions.iter().map(|v| v.as_dvec3()).collect();
     let mut normals: Vec<DVec3> = geometry.normals.iter().map(|v| v.as_dvec3()).collect();
@@ -107,8 +94,7 @@ pub fn place(geometry: &Geometry, weights: &[f64], carrier: Carrier) -> Placed {
     Placed { positions, normals, winding }
 }
 
-/// The weighted mean of the matrices of a corner's joints. Weights should come to 1, and are made to; a corner without
-/// any hangs on its first joint.
+/// Weighted mean of the matrices of a corner's joints, with normalised weights; the first joint without any weight.
 fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     let (mut matrix, mut sum) = (DMat4::ZERO, 0.0);
     for set in influences {
@@ -125,8 +111,7 @@ fn blend(influences: &[Influences], corner: usize, joints: &[DMat4]) -> DMat4 {
     if sum > 0.0 { matrix * (1.0 / sum) } else { first.copied().unwrap_or(joints[0]) }
 }
 
-/// What turns normals where the matrix turns surfaces: its inverse transposed, but for length. It exists also for what is
-/// scaled flat.
+/// Transform of normals, but for length: the inverse transpose, as cofactors, which exist for flat scales too.
 fn turn(matrix: &DMat3) -> DMat3 {
     let DMat3 { x_axis: x, y_axis: y, z_axis: z } = *matrix;
     let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

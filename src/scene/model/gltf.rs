@@ -1,6 +1,4 @@
-//! A glTF file as a scene of nodes.
-//!
-//! Enters: the bytes of a `.gltf` or `.glb` file, and its folder. Leaves: a [`Stage`].
+//! Reads a glTF file as a [`Stage`].
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,23 +18,16 @@ use crate::mesh::gltf::materials::{self, Paint};
 use crate::mesh::gltf::nodes::Nodes;
 use crate::mesh::gltf::primitives::{self, Geometry};
 
-/// A scene, and the names of all animations in its file.
 #[derive(Debug)]
 pub struct Read {
-    /// The scene.
     pub stage: Stage,
-    /// Names of all animations.
     pub animations: Vec<String>,
-    /// Their lengths in seconds, as the file states them; `None` where it does not.
+    /// Seconds, as the file states them; `None` where it does not.
     pub durations_s: Vec<Option<f64>>,
     /// As [`Folder::contents`].
     pub contents: String,
 }
 
-/// Reads a document.
-///
-/// # Errors
-/// When it is broken, asks for what is not known, or lacks the animation.
 pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> Result<Read> {
     let Parsed { document, blob } = document::parse(bytes)?;
     let root = document.as_json();
@@ -100,7 +91,7 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
     Ok(Read { stage, animations, durations_s, contents })
 }
 
-/// Seconds up to the last key: the greatest of the times that glTF 2.0, 3.6.2.5 has stated beside them.
+/// The largest of the key times that the file states (glTF 2.0, section 3.6.2.5).
 fn stated_duration_s(root: &gltf::json::Root, animation: &gltf::json::Animation) -> Option<f64> {
     let last = |sampler: &gltf::json::animation::Sampler| {
         let max = root.accessors.get(sampler.input.value())?.max.as_ref()?;
@@ -109,7 +100,7 @@ fn stated_duration_s(root: &gltf::json::Root, animation: &gltf::json::Animation)
     animation.samplers.iter().map(last).try_fold(0.0, |longest: f64, time| Some(longest.max(time?)))
 }
 
-/// Meshes that were read, each when the first node shows it.
+/// Meshes, each read when the first node uses it.
 struct Meshes<'a> {
     known: Vec<Option<Vec<Arc<Geometry>>>>,
     paints: &'a [Paint],

@@ -1,9 +1,7 @@
 //! Lights of a glTF file (KHR_lights_punctual).
 //!
-//! Enters: colours, lux and candela, and where their nodes are. Leaves: suns and lamps.
-//!
-//! A white matt surface sends back 1/π of the light that falls on it into each direction. So E lux make a radiance of
-//! E/π, and I candela one of I/π at 1 m; the unit of radiance is then lm/(sr·m²).
+//! A white matt surface reflects 1/π of its illuminance: E lux are a radiance of E/π, and I candela one of I/π at 1
+//! m, in lm/(sr·m²).
 
 use std::f64::consts::PI;
 
@@ -13,7 +11,7 @@ use gltf::khr_lights_punctual::Kind;
 use crate::error::{Error, Result};
 use crate::scene::light::{Cone, Lamp, Light, Sun, Window};
 
-/// Most lights of a scene: each surface point asks for each of them whether it is in its shadow.
+/// Most lights of a scene: each surface point traces a shadow ray to each.
 const MAX_SUNS: usize = 64;
 const MAX_LAMPS: usize = 4096;
 
@@ -34,7 +32,6 @@ enum LightKind {
 }
 
 impl NodeLight {
-    /// The node.
     pub fn node(&self) -> usize {
         self.node
     }
@@ -44,10 +41,6 @@ impl NodeLight {
     }
 }
 
-/// The lights of all nodes that are shown.
-///
-/// # Errors
-/// When there are too many.
 pub fn read(document: &gltf::Document, shown: &[bool]) -> Result<Vec<NodeLight>> {
     let mut all = Vec::new();
     let mut counts = [0; 2];
@@ -81,7 +74,7 @@ fn spot(inner: f32, outer: f32) -> LightKind {
     LightKind::Spot { cos_inner: angle(inner).cos().max(cos_outer + 1e-9), cos_outer }
 }
 
-/// All of them at one moment; a bright day where there are none. The sky is that of the day either way, as glTF has none.
+/// All lights at one time; a bright day where there are none. glTF has no sky, so it is always that of the day.
 pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
     let mut light = Light::default();
     if !lights.is_empty() {

@@ -1,10 +1,8 @@
-//! Scenes from mesh files: glTF, GLB and OBJ.
+//! Scenes from mesh files: glTF, GLB and OBJ. What never moves is one mesh that all times share; the rest is another
+//! for each time.
 //!
-//! Enters: the path of a file. Leaves: a [`Model`], which has a state at every time.
-//!
-//! `gltf` reads glTF and GLB into a `stage`, `obj` reads OBJ; `assembly` makes one mesh of the parts of either. Nothing is
-//! read that was not checked: `document` checks indices, `buffers` ranges, `budget` memory, `folder` names of files,
-//! `pictures` sizes of textures.
+//! Microfacets become Phong's highlight (`materials`), lux and candela the radiance of a white surface (`lights`).
+//! What is left out or replaced is reported in notes.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,10 +28,8 @@ mod obj;
 mod options;
 mod stage;
 
-/// Most notes about a file.
 const MAX_NOTES: usize = 40;
 
-/// A scene read from a file of meshes: glTF, GLB or OBJ.
 #[derive(Debug)]
 pub struct Model {
     still: Vec<Arc<SceneMesh>>,
@@ -44,28 +40,18 @@ pub struct Model {
     contents: String,
 }
 
-/// What is placed anew at each time.
 #[derive(Debug)]
 struct Motion {
     stage: Stage,
-    /// Which of its instances move.
     moves: Moves,
 }
 
 impl Model {
-    /// Reads the file, and what it names, with its first animation. Notes tell what was left out or replaced, a sentence
-    /// each.
-    ///
-    /// # Errors
-    /// When it cannot be read or is not such a file, asks for what is not known here, or shows no triangles.
+    /// Reads the file with its first animation. Notes say what was left out or replaced.
     pub fn open(path: &Path) -> Result<(Model, Vec<String>)> {
         Model::open_to_play(path, Play::First)
     }
 
-    /// The same with any animation.
-    ///
-    /// # Errors
-    /// As for [`Self::open`], and when there is no animation of that name.
     pub fn open_to_play(path: &Path, play: Play) -> Result<(Model, Vec<String>)> {
         let mut notes = Vec::new();
         let model = Model::read(path, play, &mut notes).map_err(|error| error.in_file(path))?;
@@ -126,40 +112,38 @@ impl Model {
         Ok(Model::of_parts(still, fixed.light, motion))
     }
 
-    /// Most bytes of memory that a file of so many bytes may take while it is read, together with those that it names:
-    /// what its budget allows, and as much again for text as it is parsed and for trees of boxes as they are built.
+    /// Most bytes of memory while a file of so many bytes is read, with those that it names: its budget, and as much
+    /// again for parsing and for building trees.
     pub fn memory_bound(bytes: u64) -> u64 {
         Budget::allowance(bytes).saturating_mul(2)
     }
 
-    /// Names of all animations in the file, in its order; “animation N” for one without a name.
+    /// In order of the file; “animation N” for one without a name.
     pub fn animations(&self) -> &[String] {
         &self.animations
     }
 
-    /// Lengths of all animations in seconds, in the same order, as the file states them; `None` where it does not.
+    /// Seconds, as the file states them; `None` where it does not.
     pub fn durations_s(&self) -> &[Option<f64>] {
         &self.durations_s
     }
 
-    /// A stand-in for the bytes of all files that it was read from, and for the names of those that were missing: it changes
-    /// when any of them does.
+    /// Digest of all files that it was read from, and of the names of missing ones.
     pub fn contents(&self) -> &str {
         &self.contents
     }
 
-    /// Whether it is lit by [`Light::default`], as its file brings no light.
+    /// Whether the file has no light, so that it is lit by [`Light::default`].
     pub fn is_lit_by_default(&self) -> bool {
         self.light == Light::default()
     }
 
-    /// Length of its animation in seconds, 0 where nothing moves.
+    /// Seconds, 0 for a static scene.
     pub fn duration_s(&self) -> f64 {
         self.motion.as_ref().map_or(0.0, |motion| motion.stage.animation.duration_s)
     }
 
-    /// The scene at `time_s` seconds; what is behind the end of the animation is as at its end. What never moves is
-    /// shared by all times, what moves is made anew, its tree of boxes included. The same time gives the same bits.
+    /// The scene at a time; after the end of the animation, at its end. The same time gives the same bits.
     pub fn at(&self, time_s: f64) -> SceneAtTime {
         let mut meshes = self.still.clone();
         let mut light = self.light.clone();

@@ -1,10 +1,7 @@
-//! MTL files: materials of OBJ files.
+//! Materials of OBJ files (MTL).
 //!
-//! Enters: the names of files, and materials as they are in them. Leaves: diffuse, a highlight, emission, mirror or glass.
-//!
-//! Ks and Ns are Phong's highlight without normalisation, whose peak is Ks; here it is weighted so that its peak stays.
-//! Ns is taken for Phong's exponent about the mirror direction as it stands.
-//! Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
+//! Ks and Ns are an unnormalised Phong highlight of peak Ks; its weight here keeps the peak. Ns is the exponent about
+//! the mirror direction. Illumination models 3 and 5 are mirrors, 4, 6, 7 and 9 glass.
 
 use std::collections::BTreeMap;
 use std::io::BufReader;
@@ -19,23 +16,19 @@ use crate::mesh::folder::Folder;
 use crate::mesh::{ImageTexture, Wrap};
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
 
-/// Alpha below this is a hole.
+/// Alpha cutoff.
 const CUTOFF: f64 = 0.5;
 
-/// Where materials and their textures are read from.
 pub struct Library<'a> {
-    /// The folder of the OBJ file.
     pub folder: &'a mut Folder,
-    /// What may still be asked for.
     pub budget: &'a mut Budget,
-    /// Sentences about what is left out.
     pub notes: &'a mut Vec<String>,
-    /// Textures that were read, or could not be, by what the file says of them.
+    /// Textures by statement; `None` for those that cannot be read.
     pub pictures: BTreeMap<String, Option<Arc<ImageTexture>>>,
 }
 
 impl Library<'_> {
-    /// Reads the materials of a file. Where that fails there are none, and a note.
+    /// Reads the materials of a file; where that fails there are none, and a note.
     pub fn load(&mut self, name: &Path) -> tobj::MTLLoadResult {
         let name = name.to_string_lossy();
         let bytes = match self.folder.fetch(&name, self.budget) {
@@ -53,7 +46,6 @@ impl Library<'_> {
         loaded
     }
 
-    /// A material as rays are shaded with.
     pub fn convert(&mut self, material: &tobj::Material) -> MeshMaterial {
         let color = |value: Option<[f32; 3]>| value.map(|value| DVec3::from_array(value.map(unit)));
         let other = |name: &str| material.unknown_param.get(name).map(String::as_str);
@@ -134,8 +126,7 @@ impl Library<'_> {
     }
 }
 
-/// A text that the parser cannot stumble over: colours have three numbers. One stands for three; of others, which
-/// are not read, comes an error.
+/// Makes every colour three numbers: of others, the parser returns an error or panics.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for line in text.lines() {
@@ -156,7 +147,7 @@ fn plain(text: &str) -> String {
     plain
 }
 
-/// The name in a statement of a map, behind its options, and whether one of them clamps it.
+/// File name of a map statement, after its options, and whether one of them clamps it.
 fn file_of(statement: &str) -> (&str, Wrap) {
     let mut rest = statement.trim();
     let mut wrap = Wrap::Repeat;
@@ -204,7 +195,7 @@ fn three(text: &str) -> Option<DVec3> {
     value.is_finite().then(|| value.max(DVec3::ZERO))
 }
 
-/// The colours of one image with the alpha of another, whose brightness it is unless it has alpha itself.
+/// Colours of one image with the alpha of another: its alpha, or where it has none its brightness.
 fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
     let own = mask.pixels.iter().any(|pixel| pixel[3] != 255);
     let alpha = |pixel: [u8; 4]| if own { pixel[3] } else { pixel[1] };
@@ -225,7 +216,7 @@ fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
     map
 }
 
-/// A factor of a file, which should lie in 0..=1.
+/// A factor, clamped to 0..=1.
 fn unit(value: f32) -> f64 {
     if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -1,9 +1,7 @@
 //! OBJ files.
 //!
-//! Enters: the text of a file and its folder. Leaves: a mesh.
-//!
-//! The text is made plain before it is parsed: lines that go on are joined, what is no surface is left out, and numbers
-//! of corners that no file can have are refused.
+//! The text is normalised before it is parsed: continued lines are joined, elements without a surface are dropped,
+//! and invalid corner numbers are refused.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -19,13 +17,10 @@ use crate::mesh::budget::{Budget, CORNER_BYTES, TRIANGLE_BYTES};
 use crate::mesh::folder::Folder;
 use crate::scene::mesh::{MeshMaterial, SceneMesh};
 
-/// Bytes that the parser takes for each byte of text, at most.
+/// Most bytes that the parser takes for each byte of text.
 const PARSED: u64 = 32;
 
-/// Reads a file; answers [`Folder::contents`], too.
-///
-/// # Errors
-/// When a line cannot be read, or a face has a corner that is not there.
+/// Returns the mesh and [`Folder::contents`].
 pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(SceneMesh, String)> {
     let mut budget = Budget::new(bytes.len() as u64);
     budget.take(bytes.len() as u64, PARSED, "the text")?;
@@ -81,7 +76,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     Ok((SceneMesh::new(assembly.finish(), paints.into()), folder.contents(bytes)))
 }
 
-/// A text that the parser cannot stumble over.
+/// Normalised text.
 struct Plain {
     text: Vec<u8>,
     /// Elements without a surface.
@@ -139,7 +134,7 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
     Ok(Plain { text, no_surface })
 }
 
-/// A corner of a face with its numbers counted from the first, where `counts` are behind it; `None` for what is no corner.
+/// A corner of a face with absolute numbers, given the counts so far; `None` where it is none.
 fn corner(word: &str, counts: [usize; 3]) -> Option<String> {
     let mut numbers = Vec::new();
     for (at, part) in word.split('/').enumerate() {

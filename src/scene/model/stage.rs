@@ -1,6 +1,4 @@
-//! A scene of nodes at any time.
-//!
-//! Enters: meshes on nodes, skins, lights, an animation. Leaves: one mesh of what never moves, one of what does.
+//! A hierarchy of nodes with meshes, skins, lights and an animation: the scene of a file at any time.
 
 use std::sync::Arc;
 
@@ -19,50 +17,35 @@ use crate::scene::mesh::{MeshMaterial, SceneMesh};
 /// A primitive on a node.
 #[derive(Debug)]
 pub struct Instance {
-    /// The node.
     pub node: usize,
-    /// The skin, for what hangs on joints.
     pub skin: Option<usize>,
-    /// Weights of the morph targets, where nothing moves them.
+    /// Weights of the morph targets, unless animated.
     pub weights: Vec<f64>,
-    /// The triangles.
     pub geometry: Arc<Geometry>,
 }
 
-/// What a document shows.
 #[derive(Debug)]
 pub struct Stage {
-    /// All nodes.
     pub nodes: Nodes,
-    /// All meshes.
     pub instances: Vec<Instance>,
-    /// All skins, of which some may not be used.
     pub skins: Vec<Skin>,
-    /// What the triangles are painted with.
     pub materials: Arc<[MeshMaterial]>,
-    /// All lights.
     pub lights: Vec<NodeLight>,
-    /// What moves, if anything does.
     pub animation: Animation,
 }
 
-/// Which instances are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Which {
-    /// Those that never move.
     Still,
-    /// Those that do.
     Moving,
 }
 
-/// Some instances at one moment.
+/// Some instances at one time.
 #[derive(Debug)]
 pub struct Shown {
-    /// Their triangles.
     pub mesh: Mesh,
     /// All lights.
     pub light: Light,
-    /// Triangles that were left out.
     pub left_out: LeftOut,
 }
 
@@ -71,12 +54,11 @@ pub struct Shown {
 pub struct Moves {
     /// For each instance, whether it is moved.
     pub instances: Vec<bool>,
-    /// Whether any light is.
+    /// Whether any light is moved.
     pub lights: bool,
 }
 
 impl Moves {
-    /// Whether there is anything.
     pub fn anything(&self) -> bool {
         self.lights || self.instances.contains(&true)
     }
@@ -105,7 +87,7 @@ impl Stage {
         Moves { instances: instances.collect(), lights: self.lights.iter().any(|light| nodes[light.node()]) }
     }
 
-    /// Some of the instances, and all lights, at a time in seconds. `moves` is what [`Self::moves`] said.
+    /// Static or moving instances, and all lights, at a time in seconds.
     pub fn at(&self, time_s: f64, which: Which, moves: &Moves) -> Shown {
         let mut poses: Vec<Local> = self.nodes.locals.clone();
         for channel in &self.animation.channels {

@@ -10,7 +10,7 @@ use crate::scene::object::Object;
 use crate::scene::primitive::{Shape, TurnedBox};
 use crate::scene::raycast::SceneAtTime;
 
-/// Where probes belong: before the blocks, the middle and the reach along each axis.
+/// Region for probes, before the blocks: centre and half size.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.3, 0.75), DVec3::new(0.3, 0.15, 0.15));
 
 const INSIDE: AxisBox = AxisBox { min: DVec3::new(-1.0, 0.0, -1.0), max: DVec3::new(1.0, 2.0, 1.0) };

@@ -1,5 +1,5 @@
 //! A paved terrace under an open sky: brick wall to −X, striped wall with a lamp to −Z, pergola above, fence to +Z,
-//! nothing at all to +X. Three balls and a box move.
+//! nothing to +X. Three spheres and a box move.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Fence, Quad, Shape, TurnedBox};
 use crate::scene::raycast::SceneAtTime;
 
-/// Where probes belong: the middle, and the reach along each axis.
+/// Region for probes: centre and half size.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3));
 
 // The plan of the courtyard, in metres. The terrace ends, and the walls with it, before the +X face begins: that face
@@ -23,7 +23,6 @@ const WALL: f64 = -4.0;
 const PERGOLA_Y: f64 = 2.9;
 const LAMP: DVec3 = DVec3::new(-0.9, 1.75, -3.55);
 
-/// What stands still.
 pub(super) fn fixed() -> Vec<Object> {
     let wood = Texture::Solid(rgb(0.36, 0.22, 0.12));
     let iron = Texture::Solid(rgb(0.05, 0.055, 0.06));
@@ -102,7 +101,6 @@ pub(super) fn fixed() -> Vec<Object> {
     objects
 }
 
-/// Adds what moves, and the light.
 pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
 

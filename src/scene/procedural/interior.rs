@@ -1,5 +1,5 @@
 //! A closed room, six metres by three by five: brick and striped walls, a table, a shelf, a lattice of thin bars, two
-//! lamps. A ball bounces, one rolls, and one hovers behind the lattice.
+//! lamps. One sphere bounces, one rolls, and one hovers behind the lattice.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Fence, Shape};
 use crate::scene::raycast::SceneAtTime;
 
-/// Where probes belong: the middle, and the reach along each axis.
+/// Region for probes: centre and half size.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.5, 0.3), DVec3::new(0.3, 0.2, 0.3));
 
 const INSIDE: AxisBox = AxisBox { min: DVec3::new(-3.0, 0.0, -2.5), max: DVec3::new(3.0, 3.0, 2.5) };
@@ -87,7 +87,6 @@ pub(super) fn fixed() -> Vec<Object> {
     objects
 }
 
-/// Adds what moves, and the light.
 pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
     let hop = (3.0 * phase).fract();

@@ -1,4 +1,4 @@
-//! A closed room, four metres by three by four, with a glass ball that stands and a mirror ball that runs round it.
+//! A closed room, four metres by three by four, with a static glass sphere and a mirror sphere that orbits it.
 
 use std::f64::consts::TAU;
 
@@ -12,7 +12,7 @@ use crate::scene::mesh::{Optics, Phong};
 use crate::scene::object::{CastsShadow, Object};
 use crate::scene::raycast::SceneAtTime;
 
-/// Where probes belong: the middle, and the reach along each axis.
+/// Region for probes: centre and half size.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.6, 1.1), DVec3::new(0.3, 0.15, 0.2));
 
 const INSIDE: AxisBox = AxisBox { min: DVec3::new(-2.0, 0.0, -2.0), max: DVec3::new(2.0, 3.0, 2.0) };
@@ -42,7 +42,6 @@ pub(super) fn fixed() -> Vec<Object> {
     objects
 }
 
-/// Adds what moves, and the light.
 pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
     let mut mirror = ball(DVec3::new(0.1 + 1.2 * cos, 0.4, -0.5 + 0.95 * sin), 0.4, Texture::Solid(DVec3::ZERO));

@@ -1,4 +1,4 @@
-//! A knotted tube that turns about the vertical in empty space: a mesh with normals, and black around it.
+//! A knotted tube that turns about the vertical in empty space: a mesh with normals.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -11,13 +11,13 @@ use crate::scene::light::{Light, Sky, Sun};
 use crate::scene::mesh::{MeshMaterial, Phong, SceneMesh};
 use crate::scene::raycast::SceneAtTime;
 
-/// Where probes belong: the middle, and the reach along each axis.
+/// Region for probes: centre and half size.
 pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 0.2, 1.4), DVec3::new(0.5, 0.3, 0.2));
 
 /// Points along the tube, and around it.
 const ALONG: u32 = 240;
 const AROUND: u32 = 24;
-/// Radius of the tube, metres; the knot reaches 0.45 m from the middle without it.
+/// Radius of the tube, metres.
 const TUBE: f64 = 0.11;
 
 pub(super) fn at(phase: f64) -> SceneAtTime {
@@ -40,7 +40,7 @@ pub(super) fn at(phase: f64) -> SceneAtTime {
     SceneAtTime::with_meshes(vec![], vec![Arc::new(mesh)], light)
 }
 
-/// A trefoil, turned. Every sixteenth ring is painted in another colour.
+/// A rotated trefoil; every sixteenth ring begins a run of another colour.
 fn knot(turn: &DQuat) -> Mesh {
     let middle = |t: f64| {
         let radius = 0.3 + 0.15 * (3.0 * t).cos();
