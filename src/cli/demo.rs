@@ -20,7 +20,7 @@ use crate::files::{OutputFile, OutputFolder};
 use crate::inspect::container::{self, InspectSettings, Totals};
 use crate::report::tradeoff::commands::shell_word;
 use crate::report::{Column, Table};
-use crate::scene::{DemoKind, FootagePlan};
+use crate::scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Kept, Scene};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -35,7 +35,7 @@ pub struct Args {
     #[arg(long, short, value_name = "DIR", default_value = "lightfold-demo")]
     pub output: PathBuf,
     /// Number of frames, 24 a second; the scene repeats after 96
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=9999))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=9999))]
     pub frame_count: u32,
     /// Width and height of each cube face in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
@@ -47,6 +47,9 @@ pub struct Args {
     #[arg(long)]
     pub json: bool,
 }
+
+/// Samples of a pixel's colour: a quarter of the default, for a short capture.
+const SAMPLES: u32 = 4;
 
 /// Where the demo's files are.
 struct Places {
@@ -122,9 +125,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
 fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     let plan =
         FootagePlan { kind: DemoKind::Courtyard, frames: args.frame_count, face_size: args.size, probes: args.probes };
-    let progress = Progress::start(global, "capturing", plan.capture()?.image_count())?;
+    let plan = CapturePlan { samples: SAMPLES, ..plan.capture()? };
+    let progress = Progress::start(global, "capturing", plan.image_count())?;
     let folder = OutputFolder::create(path)?;
-    plan.write(folder.work_path(), &progress)?;
+    let scene = Scene::Procedural(DemoScene::new(DemoKind::Courtyard));
+    plan.write(&scene, folder.work_path(), Kept::None, &progress)?;
     folder.commit()
 }
 

@@ -45,7 +45,7 @@ impl Default for Material {
             alpha_cutoff: None,
             metallic: 0.0,
             roughness: 1.0,
-            specular: None,
+            specular: Some(DVec3::ZERO),
             ior: 1.5,
             transmission: 0.0,
             emission: DVec3::ZERO,

@@ -240,6 +240,7 @@ mod tests {
             },
             Material {
                 name: "sign".into(),
+                base_color: DVec3::ONE,
                 base_texture: Some(texture([Wrap::Clamp, Wrap::Mirror])),
                 emissive_texture: Some(texture([Wrap::Repeat; 2])),
                 emission: DVec3::new(4.0, 2.0, 0.0),
