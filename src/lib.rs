@@ -1,43 +1,78 @@
 //! lightfold: a codec toolkit for animated light fields.
 //!
-//! The rooms and the direction in which they may import each other are in `ARCHITECTURE.md`; the
-//! meaning of every byte is in `formats/`.
+//! The modules and the direction in which they import each other are in `ARCHITECTURE.md`; the meaning of every byte is in
+//! `formats/`.
 
-pub mod block;
-pub mod cli;
-pub mod color;
-pub mod compare;
-pub mod container;
-pub mod convention;
-pub mod dataset;
-pub mod decode;
-pub mod depth;
-pub mod effort;
-pub mod encode;
-pub mod error;
-pub mod evaluate;
-pub mod files;
-pub mod fingerprint;
-pub mod gpu;
-pub mod hard_cases;
-pub mod image;
-pub mod inspect;
-pub mod march;
-pub mod math;
-pub mod memory;
-pub mod mesh;
-pub mod metrics;
-pub mod monitor;
-pub mod ordered;
-pub mod pack;
-pub mod placement;
-pub mod report;
-pub mod scene;
-pub mod streams;
-pub mod views;
+// Parts of a module that only a feature uses are not gated one by one.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
-pub use decode::{Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
-pub use encode::{EncodeSettings, EncodeSummary, Encoder, EncoderStream, FrameSource, ProbePose};
-pub use error::{Error, Result};
+#[path = "."]
+mod modules {
+    pub mod block;
+    #[cfg(feature = "cli")]
+    pub mod cli;
+    pub mod color;
+    #[cfg(feature = "encode")]
+    pub mod compare;
+    pub mod container;
+    #[cfg(feature = "encode")]
+    pub mod convention;
+    #[cfg(feature = "encode")]
+    pub mod dataset;
+    pub mod decode;
+    pub mod depth;
+    pub mod effort;
+    #[cfg(feature = "encode")]
+    pub mod encode;
+    pub mod error;
+    #[cfg(feature = "render")]
+    pub mod evaluate;
+    #[cfg(feature = "encode")]
+    pub mod files;
+    #[cfg(feature = "encode")]
+    pub mod fingerprint;
+    #[cfg(feature = "gpu")]
+    pub mod gpu;
+    #[cfg(feature = "cli")]
+    pub mod hard_cases;
+    pub mod image;
+    #[cfg(feature = "encode")]
+    pub mod inspect;
+    #[cfg(feature = "render")]
+    pub mod march;
+    pub mod math;
+    pub mod memory;
+    #[cfg(feature = "scene")]
+    pub mod mesh;
+    pub mod metrics;
+    pub mod monitor;
+    pub mod ordered;
+    #[cfg(feature = "encode")]
+    pub mod pack;
+    #[cfg(feature = "scene")]
+    pub mod placement;
+    #[cfg(feature = "cli")]
+    pub mod report;
+    #[cfg(feature = "scene")]
+    pub mod scene;
+    pub mod streams;
+    #[cfg(feature = "render")]
+    pub mod views;
+}
+
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub use modules::*;
+#[cfg(not(feature = "internals"))]
+use modules::*;
+
 pub use half::f16;
-pub use image::{Face, FrameRange, StreamKind};
+pub use modules::decode::{Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
+#[cfg(feature = "encode")]
+pub use modules::encode::{EncodeSettings, EncodeSummary, Encoder, EncoderStream, FrameSource, ProbePose};
+pub use modules::error::{Error, Result};
+pub use modules::image::{Face, FrameRange, StreamKind};
+
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub use modules::cli::run as run_command_line;

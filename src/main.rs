@@ -1,7 +1,7 @@
-//! Entry point: hands the command line to [`lightfold::cli`].
+//! Entry point: hands the command line to [`lightfold::run_command_line`].
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    lightfold::cli::run(std::env::args_os())
+    lightfold::run_command_line(std::env::args_os())
 }

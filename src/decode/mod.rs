@@ -10,8 +10,10 @@ mod chunk_source;
 mod damage;
 mod decoder;
 mod face;
+#[cfg(feature = "encode")]
 mod files;
 mod images;
+#[cfg(feature = "encode")]
 mod manifest;
 pub(crate) mod memory;
 mod pixels;
@@ -25,8 +27,10 @@ pub use chunk_source::DecodeCost;
 pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
 pub use decoder::Decoder;
 pub use face::{FaceDecoder, Picture};
+#[cfg(feature = "encode")]
 pub use files::{Destination, decode_to_files, missing_json};
 pub use images::{ImageSource, Images, OnCpu};
+#[cfg(feature = "encode")]
 pub use manifest::FileFormat;
 pub use pixels::PixelsMut;
 pub use selection::{Request, Selection, StreamFrames};

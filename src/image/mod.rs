@@ -8,11 +8,13 @@ use crate::error::{Error, Result};
 pub mod channels;
 pub mod cube;
 pub mod equirect;
+#[cfg(feature = "encode")]
 pub mod exr;
 pub mod kind;
 pub mod layout;
 pub mod limits;
 pub mod plane;
+#[cfg(feature = "encode")]
 pub mod png;
 pub mod sequence;
 pub mod transfer;
@@ -23,6 +25,7 @@ pub use kind::{DepthKind, Projection, StreamKind};
 pub use layout::FaceLayout;
 pub use limits::ReadLimits;
 pub use plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+#[cfg(feature = "encode")]
 pub use png::ColorSpace;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
