@@ -20,6 +20,7 @@ use crate::dataset::stream::StreamKind;
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::TimedCamera;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::evaluate::path::{self, Shot};
 use crate::files::OutputFile;
 use crate::gpu::Gpu;
@@ -211,11 +212,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     for take in &takes {
         let renderer = method.prepare(take, &mut truth)?;
         let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
+        let images: Vec<RenderedImage> = shown.pictures.into_iter().map(|picture| picture.image).collect();
         if let Some(truth) = &mut truth {
-            truth.compare(take, &shown.pictures, coding.tone())?;
+            truth.compare(take, &images, coding.tone())?;
         }
-        let eyes = shown.pictures.len() / take.names.len().max(1);
-        for (name, pictures_of) in take.names.iter().zip(shown.pictures.chunks(eyes.max(1))) {
+        let eyes = images.len() / take.names.len().max(1);
+        for (name, pictures_of) in take.names.iter().zip(images.chunks(eyes.max(1))) {
             pictures.put(name, pictures_of)?;
         }
         if let Some(file) = &mut trace {

@@ -6,21 +6,27 @@ use half::f16;
 
 use crate::image::plane::Plane;
 use crate::image::transfer::ToneMap;
-use crate::march::render::{HoleFill, Rendered};
-use crate::views::light_field::ColorCoding;
 
-impl ColorCoding {
-    /// What turns light into codes of 8 bits that can be compared with those of the container: its own curve and
-    /// exposure, or sRGB where it holds light.
-    pub fn tone(self) -> ToneMap {
-        match self {
-            ColorCoding::Codes(tone) => tone,
-            ColorCoding::Light => ToneMap::default(),
-        }
-    }
+/// What is shown where no view saw anything.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum HoleFill {
+    /// Nothing: colour 0.
+    #[default]
+    Blank,
+    /// The colour of what comes nearest. Alpha is 0 all the same.
+    Nearest,
 }
 
-impl Rendered {
+/// A rendered picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedImage {
+    /// Linear light; the mean of those rays of a pixel that have a colour.
+    pub color: Plane<[f32; 3]>,
+    /// The part of a pixel's rays that end in something that a view saw: 1, and 0 in holes.
+    pub alpha: Plane<f32>,
+}
+
+impl RenderedImage {
     /// 8-bit codes, without alpha.
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
         self.color.map(|light| light.map(|light| tone.code(light)))
@@ -58,14 +64,12 @@ fn finite(value: f32) -> f16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::march::counters::Counters;
 
     #[test]
     fn holes_are_transparent_and_nothing_is_nan() {
-        let rendered = Rendered {
+        let rendered = RenderedImage {
             color: Plane::new(3, 1, vec![[1.0, 0.5, 0.0], [1.0; 3], [f32::NAN, f32::INFINITY, -1.0]]).unwrap(),
             alpha: Plane::new(3, 1, vec![1.0, 0.0, 0.25]).unwrap(),
-            counters: Counters::default(),
         };
         let codes = rendered.rgba_codes(ToneMap::default());
         assert_eq!(codes.data(), [[255, 188, 0, 255], [255, 255, 255, 0], [0, 255, 0, 64]]);

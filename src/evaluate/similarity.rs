@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::evaluate::reference::Truth;
 use crate::image::plane::{MaterialPlane, Plane};
 use crate::image::transfer::{EncodeTable, ToneMap};
-use crate::march::render::Rendered;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::metrics::psnr::{CodeError, U8_PEAK};
 use crate::metrics::ssim_rgb8;
 use crate::streams::convert::color_codes;
@@ -64,7 +64,7 @@ impl Similarity {
     ///
     /// # Errors
     /// When they differ in size.
-    pub fn of(rendered: &Rendered, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
+    pub fn of(rendered: &RenderedImage, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
         let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
         if sizes[0] != sizes[1] {
             return Err(Error::invalid(format!(
@@ -189,12 +189,11 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::Transfer;
-    use crate::march::counters::Counters;
 
     const LINEAR: ToneMap = ToneMap { transfer: Transfer::Linear, exposure_ev: 0.0 };
 
     /// A picture of 12x12 codes of gray, of which the first `holes` are holes, with what should be there, and its material.
-    fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (Rendered, Truth) {
+    fn pair(shown: u8, wanted: u8, holes: usize, material: &[[f32; 3]]) -> (RenderedImage, Truth) {
         let plane = |code: u8| Plane::filled(12, 12, [f32::from(code) / 255.0; 3]);
         let mut alpha = Plane::filled(12, 12, 1.0);
         alpha.data_mut()[..holes].fill(0.0);
@@ -204,7 +203,7 @@ mod tests {
             color: plane(wanted).map(|light| light.map(f16::from_f32)),
             material: (!material.is_empty()).then_some(weights),
         };
-        (Rendered { color: plane(shown), alpha, counters: Counters::default() }, truth)
+        (RenderedImage { color: plane(shown), alpha }, truth)
     }
 
     #[test]

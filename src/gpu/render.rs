@@ -25,11 +25,13 @@ use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords, VIEW_WORD
 use crate::gpu::render::texels::DeviceTexels;
 use crate::gpu::render::units::{DeviceUnits, UnitCost};
 use crate::image::plane::Plane;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::interpolate::camera_weights;
 use crate::march::pyramid::LEAST_M;
-use crate::march::render::{Acceleration, RenderSettings, Rendered, sends_on};
+use crate::march::settings::{Acceleration, RenderSettings};
+use crate::march::render::{Rendered, sends_on};
 use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
 use crate::march::specular::sphere_fit::{GlassBall, GlassBalls};
 use crate::math::Camera;
@@ -230,11 +232,9 @@ impl<'a> GpuRenderer<'a> {
         let floats = |at: usize| f32::from_bits(pixels[at]);
         let colors = (0..pixels.len() / 4).map(|at| [0, 1, 2].map(|channel| floats(4 * at + channel))).collect();
         let alpha = (0..pixels.len() / 4).map(|at| floats(4 * at + 3)).collect();
-        let rendered = Rendered {
-            color: Plane::new(width, height, colors)?,
-            alpha: Plane::new(width, height, alpha)?,
-            counters: counters(&counts),
-        };
+        let image =
+            RenderedImage { color: Plane::new(width, height, colors)?, alpha: Plane::new(width, height, alpha)? };
+        let rendered = Rendered { image, counters: counters(&counts) };
         self.cost.reading += start.elapsed();
         let [rays, asked] = [rendered.counters.primary_rays, rays_from_eye(settings)];
         match rays == asked {

@@ -16,9 +16,11 @@ use crate::image::cube::{Face, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
-use crate::march::intersect::{self, Ray, Steps};
-use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly};
-use crate::march::segments;
+use crate::march::intersect::intersect;
+use crate::march::ray::{Ray, Steps};
+use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
+use crate::evaluate::rendered_image::HoleFill;
+use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::synthetic::{Made, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -193,7 +195,7 @@ impl Setup {
     }
 
     fn hit(&self, views: &ActiveViews<'_>, direction: Vec3) -> Option<f32> {
-        intersect::intersect(views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
+        intersect(Acceleration::None, views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
     }
 
     fn settings(&self, side: u32) -> RenderSettings {
@@ -258,8 +260,8 @@ fn by_segments(setup: &Setup) -> Measured {
     let (mut wrong, mut first) = (0, None);
     for direction in directions() {
         let ray = Ray { origin: Vec3::ZERO, direction };
-        let all = intersect::intersect(&views, &ray, &steps, &mut dense);
-        let some = segments::intersect(&views, &ray, &steps, &mut few);
+        let all = intersect(Acceleration::None, &views, &ray, &steps, &mut dense);
+        let some = intersect(Acceleration::Pyramid, &views, &ray, &steps, &mut few);
         if some != all {
             wrong += 1;
             first.get_or_insert_with(|| format!("towards {direction}: {some:?} instead of {all:?}"));
@@ -276,10 +278,10 @@ fn by_packets(setup: &Setup) -> Result<Measured> {
     let fast = render(&views, &camera, &setup.settings(SIDE), &Silent)?;
     let plain = render_plainly(&views, &camera, &setup.settings(SIDE), &Silent)?;
     let mut wrong = u64::from(fast.counters != plain.counters);
-    for at in 0..fast.alpha.data().len() {
-        let [a, b] = [&fast, &plain].map(|picture| picture.color.data()[at].map(code));
+    for at in 0..fast.image.alpha.data().len() {
+        let [a, b] = [&fast, &plain].map(|picture| picture.image.color.data()[at].map(code));
         let alike = (0..3).all(|channel| (a[channel] - b[channel]).abs() <= 0.5);
-        wrong += u64::from(!alike || fast.alpha.data()[at] != plain.alpha.data()[at]);
+        wrong += u64::from(!alike || fast.image.alpha.data()[at] != plain.image.alpha.data()[at]);
     }
     Ok(Measured::count(wrong, None))
 }
@@ -294,7 +296,7 @@ fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let camera = camera(setup.eye, forward)?;
         let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
-        for (at, color) in (0..).zip(picture.color.data()) {
+        for (at, color) in (0..).zip(picture.image.color.data()) {
             let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
             let (face, u, v) = direction_to_face(camera.direction(window));
             let [column, row] = [u, v].map(|at| (((at + 1.0) * f64::from(side) / 2.0) as u32).min(side - 1));
@@ -368,7 +370,7 @@ fn outside() -> Result<Measured> {
 
 fn empty() -> Result<Measured> {
     let picture = made(|_| None).picture(SIDE)?;
-    let blank = picture.alpha.data().iter().filter(|&&alpha| alpha != 1.0).count() as u64;
+    let blank = picture.image.alpha.data().iter().filter(|&&alpha| alpha != 1.0).count() as u64;
     Ok(Measured::count(picture.counters.primary_rays - picture.counters.background_rays + blank, None))
 }
 
@@ -382,8 +384,8 @@ fn at_the_last_step() -> Measured {
     let mut wrong = 0;
     for direction in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let ray = Ray { origin: Vec3::ZERO, direction };
-        for hit in [intersect::intersect, segments::intersect] {
-            wrong += u64::from(hit(&views, &ray, &setup.steps(), &mut Counters::default()).is_none());
+        for how in [Acceleration::None, Acceleration::Pyramid] {
+            wrong += u64::from(intersect(how, &views, &ray, &setup.steps(), &mut Counters::default()).is_none());
         }
     }
     Measured::count(wrong, None)
@@ -410,9 +412,9 @@ fn coincident() -> Result<Measured> {
     let one = furnished(&POSITIONS[..1], eye).picture(SIDE)?;
     let three = furnished(&[POSITIONS[0]; 3], eye).picture(SIDE)?;
     let mut worst = Worst::greatest();
-    for (at, (a, b)) in one.color.data().iter().zip(three.color.data()).enumerate() {
+    for (at, (a, b)) in one.image.color.data().iter().zip(three.image.color.data()).enumerate() {
         let off = (0..3).map(|channel| (code(a[channel]) - code(b[channel])).abs()).fold(0.0, f64::max);
-        let off = if one.alpha.data()[at] == three.alpha.data()[at] { off } else { f64::NAN };
+        let off = if one.image.alpha.data()[at] == three.image.alpha.data()[at] { off } else { f64::NAN };
         worst.see(off, || format!("pixel {at}"));
     }
     Ok(worst.measured())

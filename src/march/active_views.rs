@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Vec3};
 
+use crate::march::counters::Counters;
 use crate::march::pyramid::{Pyramids, ViewPyramids};
+use crate::march::ray::Ray;
 use crate::views::light_field::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
 /// What a view says of a point.
@@ -127,6 +129,21 @@ impl<'a> ActiveViews<'a> {
             }
         }
         behind
+    }
+
+    /// Halves the interval in which a surface begins; returns its end that is in the surface.
+    pub fn refine(&self, ray: &Ray, interval_m: [f32; 2], times: u32, counters: &mut Counters) -> f32 {
+        let [mut open_m, mut surface_m] = interval_m;
+        for _ in 0..times {
+            let middle_m = 0.5 * (open_m + surface_m);
+            counters.refine_steps += 1;
+            if self.is_surface(ray.at(middle_m)) {
+                surface_m = middle_m;
+            } else {
+                open_m = middle_m;
+            }
+        }
+        surface_m
     }
 
     /// The farthest that a surface of these views can be from the eye, in metres; 0 without views.

@@ -8,8 +8,9 @@ use glam::Vec3;
 
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
-use crate::march::intersect::Ray;
-use crate::march::render::RenderSettings;
+use crate::march::intersect::intersect_from;
+use crate::march::ray::{Ray, StepsFrom};
+use crate::march::settings::RenderSettings;
 use crate::math::Camera;
 
 /// The planes, at right angles to the axis of the camera.
@@ -57,7 +58,7 @@ impl ClipPlanes {
             }
             first += 1;
         }
-        let met_m = settings.acceleration.intersect_from(views, ray, (&settings.steps, first), counters)?;
+        let met_m = intersect_from(settings.acceleration, views, ray, StepsFrom { steps: &settings.steps, first }, counters)?;
         self.shows(met_m * cosine).then_some(met_m)
     }
 }
@@ -68,8 +69,10 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::ToneMap;
-    use crate::march::intersect::Steps;
-    use crate::march::render::{Acceleration, EffectMode, HoleFill, Rendered, render, render_plainly};
+    use crate::march::ray::Steps;
+    use crate::march::settings::{Acceleration, EffectMode};
+    use crate::evaluate::rendered_image::HoleFill;
+    use crate::march::render::{Rendered, render, render_plainly};
     use crate::march::synthetic::{Made, field, room};
     use crate::math::Lens;
     use crate::monitor::Silent;
@@ -100,15 +103,15 @@ mod tests {
         };
         let fast = render(&views, &camera, &settings, &Silent).unwrap();
         let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
-        assert_eq!((&fast.alpha, fast.counters), (&plain.alpha, plain.counters));
+        assert_eq!((&fast.image.alpha, fast.counters), (&plain.image.alpha, plain.counters));
         fast
     }
 
     /// Which pixels of the middle row show a surface, and how many of all do.
     fn seen(picture: &Rendered) -> (Vec<bool>, usize) {
         let is_seen = |alpha: &f32| *alpha == 1.0;
-        let count = picture.alpha.data().iter().filter(|alpha| is_seen(alpha)).count();
-        (picture.alpha.row(11).iter().map(is_seen).collect(), count)
+        let count = picture.image.alpha.data().iter().filter(|alpha| is_seen(alpha)).count();
+        (picture.image.alpha.row(11).iter().map(is_seen).collect(), count)
     }
 
     #[test]
@@ -119,7 +122,7 @@ mod tests {
         for acceleration in [Acceleration::Pyramid, Acceleration::None] {
             // The far wall is 2.1 m deep everywhere, and at the corners of the picture 3 m away.
             let whole = picture(from, 0.0, [0.0, 2.2], acceleration);
-            assert_eq!((&whole.color, &whole.alpha), (&all.color, &all.alpha));
+            assert_eq!((&whole.image.color, &whole.image.alpha), (&all.image.color, &all.image.alpha));
             let without_wall = picture(from, 0.0, [0.0, 1.95], acceleration);
             assert!(seen(&without_wall).0.iter().all(|seen| !seen), "the wall is farther");
             assert!(seen(&without_wall).1 > 0, "floor and ceiling are nearer");
@@ -127,7 +130,7 @@ mod tests {
             let wall_alone = picture(from, 0.0, [2.0, f64::INFINITY], acceleration);
             let (row, count) = seen(&wall_alone);
             assert!(row.iter().all(|seen| *seen) && count < 22 * 22, "{count}");
-            assert_eq!(wall_alone.color.row(11), all.color.row(11));
+            assert_eq!(wall_alone.image.color.row(11), all.image.color.row(11));
             let nothing = picture(from, 0.0, [2.5, 3.0], acceleration);
             assert_eq!((seen(&nothing).1, nothing.counters.hole_rays), (0, 22 * 22));
         }
@@ -139,7 +142,7 @@ mod tests {
         let from = (&[DVec3::new(1.5, 0.0, 1.5), DVec3::new(-1.5, 0.1, 1.5)][..], DVec3::new(0.0, 0.0, 1.7));
         let middle = |pillar: f64, near_m: f64| {
             let picture = picture(from, pillar, [near_m, f64::INFINITY], Acceleration::Pyramid);
-            (glam::Vec3::from(picture.color.row(11)[11]), picture.alpha.row(11)[11])
+            (glam::Vec3::from(picture.image.color.row(11)[11]), picture.image.alpha.row(11)[11])
         };
         let (wall, alpha) = middle(0.0, 0.0);
         assert_eq!(alpha, 1.0);

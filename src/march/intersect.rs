@@ -1,95 +1,43 @@
-//! Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), in its plain form.
+//! Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), point by point or over segments.
 //!
 //! Enters: active views and a ray. Leaves: the distance at which it first meets a surface, or that it meets none.
-//!
-//! Points along the ray are in constant steps of the logarithm of the distance (equation 13), from near to far, both
-//! included: a hit on the last step is a hit, where the listing's test for `i = N` throws it away.
-
-use glam::Vec3;
 
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
+use crate::march::ray::{Ray, Steps, StepsFrom};
+use crate::march::segments;
+use crate::march::settings::Acceleration;
 
-/// Before the first of the steps, a ray that starts in a surface is looked at every texel, and later every so much of
-/// the distance.
-pub const GROWTH: f32 = 0.125;
-/// At most so many times: as far as some ten thousand texels.
-pub const MOST_BEFORE_STEPS: u32 = 64;
-
-/// A ray in metres from the eye, along the world's axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
-    /// Where it starts.
-    pub origin: Vec3,
-    /// Where it goes, of length 1.
-    pub direction: Vec3,
-}
-
-impl Ray {
-    /// The point at a distance.
-    pub fn at(&self, distance_m: f32) -> Vec3 {
-        self.origin + self.direction * distance_m
-    }
-}
-
-/// The distances at which a ray is looked at.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Steps {
-    /// Metres, never falling; at least one.
-    pub distances_m: Vec<f32>,
-    /// How often the interval before a hit is halved.
-    pub refine: u32,
-}
-
-impl Steps {
-    /// `count` steps (at least 1) between `near_m` and `far_m`, both above 0; where far is not beyond near, near alone.
-    pub fn new(count: u32, near_m: f32, far_m: f32, refine: u32) -> Steps {
-        let (near, far) = (f64::from(near_m), f64::from(far_m));
-        let distances_m = if far > near {
-            let step = (far / near).ln() / f64::from(count.max(1));
-            (0..=count.max(1)).map(|at| (near * (step * f64::from(at)).exp()) as f32).collect()
-        } else {
-            vec![near_m]
-        };
-        Steps { distances_m, refine }
-    }
-
-    /// The distances in metres for a ray that starts in a surface with texels `texel_m` wide, with the numbers of those that
-    /// are steps: first some that are nearer than the steps where texels are much smaller than that, then all steps.
-    pub fn from_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
-        let first_m = self.distances_m[0];
-        let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
-        let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
-        nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
-    }
-
-    /// The logarithm of the ratio of two neighbouring distances; 0 where there is only one.
-    pub fn log_step(&self) -> f32 {
-        match self.distances_m[..] {
-            [first, second, ..] => (second / first).ln(),
-            _ => 0.0,
-        }
-    }
-
-    /// How far, in the logarithm of the distance, hits may lie behind the surface: what is left of the interval between
-    /// two steps when it has been halved.
-    pub fn unsure(&self) -> f32 {
-        let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
-        -(-left).ln_1p()
-    }
-}
-
-/// The distance in metres at which a ray meets a surface, if it does: every point is looked at.
-pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
-    intersect_from(views, ray, steps, 0, counters)
-}
-
-/// The same from the `first` of the distances on: what is nearer is taken to be open.
-pub fn intersect_from(
+/// The distance in metres at which a ray first meets a surface. Both accelerations give the same bits.
+pub fn intersect(
+    how: Acceleration,
     views: &ActiveViews<'_>,
     ray: &Ray,
     steps: &Steps,
-    first: usize,
+    counters: &mut Counters,
+) -> Option<f32> {
+    intersect_from(how, views, ray, StepsFrom { steps, first: 0 }, counters)
+}
+
+/// The same from the first of some steps on: nearer points count as empty.
+pub fn intersect_from(
+    how: Acceleration,
+    views: &ActiveViews<'_>,
+    ray: &Ray,
+    steps: StepsFrom<'_>,
+    counters: &mut Counters,
+) -> Option<f32> {
+    match how {
+        Acceleration::None => every_point(views, ray, steps, counters),
+        Acceleration::Pyramid => segments::intersect(views, ray, steps, counters),
+    }
+}
+
+/// Tests every point.
+fn every_point(
+    views: &ActiveViews<'_>,
+    ray: &Ray,
+    StepsFrom { steps, first }: StepsFrom<'_>,
     counters: &mut Counters,
 ) -> Option<f32> {
     let (nearer, distances_m) = steps.distances_m.split_at(first.min(steps.distances_m.len()));
@@ -97,26 +45,11 @@ pub fn intersect_from(
     for &distance_m in distances_m {
         counters.march_steps += 1;
         if views.is_surface(ray.at(distance_m)) {
-            return Some(refine(views, ray, [before_m, distance_m], steps.refine, counters));
+            return Some(views.refine(ray, [before_m, distance_m], steps.refine, counters));
         }
         before_m = distance_m;
     }
     None
-}
-
-/// Halves the interval in which a surface begins; answers its end that is in the surface.
-pub fn refine(views: &ActiveViews<'_>, ray: &Ray, interval_m: [f32; 2], times: u32, counters: &mut Counters) -> f32 {
-    let [mut open_m, mut surface_m] = interval_m;
-    for _ in 0..times {
-        let middle_m = 0.5 * (open_m + surface_m);
-        counters.refine_steps += 1;
-        if views.is_surface(ray.at(middle_m)) {
-            surface_m = middle_m;
-        } else {
-            open_m = middle_m;
-        }
-    }
-    surface_m
 }
 
 #[cfg(test)]
@@ -124,24 +57,14 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::evaluate::rendered_image::HoleFill;
     use crate::image::transfer::ToneMap;
-    use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render};
+    use crate::march::render::render;
+    use crate::march::settings::{EffectMode, RenderSettings};
     use crate::march::synthetic::{Made, field, room};
     use crate::math::{Camera, Lens};
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
-
-    #[test]
-    fn what_is_unsure_is_the_rest_of_the_interval() {
-        for refine in 0..12 {
-            let steps = Steps::new(16, 0.01, 10.0, refine);
-            let [near_m, far_m] = [steps.distances_m[3], steps.distances_m[4]];
-            let open_m = far_m - (far_m - near_m) / 2f32.powi(refine as i32);
-            assert!((steps.unsure() - (far_m / open_m).ln()).abs() < 1e-5, "{refine}: {}", steps.unsure());
-        }
-        assert_eq!(Steps::new(16, 1.0, 1.0, 0).unsure(), 0.0);
-        assert!(Steps::new(1, 1e-6, 1e6, u32::MAX).unsure() < 1e-6);
-    }
 
     #[test]
     fn few_steps_make_no_holes_however_they_are_refined() {
@@ -164,23 +87,6 @@ mod tests {
             };
             let picture = render(&views, &camera, &settings, &Silent).unwrap();
             assert_eq!(picture.counters.hole_rays, 0, "refined {refine} times");
-        }
-    }
-
-    #[test]
-    fn rays_from_surfaces_are_looked_at_before_the_steps() {
-        let steps = Steps::new(8, 0.5, 4.0, 0);
-        let all: Vec<_> = steps.from_surface(0.01).collect();
-        assert_eq!(all[0], (0.01, None));
-        let before = all.iter().filter(|(_, step)| step.is_none()).count();
-        assert!((20..60).contains(&before), "{before}");
-        assert!(all.windows(2).all(|pair| pair[0].0 < pair[1].0));
-        let rest: Vec<_> =
-            steps.distances_m.iter().enumerate().map(|(at, &distance_m)| (distance_m, Some(at))).collect();
-        assert_eq!(all[before..], rest);
-        assert_eq!(steps.from_surface(0.5).collect::<Vec<_>>(), rest);
-        for hostile in [0.0, f32::NAN, f32::INFINITY, 1e-38] {
-            assert!(steps.from_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
         }
     }
 }

@@ -9,8 +9,11 @@ pub mod intersect;
 mod packet;
 pub mod playback;
 pub mod pyramid;
+pub mod ray;
 pub mod render;
 pub mod segments;
+pub mod settings;
+pub mod shading;
 pub mod specular;
 pub mod synthetic;
 #[cfg(test)]

@@ -6,125 +6,29 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::image::plane::Plane;
-use crate::image::transfer::ToneMap;
 use crate::march::active_views::ActiveViews;
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
-use crate::march::interpolate::{Seen, background_color, camera_weights, surface_color};
-use crate::march::intersect::{self, Ray, Steps};
+use crate::march::interpolate::camera_weights;
+use crate::march::intersect::intersect;
 use crate::march::packet::render::PacketScene;
-use crate::march::segments;
+use crate::march::ray::Ray;
+use crate::march::settings::{EffectMode, RenderSettings};
+use crate::march::shading::{Outcome, background, surface};
 use crate::march::specular::secondary_rays::{Effects, Met};
 use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::light_field::ColorCoding;
-
-/// A hit is a hole where every texel differs from it by more than this in the logarithm of the distance, beyond what the
-/// steps leave open: nobody saw a surface there.
-pub const HOLE_DIFFERENCE: f32 = 0.1;
-
-/// What is shown where no view saw anything.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum HoleFill {
-    /// Nothing: colour 0.
-    #[default]
-    Blank,
-    /// The colour of what comes nearest. Alpha is 0 all the same.
-    Nearest,
-}
-
-/// Whether rays are sent on by mirrors and glass (CALF 6.1).
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum EffectMode {
-    /// Where the light field has materials with weights above 0; else no code for it is in the way.
-    #[default]
-    Auto,
-    /// Never: views are interpolated everywhere.
-    None,
-    /// Also where no weight of the materials is above 0, for tests: the pictures are the same.
-    Force,
-}
-
-/// How points of a ray are passed over.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Acceleration {
-    /// Every point is looked at.
-    None,
-    /// Segments that a view proves to be empty are passed over; the hits are the same.
-    #[default]
-    Pyramid,
-}
-
-impl Acceleration {
-    /// The distance in metres at which a ray meets a surface, if it does; the same either way.
-    pub fn intersect(self, views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
-        self.intersect_from(views, ray, (steps, 0), counters)
-    }
-
-    /// The same from the `first` of the distances on: what is nearer is taken to be open.
-    pub fn intersect_from(
-        self,
-        views: &ActiveViews<'_>,
-        ray: &Ray,
-        (steps, first): (&Steps, usize),
-        counters: &mut Counters,
-    ) -> Option<f32> {
-        match self {
-            Acceleration::None => intersect::intersect_from(views, ray, steps, first, counters),
-            Acceleration::Pyramid => segments::intersect_from(views, ray, steps, first, counters),
-        }
-    }
-}
-
-/// How a picture is made.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RenderSettings {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    /// Where rays are looked at.
-    pub steps: Steps,
-    /// Rays in each row and column of a pixel, at least 1.
-    pub samples: u32,
-    /// What is shown in holes.
-    pub holes: HoleFill,
-    /// Whether mirrors and glass send rays on.
-    pub effects: EffectMode,
-    /// How often at most a ray is sent on.
-    pub max_bounces: u32,
-    /// How rays are marched.
-    pub acceleration: Acceleration,
-}
 
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// Linear light; the mean of those rays of a pixel that have a colour.
-    pub color: Plane<[f32; 3]>,
-    /// The part of a pixel's rays that end in something that a view saw: 1, and 0 in holes.
-    pub alpha: Plane<f32>,
-    /// What it came to.
+    /// Its pixels.
+    pub image: RenderedImage,
+    /// Counts over its rays.
     pub counters: Counters,
-}
-
-/// What a ray from the eye has brought.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
-    /// A colour in linear light, of a surface or of the background.
-    Seen(Vec3),
-    /// A hole; the colour of what comes nearest, where there is anything.
-    Hole(Option<Vec3>),
-}
-
-impl Outcome {
-    /// What views saw of a surface: a hole where nothing fits; `unsure` is how far steps leave open where it is.
-    pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
-        match seen {
-            Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
-            seen => Outcome::Hole(seen.map(|seen| light(&seen))),
-        }
-    }
 }
 
 /// Rays that are followed before the monitor is asked again whether to stop, and all of a row that is held at once: a
@@ -253,7 +157,8 @@ fn render_rows(
     let in_row = (width as usize).max(1);
     let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
     let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum.plus(of_row)))?;
-    Ok(Rendered { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)?, counters })
+    let image = RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? };
+    Ok(Rendered { image, counters })
 }
 
 /// Direction of a ray by its number in a row of pixels: pixel by pixel, and in a pixel row by row.
@@ -306,7 +211,7 @@ fn outcome(
     settings: &RenderSettings,
     counters: &mut Counters,
 ) -> (Option<f32>, Outcome) {
-    let mut met = settings.acceleration.intersect(views, ray, &settings.steps, counters);
+    let mut met = intersect(settings.acceleration, views, ray, &settings.steps, counters);
     if let Some(clip) = clip {
         met = met.and_then(|met_m| clip.shown((views, ray), met_m, settings, counters));
     }
@@ -318,33 +223,4 @@ fn outcome(
         }
     };
     (met, outcome)
-}
-
-/// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
-/// leave open where.
-pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
-    Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
-}
-
-/// What a ray brings that meets no surface and goes in this direction, of length 1.
-pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
-    background_color(views, weights, direction)
-        .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
-}
-
-/// Linear light of what views saw.
-fn light(coding: ColorCoding, seen: &Seen) -> Vec3 {
-    light_of(coding, seen.color)
-}
-
-/// Linear light of a colour as it is coded.
-pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
-    match coding {
-        ColorCoding::Light => color,
-        ColorCoding::Codes(tone) => color.to_array().map(|code| decode(tone, code)).into(),
-    }
-}
-
-fn decode(tone: ToneMap, code: f32) -> f32 {
-    (tone.transfer.decode(code.into()) * (-f64::from(tone.exposure_ev)).exp2()) as f32
 }

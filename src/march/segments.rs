@@ -1,6 +1,6 @@
 //! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
 //!
-//! Enters: active views whose texels have pyramids, and a ray. Leaves: the distance that [`march::intersect`] answers,
+//! Enters: active views whose texels have pyramids, and a ray. Leaves: the distance that [`crate::march::intersect`] answers,
 //! bit for bit, after far fewer questions.
 //!
 //! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Seen
@@ -15,8 +15,8 @@ use glam::Vec3;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
 use crate::march::counters::Counters;
-use crate::march::intersect::{self, Ray, Steps};
 use crate::march::pyramid::LEAST_M;
+use crate::march::ray::{Ray, StepsFrom};
 use crate::views::light_field::{View, cube_face};
 
 /// How far a coordinate of a point in a view's axes may be from the exact one, in parts of the sum of the greatest
@@ -160,21 +160,15 @@ impl Walk {
     }
 }
 
-/// The distance in metres at which a ray meets a surface, if it does: that of [`march::intersect`].
+/// The distance in metres at which a ray first meets a surface: that of testing every point.
 ///
 /// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves to be open is halved; where
 /// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first, and only
 /// views that see past the last point of a segment are asked for more.
-pub fn intersect(views: &ActiveViews<'_>, ray: &Ray, steps: &Steps, counters: &mut Counters) -> Option<f32> {
-    intersect_from(views, ray, steps, 0, counters)
-}
-
-/// The same from the `first` of the distances on: what is nearer is taken to be open.
-pub fn intersect_from(
+pub(crate) fn intersect(
     views: &ActiveViews<'_>,
     ray: &Ray,
-    steps: &Steps,
-    first: usize,
+    StepsFrom { steps, first }: StepsFrom<'_>,
     counters: &mut Counters,
 ) -> Option<f32> {
     let distances_m = &steps.distances_m[..];
@@ -185,7 +179,7 @@ pub fn intersect_from(
             Next::Ask(from, to) => (from, to),
             Next::Hit(at) => {
                 let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
-                return Some(intersect::refine(views, ray, [before_m, distances_m[at]], steps.refine, counters));
+                return Some(views.refine(ray, [before_m, distances_m[at]], steps.refine, counters));
             }
             Next::End => return None,
         };

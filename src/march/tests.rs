@@ -9,13 +9,15 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
-use crate::march::intersect::{self, Ray, Steps};
+use crate::march::intersect::{intersect, intersect_from};
+use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::packet::intersect::{Packet, PacketMarch};
 use crate::march::packet::lanes::lanes_of;
 use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::DepthPyramid;
-use crate::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, render, render_plainly};
-use crate::march::segments;
+use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
+use crate::evaluate::rendered_image::HoleFill;
+use crate::march::render::{render, render_plainly};
 use crate::march::synthetic::{Made, field, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
@@ -148,10 +150,10 @@ fn hits_are_the_same_bits() {
         let (mut plain, mut fast) = (Counters::default(), Counters::default());
         let ray = |&direction: &Vec3| Ray { origin: Vec3::ZERO, direction };
         let hits: Vec<_> =
-            directions.iter().map(|d| intersect::intersect(&views, &ray(d), &steps, &mut plain)).collect();
+            directions.iter().map(|d| intersect(Acceleration::None, &views, &ray(d), &steps, &mut plain)).collect();
         let bits = |hits: &[Option<f32>]| hits.iter().map(|hit| hit.map(f32::to_bits)).collect::<Vec<_>>();
         let by_segments: Vec<_> =
-            directions.iter().map(|d| segments::intersect(&views, &ray(d), &steps, &mut fast)).collect();
+            directions.iter().map(|d| intersect(Acceleration::Pyramid, &views, &ray(d), &steps, &mut fast)).collect();
         assert_eq!(bits(&by_segments), bits(&hits));
         for (how, counters) in [(Acceleration::None, plain), (Acceleration::Pyramid, fast)] {
             let (of_packets, counts) = of_packets(&views, &directions, &steps, how);
@@ -162,13 +164,13 @@ fn hits_are_the_same_bits() {
         for direction in directions.iter().take(16) {
             let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
             let first = random.below(count + 2) as usize;
-            let hit = segments::intersect_from(&views, &ray, &steps, first, &mut fast);
+            let hit = intersect_from(Acceleration::Pyramid, &views, &ray, StepsFrom { steps: &steps, first }, &mut fast);
             let nearer = if first == 0 { 0.0 } else { steps.distances_m[(first - 1).min(steps.distances_m.len() - 1)] };
             let rest =
                 steps.distances_m.get(first..).unwrap_or_default().iter().position(|&m| views.is_surface(ray.at(m)));
             let expected = rest.map(|at| {
                 let before_m = if at == 0 { nearer } else { steps.distances_m[first + at - 1] };
-                intersect::refine(&views, &ray, [before_m, steps.distances_m[first + at]], steps.refine, &mut plain)
+                views.refine(&ray, [before_m, steps.distances_m[first + at]], steps.refine, &mut plain)
             });
             assert_eq!(hit, expected);
         }
@@ -223,9 +225,9 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
         };
         let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
         let fast = render(&views, &camera, &settings, &Silent).unwrap();
-        assert_eq!((&fast.alpha, fast.counters), (&plain.alpha, plain.counters));
+        assert_eq!((&fast.image.alpha, fast.counters), (&plain.image.alpha, plain.counters));
         let code = |light: f32| Transfer::Srgb.encode(f64::from(light)) * 255.0;
-        for (a, b) in fast.color.data().iter().flatten().zip(plain.color.data().iter().flatten()) {
+        for (a, b) in fast.image.color.data().iter().flatten().zip(plain.image.color.data().iter().flatten()) {
             assert!((code(*a) - code(*b)).abs() < 0.01, "{a} {b}");
         }
     }
@@ -325,8 +327,8 @@ fn rounding_is_allowed_for() {
         }
         let views = ActiveViews::new(&light_field, &[0], DVec3::ZERO);
         let mut counters = Counters::default();
-        let hit = intersect::intersect(&views, &ray, &steps, &mut counters);
-        assert_eq!(segments::intersect(&views, &ray, &steps, &mut counters), hit);
+        let hit = intersect(Acceleration::None, &views, &ray, &steps, &mut counters);
+        assert_eq!(intersect(Acceleration::Pyramid, &views, &ray, &steps, &mut counters), hit);
         assert_eq!(of_packets(&views, &[ray.direction], &steps, Acceleration::Pyramid).0, [hit]);
         mixed += u32::from(hit.is_some_and(|hit| hit > steps.distances_m[0]));
     }

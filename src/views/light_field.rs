@@ -30,6 +30,16 @@ pub enum ColorCoding {
     Light,
 }
 
+impl ColorCoding {
+    /// The transfer from light to 8-bit codes: the container's own, or sRGB where it holds light.
+    pub fn tone(self) -> ToneMap {
+        match self {
+            ColorCoding::Codes(tone) => tone,
+            ColorCoding::Light => ToneMap::default(),
+        }
+    }
+}
+
 /// The colours of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorTexels {

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::dataset::stream::{DepthKind, StreamKind};
@@ -12,7 +13,6 @@ use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
-use crate::march::playback::selection::Candidate;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
@@ -68,6 +68,15 @@ pub struct Change {
     pub kind: StreamKind,
     /// Left, top, width and height in texels.
     pub rect: Rect,
+}
+
+/// A view that has a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// Its number in the light field.
+    pub view: usize,
+    /// Where it stands, in metres.
+    pub position: DVec3,
 }
 
 /// What it took to show a frame.

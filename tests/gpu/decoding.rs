@@ -15,7 +15,7 @@ use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{DepthPyramid, ViewPyramids};
-use lightfold::march::render::EffectMode;
+use lightfold::march::settings::EffectMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
@@ -257,7 +257,7 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
     let mut renderer = DeviceRenderer::new(gpu, picture).decoding(&decoder, playback.player().field().coding);
     let shots = walk(&playback, 1).map_err(said)?;
     let shown = playback.show(&shots[0], &mut renderer, &Silent).map_err(said)?;
-    match renderer.decodes() || shown.pictures[0].color.data().iter().all(|color| *color == [0.0; 3]) {
+    match renderer.decodes() || shown.pictures[0].image.color.data().iter().all(|color| *color == [0.0; 3]) {
         false => Ok(()),
         true => Err(format!("{manifest} {options:?}: black, or decoded on the device").into()),
     }

@@ -9,8 +9,11 @@ use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
 use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
 use lightfold::march::interpolate::camera_weights;
-use lightfold::march::intersect::{Ray, Steps};
-use lightfold::march::render::{Acceleration, EffectMode, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use lightfold::march::intersect::intersect;
+use lightfold::march::ray::{Ray, Steps};
+use lightfold::march::settings::{Acceleration, EffectMode, RenderSettings};
+use lightfold::evaluate::rendered_image::HoleFill;
+use lightfold::march::render::{Rendered, render, render_plainly};
 use lightfold::march::specular::normal::patch;
 use lightfold::march::specular::sphere_fit::GlassBalls;
 use lightfold::march::synthetic::Made;
@@ -114,10 +117,10 @@ fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField
 
 /// PSNR of a picture in the pixels of a material.
 fn psnr(rendered: &Rendered, truth: &Images, wanted: impl Fn([f32; 3]) -> bool) -> f64 {
-    let size = rendered.color.width();
+    let size = rendered.image.color.width();
     let table = EncodeTable::new(&ToneMap::default());
     let expected = color_codes(truth.color.as_ref().unwrap(), &table).0;
-    let found = rendered.codes(ToneMap::default());
+    let found = rendered.image.codes(ToneMap::default());
     let (mut a, mut b) = (Vec::new(), Vec::new());
     for (at, &material) in (0..).zip(truth.material.as_ref().unwrap().data()) {
         if wanted(material) {
@@ -138,7 +141,7 @@ fn mirrors_show_what_stands_around_them() {
     let [plain, sent] = [EffectMode::None, EffectMode::Auto].map(|effects| look(&field, MIDDLE, size, effects));
     assert_eq!(plain.counters.secondary_rays, 0);
     assert!(sent.counters.secondary_rays > 500);
-    assert_eq!(plain.alpha, sent.alpha);
+    assert_eq!(plain.image.alpha, sent.image.alpha);
     let gain = |wanted: fn([f32; 3]) -> bool| psnr(&sent, &truth, wanted) - psnr(&plain, &truth, wanted);
     let mirror = gain(|[reflect, refract, _]| reflect > 0.0 && refract == 0.0);
     let glass = gain(|[_, refract, _]| refract > 0.0);
@@ -180,8 +183,8 @@ fn the_fast_form_is_the_plain_one() {
     let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
     assert!(plain.counters.secondary_rays > 0);
     let found = CodeError::of_u8(
-        fast.codes(ToneMap::default()).data().as_flattened(),
-        plain.codes(ToneMap::default()).data().as_flattened(),
+        fast.image.codes(ToneMap::default()).data().as_flattened(),
+        plain.image.codes(ToneMap::default()).data().as_flattened(),
     );
     assert!(found.unwrap().psnr_db() >= 50.0);
 }
@@ -198,7 +201,7 @@ fn nothing_is_sent_on_where_nothing_calls_for_it() {
         let field = with_material(field.clone(), material);
         let [auto, force] = [EffectMode::Auto, EffectMode::Force].map(|effects| look(&field, MIDDLE, 24, effects));
         assert_eq!(auto, none);
-        assert_eq!((&force.color, &force.alpha), (&none.color, &none.alpha));
+        assert_eq!(force.image, none.image);
         assert_eq!(work(&auto), [0; 3]);
         assert_eq!(work(&force)[..2], [0; 2]);
         assert_eq!(work(&force)[2] > 0, material.is_some());
@@ -227,7 +230,7 @@ fn light_is_neither_made_nor_without_end() {
         assert!(sent.counters.secondary_rays > 0, "{material:?}");
         // At most four rays of each surface, each sent on four times.
         assert!(sent.counters.secondary_rays <= sent.counters.primary_rays * 4 * 85, "{material:?}");
-        for (a, b) in sent.color.data().iter().flatten().zip(plain.color.data().iter().flatten()) {
+        for (a, b) in sent.image.color.data().iter().flatten().zip(plain.image.color.data().iter().flatten()) {
             assert!(a.is_finite() && (a - b).abs() <= 1e-5, "{material:?}: {a} instead of {b}");
         }
     }
@@ -278,7 +281,7 @@ fn balls_of_glass_are_known_as_wholes() {
         let walls = [DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0)].map(|wall| (wall - GLASS.0) / direction);
         let expected_m = walls[0].max(walls[1]).min_element();
         let ray = Ray { origin: found.ball.centre, direction: direction.as_vec3() };
-        let hit = Acceleration::Pyramid.intersect(&around[0], &ray, &steps, &mut Counters::default());
+        let hit = intersect(Acceleration::Pyramid, &around[0], &ray, &steps, &mut Counters::default());
         errors.push((f64::from(hit.unwrap()) / expected_m).ln().abs());
     }
     errors.sort_by(f64::total_cmp);
@@ -333,7 +336,7 @@ fn color_of(at: DVec3) -> [u8; 3] {
 
 fn code_error(picture: &Rendered, size: u32, expected: impl Fn(u32, u32) -> Option<[u8; 3]>) -> f64 {
     let (mut errors, mut count) = (0.0, 0.0);
-    for (at, light) in (0..).zip(picture.color.data()) {
+    for (at, light) in (0..).zip(picture.image.color.data()) {
         let Some(expected) = expected(at % size, at / size) else { continue };
         for (light, code) in light.iter().zip(expected) {
             errors += (f64::from(*light) * 255.0 - f64::from(code)).abs();

@@ -10,7 +10,7 @@ use lightfold::evaluate::path::Shot;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};
-use lightfold::march::render::{Acceleration, EffectMode};
+use lightfold::march::settings::{Acceleration, EffectMode};
 use lightfold::math::{Camera, Lens};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
@@ -160,8 +160,8 @@ fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 
     let pairs = seen.iter().zip(&all).flat_map(|(seen, all)| seen.pictures.iter().zip(&all.pictures));
     let mut with_something = 0;
     for (seen, all) in pairs {
-        assert_eq!((&seen.color, &seen.alpha), (&all.color, &all.alpha));
-        with_something += usize::from(all.alpha.data().iter().any(|alpha| *alpha > 0.0));
+        assert_eq!(seen.image, all.image);
+        with_something += usize::from(all.image.alpha.data().iter().any(|alpha| *alpha > 0.0));
         if acceleration == Acceleration::None {
             assert_eq!(seen.counters, all.counters);
         }
@@ -286,10 +286,7 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
             "{:?}",
             seen.counts
         );
-        assert_eq!(
-            (&seen.pictures[0].color, &seen.pictures[0].alpha),
-            (&all.pictures[0].color, &all.pictures[0].alpha)
-        );
+        assert_eq!(seen.pictures[0].image, all.pictures[0].image);
         assert_eq!(seen.pictures[0].counters.secondary_rays, 0);
     }
 }

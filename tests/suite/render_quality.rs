@@ -19,7 +19,8 @@ use lightfold::image::plane::DepthPlane;
 use lightfold::image::{Face, FrameRange};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use lightfold::march::playback::methods::{ReprojectRenderer, SplatRenderer};
-use lightfold::march::render::{EffectMode, Rendered};
+use lightfold::march::settings::EffectMode;
+use lightfold::march::render::Rendered;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
@@ -104,7 +105,7 @@ fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
             let distance_m = reference.distance_m(at, 0).unwrap();
             let mut by = renderer(method, image.size, distance_m);
             let rendered = picture(&mut playback, image, by.as_mut());
-            sum.merge(&Similarity::of(&rendered, &truth, tone).unwrap()).unwrap();
+            sum.merge(&Similarity::of(&rendered.image, &truth, tone).unwrap()).unwrap();
         }
         assert_eq!(sum.images, 6);
         rows.push(Row {
@@ -215,7 +216,7 @@ fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
             let options = PictureOptions { size: image.size, effects, ..PictureOptions::default() };
             let rendered = picture(&mut playback, image, &mut CpuRenderer::new(options));
-            sum.merge(&Similarity::of(&rendered, &reference.truth(at, 0).unwrap(), tone).unwrap()).unwrap();
+            sum.merge(&Similarity::of(&rendered.image, &reference.truth(at, 0).unwrap(), tone).unwrap()).unwrap();
         }
         sum
     });
@@ -288,6 +289,7 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
                 panic!("8-bit colour was asked for")
             };
             let codes: Vec<[u8; 4]> = rendered
+                .image
                 .color
                 .data()
                 .iter()
@@ -296,7 +298,7 @@ fn a_probe_that_takes_part_comes_back_code_by_code() {
                     [r, g, b, 0]
                 })
                 .collect();
-            assert!(rendered.alpha.data().iter().all(|alpha| *alpha == 1.0), "{name} {}", image.face.name());
+            assert!(rendered.image.alpha.data().iter().all(|alpha| *alpha == 1.0), "{name} {}", image.face.name());
             let wrong = codes.iter().zip(texels).filter(|(a, b)| a != b).count();
             assert_eq!(wrong, 0, "{name} {}", image.face.name());
             assert!(image.face != Face::View);

@@ -6,7 +6,8 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use crate::cli::options::{parse_not_negative, parse_point, parse_positive};
-use crate::march::render::{Acceleration, EffectMode, HoleFill};
+use crate::march::settings::{Acceleration, EffectMode};
+use crate::evaluate::rendered_image::HoleFill;
 
 /// `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -11,7 +11,7 @@ use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
-use crate::march::render::{HoleFill, Rendered};
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::report::contact_sheet::ContactSheet;
 
 /// What stands for the eye in a pattern.
@@ -179,7 +179,7 @@ impl Pictures {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn put(&mut self, name: &PictureName, eyes: &[Rendered]) -> Result<()> {
+    pub fn put(&mut self, name: &PictureName, eyes: &[RenderedImage]) -> Result<()> {
         let joined = beside(eyes)?;
         if let Some((_, sheet)) = &mut self.sheet {
             sheet.add(format!("{} {}", name.subject, name.number), &joined.rgba_codes(self.tone));
@@ -219,7 +219,7 @@ impl Pictures {
         Ok(())
     }
 
-    fn print(&mut self, picture: &Rendered) -> Result<()> {
+    fn print(&mut self, picture: &RenderedImage) -> Result<()> {
         let mut bytes = Vec::new();
         png::encode_rgba8(&mut bytes, &picture.rgba_codes(self.tone))?;
         self.bytes += bytes.len() as u64;
@@ -248,7 +248,7 @@ fn has_eye_field(part: &OsStr) -> bool {
 }
 
 /// Pictures of one height, beside each other.
-fn beside(eyes: &[Rendered]) -> Result<Rendered> {
+fn beside(eyes: &[RenderedImage]) -> Result<RenderedImage> {
     let [first, rest @ ..] = eyes else { return Err(Error::invalid("a picture of no eye")) };
     if rest.is_empty() {
         return Ok(first.clone());
@@ -256,9 +256,8 @@ fn beside(eyes: &[Rendered]) -> Result<Rendered> {
     let (width, height) = (first.color.width(), first.color.height());
     let at = |x: u32| (&eyes[(x / width) as usize], x % width);
     let all = width * eyes.len() as u32;
-    Ok(Rendered {
+    Ok(RenderedImage {
         color: Plane::from_fn(all, height, |x, y| at(x).0.color.get(at(x).1, y)),
         alpha: Plane::from_fn(all, height, |x, y| at(x).0.alpha.get(at(x).1, y)),
-        counters: rest.iter().fold(first.counters, |sum, eye| sum.plus(eye.counters)),
     })
 }

@@ -20,7 +20,7 @@ use crate::image::FrameRange;
 use crate::image::plane::DepthPlane;
 use crate::image::png;
 use crate::image::transfer::ToneMap;
-use crate::march::render::Rendered;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::report::error_picture;
 
 /// What pictures are compared with.
@@ -146,7 +146,7 @@ impl TruthRun {
     ///
     /// # Errors
     /// When an image cannot be read or a map not be written.
-    pub fn compare(&mut self, take: &Take, pictures: &[Rendered], tone: ToneMap) -> Result<()> {
+    pub fn compare(&mut self, take: &Take, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
         for ((&image, name), rendered) in take.references.iter().zip(&take.names).zip(pictures) {
             let truth = self.reference.truth(image, take.shot.frame)?;
             let similarity = Similarity::of(rendered, &truth, tone)?;

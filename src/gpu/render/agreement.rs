@@ -44,16 +44,16 @@ impl Agreement {
     /// # Errors
     /// When the pictures differ in size.
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
-        let [found, expected] = [on_device, on_cpu].map(|picture| picture.codes(ToneMap::default()));
+        let [found, expected] = [on_device, on_cpu].map(|picture| picture.image.codes(ToneMap::default()));
         let error = CodeError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
         let differences = difference(&found, &expected)?;
-        let alphas = on_device.alpha.data().iter().zip(on_cpu.alpha.data());
+        let alphas = on_device.image.alpha.data().iter().zip(on_cpu.image.alpha.data());
         let steps = [on_device, on_cpu].map(|picture| picture.counters.march_steps as f64);
         Ok(Agreement {
             pixels: found.data().len() as u64,
             differing: differences.data().iter().filter(|codes| **codes > CODES).count() as u64,
             holes_differing: alphas.filter(|(a, b)| a != b).count() as u64,
-            not_finite: on_device.color.data().iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count()
+            not_finite: on_device.image.color.data().iter().filter(|pixel| !pixel.iter().all(|c| c.is_finite())).count()
                 as u64,
             psnr_db: error.psnr_db(),
             ssim: ssim_rgb8(&found, &expected)?.unwrap_or(1.0),
@@ -74,15 +74,16 @@ impl Agreement {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::rendered_image::RenderedImage;
     use crate::image::plane::Plane;
     use crate::march::counters::Counters;
 
     fn picture() -> Rendered {
-        Rendered {
+        let image = RenderedImage {
             color: Plane::from_fn(64, 64, |x, y| [x as f32 / 64.0, y as f32 / 64.0, 0.5]),
             alpha: Plane::filled(64, 64, 1.0),
-            counters: Counters { march_steps: 1000, ..Counters::default() },
-        }
+        };
+        Rendered { image, counters: Counters { march_steps: 1000, ..Counters::default() } }
     }
 
     #[test]
@@ -90,22 +91,22 @@ mod tests {
         let same = Agreement::of(&picture(), &picture()).unwrap();
         assert_eq!((same.mismatches(), same.psnr_db), (0, f64::INFINITY));
         let mut other = picture();
-        other.color.data_mut()[7] = [f32::NAN; 3];
+        other.image.color.data_mut()[7] = [f32::NAN; 3];
         assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 1);
         let mut other = picture();
         // Five pixels of 4096 may be off by a little, six may not.
         for count in 1..=6 {
-            other.color.data_mut()[80 * count][2] = 0.53;
+            other.image.color.data_mut()[80 * count][2] = 0.53;
             assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), if count <= 5 { 0 } else { 6 });
         }
         let mut other = picture();
-        other.alpha.data_mut()[..6].fill(0.0);
+        other.image.alpha.data_mut()[..6].fill(0.0);
         assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 6);
         let mut other = picture();
         other.counters.march_steps = 1011;
         assert_eq!(Agreement::of(&other, &picture()).unwrap().mismatches(), 1);
         let mut other = picture();
-        other.color.data_mut()[99] = [1.0; 3];
+        other.image.color.data_mut()[99] = [1.0; 3];
         assert!(Agreement::of(&other, &picture()).unwrap().mismatches() > 0);
     }
 }

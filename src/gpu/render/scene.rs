@@ -6,7 +6,9 @@ use crate::image::transfer::Transfer;
 use crate::march::active_views::ActiveViews;
 use crate::march::interpolate::camera_weights;
 use crate::march::pyramid::DepthPyramid;
-use crate::march::render::{Acceleration, HOLE_DIFFERENCE, HoleFill, RenderSettings};
+use crate::march::settings::{Acceleration, RenderSettings};
+use crate::march::shading::HOLE_DIFFERENCE;
+use crate::evaluate::rendered_image::HoleFill;
 use crate::march::specular::secondary_rays::MAX_BOUNCES;
 use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
@@ -228,7 +230,7 @@ mod tests {
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
     use crate::image::cube::Face;
     use crate::march::interpolate::DEPTH_EPSILON;
-    use crate::march::intersect;
+    use crate::march::ray;
     use crate::march::pyramid;
     use crate::march::segments;
     use crate::march::specular::material;
@@ -285,11 +287,11 @@ mod tests {
             ("TILE", TILE),
             ("COUNTERS", COUNTERS as u32),
             ("MAX_INSIDE", solid::MAX_INSIDE as u32),
-            ("MOST_BEFORE_STEPS", intersect::MOST_BEFORE_STEPS),
+            ("MOST_BEFORE_STEPS", ray::MOST_BEFORE_STEPS),
         ];
         let floats = [
             ("DEPTH_EPSILON", DEPTH_EPSILON),
-            ("GROWTH", intersect::GROWTH),
+            ("GROWTH", ray::GROWTH),
             ("MIN_POSITIVE", f32::MIN_POSITIVE),
             ("ROUNDING", segments::ROUNDING),
             ("SURELY_BELOW_ONE", segments::SURELY_BELOW_ONE),

@@ -7,8 +7,11 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
-use crate::march::intersect::Steps;
-use crate::march::render::{HOLE_DIFFERENCE, HoleFill, RenderSettings, Rendered, render, render_plainly};
+use crate::march::ray::Steps;
+use crate::march::shading::HOLE_DIFFERENCE;
+use crate::evaluate::rendered_image::HoleFill;
+use crate::march::settings::RenderSettings;
+use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::synthetic::{Made, room};
 use crate::math::Camera;
 use crate::monitor::Silent;
@@ -92,7 +95,7 @@ fn wrong(holes: HoleFill) -> Result<Measured> {
     for plainly in [false, true] {
         let picture = picture(plainly, holes)?;
         wrong += picture.counters.hole_rays.abs_diff(HOLES);
-        for (at, (&alpha, color)) in (0u32..).zip(picture.alpha.data().iter().zip(picture.color.data())) {
+        for (at, (&alpha, color)) in (0u32..).zip(picture.image.alpha.data().iter().zip(picture.image.color.data())) {
             let [column, row] = [at % PIXELS, at / PIXELS];
             let way = [column, row].map(|at| f64::from(2 * at + 1) / f64::from(PIXELS) - 1.0);
             let right = match is_hole(way) {

@@ -11,7 +11,9 @@ use crate::image::plane::{DepthPlane, Plane};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::interpolate::camera_weights;
-use crate::march::render::{HoleFill, Outcome, Rendered, background, surface};
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
+use crate::march::shading::{Outcome, background, surface};
+use crate::march::render::Rendered;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
@@ -58,9 +60,9 @@ pub fn reproject(
             }
         });
     }
-    Ok(Rendered {
+    let image = RenderedImage {
         color: Plane::new(width, height, pixels.iter().map(|pixel| pixel.0).collect())?,
         alpha: Plane::new(width, height, pixels.iter().map(|pixel| pixel.1).collect())?,
-        counters,
-    })
+    };
+    Ok(Rendered { image, counters })
 }

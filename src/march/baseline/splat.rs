@@ -13,7 +13,10 @@ use crate::image::plane::Plane;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
-use crate::march::render::{HoleFill, RenderSettings, Rendered, light_of};
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
+use crate::march::settings::RenderSettings;
+use crate::march::render::Rendered;
+use crate::march::shading::light_of;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
@@ -72,7 +75,8 @@ pub fn splat(
     }
     let light =
         |point: &Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color)).to_array();
-    Ok(Rendered { color: Plane::new(width, height, shown.iter().map(light).collect())?, alpha, counters })
+    let image = RenderedImage { color: Plane::new(width, height, shown.iter().map(light).collect())?, alpha };
+    Ok(Rendered { image, counters })
 }
 
 /// An image of an active view.
@@ -151,8 +155,8 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::{ToneMap, Transfer};
-    use crate::march::intersect::Steps;
-    use crate::march::render::{Acceleration, EffectMode};
+    use crate::march::ray::Steps;
+    use crate::march::settings::{Acceleration, EffectMode};
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
@@ -193,10 +197,10 @@ mod tests {
             acceleration: Acceleration::None,
         };
         let rendered = splat(&active, &camera, &settings, &Silent).unwrap();
-        let codes = rendered.color.data().iter().map(|[light, ..]| (light * 255.0).round() as u8).collect();
-        let holes = rendered.alpha.data().iter().filter(|alpha| **alpha == 0.0).count() as u64;
+        let codes = rendered.image.color.data().iter().map(|[light, ..]| (light * 255.0).round() as u8).collect();
+        let holes = rendered.image.alpha.data().iter().filter(|alpha| **alpha == 0.0).count() as u64;
         assert_eq!((rendered.counters.hole_rays, rendered.counters.primary_rays), (holes, 3));
-        (codes, rendered.alpha.data().to_vec())
+        (codes, rendered.image.alpha.data().to_vec())
     }
 
     #[test]

@@ -6,10 +6,10 @@
 use glam::Vec3;
 
 use crate::march::counters::Counters;
-use crate::march::intersect::Steps;
+use crate::march::ray::Steps;
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::march::packet::views::PacketViews;
-use crate::march::render::Acceleration;
+use crate::march::settings::Acceleration;
 use crate::march::segments::{Next, Walk};
 
 /// Rays from the eye that are marched side by side.

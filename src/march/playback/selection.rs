@@ -13,6 +13,7 @@
 use glam::DVec3;
 
 use crate::march::playback::performance::PerformanceCulling;
+use crate::views::player::Candidate;
 
 /// What makes a view more useful than another.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -37,15 +38,6 @@ pub struct SelectionSettings {
     pub most: Option<usize>,
     /// Milliseconds that a frame may take, update and pictures together; views of low priority are left out for it.
     pub target_ms: Option<f64>,
-}
-
-/// A view that could take part.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Candidate {
-    /// Its number in the light field.
-    pub view: usize,
-    /// Where it stands, in metres.
-    pub position: DVec3,
 }
 
 /// A view that takes part.

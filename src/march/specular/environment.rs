@@ -17,9 +17,11 @@ use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::counters::Counters;
 use crate::march::interpolate::{Taps, background_color, surface_color};
-use crate::march::intersect::{Ray, Steps};
+use crate::march::intersect::{intersect, intersect_from};
+use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::pyramid::ViewPyramids;
-use crate::march::render::{Acceleration, HOLE_DIFFERENCE};
+use crate::march::settings::Acceleration;
+use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::specular::material::fresnel;
 use crate::march::specular::normal::patch;
 use crate::march::specular::plane_extrapolation::{Edge, Plane, first_met, planes};
@@ -173,7 +175,7 @@ impl Looking<'_> {
         let Some(open) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
             return Known::Hidden;
         };
-        let hit = Acceleration::Pyramid.intersect_from(self.views, &ray, (self.steps, open), &mut Counters::default());
+        let hit = intersect_from(Acceleration::Pyramid, self.views, &ray, StepsFrom { steps: self.steps, first: open }, &mut Counters::default());
         match hit {
             Some(distance_m) => match surface_color(self.views, self.camera_weights, ray.at(distance_m)) {
                 Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.unsure() => {
@@ -277,7 +279,7 @@ fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Resu
             }
             let ray = Ray { origin: point, direction: (point - active.from_eye).try_normalize()? };
             let (out, part) = looking.through(&ray, ior).filter(|(_, part)| *part >= LEAST_THROUGH)?;
-            let hit = Acceleration::Pyramid.intersect_from(&alone, &out, (steps, 0), &mut Counters::default());
+            let hit = intersect(Acceleration::Pyramid, &alone, &out, steps, &mut Counters::default());
             let end = hit.map_or(out.direction, |distance_m| alone.views[0].local(out.at(distance_m)));
             Some((view.project(end)?, part, texels.color.get(at)))
         };

@@ -18,8 +18,10 @@ use glam::Vec3;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::interpolate::surface_color;
-use crate::march::intersect::{Ray, refine};
-use crate::march::render::{Outcome, RenderSettings, background, light_of, surface};
+use crate::march::intersect::{intersect, intersect_from};
+use crate::march::ray::{Ray, StepsFrom};
+use crate::march::shading::{Outcome, background, light_of, surface};
+use crate::march::settings::RenderSettings;
 use crate::march::specular::material::{Material, surface_material};
 use crate::march::specular::normal::{Patch, patch};
 use crate::march::specular::solid::{Inside, reflect};
@@ -183,10 +185,10 @@ impl<'a> Effects<'a> {
         let steps = &self.settings.steps;
         let acceleration = self.settings.acceleration;
         let hit = match front.ball {
-            Some(at) => acceleration.intersect(&self.around[at], ray, steps, counters),
+            Some(at) => intersect(acceleration, &self.around[at], ray, steps, counters),
             None => match self.leave(ray, front.patch.texel_m, counters)? {
                 Left::Hit(distance_m) => Some(distance_m),
-                Left::Open(first) => acceleration.intersect_from(self.views, ray, (steps, first), counters),
+                Left::Open(first) => intersect_from(acceleration, self.views, ray, StepsFrom { steps, first }, counters),
             },
         };
         let Some(distance_m) = hit else {
@@ -221,7 +223,7 @@ impl<'a> Effects<'a> {
             match (self.views.is_surface(ray.at(distance_m)), open_m, step) {
                 (true, Some(open_m), _) => {
                     let interval_m = [open_m, distance_m];
-                    return Some(Left::Hit(refine(self.views, ray, interval_m, steps.refine, counters)));
+                    return Some(Left::Hit(self.views.refine(ray, interval_m, steps.refine, counters)));
                 }
                 (true, None, _) if distance_m > HIDDEN_TEXELS * texel_m => return None,
                 (true, None, _) => {}

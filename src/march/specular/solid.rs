@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
-use crate::march::intersect::{Ray, Steps, refine};
+use crate::march::ray::{Ray, Steps};
 use crate::march::specular::material::{fresnel, surface_material};
 use crate::march::specular::normal::{Patch, patch};
 
@@ -167,7 +167,7 @@ impl Inside<'_> {
             counters.march_steps += 1;
             if !self.views.is_surface(ray.at(distance_m)) {
                 // Refining goes from what is open to a surface, which is from behind here.
-                return Some(refine(self.views, ray, [distance_m, before_m], self.steps.refine, counters));
+                return Some(self.views.refine(ray, [distance_m, before_m], self.steps.refine, counters));
             }
             before_m = distance_m;
         }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
-use crate::march::intersect::Steps;
+use crate::march::ray::Steps;
 use crate::march::pyramid::ViewPyramids;
 use crate::march::specular::environment::surroundings;
 use crate::march::specular::normal::SAME_PATCH;

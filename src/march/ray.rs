@@ -1,0 +1,118 @@
+//! Rays and the distances at which they are sampled (CALF 6, equation 13).
+//!
+//! The logarithms of the distances are evenly spaced from near to far, both included: a hit on the last step is a hit,
+//! where the listing's test for `i = N` discards it.
+
+use glam::Vec3;
+
+/// Before the first of the steps, a ray that starts in a surface is looked at every texel, and later every so much of
+/// the distance.
+pub const GROWTH: f32 = 0.125;
+/// At most so many times: as far as some ten thousand texels.
+pub const MOST_BEFORE_STEPS: u32 = 64;
+
+/// A ray in metres from the eye, along the world's axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes, of length 1.
+    pub direction: Vec3,
+}
+
+impl Ray {
+    /// The point at a distance.
+    pub fn at(&self, distance_m: f32) -> Vec3 {
+        self.origin + self.direction * distance_m
+    }
+}
+
+/// The distances at which a ray is looked at.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steps {
+    /// Metres, never falling; at least one.
+    pub distances_m: Vec<f32>,
+    /// How often the interval before a hit is halved.
+    pub refine: u32,
+}
+
+/// Steps of which those before the first are skipped.
+#[derive(Debug, Clone, Copy)]
+pub struct StepsFrom<'s> {
+    /// All of them.
+    pub steps: &'s Steps,
+    /// Number of the first.
+    pub first: usize,
+}
+
+impl Steps {
+    /// `count` steps (at least 1) between `near_m` and `far_m`, both above 0; where far is not beyond near, near alone.
+    pub fn new(count: u32, near_m: f32, far_m: f32, refine: u32) -> Steps {
+        let (near, far) = (f64::from(near_m), f64::from(far_m));
+        let distances_m = if far > near {
+            let step = (far / near).ln() / f64::from(count.max(1));
+            (0..=count.max(1)).map(|at| (near * (step * f64::from(at)).exp()) as f32).collect()
+        } else {
+            vec![near_m]
+        };
+        Steps { distances_m, refine }
+    }
+
+    /// The distances in metres for a ray that starts in a surface with texels `texel_m` wide, with the numbers of those that
+    /// are steps: first some that are nearer than the steps where texels are much smaller than that, then all steps.
+    pub fn from_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
+        let first_m = self.distances_m[0];
+        let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
+        let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
+        nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
+    }
+
+    /// The logarithm of the ratio of two neighbouring distances; 0 where there is only one.
+    pub fn log_step(&self) -> f32 {
+        match self.distances_m[..] {
+            [first, second, ..] => (second / first).ln(),
+            _ => 0.0,
+        }
+    }
+
+    /// How far, in the logarithm of the distance, hits may lie behind the surface: what is left of the interval between
+    /// two steps when it has been halved.
+    pub fn unsure(&self) -> f32 {
+        let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
+        -(-left).ln_1p()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_unsure_is_the_rest_of_the_interval() {
+        for refine in 0..12 {
+            let steps = Steps::new(16, 0.01, 10.0, refine);
+            let [near_m, far_m] = [steps.distances_m[3], steps.distances_m[4]];
+            let open_m = far_m - (far_m - near_m) / 2f32.powi(refine as i32);
+            assert!((steps.unsure() - (far_m / open_m).ln()).abs() < 1e-5, "{refine}: {}", steps.unsure());
+        }
+        assert_eq!(Steps::new(16, 1.0, 1.0, 0).unsure(), 0.0);
+        assert!(Steps::new(1, 1e-6, 1e6, u32::MAX).unsure() < 1e-6);
+    }
+
+    #[test]
+    fn rays_from_surfaces_are_looked_at_before_the_steps() {
+        let steps = Steps::new(8, 0.5, 4.0, 0);
+        let all: Vec<_> = steps.from_surface(0.01).collect();
+        assert_eq!(all[0], (0.01, None));
+        let before = all.iter().filter(|(_, step)| step.is_none()).count();
+        assert!((20..60).contains(&before), "{before}");
+        assert!(all.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        let rest: Vec<_> =
+            steps.distances_m.iter().enumerate().map(|(at, &distance_m)| (distance_m, Some(at))).collect();
+        assert_eq!(all[before..], rest);
+        assert_eq!(steps.from_surface(0.5).collect::<Vec<_>>(), rest);
+        for hostile in [0.0, f32::NAN, f32::INFINITY, 1e-38] {
+            assert!(steps.from_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
+        }
+    }
+}
