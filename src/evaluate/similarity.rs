@@ -4,9 +4,9 @@
 
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Truth;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::image::plane::{MaterialPlane, Plane};
 use crate::image::transfer::{EncodeTable, ToneMap};
-use crate::evaluate::rendered_image::RenderedImage;
 use crate::metrics::psnr::{CodeError, U8_PEAK};
 use crate::metrics::ssim_rgb8;
 use crate::streams::convert::color_codes;

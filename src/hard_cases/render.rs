@@ -9,6 +9,7 @@ mod hidden;
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
+use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::random::Random;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
@@ -18,9 +19,8 @@ use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::intersect::intersect;
 use crate::march::ray::{Ray, Steps};
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
-use crate::evaluate::rendered_image::HoleFill;
 use crate::march::render::{Rendered, render, render_plainly};
+use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::march::synthetic::{Made, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -195,7 +195,13 @@ impl Setup {
     }
 
     fn hit(&self, views: &ActiveViews<'_>, direction: Vec3) -> Option<f32> {
-        intersect(Acceleration::None, views, &Ray { origin: Vec3::ZERO, direction }, &self.steps(), &mut Counters::default())
+        intersect(
+            Acceleration::None,
+            views,
+            &Ray { origin: Vec3::ZERO, direction },
+            &self.steps(),
+            &mut Counters::default(),
+        )
     }
 
     fn settings(&self, side: u32) -> RenderSettings {

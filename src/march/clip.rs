@@ -58,7 +58,8 @@ impl ClipPlanes {
             }
             first += 1;
         }
-        let met_m = intersect_from(settings.acceleration, views, ray, StepsFrom { steps: &settings.steps, first }, counters)?;
+        let met_m =
+            intersect_from(settings.acceleration, views, ray, StepsFrom { steps: &settings.steps, first }, counters)?;
         self.shows(met_m * cosine).then_some(met_m)
     }
 }
@@ -68,11 +69,11 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::evaluate::rendered_image::HoleFill;
     use crate::image::transfer::ToneMap;
     use crate::march::ray::Steps;
-    use crate::march::settings::{Acceleration, EffectMode};
-    use crate::evaluate::rendered_image::HoleFill;
     use crate::march::render::{Rendered, render, render_plainly};
+    use crate::march::settings::{Acceleration, EffectMode};
     use crate::march::synthetic::{Made, field, room};
     use crate::math::Lens;
     use crate::monitor::Silent;

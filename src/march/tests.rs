@@ -5,19 +5,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DQuat, DVec3, Vec3};
 
 use crate::error::Error;
+use crate::evaluate::rendered_image::HoleFill;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::baseline::splat::splat;
 use crate::march::counters::Counters;
 use crate::march::intersect::{intersect, intersect_from};
-use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::packet::intersect::{Packet, PacketMarch};
 use crate::march::packet::lanes::lanes_of;
 use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::DepthPyramid;
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
-use crate::evaluate::rendered_image::HoleFill;
+use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{render, render_plainly};
+use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::march::synthetic::{Made, field, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
@@ -164,7 +164,8 @@ fn hits_are_the_same_bits() {
         for direction in directions.iter().take(16) {
             let ray = Ray { origin: random.vector().as_vec3(), direction: *direction };
             let first = random.below(count + 2) as usize;
-            let hit = intersect_from(Acceleration::Pyramid, &views, &ray, StepsFrom { steps: &steps, first }, &mut fast);
+            let hit =
+                intersect_from(Acceleration::Pyramid, &views, &ray, StepsFrom { steps: &steps, first }, &mut fast);
             let nearer = if first == 0 { 0.0 } else { steps.distances_m[(first - 1).min(steps.distances_m.len() - 1)] };
             let rest =
                 steps.distances_m.get(first..).unwrap_or_default().iter().position(|&m| views.is_surface(ray.at(m)));

@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 
 use crate::cli::options::{parse_not_negative, parse_point, parse_positive};
-use crate::march::settings::{Acceleration, EffectMode};
 use crate::evaluate::rendered_image::HoleFill;
+use crate::march::settings::{Acceleration, EffectMode};
 
 /// `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

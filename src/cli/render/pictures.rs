@@ -6,12 +6,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::files::{OutputFile, OutputFolder};
 use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::report::contact_sheet::ContactSheet;
 
 /// What stands for the eye in a pattern.

@@ -14,13 +14,13 @@ use crate::cli::output;
 use crate::error::{Error, Result};
 use crate::evaluate::path::Shot;
 use crate::evaluate::reference::Reference;
+use crate::evaluate::rendered_image::RenderedImage;
 use crate::evaluate::similarity::{Similarity, difference, truth_codes};
 use crate::files::OutputFolder;
 use crate::image::FrameRange;
 use crate::image::plane::DepthPlane;
 use crate::image::png;
 use crate::image::transfer::ToneMap;
-use crate::evaluate::rendered_image::RenderedImage;
 use crate::report::error_picture;
 
 /// What pictures are compared with.

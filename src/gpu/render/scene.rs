@@ -2,13 +2,13 @@
 
 use glam::Vec3;
 
+use crate::evaluate::rendered_image::HoleFill;
 use crate::image::transfer::Transfer;
 use crate::march::active_views::ActiveViews;
 use crate::march::interpolate::camera_weights;
 use crate::march::pyramid::DepthPyramid;
 use crate::march::settings::{Acceleration, RenderSettings};
 use crate::march::shading::HOLE_DIFFERENCE;
-use crate::evaluate::rendered_image::HoleFill;
 use crate::march::specular::secondary_rays::MAX_BOUNCES;
 use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
@@ -230,8 +230,8 @@ mod tests {
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
     use crate::image::cube::Face;
     use crate::march::interpolate::DEPTH_EPSILON;
-    use crate::march::ray;
     use crate::march::pyramid;
+    use crate::march::ray;
     use crate::march::segments;
     use crate::march::specular::material;
     use crate::march::specular::normal;

@@ -6,12 +6,12 @@
 use glam::DVec3;
 
 use crate::error::Result;
+use crate::evaluate::rendered_image::HoleFill;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
 use crate::march::ray::Steps;
-use crate::march::shading::HOLE_DIFFERENCE;
-use crate::evaluate::rendered_image::HoleFill;
-use crate::march::settings::RenderSettings;
 use crate::march::render::{Rendered, render, render_plainly};
+use crate::march::settings::RenderSettings;
+use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::synthetic::{Made, room};
 use crate::math::Camera;
 use crate::monitor::Silent;

@@ -7,13 +7,13 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::image::plane::{DepthPlane, Plane};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::interpolate::camera_weights;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::march::shading::{Outcome, background, surface};
 use crate::march::render::Rendered;
+use crate::march::shading::{Outcome, background, surface};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 

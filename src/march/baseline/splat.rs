@@ -8,14 +8,14 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::image::cube::Face;
 use crate::image::plane::Plane;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
-use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
-use crate::march::settings::RenderSettings;
 use crate::march::render::Rendered;
+use crate::march::settings::RenderSettings;
 use crate::march::shading::light_of;
 use crate::math::Camera;
 use crate::monitor::Monitor;

@@ -6,11 +6,11 @@
 use glam::Vec3;
 
 use crate::march::counters::Counters;
-use crate::march::ray::Steps;
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of};
 use crate::march::packet::views::PacketViews;
-use crate::march::settings::Acceleration;
+use crate::march::ray::Steps;
 use crate::march::segments::{Next, Walk};
+use crate::march::settings::Acceleration;
 
 /// Rays from the eye that are marched side by side.
 #[derive(Debug, Clone, Copy)]

@@ -6,13 +6,13 @@ use crate::march::active_views::ActiveViews;
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
 use crate::march::interpolate::Seen;
-use crate::march::ray::Ray;
 use crate::march::packet::color::{LightCurve, surface_colors};
 use crate::march::packet::intersect::{Packet, PacketMarch, bits_of};
 use crate::march::packet::lanes::Lanes;
 use crate::march::packet::views::PacketViews;
-use crate::march::shading::{Outcome, background};
+use crate::march::ray::Ray;
 use crate::march::settings::RenderSettings;
+use crate::march::shading::{Outcome, background};
 use crate::views::light_field::ColorCoding;
 
 /// What all packets of a picture share.

@@ -18,8 +18,8 @@ use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::counters::Counters;
 use crate::march::interpolate::{Taps, background_color, surface_color};
 use crate::march::intersect::{intersect, intersect_from};
-use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::pyramid::ViewPyramids;
+use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::settings::Acceleration;
 use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::specular::material::fresnel;
@@ -175,7 +175,13 @@ impl Looking<'_> {
         let Some(open) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
             return Known::Hidden;
         };
-        let hit = intersect_from(Acceleration::Pyramid, self.views, &ray, StepsFrom { steps: self.steps, first: open }, &mut Counters::default());
+        let hit = intersect_from(
+            Acceleration::Pyramid,
+            self.views,
+            &ray,
+            StepsFrom { steps: self.steps, first: open },
+            &mut Counters::default(),
+        );
         match hit {
             Some(distance_m) => match surface_color(self.views, self.camera_weights, ray.at(distance_m)) {
                 Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.unsure() => {

@@ -20,8 +20,8 @@ use crate::march::counters::Counters;
 use crate::march::interpolate::surface_color;
 use crate::march::intersect::{intersect, intersect_from};
 use crate::march::ray::{Ray, StepsFrom};
-use crate::march::shading::{Outcome, background, light_of, surface};
 use crate::march::settings::RenderSettings;
+use crate::march::shading::{Outcome, background, light_of, surface};
 use crate::march::specular::material::{Material, surface_material};
 use crate::march::specular::normal::{Patch, patch};
 use crate::march::specular::solid::{Inside, reflect};
@@ -188,7 +188,9 @@ impl<'a> Effects<'a> {
             Some(at) => intersect(acceleration, &self.around[at], ray, steps, counters),
             None => match self.leave(ray, front.patch.texel_m, counters)? {
                 Left::Hit(distance_m) => Some(distance_m),
-                Left::Open(first) => intersect_from(acceleration, self.views, ray, StepsFrom { steps, first }, counters),
+                Left::Open(first) => {
+                    intersect_from(acceleration, self.views, ray, StepsFrom { steps, first }, counters)
+                }
             },
         };
         let Some(distance_m) = hit else {
