@@ -5,6 +5,8 @@
 
 // Parts of a module that only a feature uses are not gated one by one.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+// The hidden modules are documented where a name does not say it all.
+#![cfg_attr(feature = "internals", allow(missing_docs))]
 
 #[path = "."]
 mod modules {
