@@ -105,8 +105,19 @@ impl Error {
     }
 }
 
-/// Escapes control characters, which a terminal would interpret, as `\u{1b}` or `\n`, and cuts long text. Names from files
-/// may stand in a message.
+/// Whether a character is escaped in text: a terminal obeys it, or it breaks a line or changes the direction of text.
+pub fn is_escaped(c: char) -> bool {
+    let reorders = matches!(c, '\u{61c}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    c.is_control() || reorders
+}
+
+/// Escapes such characters of a name as `\u{1b}` or `\n`.
+pub fn escaped(name: &str) -> String {
+    let escape = |c: char| if is_escaped(c) { c.escape_default().to_string() } else { c.to_string() };
+    name.chars().map(escape).collect()
+}
+
+/// Writes an error on one line of at most [`MAX_CHARACTERS`], with the characters of [`is_escaped`] escaped.
 struct Plain<'a, 'f> {
     out: &'a mut fmt::Formatter<'f>,
     left: usize,
@@ -127,7 +138,7 @@ impl Plain<'_, '_> {
 impl fmt::Write for Plain<'_, '_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for c in text.chars() {
-            if c.is_control() {
+            if is_escaped(c) {
                 c.escape_default().try_for_each(|c| self.put(c))?;
             } else {
                 self.put(c)?;
@@ -188,6 +199,7 @@ mod tests {
     fn control_characters_are_escaped_and_long_messages_cut() {
         let error = Error::invalid("probe \"a\nb\u{1b}[2J\": é").in_file("x\ty");
         assert_eq!(error.to_string(), "x\\ty: probe \"a\\nb\\u{1b}[2J\": é");
+        assert_eq!(escaped("a\u{202e}b\u{2028}é"), "a\\u{202e}b\\u{2028}é");
         let long = Error::invalid("word ".repeat(100_000)).to_string();
         assert_eq!(long.chars().count(), MAX_CHARACTERS);
         assert!(long.ends_with('…'), "{long}");

@@ -5,14 +5,12 @@
 
 use super::TEXELS;
 
-/// Decodes a block; every pattern of bits is legal.
 pub fn decode(block: &[u8; 8]) -> [[u8; 3]; TEXELS] {
     let colors = palette(u16::from_le_bytes([block[0], block[1]]), u16::from_le_bytes([block[2], block[3]]));
     let indices = u32::from_le_bytes([block[4], block[5], block[6], block[7]]);
     std::array::from_fn(|texel| colors[(indices >> (2 * texel)) as usize & 3])
 }
 
-/// The four colours of a block by its two endpoints.
 fn palette(first: u16, second: u16) -> [[u8; 3]; 4] {
     let [a, b] = [expand(first), expand(second)];
     let mix = |by: fn(u32, u32) -> u32| std::array::from_fn(|channel| by(a[channel], b[channel]) as u8);

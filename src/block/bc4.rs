@@ -4,14 +4,12 @@
 
 use super::TEXELS;
 
-/// Decodes a block; every pattern of bits is legal.
 pub fn decode(block: &[u8; 8]) -> [u8; TEXELS] {
     let word = u64::from_le_bytes(*block);
     let values = palette(word as u8, (word >> 8) as u8);
     std::array::from_fn(|texel| values[(word >> (16 + 3 * texel)) as usize & 7])
 }
 
-/// The eight values of a block by its two endpoints.
 fn palette(first: u8, second: u8) -> [u8; 8] {
     let (a, b) = (u32::from(first), u32::from(second));
     std::array::from_fn(|index| {

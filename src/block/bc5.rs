@@ -4,7 +4,6 @@
 
 use super::{TEXELS, bc4};
 
-/// Decodes a block; every pattern of bits is legal.
 pub fn decode(block: &[u8; 16]) -> [[u8; 2]; TEXELS] {
     let half = |at: usize| bc4::decode(&std::array::from_fn(|byte| block[at + byte]));
     let [red, green] = [half(0), half(8)];

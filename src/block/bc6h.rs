@@ -111,7 +111,6 @@ pub(super) const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
     targets
 };
 
-/// Reads a layout.
 const fn parse(text: &[u8]) -> [u8; LAYOUT_BITS] {
     let mut targets = [NOTHING; LAYOUT_BITS];
     let (mut at, mut count) = (0, 0);

@@ -4,7 +4,6 @@
 
 use super::TEXELS;
 
-/// The bits of a block, least significant first.
 pub(super) struct Bits(u128);
 
 impl Bits {

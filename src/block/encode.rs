@@ -15,7 +15,6 @@ use crate::effort::Effort;
 /// BC6H and BC7 are searched in floating point by kernels that the library chooses by the processor's instruction set, so that
 /// another family of processors may find other blocks. What blocks mean does not depend on it.
 pub trait BlockEncoder: Sync {
-    /// A pixel.
     type Texel: Copy;
     /// Blocks of [`grid`]`(width, height)`, row by row, for `width` x `height` pixels, row by row.
     ///

@@ -35,7 +35,6 @@ impl Line {
     }
 }
 
-/// RGB of a block of BC7.
 pub(super) fn bc7(block: &[u8; 16]) -> [[u8; 3]; TEXELS] {
     let word = u128::from_le_bytes(*block);
     match block[0].trailing_zeros() {
@@ -215,7 +214,6 @@ const MODE_OF: [u8; 32] = {
     modes
 };
 
-/// RGB of a block of BC6H.
 pub(super) fn bc6h(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
     let number = MODE_OF[block[0] as usize & 31] as usize;
     let Some(mode) = bc6h::MODES.get(number) else { return [[0; 3]; TEXELS] };

@@ -10,14 +10,15 @@ pub mod bc5;
 pub mod bc6h;
 pub mod bc7;
 mod bptc;
+#[cfg(feature = "encode")]
 mod encode;
 mod fast;
 
+#[cfg(feature = "encode")]
 pub use encode::BlockEncoder;
 
 /// Columns, and rows, of pixels in a block.
 pub const SIDE: usize = 4;
-/// Pixels of a block.
 pub const TEXELS: usize = SIDE * SIDE;
 
 /// Columns and rows of blocks that cover `width` x `height` pixels; the last of either may reach past the edge.
@@ -27,9 +28,7 @@ pub fn grid(width: usize, height: usize) -> [usize; 2] {
 
 /// A format of blocks, as containers use it.
 pub trait BlockFormat {
-    /// A decoded pixel.
     type Texel: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug + 'static;
-    /// Bytes of a block.
     const BYTES: usize;
     /// Decodes the first [`Self::BYTES`] of `block` into its pixels, row by row. A shorter slice leaves `out` as it is.
     fn decode_block(block: &[u8], out: &mut [Self::Texel; TEXELS]);
@@ -132,5 +131,6 @@ pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, 
     }
 }
 
+#[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests;

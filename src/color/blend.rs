@@ -6,7 +6,6 @@ use half::f16;
 
 /// A colour sample as the decoder interpolates it.
 pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
-    /// Bytes in a stream.
     const BYTES: usize;
 
     /// The value `weight`/255 of the way from `a` to `b`, rounded to nearest: (a·(255 − w) + b·w + 127) div 255.
@@ -17,7 +16,6 @@ pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static 
     /// The integer that is interpolated.
     fn key(self) -> i32;
 
-    /// Appends the sample as stored.
     fn put(self, out: &mut Vec<u8>);
 
     /// Reads as many samples as fit into `out`; `bytes` has exactly their size.
@@ -31,7 +29,6 @@ pub fn lerp_all<S: Sample>(a: &[S], b: &[S], weight: u8, out: &mut [S]) {
     }
 }
 
-/// 8-bit samples, after the transfer function.
 impl Sample for u8 {
     const BYTES: usize = 1;
 
@@ -71,20 +68,17 @@ impl HalfKey {
         HalfKey(bits ^ flip)
     }
 
-    /// The half float's bit pattern.
     #[inline(always)]
     pub fn to_bits(self) -> u16 {
         let flip = ((!self.0 as i16 >> 15) as u16) | 0x8000;
         self.0 ^ flip
     }
 
-    /// The half float.
     pub fn to_half(self) -> f16 {
         f16::from_bits(self.to_bits())
     }
 }
 
-/// Half-float samples.
 impl Sample for HalfKey {
     const BYTES: usize = 2;
 

@@ -7,27 +7,7 @@ use std::cell::OnceCell;
 
 use crate::color::blend::Sample;
 use crate::color::quality::Quality;
-pub use crate::effort::Effort;
-
-/// What the search may do.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SearchSettings {
-    /// Least PSNR of every frame of every cell, in dB.
-    pub min_psnr_db: f64,
-    /// How hard to look: fast doubles distances, then bisects; normal doubles them, then tries every distance between
-    /// the last that served and the first that did not; exhaustive tries every distance, the farthest first, and so
-    /// finds the maximum of equation 12 within the reach.
-    pub effort: Effort,
-    /// Distinct pictures that may lie between one keyframe and the next, at least 1: bounds memory and time. Repeats
-    /// of the picture before do not count.
-    pub reach: u32,
-}
-
-impl Default for SearchSettings {
-    fn default() -> Self {
-        SearchSettings { min_psnr_db: 50.0, effort: Effort::Normal, reach: 64 }
-    }
-}
+use crate::effort::Effort;
 
 /// The pictures that the search looks at: the current keyframe first, then what follows it.
 #[derive(Debug)]

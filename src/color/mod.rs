@@ -6,13 +6,17 @@
 pub mod blend;
 pub mod cells;
 pub mod keyframe_blocks;
+#[cfg(feature = "encode")]
 pub mod keyframes;
 pub mod quality;
+pub mod settings;
+#[cfg(feature = "encode")]
 pub mod temporal;
 
 pub use blend::{HalfKey, Sample};
 pub use cells::{CellChunk, CellFormat};
 pub use keyframe_blocks::KeyframeBlocks;
-pub use keyframes::{Effort, SearchSettings};
 pub use quality::Quality;
+pub use settings::SearchSettings;
+#[cfg(feature = "encode")]
 pub use temporal::CellEncoder;

@@ -11,7 +11,6 @@ use crate::error::{Error, Result};
 use crate::metrics::psnr::{U8_PEAK, psnr_to_max_sse};
 use crate::metrics::pu21::{PU21_PEAK, PuTable};
 
-/// Steps of one PU21 unit.
 pub const PU_STEPS: f64 = 64.0;
 /// Samples whose squared errors are summed in 32 bits before they are carried over.
 const BLOCK: usize = 2048;
@@ -34,7 +33,6 @@ pub trait Quality<S: Sample>: Sync {
     const KEYS_ARE_STEPS: bool;
 }
 
-/// PSNR of 8-bit samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct EightBit;
 
@@ -62,7 +60,6 @@ impl Quality<u8> for EightBit {
     }
 }
 
-/// PSNR of PU21-encoded half floats.
 #[derive(Debug, Clone)]
 pub struct Pu21 {
     /// PU21 in 64ths for every key.

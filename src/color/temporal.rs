@@ -1,13 +1,14 @@
 //! Encodes the frames of one colour cell into chunks (CALF 5.1, algorithm 2; keyframes in blocks: 5.3).
 //!
 //! Enters: the cell's samples, frame by frame. Leaves: payloads of [`crate::color::cells`]. Memory: the pictures that
-//! the search may reach, repeats counted once, and the open chunk.
+//! of the lookahead, repeats counted once, and the open chunk.
 
 use crate::color::blend::Sample;
-use crate::color::cells::CellBuilder;
+use crate::color::cells::builder::CellBuilder;
 use crate::color::keyframe_blocks::KeyframeBlocks;
-use crate::color::keyframes::{Candidates, SearchSettings};
+use crate::color::keyframes::Candidates;
 use crate::color::quality::Quality;
+use crate::color::settings::SearchSettings;
 use crate::container::EncodedChunk;
 use crate::error::Result;
 
@@ -27,9 +28,7 @@ struct Entry<S> {
 /// How the keyframes of a cell become blocks, once their places are known (CALF 5.3).
 #[derive(Debug, Clone, Copy)]
 pub struct BlockStage<S> {
-    /// The format.
     pub blocks: KeyframeBlocks<S>,
-    /// Width and height of the cell in pixels.
     pub size: [usize; 2],
     /// PSNR that every frame still reaches between keyframes in blocks, in dB; at most that of the search.
     pub final_psnr_db: f64,
@@ -43,7 +42,6 @@ enum Keyframe<S> {
 }
 
 impl<S> Keyframe<S> {
-    /// What a decoder shows for it.
     fn shown<'a>(&'a self, source: &'a [S]) -> &'a [S] {
         match self {
             Keyframe::Samples => source,
@@ -52,7 +50,6 @@ impl<S> Keyframe<S> {
     }
 }
 
-/// Encodes one cell.
 #[derive(Debug)]
 pub struct CellEncoder<S> {
     settings: SearchSettings,
@@ -80,7 +77,6 @@ impl<S: Sample> CellEncoder<S> {
         }
     }
 
-    /// The same with keyframes in blocks.
     #[must_use]
     pub fn with_blocks(self, blocks: BlockStage<S>) -> Self {
         CellEncoder { blocks: Some(blocks), ..self }
@@ -100,7 +96,7 @@ impl<S: Sample> CellEncoder<S> {
                 self.open_keyframe(keyframe);
             }
         }
-        if self.pending.len() > self.settings.reach as usize + 1 { self.place_keyframe(quality) } else { Ok(None) }
+        if self.pending.len() > self.settings.lookahead as usize + 1 { self.place_keyframe(quality) } else { Ok(None) }
     }
 
     /// Ends the cell; answers the chunks still open.
@@ -125,7 +121,6 @@ impl<S: Sample> CellEncoder<S> {
         self.blocks.map_or(self.settings.min_psnr_db, |stage| stage.final_psnr_db)
     }
 
-    /// The sources, for the search.
     fn sources<'a, Q: Quality<S>>(&'a self, quality: &'a Q) -> Candidates<'a, S, Q> {
         let pictures = self.pending.iter().map(|entry| entry.samples.as_slice()).collect();
         Candidates::new(pictures, quality, self.settings.min_psnr_db)
@@ -150,8 +145,8 @@ impl<S: Sample> CellEncoder<S> {
     fn coded<Q: Quality<S>>(&self, source: &[S], quality: &Q) -> Keyframe<S> {
         let Some(BlockStage { blocks, size, final_psnr_db }) = self.blocks else { return Keyframe::Samples };
         let limit = quality.max_squared_error(final_psnr_db, source.len());
-        for &effort in blocks.tries(self.settings.effort) {
-            let stored = (blocks.encode)(source, size, effort);
+        for &effort in blocks.encoder.tries(self.settings.effort) {
+            let stored = (blocks.encoder.encode)(source, size, effort);
             let mut shown = vec![S::default(); source.len()];
             (blocks.decode)(&stored, size, &mut shown);
             if quality.squared_error(&shown, &shown, 0, source, limit) <= limit {

@@ -30,22 +30,18 @@ impl<'a> Fields<'a> {
         self.base + self.position as u64
     }
 
-    /// Bytes consumed so far.
     pub fn position(&self) -> usize {
         self.position
     }
 
-    /// Bytes not yet consumed.
     pub fn remaining(&self) -> usize {
         self.bytes.len() - self.position
     }
 
-    /// An error at the next field.
     pub fn error(&self, message: impl Into<String>) -> Error {
         Error::invalid_at(self.section, self.offset(), message)
     }
 
-    /// The next `count` bytes.
     pub fn bytes(&mut self, count: usize) -> Result<&'a [u8]> {
         if count > self.remaining() {
             return Err(self.error(format!("{count} more bytes expected, {} left", self.remaining())));
@@ -55,22 +51,18 @@ impl<'a> Fields<'a> {
         Ok(&self.bytes[start..self.position])
     }
 
-    /// An unsigned byte.
     pub fn u8(&mut self) -> Result<u8> {
         Ok(self.bytes(1)?[0])
     }
 
-    /// A 16-bit unsigned integer.
     pub fn u16(&mut self) -> Result<u16> {
         Ok(LittleEndian::read_u16(self.bytes(2)?))
     }
 
-    /// A 32-bit unsigned integer.
     pub fn u32(&mut self) -> Result<u32> {
         Ok(LittleEndian::read_u32(self.bytes(4)?))
     }
 
-    /// A 64-bit unsigned integer.
     pub fn u64(&mut self) -> Result<u64> {
         Ok(LittleEndian::read_u64(self.bytes(8)?))
     }
@@ -114,7 +106,6 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Fails unless everything was consumed.
     pub fn finish(&self) -> Result<()> {
         match self.remaining() {
             0 => Ok(()),
@@ -123,55 +114,11 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
-pub trait PutFields {
-    /// A 16-bit unsigned integer.
-    fn put_u16(&mut self, value: u16);
-    /// A 32-bit unsigned integer.
-    fn put_u32(&mut self, value: u32);
-    /// A 64-bit unsigned integer.
-    fn put_u64(&mut self, value: u64);
-    /// A 32-bit IEEE float.
-    fn put_f32(&mut self, value: f32);
-    /// A 64-bit IEEE float.
-    fn put_f64(&mut self, value: f64);
-    /// A u16 length and the UTF-8 bytes.
-    fn put_string(&mut self, what: &str, value: &str) -> Result<()>;
-}
-
-impl PutFields for Vec<u8> {
-    fn put_u16(&mut self, value: u16) {
-        self.extend_from_slice(&value.to_le_bytes());
-    }
-
-    fn put_u32(&mut self, value: u32) {
-        self.extend_from_slice(&value.to_le_bytes());
-    }
-
-    fn put_u64(&mut self, value: u64) {
-        self.extend_from_slice(&value.to_le_bytes());
-    }
-
-    fn put_f32(&mut self, value: f32) {
-        self.extend_from_slice(&value.to_le_bytes());
-    }
-
-    fn put_f64(&mut self, value: f64) {
-        self.extend_from_slice(&value.to_le_bytes());
-    }
-
-    fn put_string(&mut self, what: &str, value: &str) -> Result<()> {
-        let length = u16::try_from(value.len())
-            .map_err(|_| Error::Usage(format!("{what} has {} bytes; a container holds at most 65535", value.len())))?;
-        self.put_u16(length);
-        self.extend_from_slice(value.as_bytes());
-        Ok(())
-    }
-}
-
+#[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::container::serialize::PutFields;
 
     #[test]
     fn fields_come_back_and_the_end_is_an_error() {

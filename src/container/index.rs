@@ -6,7 +6,7 @@
 use std::collections::HashSet;
 
 use crate::container::chunk::{self, ChunkEntry, ChunkPlace};
-use crate::container::fields::{Fields, PutFields};
+use crate::container::fields::Fields;
 use crate::error::{Error, Result};
 
 /// Largest width or height of a stream.
@@ -38,33 +38,25 @@ pub struct StreamEntry {
     pub kind: u8,
     /// 0 to 5 px nx py ny pz nz, 6 the view of a perspective probe.
     pub face: u8,
-    /// Index in the probe table.
     pub probe: u16,
-    /// Four characters that name the codec.
     pub codec: [u8; 4],
-    /// Width in pixels.
     pub width: u32,
-    /// Height in pixels.
     pub height: u32,
-    /// First frame.
     pub first_frame: u32,
     /// Number of frames, at least 1.
     pub frame_count: u32,
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
-    /// Height of a unit.
     pub unit_height: u32,
     /// What the codec needs to know about the whole stream.
     pub codec_header: Vec<u8>,
 }
 
 impl StreamEntry {
-    /// Columns and rows of the unit grid.
     pub fn grid(&self) -> [u32; 2] {
         [self.width.div_ceil(self.unit_width), self.height.div_ceil(self.unit_height)]
     }
 
-    /// Number of units.
     pub fn unit_count(&self) -> u32 {
         let [columns, rows] = self.grid();
         columns * rows
@@ -86,13 +78,10 @@ impl StreamEntry {
 /// Everything that a container says about its chunks.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Index {
-    /// Name of the dataset.
     pub name: String,
-    /// Frames per second.
     pub fps: f64,
     /// 0 cube maps, 1 perspective.
     pub projection: u8,
-    /// Probes.
     pub probes: Vec<ProbeEntry>,
     /// Streams, no two of the same kind, probe and face.
     pub streams: Vec<StreamEntry>,
@@ -101,46 +90,6 @@ pub struct Index {
 }
 
 impl Index {
-    /// The index as bytes.
-    pub fn write(&self) -> Result<Vec<u8>> {
-        let mut out = Vec::new();
-        let count = |what: &str, n: usize| {
-            u32::try_from(n).map_err(|_| Error::unsupported(format!("a container of {n} {what}: at most 2^32 - 1 fit")))
-        };
-        out.put_u32(count("probes", self.probes.len())?);
-        out.put_u32(count("streams", self.streams.len())?);
-        out.put_u32(count("chunks", self.chunks.len())?);
-        out.push(self.projection);
-        out.extend_from_slice(&[0; 3]);
-        out.put_f64(self.fps);
-        out.put_string("the dataset's name", &self.name)?;
-        for probe in &self.probes {
-            out.put_string("a probe's name", &probe.name)?;
-            probe.position.iter().chain(&probe.orientation).for_each(|&value| out.put_f64(value));
-            probe.frames.iter().for_each(|&frame| out.put_u32(frame));
-            probe.intrinsics.iter().for_each(|&value| out.put_f64(value));
-        }
-        for stream in &self.streams {
-            out.extend_from_slice(&[stream.kind, stream.face]);
-            out.put_u16(stream.probe);
-            out.extend_from_slice(&stream.codec);
-            for value in [
-                stream.width,
-                stream.height,
-                stream.first_frame,
-                stream.frame_count,
-                stream.unit_width,
-                stream.unit_height,
-                count("codec header bytes", stream.codec_header.len())?,
-            ] {
-                out.put_u32(value);
-            }
-            out.extend_from_slice(&stream.codec_header);
-        }
-        self.chunks.iter().for_each(|chunk| chunk.write(&mut out));
-        Ok(out)
-    }
-
     /// Reads an index that starts at `offset` of its file, which is also where the chunks end.
     pub fn read(bytes: &[u8], offset: u64) -> Result<Index> {
         let mut fields = Fields::new(bytes, offset, "container.md 4");
@@ -194,7 +143,6 @@ impl Index {
         if last.is_some_and(|last| last.key == chunk.key) { ChunkPlace::Last } else { ChunkPlace::Inner }
     }
 
-    /// The chunks of one stream.
     pub fn stream_chunks(&self, stream: u32) -> &[ChunkEntry] {
         let start = self.chunks.partition_point(|chunk| chunk.key.stream < stream);
         let length = self.chunks[start..].partition_point(|chunk| chunk.key.stream == stream);
@@ -318,6 +266,7 @@ fn read_stream(fields: &mut Fields<'_>, probes: &[ProbeEntry]) -> Result<StreamE
     })
 }
 
+#[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
     use super::*;

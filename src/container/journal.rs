@@ -7,11 +7,12 @@
 
 use std::collections::HashMap;
 use std::fmt;
+use std::hash::{DefaultHasher, Hasher};
 use std::io::{Read, Write};
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, ENTRY_BYTES};
-use crate::container::fields::{Fields, PutFields};
-use crate::container::{header, writer};
+use crate::container::fields::Fields;
+use crate::container::serialize::{PutFields, write_head};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
@@ -26,6 +27,16 @@ const NOTE: u8 = 2;
 /// 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
 pub(super) type Identity = [u64; 3];
 
+pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
+    let hash = |salt: u8| {
+        let mut hasher = DefaultHasher::new();
+        hasher.write_u8(salt);
+        hasher.write(stored);
+        hasher.finish()
+    };
+    [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
+}
+
 /// A chunk that is in the container as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CompleteChunk {
@@ -38,9 +49,7 @@ pub struct CompleteChunk {
 /// How much of a container is safe, should the process end now.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SafeChunks {
-    /// Number of chunks.
     pub count: u64,
-    /// What the last of them holds.
     pub last: Option<ChunkKey>,
 }
 
@@ -49,7 +58,6 @@ pub struct SafeChunks {
 pub struct Journal {
     out: Box<dyn Write + Send>,
     gathered: Vec<u8>,
-    /// With what was gathered.
     pushed: SafeChunks,
     safe: SafeChunks,
 }
@@ -110,7 +118,6 @@ impl Journal {
         Ok(())
     }
 
-    /// What is safe.
     pub fn safe(&self) -> SafeChunks {
         self.safe
     }
@@ -140,12 +147,10 @@ impl Recovered {
         &self.head
     }
 
-    /// The chunks, in the order of the file.
     pub fn chunks(&self) -> &[CompleteChunk] {
         &self.chunks
     }
 
-    /// The notes, in the order in which they were made.
     pub fn notes(&self) -> impl Iterator<Item = &[u8]> {
         self.notes.iter().map(Vec::as_slice)
     }
@@ -160,7 +165,6 @@ impl Recovered {
         self.journal_bytes
     }
 
-    /// How much that is.
     pub fn safe(&self) -> SafeChunks {
         SafeChunks { count: self.chunks.len() as u64, last: self.chunks.last().map(|chunk| chunk.entry.key) }
     }
@@ -204,7 +208,7 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
     let mut records = Records { bytes: journal, position: MAGIC.len() };
     let Some((HEAD, head)) = journal.starts_with(&MAGIC).then(|| records.next()).flatten() else { return Ok(None) };
     let mut bytes = Vec::new();
-    let expected = header::write_head();
+    let expected = write_head();
     if !read_some(&mut container, expected.len(), &mut bytes)? || bytes != expected {
         return Ok(None);
     }
@@ -236,7 +240,7 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
                 }
                 if known.is_none() {
                     checked.insert((offset, stored_bytes), crc32);
-                    found.stored.insert(writer::identity(&bytes, crc32), offset);
+                    found.stored.insert(identity(&bytes, crc32), offset);
                     found.container_bytes += u64::from(stored_bytes);
                 }
                 found.chunks.push(chunk);

@@ -7,16 +7,28 @@ pub mod chunk;
 pub mod fields;
 pub mod header;
 pub mod index;
+#[cfg(feature = "encode")]
 pub mod journal;
+pub mod limits;
 pub mod lzma2;
+#[cfg(feature = "encode")]
+pub mod lzma2_encode;
 pub mod payload;
 pub mod reader;
+#[cfg(feature = "encode")]
+pub mod serialize;
+pub mod source;
+#[cfg(feature = "encode")]
 pub mod writer;
 
 pub use chunk::{ChunkEntry, ChunkKey, ChunkPlace, EncodedChunk, Storage};
 pub use fields::Fields;
 pub use index::{Index, ProbeEntry, StreamEntry};
+#[cfg(feature = "encode")]
 pub use journal::{Journal, Recovered, SafeChunks};
+pub use limits::OpenLimits;
 pub use payload::Payload;
-pub use reader::{OpenLimits, Reader};
+pub use reader::Reader;
+pub use source::ByteSource;
+#[cfg(feature = "encode")]
 pub use writer::{PackedChunk, Writer};

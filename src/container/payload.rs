@@ -9,7 +9,6 @@ enum Backing {
     Shared(Arc<Vec<u8>>),
 }
 
-/// Bytes of a chunk, as a slice.
 #[derive(Debug, Clone)]
 pub struct Payload {
     backing: Backing,
@@ -36,7 +35,6 @@ impl Payload {
         }
     }
 
-    /// The bytes as a vector of their own.
     pub fn into_vec(self) -> Vec<u8> {
         match self.backing {
             Backing::Own(mut memory) => {

@@ -1,95 +1,30 @@
 //! Opens a container and fetches single chunks from it.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::container::chunk::{ChunkEntry, Storage};
-use crate::container::header::{self, FOOT_BYTES, Foot, HEAD_BYTES};
+use crate::container::header::{self, FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES};
 use crate::container::index::Index;
+use crate::container::limits::{self, OpenLimits};
 use crate::container::lzma2;
 use crate::container::payload::Payload;
+use crate::container::source::ByteSource;
 use crate::error::{Error, Result};
 
-/// What a reader may spend on a file that is not trusted (container.md 2, "What a reader spends").
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct OpenLimits {
-    /// Decoding one stream may always take this many bytes.
-    pub memory_floor_bytes: u64,
-    /// Beyond the floor, it may take this many times the file's size.
-    pub memory_ratio: u64,
-    /// Units times frames, summed over all streams, may always reach this number.
-    pub unit_frames_floor: u64,
-    /// Beyond the floor, they may reach this many times the file's bytes.
-    pub unit_frames_ratio: u64,
-    /// Pixels of all images of all streams may always reach this number.
-    pub pixels_floor: u64,
-    /// Beyond the floor, they may reach this many times the file's bytes.
-    pub pixels_ratio: u64,
-}
-
-impl OpenLimits {
-    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 more for each byte of the file; 2³⁸ pixels and 2²⁰
-    /// more for each byte.
-    pub const DEFAULT: OpenLimits = OpenLimits {
-        memory_floor_bytes: 1 << 30,
-        memory_ratio: 1024,
-        unit_frames_floor: 1 << 26,
-        unit_frames_ratio: 1024,
-        pixels_floor: 1 << 38,
-        pixels_ratio: 1 << 20,
-    };
-    /// For a file that is trusted: whatever the format allows.
-    pub const NONE: OpenLimits = OpenLimits {
-        memory_floor_bytes: u64::MAX,
-        unit_frames_floor: u64::MAX,
-        pixels_floor: u64::MAX,
-        ..OpenLimits::DEFAULT
-    };
-    /// All streams together may take so many times what one may.
-    const ALL_STREAMS: u64 = 4;
-
-    /// Bytes that decoding one stream of a file of `file_bytes` may take.
-    pub fn stream_bytes(&self, file_bytes: u64) -> u64 {
-        self.memory_floor_bytes.max(self.memory_ratio.saturating_mul(file_bytes))
-    }
-
-    /// Bytes that decoding all streams of a file of `file_bytes` at once may take.
-    pub fn all_streams_bytes(&self, file_bytes: u64) -> u64 {
-        self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
-    }
-
-    /// Units times frames that a file of `file_bytes` may have.
-    pub fn unit_frames(&self, file_bytes: u64) -> u64 {
-        self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
-    }
-
-    /// Pixels that all images of a file of `file_bytes` may have.
-    pub fn pixels(&self, file_bytes: u64) -> u64 {
-        self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
-    }
-}
-
-impl Default for OpenLimits {
-    fn default() -> Self {
-        OpenLimits::DEFAULT
-    }
-}
-
-#[derive(Debug)]
-enum Bytes {
-    File(File),
-    Memory(Arc<Vec<u8>>),
-}
+/// A foot that bytes follow is looked for in this many at the end of a file.
+const FOOT_SEARCH_BYTES: u64 = 1 << 16;
 
 /// An open container. Shared between threads; every fetch reads just the chunk's own bytes.
 #[derive(Debug)]
 pub struct Reader {
     path: PathBuf,
-    bytes: Bytes,
+    source: Box<dyn ByteSource>,
     file_bytes: u64,
     index_bytes: u64,
+    minor_version: u16,
     index: Index,
     limits: OpenLimits,
 }
@@ -100,13 +35,14 @@ impl Reader {
         Self::open_with(path, OpenLimits::default())
     }
 
-    /// Opens a file with other limits than the default.
     pub fn open_with(path: impl AsRef<Path>, limits: OpenLimits) -> Result<Reader> {
         let path = path.as_ref();
         let io = |error| Error::io(path, error);
+        let whole = |memory: Result<Vec<u8>>| {
+            Self::from_source(Arc::new(memory.map_err(|error| error.in_file(path))?), path, limits)
+        };
         if path == Path::new("-") {
-            let memory = read_stream(std::io::stdin().lock(), "standard input").map_err(|error| error.in_file(path))?;
-            return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
+            return whole(read_stream(std::io::stdin().lock(), "standard input"));
         }
         let file = File::open(path).map_err(io)?;
         let metadata = file.metadata().map_err(io)?;
@@ -115,56 +51,53 @@ impl Reader {
         }
         if !metadata.is_file() {
             // A pipe, as a shell's process substitution makes one.
-            let memory = read_stream(file, "this file").map_err(|error| error.in_file(path))?;
-            return Self::new(path, Bytes::Memory(Arc::new(memory)), limits);
+            return whole(read_stream(file, "this file"));
         }
         if metadata.len() == 0 {
             return Err(empty("this file").in_file(path));
         }
-        Self::new(path, Bytes::File(file), limits)
+        Self::from_source(file, path, limits)
     }
 
-    /// Reads the whole file into memory where it has at most `limit_bytes`, so that fetching chunks copies nothing;
-    /// answers whether it lies in memory now.
-    pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
-        if let Bytes::File(_) = self.bytes
-            && self.file_bytes <= limit_bytes
-        {
-            self.bytes = Bytes::Memory(Arc::new(self.read_at(0, self.file_bytes)?.into_vec()));
-        }
-        Ok(matches!(self.bytes, Bytes::Memory(_)))
-    }
-
-    /// Opens a container that lies in memory.
     pub fn from_memory(memory: Vec<u8>) -> Result<Reader> {
         Self::from_memory_with(memory, OpenLimits::default())
     }
 
-    /// Opens a container that lies in memory, with other limits than the default.
     pub fn from_memory_with(memory: Vec<u8>, limits: OpenLimits) -> Result<Reader> {
-        Self::new(Path::new(""), Bytes::Memory(Arc::new(memory)), limits)
+        Self::from_source(Arc::new(memory), "", limits)
     }
 
-    fn new(path: &Path, bytes: Bytes, limits: OpenLimits) -> Result<Reader> {
-        let file_bytes = match &bytes {
-            Bytes::File(file) => file.metadata().map_err(|error| Error::io(path, error))?.len(),
-            Bytes::Memory(memory) => memory.len() as u64,
-        };
-        let mut reader =
-            Reader { path: path.to_path_buf(), bytes, file_bytes, index_bytes: 0, index: Index::default(), limits };
-        (reader.index, reader.index_bytes) = reader.read_index(limits).map_err(|error| error.in_file(path))?;
+    /// Opens a container in any source. Errors name it `path`.
+    pub fn from_source(
+        source: impl ByteSource + 'static,
+        path: impl AsRef<Path>,
+        limits: OpenLimits,
+    ) -> Result<Reader> {
+        let path = path.as_ref().to_path_buf();
+        let file_bytes = source.byte_count().map_err(|error| Error::io(&path, error))?;
+        let (source, index) = (Box::new(source), Index::default());
+        let mut reader = Reader { path, source, file_bytes, index_bytes: 0, minor_version: 0, index, limits };
+        reader.read_index().map_err(|error| error.in_file(&reader.path))?;
         Ok(reader)
     }
 
-    fn read_index(&self, limits: OpenLimits) -> Result<(Index, u64)> {
-        let head = self.read_at(0, self.file_bytes.min(HEAD_BYTES as u64))?;
-        header::read_head(&head)?;
+    /// Reads the whole source into memory where it has at most `limit_bytes`, so that fetching chunks copies nothing;
+    /// answers whether it lies in memory now.
+    pub fn load(&mut self, limit_bytes: u64) -> Result<bool> {
+        if self.source.memory().is_none() && self.file_bytes <= limit_bytes {
+            self.source = Box::new(Arc::new(self.read_at(0, self.file_bytes, Vec::new())?.into_vec()));
+        }
+        Ok(self.source.memory().is_some())
+    }
+
+    fn read_index(&mut self) -> Result<()> {
+        let head = self.read_at(0, self.file_bytes.min(HEAD_BYTES as u64), Vec::new())?;
+        self.minor_version = header::read_head(&head)?;
         if self.file_bytes < (HEAD_BYTES + FOOT_BYTES) as u64 {
             return Err(Error::invalid_at("container.md 7", self.file_bytes, "the container ends after its head"));
         }
-        let foot = self.read_at(self.file_bytes - FOOT_BYTES as u64, FOOT_BYTES as u64)?;
-        let foot = Foot::read(&foot, self.file_bytes)?;
-        let bytes = self.read_at(foot.index_offset, foot.index_bytes)?;
+        let foot = self.read_foot()?;
+        let bytes = self.read_at(foot.index_offset, foot.index_bytes, Vec::new())?;
         if crc32fast::hash(&bytes) != foot.index_crc32 {
             return Err(Error::invalid_at(
                 "container.md 4",
@@ -172,9 +105,29 @@ impl Reader {
                 "the index's CRC-32 does not match: the file is damaged",
             ));
         }
-        let index = Index::read(&bytes, foot.index_offset)?;
-        justify(&index, self.file_bytes, limits)?;
-        Ok((index, foot.index_bytes))
+        let index = Index::read(&bytes, foot.index_offset).map_err(|error| match self.minor_version {
+            ..=header::VERSION_MINOR => error,
+            later => error.context(format!("format version {}.{later}, later than known", header::VERSION_MAJOR)),
+        })?;
+        limits::check(&index, self.file_bytes, self.limits)?;
+        (self.index, self.index_bytes) = (index, foot.index_bytes);
+        Ok(())
+    }
+
+    /// The foot, which is the last bytes of the file. Where it ends before, the error says how many bytes follow it.
+    fn read_foot(&self) -> Result<Foot> {
+        let start = self.file_bytes - FOOT_BYTES as u64;
+        Foot::read(&self.read_at(start, FOOT_BYTES as u64, Vec::new())?, self.file_bytes).map_err(|error| {
+            let first = start.saturating_sub(FOOT_SEARCH_BYTES);
+            let Ok(tail) = self.read_at(first, self.file_bytes - first, Vec::new()) else { return error };
+            let feet = tail.windows(FOOT_BYTES).enumerate().filter(|(_, bytes)| bytes.ends_with(&FOOT_MAGIC));
+            let mut ends = feet.map(|(at, bytes)| (first + (at + FOOT_BYTES) as u64, bytes));
+            let end = ends.rfind(|&(end, bytes)| end < self.file_bytes && Foot::read(bytes, end).is_ok());
+            end.map_or(error, |(end, _)| {
+                let more = self.file_bytes - end;
+                Error::invalid_at("container.md 7", end, format!("the container ends here, and {more} bytes follow it"))
+            })
+        })
     }
 
     /// The path it was opened from, `-` for standard input, empty for memory.
@@ -182,30 +135,29 @@ impl Reader {
         &self.path
     }
 
-    /// The index.
     pub fn index(&self) -> &Index {
         &self.index
     }
 
-    /// What it may spend.
     pub fn limits(&self) -> OpenLimits {
         self.limits
     }
 
-    /// The file's size.
     pub fn file_bytes(&self) -> u64 {
         self.file_bytes
     }
 
     /// Bytes of the file that lie in memory: all or none.
     pub fn bytes_in_memory(&self) -> u64 {
-        match self.bytes {
-            Bytes::File(_) => 0,
-            Bytes::Memory(_) => self.file_bytes,
-        }
+        if self.source.memory().is_some() { self.file_bytes } else { 0 }
     }
 
-    /// Bytes of head, index and foot.
+    /// The minor version of the format that the file claims. A later one than [`header::VERSION_MINOR`] may have codecs
+    /// that are not known here.
+    pub fn minor_version(&self) -> u16 {
+        self.minor_version
+    }
+
     pub fn overhead_bytes(&self) -> u64 {
         (HEAD_BYTES + FOOT_BYTES) as u64 + self.index_bytes
     }
@@ -227,14 +179,13 @@ impl Reader {
     }
 
     fn load_stored_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
-        let stored = self.read_at_into(chunk.offset, u64::from(chunk.stored_bytes), spare)?;
+        let stored = self.read_at(chunk.offset, u64::from(chunk.stored_bytes), spare)?;
         if crc32fast::hash(&stored) != chunk.crc32 {
             return Err(Error::invalid("its CRC-32 does not match: the file is damaged"));
         }
         Ok(stored)
     }
 
-    /// A chunk's payload.
     pub fn fetch(&self, chunk: &ChunkEntry) -> Result<Payload> {
         self.fetch_into(chunk, Vec::new())
     }
@@ -265,11 +216,8 @@ impl Reader {
             .in_file(&self.path)
     }
 
-    fn read_at(&self, offset: u64, count: u64) -> Result<Payload> {
-        self.read_at_into(offset, count, Vec::new())
-    }
-
-    fn read_at_into(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
+    /// `count` bytes from `offset` on: a part of the source's memory, or read into `spare`.
+    fn read_at(&self, offset: u64, count: u64, mut spare: Vec<u8>) -> Result<Payload> {
         let past_end = || {
             Error::invalid_at("container.md 3", offset, "the file ends before what it announces").in_file(&self.path)
         };
@@ -277,59 +225,18 @@ impl Reader {
             return Err(past_end());
         }
         let length = usize::try_from(count).map_err(|_| past_end())?;
-        match &self.bytes {
-            Bytes::Memory(memory) => Ok(Payload::shared(memory, offset as usize..offset as usize + length)),
-            Bytes::File(file) => {
-                if spare.len() < length {
-                    spare.resize(length, 0);
-                }
-                read_exact_at(file, &mut spare[..length], offset).map_err(|error| Error::io(&self.path, error))?;
-                Ok(Payload::front_of(spare, length))
-            }
+        if let Some(memory) = self.source.memory() {
+            return Ok(Payload::shared(memory, offset as usize..offset as usize + length));
         }
-    }
-}
-
-/// What decoding one image of a stream takes at the least: 3 bytes a pixel, which no codec goes below once the image is put
-/// together from its units, and the largest payload of each unit.
-fn least_bytes(index: &Index, at: u32) -> u64 {
-    let stream = &index.streams[at as usize];
-    let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
-    pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
-}
-
-/// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
-/// know more of a stream, and may refuse more.
-pub fn justify(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
-    let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
-    for (at, stream) in (0..).zip(&index.streams) {
-        let bytes = least_bytes(index, at);
-        if bytes > limits.stream_bytes(file_bytes) {
-            return Err(Error::invalid(format!(
-                "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",
-                stream.width,
-                stream.height,
-                index.held_payload_bytes(at, |bytes| bytes)
-            )));
+        if spare.len() < length {
+            spare.resize(length, 0);
         }
-        total = total.saturating_add(bytes);
-        let frames = u64::from(stream.frame_count);
-        unit_frames = unit_frames.saturating_add(u64::from(stream.unit_count()) * frames);
-        pixels = pixels.saturating_add(u64::from(stream.width) * u64::from(stream.height) * frames);
+        self.source.read_at(offset, &mut spare[..length]).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => past_end(),
+            _ => Error::io(&self.path, error),
+        })?;
+        Ok(Payload::front_of(spare, length))
     }
-    if total > limits.all_streams_bytes(file_bytes) {
-        return Err(Error::invalid(format!(
-            "{} streams claim images and payloads of {total} bytes, more than a file of {file_bytes} bytes justifies",
-            index.streams.len()
-        )));
-    }
-    if unit_frames > limits.unit_frames(file_bytes) || pixels > limits.pixels(file_bytes) {
-        return Err(Error::invalid(format!(
-            "the streams claim {unit_frames} units and {pixels} pixels in all their frames, more than a file of \
-             {file_bytes} bytes justifies"
-        )));
-    }
-    Ok(())
 }
 
 /// What is said of a named input without a single byte, as a command that failed before a pipe leaves it.
@@ -350,29 +257,128 @@ fn read_stream(mut stream: impl Read, what: &str) -> Result<Vec<u8>> {
     Ok(memory)
 }
 
-#[cfg(unix)]
-fn read_exact_at(file: &File, bytes: &mut [u8], offset: u64) -> std::io::Result<()> {
-    std::os::unix::fs::FileExt::read_exact_at(file, bytes, offset)
-}
-
-#[cfg(windows)]
-fn read_exact_at(file: &File, mut bytes: &mut [u8], mut offset: u64) -> std::io::Result<()> {
-    use std::os::windows::fs::FileExt;
-    while !bytes.is_empty() {
-        match file.seek_read(bytes, offset)? {
-            0 => return Err(std::io::ErrorKind::UnexpectedEof.into()),
-            count => {
-                bytes = &mut bytes[count..];
-                offset += count as u64;
-            }
-        }
-    }
-    Ok(())
-}
-
+#[cfg(feature = "encode")]
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::container::chunk::ChunkKey;
+    use crate::container::index::{ProbeEntry, StreamEntry};
+    use crate::container::writer::{PackedChunk, Writer};
+
+    /// A source without shared memory that fails, or ends, from some byte on.
+    #[derive(Debug)]
+    struct Broken {
+        bytes: Vec<u8>,
+        from: u64,
+        kind: ErrorKind,
+    }
+
+    impl ByteSource for Broken {
+        fn byte_count(&self) -> std::io::Result<u64> {
+            Ok(self.bytes.len() as u64)
+        }
+
+        fn read_at(&self, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
+            let end = offset as usize + bytes.len();
+            if end as u64 > self.from {
+                return Err(self.kind.into());
+            }
+            bytes.copy_from_slice(&self.bytes[offset as usize..end]);
+            Ok(())
+        }
+    }
+
+    /// One stream in two chunks, one of them compressed.
+    fn sample() -> Vec<u8> {
+        let mut writer = Writer::new(Vec::new(), "sample", 24.0, 0).unwrap();
+        let (position, orientation, intrinsics) = ([0.0; 3], [0.0, 0.0, 0.0, 1.0], [0.0; 4]);
+        let probe = ProbeEntry { name: "00".into(), position, orientation, frames: [0, 1], intrinsics };
+        let probe = writer.add_probe(probe).unwrap();
+        writer.add_stream(StreamEntry {
+            kind: 1,
+            face: 0,
+            probe,
+            codec: *b"TEST",
+            width: 8,
+            height: 8,
+            first_frame: 0,
+            frame_count: 2,
+            unit_width: 8,
+            unit_height: 8,
+            codec_header: Vec::new(),
+        });
+        for (first_frame, level) in [(0, None), (1, Some(6))] {
+            let key = ChunkKey { stream: 0, unit: 0, first_frame, frame_count: 1 };
+            writer.push(&PackedChunk::new(key, vec![first_frame as u8; 500], level).unwrap()).unwrap();
+        }
+        writer.finish().unwrap().0
+    }
+
+    #[test]
+    fn all_sources_give_the_same_bytes() {
+        let (folder, bytes) = (tempfile::tempdir().unwrap(), sample());
+        let path = folder.path().join("sample.lfold");
+        std::fs::write(&path, &bytes).unwrap();
+        let leaked: &'static [u8] = bytes.clone().leak();
+        let other = Broken { bytes: bytes.clone(), from: u64::MAX, kind: ErrorKind::Other };
+        let mut loaded = Reader::open(&path).unwrap();
+        assert!(!loaded.load(bytes.len() as u64 - 1).unwrap() && loaded.load(bytes.len() as u64).unwrap());
+        let readers = [
+            Reader::open(&path).unwrap(),
+            loaded,
+            Reader::from_memory(bytes.clone()).unwrap(),
+            Reader::from_source(leaked, "", OpenLimits::DEFAULT).unwrap(),
+            Reader::from_source(other, "", OpenLimits::DEFAULT).unwrap(),
+        ];
+        assert_eq!(readers.each_ref().map(|reader| reader.bytes_in_memory() > 0), [false, true, true, false, false]);
+        for reader in &readers {
+            assert_eq!(reader.index(), readers[0].index());
+            for (chunk, value) in reader.index().chunks.iter().zip([0, 1]) {
+                assert_eq!(*reader.fetch(chunk).unwrap(), [value; 500]);
+                assert_eq!(reader.fetch_stored(chunk).unwrap(), readers[0].fetch_stored(chunk).unwrap());
+            }
+        }
+    }
+
+    #[test]
+    fn a_source_that_fails_or_is_short_gives_one_error() {
+        let bytes = sample();
+        let open = |from, kind| {
+            Reader::from_source(Broken { bytes: bytes.clone(), from, kind }, "x.lfold", OpenLimits::DEFAULT)
+        };
+        let message = open(100, ErrorKind::UnexpectedEof).unwrap_err().to_string();
+        assert!(message.starts_with("x.lfold: at byte ") && message.contains("the file ends before"), "{message}");
+        let message = open(100, ErrorKind::TimedOut).unwrap_err().to_string();
+        assert_eq!(message, "x.lfold: timed out");
+        // Opened while it was whole.
+        let mut reader = open(u64::MAX, ErrorKind::Other).unwrap();
+        reader.source = Box::new(Broken { bytes: bytes.clone(), from: 20, kind: ErrorKind::UnexpectedEof });
+        let message = reader.fetch(&reader.index().chunks[0]).unwrap_err().to_string();
+        assert!(
+            message.contains("stream 0, unit 0, frames 0-0") && message.contains("the file ends before"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn bytes_after_the_end_are_counted() {
+        let bytes = sample();
+        for more in [1, 40, 5000] {
+            let longer = [&bytes[..], &vec![7; more]].concat();
+            let message = Reader::from_memory(longer).unwrap_err().to_string();
+            assert!(message.contains(&format!("ends here, and {more} bytes follow it")), "{message}");
+        }
+        let message = Reader::from_memory(bytes[..bytes.len() - 1].to_vec()).unwrap_err().to_string();
+        assert!(message.contains("cut short"), "{message}");
+    }
+
+    #[test]
+    fn a_later_minor_version_opens_and_is_named_in_errors() {
+        let mut bytes = sample();
+        bytes[10] = 3;
+        let reader = Reader::from_memory(bytes.clone()).unwrap();
+        assert_eq!(reader.minor_version(), 3);
+    }
 
     #[test]
     fn an_empty_input_is_called_empty() {

@@ -1,15 +1,15 @@
 //! Writes a container front to back, never seeking, so that it can go into a pipe.
 
 use std::collections::HashMap;
-use std::hash::{DefaultHasher, Hasher};
 use std::io::Write;
 
 use crate::container::chunk::{ChunkEntry, ChunkKey, MAX_CHUNK_BYTES, Storage};
-use crate::container::header::{self, FOOT_BYTES, Foot};
+use crate::container::header::{FOOT_BYTES, Foot};
 use crate::container::index::{Index, ProbeEntry, StreamEntry};
-use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks};
-use crate::container::lzma2;
-use crate::container::reader::{self, OpenLimits};
+use crate::container::journal::{CompleteChunk, Identity, Journal, Recovered, SafeChunks, identity};
+use crate::container::limits::{self, OpenLimits};
+use crate::container::lzma2_encode;
+use crate::container::serialize::write_head;
 use crate::error::{Error, Result};
 
 /// Chunks, and bytes of chunks, after which a journal is brought up to date: a killed process loses no more than that.
@@ -19,12 +19,10 @@ const CHECKPOINT_BYTES: u64 = 4 << 20;
 /// A payload made ready for storing: compressing it is the slow part, and needs no writer.
 #[derive(Debug, Clone)]
 pub struct PackedChunk {
-    /// What it holds.
     pub key: ChunkKey,
     storage: Storage,
     raw_bytes: u32,
     crc32: u32,
-    /// Of the stored bytes.
     identity: Identity,
     stored: Vec<u8>,
 }
@@ -40,7 +38,7 @@ impl PackedChunk {
                 payload.len()
             )));
         };
-        let compressed = level.map(|level| lzma2::compress(&payload, level)).transpose()?;
+        let compressed = level.map(|level| lzma2_encode::compress(&payload, level)).transpose()?;
         let (storage, stored) = match compressed {
             Some(compressed) if compressed.len() < payload.len() => (Storage::Lzma2, compressed),
             _ => (Storage::Raw, payload),
@@ -58,20 +56,9 @@ impl PackedChunk {
         Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
     }
 
-    /// Bytes that the file will hold for it.
     pub fn stored_bytes(&self) -> usize {
         self.stored.len()
     }
-}
-
-pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
-    let hash = |salt: u8| {
-        let mut hasher = DefaultHasher::new();
-        hasher.write_u8(salt);
-        hasher.write(stored);
-        hasher.finish()
-    };
-    [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
 }
 
 /// Writes chunks as they come and the index at the end.
@@ -91,7 +78,7 @@ pub struct Writer<W: Write> {
 impl<W: Write> Writer<W> {
     /// Writes the head. Streams and probes are declared before their chunks.
     pub fn new(mut out: W, name: &str, fps: f64, projection: u8) -> Result<Self> {
-        let head = header::write_head();
+        let head = write_head();
         out.write_all(&head).map_err(|error| Error::io("", error))?;
         Ok(Writer {
             out,
@@ -130,7 +117,6 @@ impl<W: Write> Writer<W> {
         self.index.streams.len() as u32 - 1
     }
 
-    /// Appends a chunk.
     pub fn push(&mut self, chunk: &PackedChunk) -> Result<()> {
         self.push_after(chunk, chunk.key.first_frame + (chunk.key.frame_count - 1))
     }
@@ -177,7 +163,6 @@ impl<W: Write> Writer<W> {
         journal.write()
     }
 
-    /// What survives this process.
     pub fn safe(&self) -> SafeChunks {
         self.journal.as_ref().map(Journal::safe).unwrap_or_default()
     }
@@ -201,7 +186,7 @@ impl<W: Write> Writer<W> {
         // What no reader would open is an error now, not when it is opened.
         Index::read(&index, self.position)
             .and_then(|read| {
-                reader::justify(&read, bytes, OpenLimits::default())?;
+                limits::check(&read, bytes, OpenLimits::default())?;
                 check(&read, bytes)
             })
             .map_err(|error| error.context("this container could not be opened again"))?;

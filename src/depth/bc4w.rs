@@ -1,44 +1,38 @@
 //! BC4w: 8×8 codes in 32 bytes (depth.md 8).
 //!
-//! Enters: a block of level 1. Leaves: its 32 bytes, from which [`Bc4w::decode`] makes codes with integers alone.
+//! In: 32 bytes. Out: the codes of a block of level 1.
 //!
 //! Based on: GDC 3.3, figure 3, algorithm 1. A line parts the pixels; each side has a palette of eight codes between
 //! two endpoints, as BC4 has; each pixel has an index into its side's palette.
-//!
-//! What an encoder may choose: every bipartition that a line makes ([`lines`]); for each side, both endpoints among the
-//! 13-bit endpoints within [`PAD`] of the side's surfaces, in both modes. Tests try all of it (`literal`).
-//! `Exhaustive` finds the same squared error by branch and bound (`bounded`, which says where that is not proven).
-//! `Normal` and `Fast` take the most promising lines, many or few, and the endpoints around a least-squares fit
-//! (`quick`): the exact search takes milliseconds a block, and the last tenths of a decibel are seldom worth it.
 
+#[cfg(feature = "encode")]
+pub mod bipartitions;
+#[cfg(feature = "encode")]
 mod bounded;
+#[cfg(feature = "encode")]
 mod fit;
-pub mod lines;
-#[cfg(test)]
-mod literal;
+pub mod line;
+#[cfg(feature = "encode")]
 mod quick;
+#[cfg(feature = "encode")]
+pub mod search;
+#[cfg(feature = "encode")]
 mod sums;
+#[cfg(feature = "encode")]
 mod tile;
 
 use std::ops::RangeInclusive;
 
-use crate::depth::block::{Accuracy, Block, BlockMut};
+use crate::depth::block::BlockMut;
 use crate::depth::quantise::BACKGROUND_CODE;
-use crate::effort::Effort;
 
-use lines::Line;
-use tile::{Solution, Tile};
+use line::Line;
 
-/// Bytes of a block.
 pub const BYTES: usize = 32;
 /// Where the four bytes are that a marker would fill with ones (depth.md 7).
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 /// The largest endpoint; it stands for 65535.
 pub const MAX_ENDPOINT: u16 = 8191;
-/// How many endpoints, of eight codes each, beyond the smallest and the largest surface of a side are searched. The
-/// paper pads by 255 codes (algorithm 1). A wider pad can still gain a little, where no nearby pair has its rounding.
-pub const PAD: u16 = 8;
-
 /// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bc4w([u8; BYTES]);
@@ -46,9 +40,7 @@ pub struct Bc4w([u8; BYTES]);
 /// Two endpoints of 13 bits; their order chooses the mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pair {
-    /// Endpoint of index 0.
     pub e0: u16,
-    /// Endpoint of index 1.
     pub e1: u16,
 }
 
@@ -86,7 +78,6 @@ impl Bc4w {
         (bytes[MARKER_BYTES] != [0xff; 4]).then_some(Bc4w(bytes))
     }
 
-    /// Its 32 bytes.
     pub fn as_bytes(&self) -> &[u8; BYTES] {
         &self.0
     }
@@ -96,19 +87,16 @@ impl Bc4w {
         self.0[24..].iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte))
     }
 
-    /// The line between its sides.
     pub fn line(&self) -> Line {
         Line::from_bits((self.tail() >> 52) as u16)
     }
 
-    /// The endpoints of side A and of side B.
     pub fn pairs(&self) -> [Pair; 2] {
         let tail = self.tail();
         let endpoint = |shift: u32| (tail >> shift) as u16 & MAX_ENDPOINT;
         [Pair { e0: endpoint(0), e1: endpoint(13) }, Pair { e0: endpoint(26), e1: endpoint(39) }]
     }
 
-    /// The palettes of side A and of side B.
     pub fn palettes(&self) -> [[u16; 8]; 2] {
         self.pairs().map(Pair::palette)
     }
@@ -147,32 +135,3 @@ impl Bc4w {
         Bc4w(bytes)
     }
 }
-
-/// The block with the lowest squared error that the effort finds. The background is exact.
-pub fn encode(block: &Block<'_>, effort: Effort) -> (Bc4w, Accuracy) {
-    let tile = Tile::new(block, u16::MAX);
-    // Without a bound there is always a solution: palettes of the second mode hold the background and code 0.
-    let solution = search(&tile, effort).unwrap_or(Solution::FLAT);
-    tile.finish(solution)
-}
-
-/// The block with the lowest squared error that the effort finds among those with no difference above `bound` codes.
-pub fn encode_within(block: &Block<'_>, bound: u16, effort: Effort) -> Option<(Bc4w, Accuracy)> {
-    let tile = Tile::new(block, bound);
-    search(&tile, effort).map(|solution| tile.finish(solution))
-}
-
-/// The best solution within the tile's bound.
-fn search(tile: &Tile, effort: Effort) -> Option<Solution> {
-    if tile.surfaces == 0 {
-        return Some(Solution::FLAT);
-    }
-    match effort {
-        Effort::Fast => quick::best_of(tile, quick::FAST).map(|(_, solution)| solution),
-        Effort::Normal => quick::best_of(tile, quick::NORMAL).map(|(_, solution)| solution),
-        Effort::Exhaustive => bounded::search(tile),
-    }
-}
-
-#[cfg(test)]
-mod tests;

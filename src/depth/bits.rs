@@ -3,7 +3,6 @@
 use crate::container::fields::Fields;
 use crate::error::Result;
 
-/// Appends bits to a byte vector.
 #[derive(Debug, Default)]
 pub struct BitWriter {
     bytes: Vec<u8>,
@@ -40,12 +39,10 @@ pub struct BitReader<'f, 'a> {
 }
 
 impl<'f, 'a> BitReader<'f, 'a> {
-    /// Starts at the next byte.
     pub fn new(fields: &'f mut Fields<'a>) -> Self {
         BitReader { fields, current: 0, left: 0 }
     }
 
-    /// The next bit.
     pub fn bit(&mut self) -> Result<bool> {
         if self.left == 0 {
             self.current = self.fields.u8()?;

@@ -58,32 +58,26 @@ impl<'a> Block<'a> {
         Block { pixels: &picture[y * width + x..], stride: width, width: inside, height, level }
     }
 
-    /// Its level: the side is 4 · 2^level.
     pub fn level(&self) -> u8 {
         self.level
     }
 
-    /// Columns inside the picture, 1 to the side.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows inside the picture, 1 to the side.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Pixels inside the picture.
     pub fn pixel_count(&self) -> usize {
         self.width * self.height
     }
 
-    /// The codes of row `y` that lie inside.
     pub fn row(&self, y: usize) -> &'a [u16] {
         &self.pixels[y * self.stride..y * self.stride + self.width]
     }
 
-    /// All rows inside, from the top.
     pub fn rows(&self) -> impl Iterator<Item = &'a [u16]> + use<'a> {
         let (pixels, stride, width) = (self.pixels, self.stride, self.width);
         (0..self.height).map(move |y| &pixels[y * stride..y * stride + width])
@@ -113,27 +107,22 @@ impl<'a> BlockMut<'a> {
         BlockMut { pixels: &mut picture[y * width + x..], stride: width, width: inside, height, level }
     }
 
-    /// Its level: the side is 4 · 2^level.
     pub fn level(&self) -> u8 {
         self.level
     }
 
-    /// Columns inside the picture.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows inside the picture.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// The part of row `y` that lies inside.
     pub fn row_mut(&mut self, y: usize) -> &mut [u16] {
         &mut self.pixels[y * self.stride..y * self.stride + self.width]
     }
 
-    /// All rows inside, from the top.
     pub fn rows_mut(&mut self) -> impl Iterator<Item = &mut [u16]> {
         let width = self.width;
         self.pixels.chunks_mut(self.stride).take(self.height).map(move |row| &mut row[..width])

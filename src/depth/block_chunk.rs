@@ -3,22 +3,22 @@
 //! Any frame and any block is found by its number alone. There is no bound on the error of a surface; the background
 //! is exact.
 
+#[cfg(feature = "encode")]
+pub mod encoder;
+
+use crate::container::Payload;
 use crate::container::fields::Fields;
-use crate::container::{EncodedChunk, Payload};
-use crate::depth::bc4w::{self, Bc4w};
-use crate::depth::block::{Accuracy, Block, BlockMut};
-use crate::depth::census::{NodeCensus, Share};
+use crate::depth::bc4w::Bc4w;
+use crate::depth::block::BlockMut;
+use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::runtime::Runtime;
-use crate::depth::temporal::CLOSE_AT_BYTES;
-use crate::effort::Effort;
 use crate::error::Result;
 
 const SECTION: &str = "depth.md 12";
 /// Level of BC4w blocks.
 const LEVEL: u8 = 1;
 
-/// A payload that has been checked.
 #[derive(Debug, Clone)]
 pub struct BlockChunk {
     payload: Payload,
@@ -36,7 +36,6 @@ pub fn places(grid: Grid) -> impl Iterator<Item = Place> {
     corners(grid).map(|[x, y]| Place { level: LEVEL, x: (x / 8) as u8, y: (y / 8) as u8 })
 }
 
-/// Bytes of the blocks of one picture.
 pub fn picture_bytes(grid: Grid) -> usize {
     grid.width.div_ceil(8) as usize * grid.height.div_ceil(8) as usize * COEFFICIENT_BYTES
 }
@@ -55,20 +54,18 @@ impl BlockChunk {
         Ok(BlockChunk { payload, grid })
     }
 
-    /// Blocks of one frame.
     pub fn blocks_of_frame(&self) -> u64 {
         (picture_bytes(self.grid) / COEFFICIENT_BYTES) as u64
     }
 
-    /// All blocks of all frames, counted.
-    pub fn census(&self) -> NodeCensus {
-        let mut census = NodeCensus::default();
+    pub fn mode_statistics(&self) -> ModeStatistics {
+        let mut statistics = ModeStatistics::default();
         let pictures = self.payload.len() / picture_bytes(self.grid);
         for place in (0..pictures).flat_map(|_| places(self.grid)) {
             let share = Share { nodes: 1, pixels: self.grid.pixels_of(place), bytes: COEFFICIENT_BYTES as u64 };
-            census.add_share(LEVEL, Function::Bc4w, share);
+            statistics.add_share(LEVEL, Function::Bc4w, share);
         }
-        census
+        statistics
     }
 
     /// The blocks of all frames as nodes in the runtime form.
@@ -95,53 +92,7 @@ impl BlockChunk {
         self.grid.pixel_count()
     }
 
-    /// The payload's memory, for the next chunk.
     pub fn into_spare(self) -> Vec<u8> {
         self.payload.into_spare()
-    }
-}
-
-/// Appends the blocks of a picture; answers how close each of them is, row by row.
-pub fn encode_picture(picture: &[u16], grid: Grid, effort: Effort, out: &mut Vec<u8>) -> Vec<Accuracy> {
-    let encode = |place| {
-        let (block, accuracy) = bc4w::encode(&Block::of(picture, grid.width as usize, LEVEL, place), effort);
-        out.extend_from_slice(block.as_bytes());
-        accuracy
-    };
-    corners(grid).map(encode).collect()
-}
-
-/// Encodes one unit as plain blocks.
-#[derive(Debug)]
-pub struct BlockEncoder {
-    grid: Grid,
-    effort: Effort,
-    keyframe_interval: u32,
-    open: Vec<u8>,
-    chunk_first: u32,
-    next_frame: u32,
-}
-
-impl BlockEncoder {
-    /// An encoder for a unit of `grid`'s size; chunks hold at most `keyframe_interval` frames.
-    pub fn new(grid: Grid, effort: Effort, keyframe_interval: u32) -> BlockEncoder {
-        BlockEncoder { grid, effort, keyframe_interval, open: Vec::new(), chunk_first: 0, next_frame: 0 }
-    }
-
-    /// Takes the next frame. Answers the chunk that it closes, if any.
-    pub fn push(&mut self, source: &[u16]) -> Option<EncodedChunk> {
-        let full = self.next_frame - self.chunk_first >= self.keyframe_interval || self.open.len() >= CLOSE_AT_BYTES;
-        let finished = if full { self.finish() } else { None };
-        encode_picture(source, self.grid, self.effort, &mut self.open);
-        self.next_frame += 1;
-        finished
-    }
-
-    /// Closes the open chunk, if there is one.
-    pub fn finish(&mut self) -> Option<EncodedChunk> {
-        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
-        self.chunk_first = self.next_frame;
-        let payload = std::mem::take(&mut self.open);
-        (frame_count > 0).then_some(EncodedChunk { first_frame, frame_count, payload })
     }
 }

@@ -1,6 +1,6 @@
 //! The picture that every decoder of boxes in blocks holds, kept in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
 //!
-//! Enters: the unit's pixels, frame by frame, by way of [`TemporalEncoder`]. Leaves: records whose boxes are cut into pieces.
+//! Enters: the unit's pixels, frame by frame, by way of [`TemporalEncoder`]. Leaves: records whose boxes are cut into block tiles.
 //! Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
 //!
 //! A block that a decoder may keep showing is left alone. One that it may not is encoded anew from the source; where a pixel
@@ -8,22 +8,23 @@
 //! it is held, in this frame and the W - 1 after it: so every legal path shows the same picture.
 
 use crate::block::{self, BlockFormat, SIDE, TEXELS};
-use crate::depth::boxes::{self, BoxBudget, Mask, PixelBox};
-use crate::depth::pieces::{self, BlockTexel};
-use crate::depth::records::ChunkBuilder;
-use crate::depth::temporal::{Held, TemporalEncoder, TemporalSettings};
+use crate::depth::block_tiles::encode::{self, EncodeTexel};
+use crate::depth::boxes::PixelBox;
+use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
+use crate::depth::records::builder::ChunkBuilder;
+use crate::depth::settings::TemporalSettings;
+use crate::depth::temporal::{Held, TemporalEncoder};
 use crate::effort::Effort;
 
-/// Bytes of a box before its pieces, rounded up for their map.
+/// Bytes of a box before its block tiles, rounded up for their map.
 const BOX_BYTES: usize = 10;
 
-/// A picture whose boxes are written in pieces.
+/// A picture whose boxes are written in block tiles.
 #[derive(Debug)]
 pub struct HeldBlocks<T> {
     settings: TemporalSettings,
     effort: Effort,
     size: [usize; 2],
-    /// Columns of blocks.
     columns: usize,
     picture: Vec<T>,
     blocks: Vec<HeldBlock>,
@@ -40,14 +41,14 @@ struct HeldBlock {
     in_block: bool,
 }
 
-impl<T: BlockTexel> TemporalEncoder<T, HeldBlocks<T>> {
-    /// An encoder for a unit of `size` (width, height) pixels, whose boxes are written in pieces.
+impl<T: EncodeTexel> TemporalEncoder<T, HeldBlocks<T>> {
+    /// An encoder for a unit of `size` (width, height) pixels, whose boxes are written in block tiles.
     pub fn in_blocks(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
         Self::with(HeldBlocks::new(size, settings, effort), settings.keyframe_interval)
     }
 }
 
-impl<T: BlockTexel> HeldBlocks<T> {
+impl<T: EncodeTexel> HeldBlocks<T> {
     fn new(size: [u32; 2], settings: TemporalSettings, effort: Effort) -> Self {
         let size = size.map(|side| side as usize);
         let [columns, rows] = block::grid(size[0], size[1]);
@@ -106,7 +107,7 @@ impl<T: BlockTexel> HeldBlocks<T> {
             self.blocks[at].in_block.then(|| &self.stored[at * T::Format::BYTES..][..T::Format::BYTES])
         };
         let value = |x: usize, y: usize| self.picture[(top + y) * self.size[0] + left + x];
-        pieces::put([width, height], block, value, out);
+        encode::put([width, height], block, value, out);
     }
 
     /// Boxes in pixels around the blocks of the mask.
@@ -114,7 +115,7 @@ impl<T: BlockTexel> HeldBlocks<T> {
         // One more box must save more blocks than it costs.
         let min_saving = (BOX_BYTES / T::Format::BYTES) as u32;
         let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving };
-        let covers = boxes::cover(Mask { pixels: &self.mask, width: self.columns }, budget);
+        let covers = cover(Mask { pixels: &self.mask, width: self.columns }, budget);
         let pixels = |start: u16, size: u16, limit: usize| {
             let start = usize::from(start) * SIDE;
             (start as u16, (usize::from(size) * SIDE).min(limit - start) as u16)
@@ -127,7 +128,7 @@ impl<T: BlockTexel> HeldBlocks<T> {
     }
 }
 
-impl<T: BlockTexel> Held<T> for HeldBlocks<T> {
+impl<T: EncodeTexel> Held<T> for HeldBlocks<T> {
     fn start(&mut self, source: &[T]) -> ChunkBuilder<T> {
         self.picture.clear();
         self.picture.extend_from_slice(source);
@@ -159,7 +160,7 @@ impl<T: BlockTexel> Held<T> for HeldBlocks<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::pieces::{PieceCount, Pieces};
+    use crate::depth::block_tiles::{BlockTileCount, BlockTiles};
     use crate::depth::records::TemporalChunk;
     use crate::depth::temporal::tests::paths;
 
@@ -172,18 +173,18 @@ mod tests {
         }
     }
 
-    fn check<T: BlockTexel>(frames: &[Vec<T>], size: [u32; 2], settings: TemporalSettings) -> PieceCount {
+    fn check<T: EncodeTexel>(frames: &[Vec<T>], size: [u32; 2], settings: TemporalSettings) -> BlockTileCount {
         let chunks = paths::encode(TemporalEncoder::in_blocks(size, settings, Effort::Fast), frames);
-        let mut count = PieceCount::default();
+        let mut count = BlockTileCount::default();
         for chunk in &chunks {
-            let parsed = TemporalChunk::<T, Pieces>::parse(chunk.payload.clone(), size, chunk.frame_count).unwrap();
+            let parsed = TemporalChunk::<T, BlockTiles>::parse(chunk.payload.clone(), size, chunk.frame_count).unwrap();
             for record in parsed.records() {
                 parsed
                     .rectangles(record.body)
-                    .for_each(|(size, bytes)| count.add(PieceCount::of_rectangle(bytes, size)));
+                    .for_each(|(size, bytes)| count.add(BlockTileCount::of_rectangle(bytes, size)));
             }
         }
-        paths::check_all::<T, Pieces>(frames, size, chunks, settings);
+        paths::check_all::<T, BlockTiles>(frames, size, chunks, settings);
         count
     }
 
@@ -247,21 +248,21 @@ mod tests {
         let settings = TemporalSettings { epsilon: 10, keyframe_interval: 1000, ..TemporalSettings::default() };
         check(&frames, [12, 12], settings);
         let chunks = paths::encode(TemporalEncoder::in_blocks([12, 12], settings, Effort::Fast), &frames);
-        let parsed = TemporalChunk::<u16, Pieces>::parse(chunks[0].payload.clone(), [12, 12], 600).unwrap();
+        let parsed = TemporalChunk::<u16, BlockTiles>::parse(chunks[0].payload.clone(), [12, 12], 600).unwrap();
         // At most every frame, at least as often as values would need.
         assert!(parsed.records().len() > 599 / 21, "{}", parsed.records().len());
     }
 
     #[test]
-    fn pieces_are_in_blocks_where_these_are_close_enough_and_only_there() {
+    fn tiles_are_in_blocks_where_these_are_close_enough_and_only_there() {
         let smooth: Vec<u16> = (0..32 * 32).map(|at| (0x5000 + at % 32 + at / 32) as u16).collect();
         let settings = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
-        assert_eq!(check(std::slice::from_ref(&smooth), [32, 32], settings(2)), PieceCount { blocks: 4, raw: 0 });
+        assert_eq!(check(std::slice::from_ref(&smooth), [32, 32], settings(2)), BlockTileCount { blocks: 4, raw: 0 });
         let mut rough = smooth;
         rough[0] = u16::MAX;
         rough[1] = 0x1234;
         rough[2] = 0x9876;
-        assert_eq!(check(&[rough], [32, 32], settings(2)), PieceCount { blocks: 3, raw: 1 });
+        assert_eq!(check(&[rough], [32, 32], settings(2)), BlockTileCount { blocks: 3, raw: 1 });
     }
 
     #[test]

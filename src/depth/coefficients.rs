@@ -18,21 +18,18 @@ pub struct DomainParts {
 }
 
 impl Domain {
-    /// What a header says of this domain.
     pub fn parts(&self) -> DomainParts {
         DomainParts { kind: self.kind(), base: self.base(), scale: self.scale() }
     }
 }
 
 impl DomainParts {
-    /// The domain, for a decoder.
     pub fn domain(self) -> Result<Domain> {
         Domain::from_parts(self.kind, self.base, self.scale)
     }
 }
 
 impl DomainKind {
-    /// The word for it.
     pub fn name(self) -> &'static str {
         match self {
             DomainKind::Log => "log",
@@ -62,26 +59,22 @@ pub(super) fn integers(coefficients: &[u8; COEFFICIENT_BYTES]) -> [i32; 6] {
 }
 
 impl Biquadratic {
-    /// The function that a node's coefficients hold.
     pub fn from_bytes(bytes: &[u8; COEFFICIENT_BYTES]) -> Biquadratic {
         Biquadratic { coefficients: integers(bytes) }
     }
 
-    /// A node's coefficients.
     pub fn to_bytes(&self) -> [u8; COEFFICIENT_BYTES] {
         put(self.coefficients, [0xFF; 8])
     }
 }
 
 impl Platelet {
-    /// The function that a node's coefficients hold.
     pub fn from_bytes(bytes: &[u8; COEFFICIENT_BYTES]) -> Platelet {
         let [a0, a1, a5, b0, b1, b5] = integers(bytes);
         let line = [bytes[24], bytes[25], bytes[26], bytes[27]];
         Platelet { sides: [Plane { a0, a1, a5 }, Plane { a0: b0, a1: b1, a5: b5 }], line }
     }
 
-    /// A node's coefficients.
     pub fn to_bytes(&self) -> [u8; COEFFICIENT_BYTES] {
         let ([a, b], [x0, y0, x1, y1]) = (self.sides, self.line);
         put([a.a0, a.a1, a.a5, b.a0, b.a1, b.a5], [x0, y0, x1, y1, 0xFF, 0xFF, 0xFF, 0xFF])

@@ -272,7 +272,6 @@ pub(crate) struct Constants {
 }
 
 impl Constants {
-    /// All.
     pub const ANY: Constants = Constants { low: f64::NEG_INFINITY, high: f64::INFINITY, sum: 0.0, weight: 0.0 };
 
     /// A pixel that misses `wanted` (Q14), and may miss it by `max_error` codes at `slope` codes for each unit.
@@ -285,7 +284,6 @@ impl Constants {
         self.weight += slope * slope;
     }
 
-    /// Whether there is any left.
     pub fn is_empty(&self) -> bool {
         self.low > self.high
     }

@@ -3,7 +3,6 @@
 use crate::depth::block::{Accuracy, Block, MAX_TILE};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// Bounds on an approximation's errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limit {
     /// Largest error of a pixel, in codes.
@@ -13,12 +12,10 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// A bound on single pixels alone.
     pub fn on_max(max_error: u16) -> Limit {
         Limit { max_error, squared_error: u64::MAX }
     }
 
-    /// Whether an approximation stays within both bounds.
     pub fn allows(&self, accuracy: Accuracy) -> bool {
         accuracy.max_error <= self.max_error && accuracy.squared_error <= self.squared_error
     }

@@ -7,36 +7,48 @@ pub mod biquadratic;
 pub mod bits;
 pub mod block;
 pub mod block_chunk;
+#[cfg(feature = "encode")]
 pub mod block_temporal;
+pub mod block_tiles;
 pub mod boxes;
-pub mod census;
 mod coefficients;
 pub mod domain;
+#[cfg(feature = "encode")]
 pub(crate) mod least_squares;
+#[cfg(feature = "encode")]
 pub mod limit;
-mod line;
+#[cfg(feature = "encode")]
 pub mod mode_decision;
+pub mod mode_statistics;
 pub mod node_chunk;
+#[cfg(feature = "encode")]
 pub mod node_encoder;
 pub mod nodes;
-pub mod pieces;
 pub mod platelet;
 pub mod precision;
+#[cfg(feature = "encode")]
 pub mod quadtree;
 pub mod quantise;
 pub mod record_table;
 pub mod records;
 pub mod runtime;
+pub mod settings;
 pub mod storage;
+#[cfg(feature = "encode")]
 pub mod temporal;
 pub mod texel;
+#[cfg(feature = "encode")]
 pub mod tile_psnr;
 pub mod tree_chunk;
+#[cfg(feature = "encode")]
 pub mod window;
+pub mod window_check;
 
 pub use boxes::PixelBox;
 pub use coefficients::DomainParts;
 pub use quantise::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 pub use records::TemporalChunk;
-pub use temporal::{TemporalEncoder, TemporalSettings};
+pub use settings::TemporalSettings;
+#[cfg(feature = "encode")]
+pub use temporal::TemporalEncoder;
 pub use texel::Texel;

@@ -1,7 +1,8 @@
 //! Which modelling function a node gets (GDC 3.1; depth.md 7).
 
-use crate::depth::bc4w;
-use crate::depth::biquadratic::{Biquadratic, Order};
+use crate::depth::bc4w::search;
+use crate::depth::biquadratic::Biquadratic;
+use crate::depth::biquadratic::fit::Order;
 use crate::depth::block::{Accuracy, Block, BlockMut};
 use crate::depth::domain::Domain;
 use crate::depth::limit::Limit;
@@ -19,13 +20,10 @@ const LEAST_PLATELET_BYTES: usize = 7;
 /// A BC4w block takes a head and its 32 bytes.
 const BC4W_BYTES: usize = 1 + COEFFICIENT_BYTES;
 
-/// Which of the functions within the bound is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Decide {
-    /// The one with the least squared error.
     #[default]
     Mse,
-    /// The one that takes the fewest bytes.
     Size,
 }
 
@@ -40,27 +38,19 @@ pub enum Rounding {
     ToBound,
 }
 
-/// How nodes are approximated.
 #[derive(Debug, Clone, Copy)]
 pub struct Modelling<'a> {
-    /// The domain of the stream.
     pub domain: &'a Domain,
     /// Largest error in codes of a node that is kept.
     pub bound: u16,
-    /// What is preferred.
     pub decide: Decide,
-    /// What happens to coefficients.
     pub rounding: Rounding,
-    /// How hard BC4w blocks are searched for.
     pub effort: Effort,
 }
 
-/// An approximation of a node within the bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Approximation {
-    /// The node.
     pub node: Node,
-    /// How close it is.
     pub accuracy: Accuracy,
 }
 
@@ -155,7 +145,7 @@ impl Best<'_> {
 
     fn bc4w(&mut self, block: &Block<'_>) {
         if self.place.level == 1
-            && let Some((blocks, accuracy)) = bc4w::encode_within(block, self.modelling.bound, self.modelling.effort)
+            && let Some((blocks, accuracy)) = search::encode_within(block, self.modelling.bound, self.modelling.effort)
         {
             self.offer(*blocks.as_bytes(), accuracy);
         }

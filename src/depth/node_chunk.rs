@@ -1,13 +1,16 @@
 //! The payload of a chunk of packed nodes: a keyframe and the nodes that change after it (depth.md 9).
 //!
-//! Decoder first: [`NodeChunk`] checks a payload and brings it into the runtime form, which is then decoded.
+//! [`NodeChunk`] checks a payload and brings it into the runtime form, which is then decoded.
+
+#[cfg(feature = "encode")]
+pub mod builder;
 
 use crate::container::Payload;
 use crate::container::fields::Fields;
-use crate::depth::census::NodeCensus;
 use crate::depth::domain::Domain;
+use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
-use crate::depth::record_table::{self, TableBuilder};
+use crate::depth::record_table;
 use crate::depth::runtime::{Runtime, RuntimeFrame};
 use crate::depth::storage::{self, Coverage, SECTION};
 use crate::error::Result;
@@ -15,18 +18,13 @@ use crate::error::Result;
 const COMPLETE: u8 = 0;
 const PARTIAL: u8 = 1;
 
-/// What a record holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeRecord {
-    /// Frames since the keyframe.
     pub frame: u32,
-    /// Pixels that it writes.
     pub updated_pixels: u64,
     /// Payload bytes that it takes, its row of the table included.
     pub bytes: u64,
-    /// Nodes.
     pub nodes: u64,
-    /// Whether it covers the unit.
     pub complete: bool,
 }
 
@@ -67,12 +65,10 @@ impl NodeChunk {
         Ok(NodeChunk { runtime, record_bytes, complete, domain, spare: payload })
     }
 
-    /// The runtime form.
     pub fn runtime(&self) -> &Runtime {
         &self.runtime
     }
 
-    /// The records, in order of their frames.
     pub fn records(&self) -> impl Iterator<Item = NodeRecord> {
         let costs = self.record_bytes.iter().zip(&self.complete);
         self.runtime.frames().iter().zip(costs).map(|(frame, (&bytes, &complete))| NodeRecord {
@@ -93,15 +89,14 @@ impl NodeChunk {
         self.runtime.frames().iter().all(|&frame| self.runtime.nodes(frame).all(constant))
     }
 
-    /// All nodes of all records, counted.
-    pub fn census(&self) -> NodeCensus {
-        let mut census = NodeCensus::default();
+    pub fn mode_statistics(&self) -> ModeStatistics {
+        let mut statistics = ModeStatistics::default();
         for &frame in self.runtime.frames() {
             for (place, &coefficients) in self.runtime.nodes(frame) {
-                census.count(self.runtime.grid(), &Node { place, coefficients });
+                statistics.count(self.runtime.grid(), &Node { place, coefficients });
             }
         }
-        census
+        statistics
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target` in steps of at
@@ -118,42 +113,7 @@ impl NodeChunk {
         self.runtime.apply(picture, frame, &self.domain)
     }
 
-    /// The payload's memory, for the next chunk.
     pub fn into_spare(self) -> Vec<u8> {
         self.spare.into_spare()
-    }
-}
-
-/// Builds a payload record by record.
-#[derive(Debug)]
-pub struct NodeChunkBuilder {
-    grid: Grid,
-    records: TableBuilder,
-}
-
-impl NodeChunkBuilder {
-    /// An empty chunk for a unit of `grid`'s size; the nodes that are pushed first must cover it.
-    pub fn new(grid: Grid) -> NodeChunkBuilder {
-        NodeChunkBuilder { grid, records: TableBuilder::default() }
-    }
-
-    /// Adds the nodes of a frame: they do not overlap and come in the order of the walk.
-    pub fn push(&mut self, frame: u32, nodes: &[Node]) {
-        let data = self.records.begin(frame);
-        data.push(match storage::coverage(self.grid, nodes) {
-            Coverage::Complete => COMPLETE,
-            Coverage::Partial => PARTIAL,
-        });
-        storage::write_nodes(self.grid, nodes, data);
-    }
-
-    /// Bytes gathered so far.
-    pub fn bytes(&self) -> usize {
-        self.records.bytes()
-    }
-
-    /// The payload.
-    pub fn finish(self) -> Result<Vec<u8>> {
-        self.records.finish()
     }
 }

@@ -11,16 +11,15 @@ use crate::container::EncodedChunk;
 use crate::depth::block::BlockMut;
 use crate::depth::domain::Domain;
 use crate::depth::mode_decision::{Decide, Modelling, Rounding};
-use crate::depth::node_chunk::NodeChunkBuilder;
+use crate::depth::node_chunk::builder::NodeChunkBuilder;
 use crate::depth::nodes::{Grid, Node, Place};
-use crate::depth::quadtree::{self, Build, Known, Leaf, Wanted};
+use crate::depth::quadtree::{self, Build, DirtyLeaves, Known, Leaf};
 use crate::depth::runtime::decode_node;
 use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::depth::texel::Texel;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 
-/// How frames are coded as nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeSettings {
     /// W: a decoder may step over up to W − 1 frames. 1 to 255.
@@ -31,9 +30,7 @@ pub struct NodeSettings {
     pub keyframe_interval: u32,
     /// Largest error of a node in any of its pixels, in codes.
     pub bound: u16,
-    /// Which of the functions within the bound is taken.
     pub decide: Decide,
-    /// How hard BC4w blocks are searched for.
     pub effort: Effort,
     /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
     pub min_children: u8,
@@ -54,7 +51,6 @@ impl Default for NodeSettings {
 }
 
 impl NodeSettings {
-    /// Refuses values that the format has no room for.
     pub fn check(&self) -> Result<()> {
         let wrong = |what: &str| Err(Error::Usage(what.to_owned()));
         match self {
@@ -67,7 +63,6 @@ impl NodeSettings {
         }
     }
 
-    /// How nodes are approximated in a stream of this domain.
     pub fn modelling<'a>(&self, domain: &'a Domain) -> Modelling<'a> {
         let rounding = match self.decide {
             Decide::Mse => Rounding::Slight,
@@ -84,7 +79,6 @@ struct Recent {
     first_sent: u32,
 }
 
-/// Encodes one unit.
 #[derive(Debug)]
 pub struct NodeEncoder {
     settings: NodeSettings,
@@ -128,7 +122,7 @@ impl NodeEncoder {
         if self.open.is_none() {
             self.chunk_first = frame;
             self.recent.clear();
-            self.leaves.fill(Leaf::Wanted);
+            self.leaves.fill(Leaf::Dirty);
         } else {
             let window = u32::from(self.settings.window);
             self.recent.retain(|recent| frame - recent.first_sent < window);
@@ -156,7 +150,6 @@ impl NodeEncoder {
         Ok(finished)
     }
 
-    /// Closes the open chunk, if there is one.
     pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
         let Some(open) = self.open.take() else { return Ok(None) };
         let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
@@ -172,7 +165,7 @@ impl NodeEncoder {
             let leaves = &mut self.leaves[y / 4 * columns..][..columns];
             for ((leaf, held), source) in leaves.iter_mut().zip(held.chunks(4)).zip(source.chunks(4)) {
                 if held.iter().zip(source).any(|(&held, &source)| !u16::within(held, source, tolerance)) {
-                    *leaf = Leaf::Wanted;
+                    *leaf = Leaf::Dirty;
                 }
             }
         }
@@ -182,22 +175,22 @@ impl NodeEncoder {
     fn settle_recent(&mut self) {
         let (grid, leaves) = (self.grid, &mut self.leaves);
         self.recent.retain(|recent| {
-            let changes = leaves_of(grid, recent.node.place).any(|at| leaves[at] == Leaf::Wanted);
-            let leaf = if changes { Leaf::Wanted } else { Leaf::Held };
+            let changes = leaves_of(grid, recent.node.place).any(|at| leaves[at] == Leaf::Dirty);
+            let leaf = if changes { Leaf::Dirty } else { Leaf::Held };
             leaves_of(grid, recent.node.place).for_each(|at| leaves[at] = leaf);
             !changes
         });
     }
 
-    /// The nodes over the leaves that are wanted.
+    /// The nodes over the leaves that are dirty.
     fn model(&self, source: &[u16], known: Option<&Known>) -> Vec<Node> {
-        if !self.leaves.contains(&Leaf::Wanted) {
+        if !self.leaves.contains(&Leaf::Dirty) {
             return Vec::new();
         }
-        let wanted = Wanted { picture: source, grid: self.grid, leaves: &self.leaves };
+        let dirty = DirtyLeaves { picture: source, grid: self.grid, leaves: &self.leaves };
         let modelling = self.settings.modelling(&self.domain);
         let build = Build { modelling, min_children: self.settings.min_children, known };
-        quadtree::flatten(&wanted, &quadtree::build(&wanted, &build))
+        quadtree::flatten(&dirty, &quadtree::build(&dirty, &build))
     }
 }
 
@@ -214,6 +207,7 @@ mod tests {
     use crate::depth::domain::DomainKind;
     use crate::depth::node_chunk::NodeChunk;
     use crate::depth::quantise::DepthRange;
+    use crate::depth::window_check::check_window;
 
     const GRID: Grid = Grid { width: 29, height: 18 };
 
@@ -238,6 +232,7 @@ mod tests {
         let domain = domain();
         for chunk in encode(frames, settings) {
             let parsed = NodeChunk::parse(chunk.payload, GRID, chunk.frame_count, domain.clone()).unwrap();
+            check_window(&parsed, settings.window, chunk.frame_count).unwrap();
             let mut canonical = vec![vec![0; frames[0].len()]];
             parsed.advance(&mut canonical[0], None, 0, 1);
             for frame in 1..chunk.frame_count {

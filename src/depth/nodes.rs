@@ -5,7 +5,6 @@ use crate::depth::block::{BlockMut, side_of};
 /// Bytes of a node's coefficients in the runtime form, whatever its function.
 pub const COEFFICIENT_BYTES: usize = 32;
 
-/// What the pixels of a node are modelled with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Function {
     /// 16 codes as they are; level 0 only.
@@ -19,10 +18,8 @@ pub enum Function {
 }
 
 impl Function {
-    /// All, in the order of reports.
     pub const ALL: [Function; 4] = [Function::Raw, Function::Platelet, Function::Biquadratic, Function::Bc4w];
 
-    /// The name in reports and JSON keys.
     pub fn name(self) -> &'static str {
         match self {
             Function::Raw => "raw",
@@ -38,14 +35,11 @@ impl Function {
 pub struct Place {
     /// 0 to 8: the side is 4 · 2^level pixels.
     pub level: u8,
-    /// Column.
     pub x: u8,
-    /// Row.
     pub y: u8,
 }
 
 impl Place {
-    /// The top left pixel.
     pub fn pixel(self) -> [usize; 2] {
         let side = side_of(self.level);
         [usize::from(self.x) * side, usize::from(self.y) * side]
@@ -77,9 +71,7 @@ impl Place {
 /// The picture that a quadtree covers: a unit of at most 1024×1024 pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Grid {
-    /// Columns of pixels.
     pub width: u32,
-    /// Rows of pixels.
     pub height: u32,
 }
 
@@ -110,28 +102,23 @@ impl Grid {
         [x, y, side.min(self.width.saturating_sub(x)), side.min(self.height.saturating_sub(y))]
     }
 
-    /// Pixels of the picture.
     pub fn pixel_count(self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 
-    /// Columns and rows of leaves.
     pub fn leaves(self) -> [usize; 2] {
         [self.width.div_ceil(4) as usize, self.height.div_ceil(4) as usize]
     }
 }
 
-/// A node with its function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Node {
-    /// Where it lies.
     pub place: Place,
     /// Its coefficients in the runtime form.
     pub coefficients: [u8; COEFFICIENT_BYTES],
 }
 
 impl Node {
-    /// Its function: level 0 is raw; coarser nodes tell by their last bytes.
     pub fn function(&self) -> Function {
         function_of(self.place.level, &self.coefficients)
     }
@@ -147,7 +134,6 @@ pub fn function_of(level: u8, coefficients: &[u8; COEFFICIENT_BYTES]) -> Functio
     }
 }
 
-/// Codes of a raw node.
 pub mod raw {
     use super::{BlockMut, COEFFICIENT_BYTES};
     use crate::depth::block::Block;

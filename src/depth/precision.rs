@@ -7,24 +7,18 @@ pub struct Precision(u8);
 /// Low bits that are zero, by kind of coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shifts {
-    /// Of a5.
     pub constant: u32,
-    /// Of a0 and a1.
     pub linear: u32,
-    /// Of a2, a3 and a4.
     pub quadratic: u32,
 }
 
 impl Precision {
-    /// The coarsest.
     pub const COARSEST: Precision = Precision(15);
 
-    /// A precision of 0 to 15.
     pub fn new(value: u8) -> Option<Precision> {
         (value <= Self::COARSEST.0).then_some(Precision(value))
     }
 
-    /// Its value.
     pub fn get(self) -> u8 {
         self.0
     }

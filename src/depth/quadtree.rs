@@ -16,18 +16,16 @@ pub enum Leaf {
     /// Need not be sent; a coarser node may cover it, with codes within the bound.
     #[default]
     Free,
-    /// Must be sent.
-    Wanted,
+    Dirty,
     /// Must not be covered: another node holds it.
     Held,
 }
 
-/// A picture, and which of its leaves are wanted.
+/// A picture, and which of its leaves are dirty.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
+pub struct DirtyLeaves<'a> {
     /// Codes, row-major.
     pub picture: &'a [u16],
-    /// Size of the picture.
     pub grid: Grid,
     /// Row-major; [`Grid::leaves`] tells columns and rows.
     pub leaves: &'a [Leaf],
@@ -40,19 +38,16 @@ pub type Tree = HashMap<Place, Approximation>;
 /// What was found for a frame before, at a larger bound.
 #[derive(Debug, Clone, Default)]
 pub struct Known {
-    /// The approximations.
     pub tree: Tree,
-    /// Which leaves were wanted then, row-major. A place all of whose wanted leaves are among them needs no other search:
+    /// Which leaves were dirty then, row-major. A place all of whose dirty leaves are among them needs no other search:
     /// where the tree has nothing for it, nothing was found.
     pub leaves: Vec<bool>,
 }
 
-/// How the quadtree is built.
 #[derive(Debug, Clone, Copy)]
 pub struct Build<'a> {
-    /// How nodes are approximated.
     pub modelling: Modelling<'a>,
-    /// Children that must be wanted before their parent is tried, 1 to 4.
+    /// Children that must be dirty before their parent is tried, 1 to 4.
     pub min_children: u8,
     /// Approximations that need not be searched for again.
     pub known: Option<&'a Known>,
@@ -61,33 +56,30 @@ pub struct Build<'a> {
 /// What a place came to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visited {
-    /// No leaf in it is wanted, and a node may cover it.
+    /// No leaf in it is dirty, and a node may cover it.
     Free,
-    /// No leaf in it is wanted, and one is held by another node.
+    /// No leaf in it is dirty, and one is held by another node.
     Held,
-    /// One function serves all of it.
     One,
-    /// Several nodes are needed.
     Many,
 }
 
-impl Wanted<'_> {
-    /// The block of a place.
+impl DirtyLeaves<'_> {
     pub fn block(&self, place: Place) -> Block<'_> {
         Block::of(self.picture, self.grid.width as usize, place.level, place.pixel())
     }
 
-    /// Whether any leaf of a place is wanted.
+    /// Whether any leaf of a place is dirty.
     pub fn any(&self, place: Place) -> bool {
-        self.rows_of(place).any(|row| self.leaves[row].contains(&Leaf::Wanted))
+        self.rows_of(place).any(|row| self.leaves[row].contains(&Leaf::Dirty))
     }
 
-    /// Whether all wanted leaves of a place are among some others.
+    /// Whether all dirty leaves of a place are among some others.
     fn all_among(&self, place: Place, others: &[bool]) -> bool {
         self.rows_of(place).all(|row| {
             let others = others.get(row.clone()).unwrap_or_default();
             let mut pairs = self.leaves[row].iter().zip(others);
-            !others.is_empty() && pairs.all(|(&leaf, &other)| leaf != Leaf::Wanted || other)
+            !others.is_empty() && pairs.all(|(&leaf, &other)| leaf != Leaf::Dirty || other)
         })
     }
 
@@ -104,35 +96,35 @@ impl Wanted<'_> {
 }
 
 /// Finds the functions of all places that are worth trying, the finest first.
-pub fn build(wanted: &Wanted<'_>, settings: &Build<'_>) -> Tree {
-    let mut builder = Builder { wanted, settings, tree: Tree::new() };
-    builder.visit(wanted.grid.root());
+pub fn build(dirty: &DirtyLeaves<'_>, settings: &Build<'_>) -> Tree {
+    let mut builder = Builder { dirty, settings, tree: Tree::new() };
+    builder.visit(dirty.grid.root());
     builder.tree
 }
 
-/// The flat form: the coarsest nodes of the tree that cover all wanted leaves, raw leaves where there is none. In the
+/// The flat form: the coarsest nodes of the tree that cover all dirty leaves, raw leaves where there is none. In the
 /// order of the walk; they do not overlap (GDC 4).
-pub fn flatten(wanted: &Wanted<'_>, tree: &Tree) -> Vec<Node> {
+pub fn flatten(dirty: &DirtyLeaves<'_>, tree: &Tree) -> Vec<Node> {
     let mut nodes = Vec::new();
-    flatten_place(wanted, tree, wanted.grid.root(), &mut nodes);
+    flatten_place(dirty, tree, dirty.grid.root(), &mut nodes);
     nodes
 }
 
-fn flatten_place(wanted: &Wanted<'_>, tree: &Tree, place: Place, nodes: &mut Vec<Node>) {
-    if !wanted.grid.has(place) {
+fn flatten_place(dirty: &DirtyLeaves<'_>, tree: &Tree, place: Place, nodes: &mut Vec<Node>) {
+    if !dirty.grid.has(place) {
         return;
     }
     if let Some(found) = tree.get(&place) {
         nodes.push(found.node);
     } else if place.level > 0 {
-        place.children().into_iter().for_each(|child| flatten_place(wanted, tree, child, nodes));
-    } else if wanted.leaf(place) == Leaf::Wanted {
-        nodes.push(Node { place, coefficients: raw::encode(&wanted.block(place)) });
+        place.children().into_iter().for_each(|child| flatten_place(dirty, tree, child, nodes));
+    } else if dirty.leaf(place) == Leaf::Dirty {
+        nodes.push(Node { place, coefficients: raw::encode(&dirty.block(place)) });
     }
 }
 
 struct Builder<'a> {
-    wanted: &'a Wanted<'a>,
+    dirty: &'a DirtyLeaves<'a>,
     settings: &'a Build<'a>,
     tree: Tree,
 }
@@ -140,31 +132,31 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn visit(&mut self, place: Place) -> Visited {
         if place.level == 0 {
-            return match self.wanted.leaf(place) {
+            return match self.dirty.leaf(place) {
                 Leaf::Free => Visited::Free,
                 Leaf::Held => Visited::Held,
-                Leaf::Wanted => Visited::One,
+                Leaf::Dirty => Visited::One,
             };
         }
         let mut children = Vec::with_capacity(4);
         for child in place.children() {
-            if self.wanted.grid.has(child) {
+            if self.dirty.grid.has(child) {
                 children.push(self.visit(child));
             }
         }
-        let wanted = children.iter().filter(|child| matches!(child, Visited::One | Visited::Many)).count();
-        if wanted == 0 {
+        let dirty = children.iter().filter(|child| matches!(child, Visited::One | Visited::Many)).count();
+        if dirty == 0 {
             return if children.contains(&Visited::Held) { Visited::Held } else { Visited::Free };
         }
         // A surface that no single function follows in a part is not followed as a whole.
         let possible = children.iter().all(|child| matches!(child, Visited::One | Visited::Free));
-        if possible && wanted >= children.len().min(usize::from(self.settings.min_children)) {
-            let block = self.wanted.block(place);
+        if possible && dirty >= children.len().min(usize::from(self.settings.min_children)) {
+            let block = self.dirty.block(place);
             let modelling = &self.settings.modelling;
             let found = match self.settings.known {
                 Some(known) => match known.tree.get(&place) {
                     Some(known) => known.rounded(&block, modelling),
-                    None if self.wanted.all_among(place, &known.leaves) => None,
+                    None if self.dirty.all_among(place, &known.leaves) => None,
                     None => decide(&block, place, modelling),
                 },
                 None => decide(&block, place, modelling),

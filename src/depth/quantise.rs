@@ -32,12 +32,10 @@ impl DepthRange {
         DepthRange { near_m: 1.0, far_m: 1.0 }
     }
 
-    /// The nearest surface in metres.
     pub fn near_m(self) -> f32 {
         self.near_m
     }
 
-    /// The farthest surface in metres.
     pub fn far_m(self) -> f32 {
         self.far_m
     }
@@ -98,12 +96,10 @@ impl CodeTable {
         CodeTable { metres }
     }
 
-    /// Metres of a code.
     pub fn metres(&self, code: u16) -> f32 {
         self.metres[usize::from(code)]
     }
 
-    /// All 65,536 entries.
     pub fn as_slice(&self) -> &[f32] {
         &self.metres
     }
@@ -151,7 +147,6 @@ impl Quantiser {
         Quantiser { range, near_bits, far_bits, shift, bucket_codes, first_bits }
     }
 
-    /// The range it was built for.
     pub fn range(&self) -> DepthRange {
         self.range
     }

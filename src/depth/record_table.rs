@@ -1,18 +1,18 @@
 //! The table at the start of a chunk's payload, which leads from frames to records (depth.md 4), and the steps that a
 //! decoder takes over it. Chunks of boxes, of nodes and of trees share it.
 
-use crate::container::fields::{Fields, PutFields};
-use crate::error::{Error, Result};
+#[cfg(feature = "encode")]
+pub mod builder;
 
-/// Bytes of a row.
+use crate::container::fields::Fields;
+use crate::error::Result;
+
 pub const ROW_BYTES: usize = 8;
 
 /// A row: the frame, counted from the chunk's first, and where its record starts in the payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Row {
-    /// Frames since the keyframe.
     pub frame: u32,
-    /// Offset in the payload.
     pub offset: u32,
 }
 
@@ -40,48 +40,6 @@ pub fn check_start(fields: &Fields<'_>, at: usize, row: Row) -> Result<()> {
         return Ok(());
     }
     Err(fields.error(format!("record {at} was announced at offset {}", row.offset)))
-}
-
-/// Gathers records and puts the table before them.
-#[derive(Debug, Default)]
-pub struct TableBuilder {
-    rows: Vec<Row>,
-    data: Vec<u8>,
-}
-
-impl TableBuilder {
-    /// Starts the record of a frame; what is appended to the answer belongs to it.
-    pub fn begin(&mut self, frame: u32) -> &mut Vec<u8> {
-        self.rows.push(Row { frame, offset: self.data.len() as u32 });
-        &mut self.data
-    }
-
-    /// Bytes gathered so far, table included.
-    pub fn bytes(&self) -> usize {
-        self.start() + self.data.len()
-    }
-
-    fn start(&self) -> usize {
-        4 + self.rows.len() * ROW_BYTES
-    }
-
-    /// The payload.
-    pub fn finish(self) -> Result<Vec<u8>> {
-        let start = self.start();
-        if u32::try_from(self.bytes()).is_err() {
-            return Err(Error::unsupported(
-                "a chunk of more than 4 GiB: use a shorter keyframe interval or more tiles",
-            ));
-        }
-        let mut payload = Vec::with_capacity(self.bytes());
-        payload.put_u32(self.rows.len() as u32);
-        for row in self.rows {
-            payload.put_u32(row.frame);
-            payload.put_u32(start as u32 + row.offset);
-        }
-        payload.extend_from_slice(&self.data);
-        Ok(payload)
-    }
 }
 
 /// The records that a decoder applies to come from frame `at` of a chunk (`None`: nothing shown yet) to frame `target`

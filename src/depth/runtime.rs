@@ -11,7 +11,6 @@ use crate::depth::domain::Domain;
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of, raw};
 use crate::depth::platelet::Platelet;
 
-/// Levels of nodes.
 pub const LEVELS: usize = MAX_LEVEL as usize + 1;
 /// Bytes of a frame's header: the number of nodes, that of each level, and zeros.
 pub const HEADER_BYTES: usize = 48;
@@ -20,11 +19,9 @@ const ALIGN: usize = 16;
 /// A frame's place in the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RuntimeFrame {
-    /// Frames since the chunk's first.
     pub frame: u32,
     /// Offset of its header.
     pub offset: usize,
-    /// Its nodes.
     pub nodes: u64,
     /// Pixels that its nodes write.
     pub updated_pixels: u64,
@@ -39,12 +36,10 @@ pub struct Runtime {
 }
 
 impl Runtime {
-    /// An empty one.
     pub fn new(grid: Grid) -> Runtime {
         Runtime { grid, buffer: Vec::new(), frames: Vec::new() }
     }
 
-    /// The picture's size.
     pub fn grid(&self) -> Grid {
         self.grid
     }
@@ -86,14 +81,6 @@ impl Runtime {
         let levels = (0..LEVELS)
             .flat_map(move |level| std::iter::repeat_n(level as u8, u32::from_le_bytes(words[1 + level]) as usize));
         levels.zip(places).zip(coefficients).map(|((level, &[x, y]), c)| (Place { level, x, y }, c))
-    }
-
-    /// The nodes of a frame in the order of the walk, as the storage form has them.
-    pub fn walk(&self, frame: RuntimeFrame) -> Vec<Node> {
-        let mut nodes: Vec<Node> =
-            self.nodes(frame).map(|(place, &coefficients)| Node { place, coefficients }).collect();
-        nodes.sort_by_key(|node| node.place.walk_key());
-        nodes
     }
 
     /// Writes the nodes of a frame into a picture of the grid's size; answers how many pixels that were.

@@ -4,52 +4,18 @@
 //! frames. Memory: two pictures and the open chunk.
 
 use crate::container::EncodedChunk;
-use crate::depth::boxes::{self, BoxBudget, MAX_BOXES, Mask};
-use crate::depth::records::ChunkBuilder;
+use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
+use crate::depth::records::builder::ChunkBuilder;
+use crate::depth::settings::TemporalSettings;
 use crate::depth::texel::Texel;
 use crate::depth::window::WindowState;
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 /// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
 pub const CLOSE_AT_BYTES: usize = 256 << 20;
 
-/// How frames are coded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TemporalSettings {
-    /// W: a decoder may step over up to W − 1 frames. 1 to 255.
-    pub window: u8,
-    /// Largest difference, in codes, between a decoded pixel and its source.
-    pub epsilon: u16,
-    /// Most boxes in one frame of one unit. 1 to 256.
-    pub max_aabbs: u16,
-    /// Frames from one keyframe to the next, at least 1.
-    pub keyframe_interval: u32,
-}
-
-impl Default for TemporalSettings {
-    fn default() -> Self {
-        TemporalSettings { window: 2, epsilon: 0, max_aabbs: 8, keyframe_interval: 64 }
-    }
-}
-
-impl TemporalSettings {
-    /// Refuses values that the format has no room for.
-    pub fn check(&self) -> Result<()> {
-        let wrong = |what: &str| Err(Error::Usage(what.to_owned()));
-        match self {
-            TemporalSettings { window: 0, .. } => wrong("the depth window must be 1 to 255 frames"),
-            TemporalSettings { max_aabbs, .. } if !(1..=MAX_BOXES).contains(max_aabbs) => {
-                wrong("the number of boxes must be 1 to 256")
-            }
-            TemporalSettings { keyframe_interval: 0, .. } => wrong("the keyframe interval must be at least 1 frame"),
-            _ => Ok(()),
-        }
-    }
-}
-
 /// What an encoder knows of the picture that every decoder holds, and how it writes that picture.
 pub trait Held<T: Texel> {
-    /// Starts over at a keyframe.
     fn start(&mut self, source: &[T]) -> ChunkBuilder<T>;
 
     /// Takes a frame, counted from the keyframe, in, and writes what it sends, if anything.
@@ -78,13 +44,12 @@ impl<T: Texel> Held<T> for HeldValues<T> {
         if state.advance(source, self.settings.epsilon, self.settings.window) {
             // A box costs eight bytes, so one more must save more pixels than that.
             let budget = BoxBudget { max_boxes: self.settings.max_aabbs, min_saving: (8 / T::BYTES) as u32 };
-            let boxes = boxes::cover(Mask { pixels: state.mask(), width: self.width }, budget);
+            let boxes = cover(Mask { pixels: state.mask(), width: self.width }, budget);
             chunk.push_boxes(frame, &boxes, state.held(), self.width);
         }
     }
 }
 
-/// Encodes one unit.
 #[derive(Debug)]
 pub struct TemporalEncoder<T, H = HeldValues<T>> {
     keyframe_interval: u32,
@@ -128,7 +93,6 @@ impl<T: Texel, H: Held<T>> TemporalEncoder<T, H> {
         Ok(finished)
     }
 
-    /// Closes the open chunk, if there is one.
     pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
         let Some(open) = self.open.take() else { return Ok(None) };
         let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);

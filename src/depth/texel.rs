@@ -4,10 +4,8 @@ use crate::depth::quantise::BACKGROUND_CODE;
 
 /// A pixel value that is stored as it is.
 pub trait Texel: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
-    /// Bytes in a stream.
     const BYTES: usize;
 
-    /// Appends the value.
     fn put(self, out: &mut Vec<u8>);
 
     /// Reads as many values as fit into `out`; `bytes` has exactly their size.

@@ -2,8 +2,9 @@
 //!
 //! Enters: pictures of codes. Leaves: a distribution of PSNR for each function. Raw nodes are left out: they are exact.
 
-use crate::depth::bc4w;
-use crate::depth::biquadratic::{Biquadratic, Order};
+use crate::depth::bc4w::search;
+use crate::depth::biquadratic::Biquadratic;
+use crate::depth::biquadratic::fit::Order;
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::domain::Domain;
 use crate::depth::mode_decision::psnr_db;
@@ -12,7 +13,6 @@ use crate::effort::Effort;
 
 /// Level of the tiles: 8x8 pixels, the only one that all functions know.
 pub const TILE_LEVEL: u8 = 1;
-/// Side of the tiles in pixels.
 pub const TILE_SIDE: usize = 8;
 /// What a tile without any error counts for in a mean, in dB: the PSNR of the least error that a tile can have, one
 /// pixel that is off by one code.
@@ -24,14 +24,10 @@ pub const BIN_COUNT: usize = 23;
 /// Quantiles are found to this part of a dB.
 const STEPS_PER_DB: usize = 100;
 
-/// What a tile is modelled with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TileModel {
-    /// A BC4w block.
     Bc4w,
-    /// A platelet.
     Platelet,
-    /// A biquadratic.
     Biquadratic,
     /// Whichever of platelet and biquadratic has the least squared error: what there was before BC4w.
     PlateletOrBiquadratic,
@@ -40,7 +36,6 @@ pub enum TileModel {
 }
 
 impl TileModel {
-    /// All, in the order of reports.
     pub const ALL: [TileModel; 5] = [
         TileModel::Bc4w,
         TileModel::Platelet,
@@ -49,7 +44,6 @@ impl TileModel {
         TileModel::BestOf,
     ];
 
-    /// The name in reports and JSON keys.
     pub fn name(self) -> &'static str {
         match self {
             TileModel::Bc4w => "bc4w",
@@ -116,7 +110,6 @@ impl PsnrDistribution {
         self.min_db = self.min_db.min(other.min_db);
     }
 
-    /// Tiles counted.
     pub fn tiles(&self) -> u64 {
         self.tiles
     }
@@ -167,7 +160,7 @@ impl TilePsnr {
     }
 
     fn count(&mut self, block: &Block<'_>, domain: &Domain, effort: Effort) {
-        let (_, bc4w) = bc4w::encode(block, effort);
+        let (_, bc4w) = search::encode(block, effort);
         let platelet = Platelet::fit(block, domain, u16::MAX).map(|(_, accuracy)| accuracy);
         let biquadratic = Biquadratic::fit(block, domain, u16::MAX, Order::Full).map(|(_, accuracy)| accuracy);
         let each = [Some(bc4w), platelet, biquadratic];
@@ -185,12 +178,10 @@ impl TilePsnr {
         self.bc4w_max_error = self.bc4w_max_error.max(other.bc4w_max_error);
     }
 
-    /// Tiles measured.
     pub fn tiles(&self) -> u64 {
         self.of(TileModel::Bc4w).tiles()
     }
 
-    /// What one function came to.
     pub fn of(&self, model: TileModel) -> &PsnrDistribution {
         &self.models[model as usize]
     }

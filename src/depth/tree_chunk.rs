@@ -3,33 +3,36 @@
 //! A record holds the leaves that differ from the frame before as they are, and the function of every coarser place
 //! where one was found. Decoding it is lossless; [`crate::depth::node_encoder`] makes the packed form of it.
 
-use crate::container::EncodedChunk;
+#[cfg(feature = "encode")]
+pub mod encoder;
+
 use crate::container::Payload;
-use crate::container::fields::{Fields, PutFields};
-use crate::depth::bits::{BitReader, BitWriter};
-use crate::depth::block::{Accuracy, Block};
-use crate::depth::census::NodeCensus;
+use crate::container::fields::Fields;
+use crate::depth::bits::BitReader;
 use crate::depth::domain::Domain;
-use crate::depth::mode_decision::{Approximation, Modelling, Rounding};
+use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::NodeRecord;
-use crate::depth::node_encoder::NodeSettings;
-use crate::depth::nodes::{Grid, Node, Place, raw};
-use crate::depth::quadtree::{self, Build, Known, Leaf, Tree, Wanted};
-use crate::depth::record_table::{self, TableBuilder};
+use crate::depth::nodes::{Grid, Node, Place};
+use crate::depth::record_table;
 use crate::depth::runtime::Runtime;
 use crate::depth::storage;
-use crate::depth::temporal::CLOSE_AT_BYTES;
 use crate::error::Result;
 
 const SECTION: &str = "depth.md 11";
 
-/// A payload that has been checked.
+/// A function of a coarser place, and its largest error in codes.
+#[derive(Debug, Clone, Copy)]
+struct TreeFunction {
+    node: Node,
+    max_error: u16,
+}
+
 #[derive(Debug, Clone)]
 pub struct TreeChunk {
     /// The leaves, in the runtime form.
     runtime: Runtime,
     domain: Domain,
-    trees: Vec<Vec<Approximation>>,
+    trees: Vec<Vec<TreeFunction>>,
     record_bytes: Vec<u64>,
     spare: Payload,
 }
@@ -74,31 +77,16 @@ impl TreeChunk {
         })
     }
 
-    /// The approximations of a frame, and the leaves that they were searched for. Squared errors are not stored and
-    /// read 0.
-    pub fn known(&self, frame: u32) -> Known {
-        let [columns, rows] = self.runtime.grid().leaves();
-        let mut known = Known { leaves: vec![false; columns * rows], ..Known::default() };
-        if let Ok(at) = self.runtime.frames().binary_search_by_key(&frame, |row| row.frame) {
-            known.tree = self.trees[at].iter().map(|found| (found.node.place, *found)).collect();
-            for (place, _) in self.runtime.nodes(self.runtime.frames()[at]) {
-                known.leaves[usize::from(place.y) * columns + usize::from(place.x)] = true;
-            }
-        }
-        known
-    }
-
-    /// All leaves and approximations, counted.
-    pub fn census(&self) -> NodeCensus {
-        let mut census = NodeCensus::default();
+    pub fn mode_statistics(&self) -> ModeStatistics {
+        let mut statistics = ModeStatistics::default();
         let grid = self.runtime.grid();
         for &frame in self.runtime.frames() {
             for (place, &coefficients) in self.runtime.nodes(frame) {
-                census.count(grid, &Node { place, coefficients });
+                statistics.count(grid, &Node { place, coefficients });
             }
         }
-        self.trees.iter().flatten().for_each(|found| census.count(grid, &found.node));
-        census
+        self.trees.iter().flatten().for_each(|found| statistics.count(grid, &found.node));
+        statistics
     }
 
     /// Brings `picture`, which shows frame `at` of this chunk (`None`: nothing yet), to frame `target`; each frame
@@ -110,13 +98,12 @@ impl TreeChunk {
             .sum()
     }
 
-    /// The payload's memory, for the next chunk.
     pub fn into_spare(self) -> Vec<u8> {
         self.spare.into_spare()
     }
 }
 
-fn read_record(grid: Grid, fields: &mut Fields<'_>) -> Result<(Vec<Node>, Vec<Approximation>)> {
+fn read_record(grid: Grid, fields: &mut Fields<'_>) -> Result<(Vec<Node>, Vec<TreeFunction>)> {
     let (mut leaves, mut coarse) = (Vec::new(), Vec::new());
     let mut bits = BitReader::new(fields);
     read_walk(grid, grid.root(), &mut bits, [&mut leaves, &mut coarse])?;
@@ -124,9 +111,7 @@ fn read_record(grid: Grid, fields: &mut Fields<'_>) -> Result<(Vec<Node>, Vec<Ap
     let leaves = storage::read_functions(&leaves, fields)?;
     let coarse = storage::read_functions(&coarse, fields)?;
     fields.enter(SECTION);
-    let found = coarse
-        .into_iter()
-        .map(|node| Ok(Approximation { node, accuracy: Accuracy { max_error: fields.u16()?, squared_error: 0 } }));
+    let found = coarse.into_iter().map(|node| Ok(TreeFunction { node, max_error: fields.u16()? }));
     let found = found.collect::<Result<_>>()?;
     Ok((leaves, found))
 }
@@ -144,104 +129,4 @@ fn read_walk(grid: Grid, place: Place, bits: &mut BitReader<'_, '_>, out: [&mut 
         coarse.push(place);
     }
     place.children().into_iter().try_for_each(|child| read_walk(grid, child, bits, [leaves, coarse]))
-}
-
-/// Encodes one unit in the intermediate form.
-#[derive(Debug)]
-pub struct TreeEncoder {
-    settings: NodeSettings,
-    domain: Domain,
-    grid: Grid,
-    held: Vec<u16>,
-    open: Option<TableBuilder>,
-    chunk_first: u32,
-    next_frame: u32,
-}
-
-impl TreeEncoder {
-    /// An encoder for a unit of `grid`'s size, at most 1024×1024. Of the settings, window and epsilon play no part.
-    pub fn new(grid: Grid, domain: Domain, settings: NodeSettings) -> TreeEncoder {
-        let held = vec![0; grid.pixel_count() as usize];
-        TreeEncoder { settings, domain, grid, held, open: None, chunk_first: 0, next_frame: 0 }
-    }
-
-    /// Takes the next frame. Answers the chunk that it closes, if any.
-    pub fn push(&mut self, source: &[u16]) -> Result<Option<EncodedChunk>> {
-        let frame = self.next_frame;
-        let full = |open: &TableBuilder| {
-            frame - self.chunk_first >= self.settings.keyframe_interval || open.bytes() >= CLOSE_AT_BYTES
-        };
-        let finished = if self.open.as_ref().is_some_and(full) { self.finish()? } else { None };
-        self.next_frame += 1;
-        let keyframe = self.open.is_none();
-        if keyframe {
-            self.chunk_first = frame;
-        }
-        let [columns, rows] = self.grid.leaves();
-        let width = self.grid.width as usize;
-        let differs = |at: usize| {
-            let place = Place { level: 0, x: (at % columns) as u8, y: (at / columns) as u8 };
-            let of = |picture| Block::of(picture, width, 0, place.pixel());
-            keyframe || of(source).rows().ne(of(&self.held).rows())
-        };
-        let leaves: Vec<Leaf> =
-            (0..columns * rows).map(|at| if differs(at) { Leaf::Wanted } else { Leaf::Free }).collect();
-        if keyframe || leaves.contains(&Leaf::Wanted) {
-            let wanted = Wanted { picture: source, grid: self.grid, leaves: &leaves };
-            let modelling = self.settings.modelling(&self.domain);
-            let modelling = Modelling { rounding: Rounding::Exact, ..modelling };
-            let build = Build { modelling, min_children: self.settings.min_children, known: None };
-            let tree = quadtree::build(&wanted, &build);
-            let open = self.open.get_or_insert_with(TableBuilder::default);
-            write_record(&wanted, &tree, open.begin(frame - self.chunk_first));
-        }
-        self.held.copy_from_slice(source);
-        Ok(finished)
-    }
-
-    /// Closes the open chunk, if there is one.
-    pub fn finish(&mut self) -> Result<Option<EncodedChunk>> {
-        let Some(open) = self.open.take() else { return Ok(None) };
-        let (first_frame, frame_count) = (self.chunk_first, self.next_frame - self.chunk_first);
-        Ok(Some(EncodedChunk { first_frame, frame_count, payload: open.finish()? }))
-    }
-}
-
-fn write_record(wanted: &Wanted<'_>, tree: &Tree, out: &mut Vec<u8>) {
-    let mut walk = Walk { wanted, tree, bits: BitWriter::default(), leaves: Vec::new(), coarse: Vec::new() };
-    walk.visit(wanted.grid.root());
-    out.extend(walk.bits.finish());
-    storage::write_functions(&walk.leaves, out);
-    let coarse: Vec<Node> = walk.coarse.iter().map(|found| found.node).collect();
-    storage::write_functions(&coarse, out);
-    walk.coarse.iter().for_each(|found| out.put_u16(found.accuracy.max_error));
-}
-
-struct Walk<'a> {
-    wanted: &'a Wanted<'a>,
-    tree: &'a Tree,
-    bits: BitWriter,
-    leaves: Vec<Node>,
-    coarse: Vec<Approximation>,
-}
-
-impl Walk<'_> {
-    fn visit(&mut self, place: Place) {
-        if !self.wanted.grid.has(place) {
-            return;
-        }
-        let exists = self.wanted.any(place);
-        self.bits.put(u16::from(exists), 1);
-        if !exists {
-            return;
-        }
-        if place.level == 0 {
-            self.leaves.push(Node { place, coefficients: raw::encode(&self.wanted.block(place)) });
-            return;
-        }
-        let found = self.tree.get(&place);
-        self.bits.put(u16::from(found.is_some()), 1);
-        self.coarse.extend(found);
-        place.children().into_iter().for_each(|child| self.visit(child));
-    }
 }

@@ -10,9 +10,6 @@
 
 use crate::depth::texel::Texel;
 
-/// The largest `--depth-window`.
-pub const MAX_WINDOW: u8 = 255;
-
 /// The picture that every decoder holds, and how long each pixel has been held.
 #[derive(Debug, Clone)]
 pub struct WindowState<T> {
@@ -29,7 +26,6 @@ impl<T: Texel> WindowState<T> {
         WindowState { held: keyframe.to_vec(), age: vec![u8::MAX; keyframe.len()], mask: vec![0; keyframe.len()] }
     }
 
-    /// Starts over at another keyframe of the same size.
     pub fn restart(&mut self, keyframe: &[T]) {
         self.held.copy_from_slice(keyframe);
         self.age.fill(u8::MAX);
@@ -49,7 +45,6 @@ impl<T: Texel> WindowState<T> {
         any != 0
     }
 
-    /// The picture a decoder holds after the last frame.
     pub fn held(&self) -> &[T] {
         &self.held
     }

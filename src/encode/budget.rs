@@ -57,9 +57,9 @@ pub(super) struct ColorMemory {
 impl ColorMemory {
     pub fn new(group: &SourceGroup, header: &CodecHeader, search: SearchSettings, unit_count: u32) -> ColorMemory {
         let picture = group_pixels(group) * header.raw_pixel_bytes();
-        let reach = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.reach)) as u32;
+        let lookahead = (PENDING_BYTES / picture.max(1)).clamp(1, u64::from(search.lookahead)) as u32;
         let close_at_bytes = COLOR_CLOSE_AT_BYTES.min(OPEN_BYTES / unit_count.max(1) as usize);
-        ColorMemory { search: SearchSettings { reach, ..search }, close_at_bytes }
+        ColorMemory { search: SearchSettings { lookahead, ..search }, close_at_bytes }
     }
 }
 
@@ -148,7 +148,7 @@ fn color_state(group: &SourceGroup, settings: &EncodeSettings) -> u64 {
     let memory = ColorMemory::new(group, &header, settings.search, u32::try_from(units).unwrap_or(u32::MAX));
     let picture = group_pixels(group) * header.raw_pixel_bytes();
     // Two more for the keyframe as it is stored and as it is shown; a chunk grows past its size by a keyframe.
-    let pending = picture * (u64::from(memory.search.reach) + 4);
+    let pending = picture * (u64::from(memory.search.lookahead) + 4);
     let open = units * memory.close_at_bytes as u64 + picture;
     pending + open + compressing(settings, open / units.max(1))
 }

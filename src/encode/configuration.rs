@@ -2,7 +2,8 @@
 //! continues only with an equal one.
 
 use crate::color::SearchSettings;
-use crate::container::fields::{Fields, PutFields};
+use crate::container::fields::Fields;
+use crate::container::serialize::PutFields;
 use crate::depth::TemporalSettings;
 use crate::encode::source::{FrameSource, selected_groups};
 use crate::encode::{DepthCodec, DepthSettings, EncodeSettings, MaterialSettings};
@@ -65,7 +66,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
     let TemporalSettings { window, epsilon, max_aabbs, keyframe_interval } = temporal;
     let MaterialSettings { epsilon: material_error, in_blocks } = material;
     let DepthSettings { codec, error, domain, decide, effort, min_children } = depth;
-    let SearchSettings { min_psnr_db, effort: search_effort, reach } = search;
+    let SearchSettings { min_psnr_db, effort: search_effort, lookahead } = search;
     let kinds: Vec<&str> =
         StreamKind::ALL.into_iter().filter(|kind| kinds.contains(kind)).map(StreamKind::name).collect();
     vec![
@@ -88,7 +89,7 @@ fn of_settings(settings: &EncodeSettings) -> Vec<(&'static str, String)> {
         ("`material_block`", in_blocks.to_string()),
         ("`color_cell`", cell.to_string()),
         ("`psnr`", format!("{min_psnr_db:?}")),
-        ("`keyframe_reach`", reach.to_string()),
+        ("`keyframe_reach`", lookahead.to_string()),
         ("`color_block`", format!("{color_blocks:?}")),
         ("the domain of colour", format!("{color:?}")),
     ]

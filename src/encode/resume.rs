@@ -14,7 +14,8 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::time::UNIX_EPOCH;
 
-use crate::container::fields::{Fields, PutFields};
+use crate::container::fields::Fields;
+use crate::container::serialize::PutFields;
 use crate::container::{ChunkKey, Recovered};
 use crate::dataset::SourceGroup;
 use crate::encode::depth_range::{self, Scan, given_range};

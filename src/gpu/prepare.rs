@@ -7,7 +7,7 @@ use crate::block;
 use crate::color::blend::Sample;
 use crate::color::cells::{Blend, CellChunk};
 use crate::container::{ChunkPlace, Payload};
-use crate::depth::pieces::{BlockTexel, Pieces, StoredPiece, stored_pieces};
+use crate::depth::block_tiles::{BlockTexel, BlockTiles, StoredTile, stored_tiles};
 use crate::depth::records::{Body, Layout, TemporalChunk, Values};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
@@ -123,10 +123,10 @@ impl<T: Texel> Parts<T> for Values {
     }
 }
 
-impl<T: BlockTexel> Parts<T> for Pieces {
+impl<T: BlockTexel> Parts<T> for BlockTiles {
     fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part> {
-        let pieces = stored_pieces::<T>(bytes, size.map(|side| side as usize));
-        let part = |piece: StoredPiece| {
+        let pieces = stored_tiles::<T>(bytes, size.map(|side| side as usize));
+        let part = |piece: StoredTile| {
             let coding = if piece.in_blocks { BOX_BLOCKS } else { BOX_VALUES };
             (piece.rect.map(|side| side as u32), coding, piece.start)
         };
@@ -213,9 +213,10 @@ pub fn of_cells<S: Sample>(chunk: &CellChunk<S>) -> Prepared {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::cells::{CellBuilder, CellFormat};
+    use crate::color::cells::CellFormat;
+    use crate::color::cells::builder::CellBuilder;
     use crate::depth::boxes::PixelBox;
-    use crate::depth::records::ChunkBuilder;
+    use crate::depth::records::builder::ChunkBuilder;
 
     #[test]
     fn boxes_count_the_words_that_they_touch() {

@@ -9,7 +9,7 @@ mod plans;
 pub mod streams;
 mod texels;
 
-use crate::depth::pieces::Pieces;
+use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -48,8 +48,8 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::BOXES_MATERIAL, inputs: Words(boxes::cases::<[u8; 3], Values>) },
     Row { kernel: &kernels::CELLS_8, inputs: Words(cells::bytes) },
     Row { kernel: &kernels::CELLS_HALF, inputs: Words(cells::halves) },
-    Row { kernel: &kernels::BOXES_BC5, inputs: Words(boxes::cases::<u16, Pieces>) },
-    Row { kernel: &kernels::BOXES_BC1, inputs: Words(boxes::cases::<[u8; 3], Pieces>) },
+    Row { kernel: &kernels::BOXES_BC5, inputs: Words(boxes::cases::<u16, BlockTiles>) },
+    Row { kernel: &kernels::BOXES_BC1, inputs: Words(boxes::cases::<[u8; 3], BlockTiles>) },
     Row { kernel: &kernels::CELLS_BC1, inputs: Words(cells::bc1) },
     Row { kernel: &kernels::CELLS_BC7, inputs: Words(cells::bc7) },
     Row { kernel: &kernels::CELLS_BC6H, inputs: Words(cells::bc6h) },

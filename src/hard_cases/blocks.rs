@@ -5,12 +5,13 @@ use dds::{ColorFormat, DecodeOptions, Format, ImageViewMut, Size};
 
 use crate::block::{SIDE, TEXELS, bc1, bc4, bc5, bc6h, bc7};
 use crate::depth::BACKGROUND_CODE;
-use crate::depth::bc4w::{self, Bc4w, MAX_ENDPOINT, Pair, lines::bipartitions};
+use crate::depth::bc4w::bipartitions::bipartitions;
+use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair, search};
 use crate::depth::block::Block;
 use crate::depth::domain::Domain;
 use crate::depth::nodes::{Function, function_of};
 use crate::depth::platelet::Platelet;
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::settings::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
 use crate::gpu::random::Random;
@@ -225,7 +226,7 @@ fn marker_collisions() -> Result<Measured> {
         for (a, b) in codes.into_iter().flat_map(|a| codes.map(|b| (a, b))) {
             let picture: Vec<u16> = (0..64).map(|pixel| if parted.side_b >> pixel & 1 == 0 { a } else { b }).collect();
             let block = Block::of(&picture, 8, 1, [0, 0]);
-            let (found, _) = bc4w::encode(&block, EFFORT);
+            let (found, _) = search::encode(&block, EFFORT);
             let mut said = Vec::new();
             if function_of(1, found.as_bytes()) != Function::Bc4w || Bc4w::from_bytes(*found.as_bytes()).is_none() {
                 said.push(format!("a block of {a} and {b}"));

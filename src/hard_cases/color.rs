@@ -4,8 +4,8 @@ use half::f16;
 
 use crate::color::blend::{HalfKey, Sample};
 use crate::color::cells::{CellChunk, CellFormat};
-use crate::color::keyframes::SearchSettings;
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
+use crate::color::settings::SearchSettings;
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::container::EncodedChunk;
 use crate::decode::Picture;

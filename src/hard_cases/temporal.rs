@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::depth::BACKGROUND_CODE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_encoder::NodeSettings;
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::settings::TemporalSettings;
 use crate::error::Result;
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};
 use crate::hard_cases::{Bound, Family, HardCase, Shelf, Worst};

@@ -6,7 +6,7 @@
 use crate::container::{ChunkEntry, Reader, Storage, lzma2};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
-use crate::depth::census::NodeCensus;
+use crate::depth::mode_statistics::ModeStatistics;
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::memory::{Budget, Need};
@@ -99,7 +99,7 @@ pub struct StreamStats<'a> {
     /// Boxes of all frames.
     pub aabbs: u64,
     /// Nodes of all frames, by level and function; of a tree all that it holds, whatever it will be flattened to.
-    pub nodes: NodeCensus,
+    pub nodes: ModeStatistics,
     /// Keyframes and pieces by how they are stored, in codecs of blocks.
     pub blocks: BlockCount,
     /// Pixels written, keyframes included, when all frames are shown in order.
@@ -278,7 +278,7 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
 struct UnitMeasure {
     /// Sums of all frames.
     total: FrameCost,
-    census: NodeCensus,
+    census: ModeStatistics,
     blocks: BlockCount,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
@@ -301,7 +301,7 @@ impl Watch<'_> {
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
         let mut measure = UnitMeasure {
             total: FrameCost::default(),
-            census: NodeCensus::default(),
+            census: ModeStatistics::default(),
             blocks: BlockCount::default(),
             is_static: true,
             constant: true,
@@ -381,7 +381,7 @@ impl<'a> StreamMeasure<'a> {
     ) -> StreamMeasure<'a> {
         let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
-        let (mut total, mut census) = (FrameCost::default(), NodeCensus::default());
+        let (mut total, mut census) = (FrameCost::default(), ModeStatistics::default());
         let mut blocks = BlockCount::default();
         let (mut static_units, mut constant_units) = (0, 0);
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);

@@ -4,9 +4,9 @@ use crate::color::blend::Sample;
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::container::ChunkPlace;
 use crate::depth::block_chunk::BlockChunk;
-use crate::depth::census::NodeCensus;
+use crate::depth::block_tiles::{BlockTexel, BlockTileCount, BlockTiles};
+use crate::depth::mode_statistics::ModeStatistics;
 use crate::depth::node_chunk::{NodeChunk, NodeRecord};
-use crate::depth::pieces::{BlockTexel, PieceCount, Pieces};
 use crate::depth::records::{Body, Layout, Record, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
@@ -42,9 +42,9 @@ impl FrameCost {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BlockCount {
     /// Keyframes of colour.
-    pub keyframes: PieceCount,
+    pub keyframes: BlockTileCount,
     /// Pieces of whole units and of boxes.
-    pub pieces: PieceCount,
+    pub pieces: BlockTileCount,
 }
 
 impl BlockCount {
@@ -71,7 +71,7 @@ pub(super) struct ChunkMeasure {
     /// Every record fills the unit with one value.
     pub constant: bool,
     /// Nodes of all frames.
-    pub census: NodeCensus,
+    pub census: ModeStatistics,
     /// What is in blocks, in codecs that have them.
     pub blocks: BlockCount,
 }
@@ -123,15 +123,15 @@ fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMe
     ChunkMeasure {
         events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
-        census: NodeCensus::default(),
+        census: ModeStatistics::default(),
         blocks: BlockCount::default(),
     }
 }
 
-fn count_pieces<T: BlockTexel>(chunk: &TemporalChunk<T, Pieces>) -> ChunkMeasure {
+fn count_pieces<T: BlockTexel>(chunk: &TemporalChunk<T, BlockTiles>) -> ChunkMeasure {
     let mut measure = count_records(chunk);
     for (size, bytes) in chunk.records().iter().flat_map(|record| chunk.rectangles(record.body)) {
-        measure.blocks.pieces.add(PieceCount::of_rectangle(bytes, size));
+        measure.blocks.pieces.add(BlockTileCount::of_rectangle(bytes, size));
     }
     measure
 }
@@ -150,7 +150,7 @@ fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
     ChunkMeasure {
         events: chunk.records().map(event).collect(),
         constant: chunk.is_constant(),
-        census: chunk.census(),
+        census: chunk.mode_statistics(),
         blocks: BlockCount::default(),
     }
 }
@@ -167,11 +167,11 @@ fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
         },
     };
     let events = chunk.records().enumerate().map(event).collect();
-    ChunkMeasure { events, constant: false, census: chunk.census(), blocks: BlockCount::default() }
+    ChunkMeasure { events, constant: false, census: chunk.mode_statistics(), blocks: BlockCount::default() }
 }
 
 fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
-    let census = chunk.census();
+    let census = chunk.mode_statistics();
     let nodes = chunk.blocks_of_frame();
     let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
     let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
@@ -187,12 +187,13 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_co
     let mut measure = ChunkMeasure {
         events: Vec::with_capacity(frames.len()),
         constant: false,
-        census: NodeCensus::default(),
+        census: ModeStatistics::default(),
         blocks: BlockCount::default(),
     };
     if format.blocks.is_some() {
         let in_blocks = (0..chunk.keyframes().len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
-        measure.blocks.keyframes = PieceCount { blocks: in_blocks, raw: chunk.keyframes().len() as u64 - in_blocks };
+        measure.blocks.keyframes =
+            BlockTileCount { blocks: in_blocks, raw: chunk.keyframes().len() as u64 - in_blocks };
     }
     let mut shown = None;
     for frame in frames {

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::io::Write;
 
 use crate::container::{
-    ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2,
+    ChunkEntry, ChunkKey, EncodedChunk, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer, lzma2_encode,
 };
 use crate::decode::memory;
 use crate::error::{Error, Result};
@@ -224,7 +224,7 @@ impl Carrier<'_> {
     /// The packed nodes of a chunk of trees, for a stream of the result.
     fn flatten(&self, chunk: &ChunkEntry, stream: u32, flattener: &Flattener) -> Result<Vec<PackedChunk>> {
         let level = match self.repack {
-            Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2::DEFAULT_LEVEL),
+            Repack::Keep => (chunk.storage == Storage::Lzma2).then_some(lzma2_encode::DEFAULT_LEVEL),
             Repack::Lzma2(level) => Some(level),
             Repack::Raw => None,
         };

@@ -2,9 +2,9 @@
 
 use crate::container::Payload;
 use crate::depth::block_chunk::BlockChunk;
+use crate::depth::block_tiles::BlockTiles;
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::Grid;
-use crate::depth::pieces::Pieces;
 use crate::depth::records::TemporalChunk;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
@@ -16,8 +16,8 @@ use crate::streams::picture_chunk::PictureChunk;
 pub enum DepthChunk {
     /// Codes in boxes.
     Boxes(TemporalChunk<u16>),
-    /// Codes in boxes, pieces of them in BC5 blocks.
-    BoxesInBlocks(TemporalChunk<u16, Pieces>),
+    /// Codes in boxes, block tiles of them in BC5 blocks.
+    BoxesInBlocks(TemporalChunk<u16, BlockTiles>),
     /// Packed nodes.
     Nodes(NodeChunk),
     /// The intermediate form.

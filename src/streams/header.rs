@@ -15,11 +15,11 @@ pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
 pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
 /// Depth as plain BC4w blocks.
 pub const DEPTH_BLOCKS: [u8; 4] = *b"DB4W";
-/// Depth codes in boxes, pieces of them in BC5 blocks.
+/// Depth codes in boxes, block tiles of them in BC5 blocks.
 pub const DEPTH_AABB_BC5: [u8; 4] = *b"DAB5";
 /// Material triples in boxes.
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
-/// Material triples in boxes, pieces of them in BC1 blocks.
+/// Material triples in boxes, block tiles of them in BC1 blocks.
 pub const MATERIAL_AABB_BC1: [u8; 4] = *b"MAB1";
 /// 8-bit colour cells.
 pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
@@ -47,7 +47,7 @@ pub struct DepthHeader {
 pub enum DepthCoding {
     /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
     Boxes(TemporalSettings),
-    /// The same with pieces of the boxes in BC5 blocks.
+    /// The same with block tiles of the boxes in BC5 blocks.
     BoxesInBlocks(TemporalSettings),
     /// Packed nodes of a quadtree.
     Nodes(NodeHeader),
@@ -75,7 +75,7 @@ pub struct NodeHeader {
 pub struct MaterialHeader {
     /// Decoders need the window.
     pub temporal: TemporalSettings,
-    /// Whether pieces of the boxes are in BC1 blocks.
+    /// Whether block tiles of the boxes are in BC1 blocks.
     pub in_blocks: bool,
 }
 

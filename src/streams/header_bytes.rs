@@ -3,7 +3,8 @@
 use crate::block::SIDE;
 use crate::color::quality::Pu21;
 use crate::container::StreamEntry;
-use crate::container::fields::{Fields, PutFields};
+use crate::container::fields::Fields;
+use crate::container::serialize::PutFields;
 use crate::depth::block::MAX_TILE;
 use crate::depth::domain::DomainKind;
 use crate::depth::{DepthRange, DomainParts, TemporalSettings};

@@ -1,7 +1,7 @@
 //! A material chunk of either codec.
 
 use crate::container::Payload;
-use crate::depth::pieces::Pieces;
+use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::TemporalChunk;
 use crate::error::Result;
 use crate::streams::header::MaterialHeader;
@@ -12,8 +12,8 @@ use crate::streams::picture_chunk::PictureChunk;
 pub enum MaterialChunk {
     /// Triples in boxes.
     Boxes(TemporalChunk<[u8; 3]>),
-    /// Triples in boxes, pieces of them in BC1 blocks.
-    BoxesInBlocks(TemporalChunk<[u8; 3], Pieces>),
+    /// Triples in boxes, block tiles of them in BC1 blocks.
+    BoxesInBlocks(TemporalChunk<[u8; 3], BlockTiles>),
 }
 
 impl PictureChunk for MaterialChunk {

@@ -18,7 +18,7 @@ use lightfold::dataset::stream::{DepthKind, StreamKind};
 use lightfold::decode::{self, Decoder, Selection, StreamFrames, decoded_pixel_bytes};
 use lightfold::depth::node_chunk::NodeChunk;
 use lightfold::depth::quantise::DepthRange;
-use lightfold::depth::temporal::{TemporalEncoder, TemporalSettings};
+use lightfold::depth::{TemporalEncoder, TemporalSettings};
 use lightfold::monitor::Silent;
 use lightfold::streams::{CodecHeader, DepthChunk, DepthCoding, DepthHeader, PictureChunk};
 use rayon::prelude::*;

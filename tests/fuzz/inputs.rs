@@ -35,7 +35,9 @@ impl Inputs {
     /// Of a target, from a seed.
     pub fn new(target: &Target, seed: u64) -> Inputs {
         let (kind, seeds) = match target.name {
-            "container" => (Kind::Bytes, [seeds::containers(), seeds::vectors("invalid")].concat()),
+            "container" => {
+                (Kind::Bytes, [seeds::containers(), seeds::vectors("invalid"), seeds::vectors("limits")].concat())
+            }
             "index" => (Kind::Index, seeds::containers()),
             "lzma2" => (Kind::Header(24), seeds::lzma2()),
             "journal" => (Kind::Journal, seeds::journals()),

@@ -86,7 +86,7 @@ pub fn lzma2() -> Vec<Vec<u8>> {
     let raws = [vec![], vec![7], vec![0; 20_000], noise, text, vec![1; 70_000]];
     let stream = |raw: &Vec<u8>| {
         let mut bytes = (raw.len() as u32).to_le_bytes().to_vec();
-        bytes.extend(lightfold::container::lzma2::compress(raw, 6).expect("LZMA2"));
+        bytes.extend(lightfold::container::lzma2_encode::compress(raw, 6).expect("LZMA2"));
         bytes
     };
     raws.iter().map(stream).collect()

@@ -7,7 +7,7 @@ use half::f16;
 use lightfold::Error;
 use lightfold::color::SearchSettings;
 use lightfold::decode::Picture;
-use lightfold::depth::temporal::TemporalSettings;
+use lightfold::depth::settings::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
 use lightfold::image::{ColorPlane, Face, MaterialPlane, Plane};

@@ -7,7 +7,13 @@ use std::path::{Path, PathBuf};
 use half::f16;
 use lightfold::color::{HalfKey, Sample};
 use lightfold::container::Reader;
+use lightfold::depth::domain::Domain;
+use lightfold::depth::node_chunk::NodeChunk;
+use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
+use lightfold::depth::nodes::Grid;
+use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalSettings};
+use lightfold::effort::Effort;
 
 use crate::samples::{self, Shape};
 
@@ -30,9 +36,49 @@ fn example() -> Vec<u8> {
     samples::container(0, probe, &[stream], None)
 }
 
-/// `(offset, bytes)` of every line of the first block tagged hex.
-fn hex_lines(document: &str) -> Vec<(usize, Vec<u8>)> {
-    let block = document.split("```hex\n").nth(1).expect("a block tagged hex");
+/// The payload of depth.md 9: 12x8 codes, a plane on the left and raw leaves on the right, of which the second frame changes one.
+fn example_of_nodes() -> Vec<u8> {
+    let first: Vec<u16> = (0..96).map(|at| (at % 12, at / 12)).map(|(x, y)| code_of_example(x, y)).collect();
+    let mut second = first.clone();
+    second[3 * 12 + 11] = 5008;
+    let settings = NodeSettings { window: 1, bound: 0, effort: Effort::Fast, ..NodeSettings::default() };
+    let mut encoder = NodeEncoder::new(Grid { width: 12, height: 8 }, Domain::log(), settings);
+    for frame in [first, second] {
+        assert!(encoder.push(&frame, None).unwrap().is_none());
+    }
+    encoder.finish().unwrap().unwrap().payload
+}
+
+fn code_of_example(x: u16, y: u16) -> u16 {
+    match (x, y) {
+        (0..8, _) => 20_000 + 32 * x + 64 * y,
+        (_, 0) => u16::MAX,
+        _ => 5000 + (x * y) % 7,
+    }
+}
+
+/// The payload of depth.md 11: 8x4 codes of a plane.
+fn example_of_tree() -> Vec<u8> {
+    let codes: Vec<u16> = (0..32).map(|at| code_of_example(at % 8, at / 8)).collect();
+    let settings = NodeSettings { window: 1, bound: 100, effort: Effort::Fast, ..NodeSettings::default() };
+    let mut encoder = TreeEncoder::new(Grid { width: 8, height: 4 }, Domain::log(), settings);
+    assert!(encoder.push(&codes).unwrap().is_none());
+    encoder.finish().unwrap().unwrap().payload
+}
+
+/// The bytes of block `number` tagged hex of a document, whose offsets must be right.
+fn hex_bytes(document: &str, number: usize) -> Vec<u8> {
+    let mut bytes: Vec<u8> = Vec::new();
+    for (offset, line) in hex_lines(document, number) {
+        assert_eq!(offset, bytes.len(), "the offset of a line of the example is wrong");
+        bytes.extend(line);
+    }
+    bytes
+}
+
+/// `(offset, bytes)` of every line of block `number` tagged hex, counted from 0.
+fn hex_lines(document: &str, number: usize) -> Vec<(usize, Vec<u8>)> {
+    let block = document.split("```hex\n").nth(1 + number).expect("a block tagged hex");
     let block = block.split("```").next().unwrap();
     let hex = |text: &str| usize::from_str_radix(text, 16).unwrap_or_else(|_| panic!("{text:?} is not hexadecimal"));
     let line = |line: &str| {
@@ -45,17 +91,24 @@ fn hex_lines(document: &str) -> Vec<(usize, Vec<u8>)> {
 
 #[test]
 fn the_example_of_container_md_is_what_the_library_writes() {
-    let lines = hex_lines(&read("formats/container.md"));
-    let mut bytes: Vec<u8> = Vec::new();
-    for (offset, line) in lines {
-        assert_eq!(offset, bytes.len(), "the offset of a line of the example is wrong");
-        bytes.extend(line);
-    }
+    let bytes = hex_bytes(&read("formats/container.md"), 0);
     let written = example();
     let at = bytes.iter().zip(&written).position(|(a, b)| a != b);
     assert_eq!((at, bytes.len()), (None, written.len()), "the library writes {written:02x?}");
     let codes = samples::decode_all(bytes).unwrap();
     assert_eq!(codes, [[vec![0, 0, 0xff, 0xff], vec![0, 0, 0xff, 0x7f]]]);
+}
+
+#[test]
+fn the_examples_of_depth_md_are_what_the_encoders_write() {
+    let document = read("formats/depth.md");
+    for (number, written) in [example_of_nodes(), example_of_tree()].into_iter().enumerate() {
+        assert_eq!(hex_bytes(&document, number), written, "the library writes {written:02x?}");
+    }
+    let (grid, mut picture) = (Grid { width: 12, height: 8 }, vec![0; 96]);
+    let nodes = NodeChunk::parse(hex_bytes(&document, 0), grid, 2, Domain::log()).unwrap();
+    assert_eq!(nodes.advance(&mut picture, None, 1, 1), 96 + 16);
+    assert_eq!([picture[0], picture[8], picture[3 * 12 + 10], picture[3 * 12 + 11]], [20_000, u16::MAX, 5002, 5008]);
 }
 
 #[test]
@@ -104,7 +157,7 @@ fn the_tables_of_arithmetic_md_hold() {
 #[test]
 fn functions_and_logarithms_of_arithmetic_md_hold() {
     use lightfold::depth::biquadratic::Biquadratic;
-    use lightfold::depth::domain::{Domain, DomainKind, LOG2_TABLE, integer_log2};
+    use lightfold::depth::domain::{DomainKind, LOG2_TABLE, integer_log2};
     use lightfold::depth::platelet::{Plane, Platelet};
     let document = read("formats/arithmetic.md");
     let numbers = |row: &[String]| row.iter().map(|cell| cell.parse().unwrap()).collect::<Vec<i64>>();
@@ -225,11 +278,13 @@ fn links_between_documents_lead_somewhere() {
     }
 }
 
-/// Prints the example, to be named by hand: `cargo test --test suite print_example -- --ignored --nocapture`.
+/// Prints the examples, to be named by hand: `cargo test --test suite print_example -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints"]
 fn print_example() {
-    for (line, bytes) in example().chunks(16).enumerate() {
-        println!("{:04x}: {}", line * 16, bytes.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(" "));
+    for example in [example(), example_of_nodes(), example_of_tree()] {
+        for (line, bytes) in example.chunks(16).enumerate() {
+            println!("{:04x}: {}", line * 16, bytes.iter().map(|b| format!("{b:02x}")).collect::<Vec<_>>().join(" "));
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use lightfold::color::cells::CellBuilder;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};

@@ -157,7 +157,7 @@ fn color(hdr: bool, blocks: Option<ColorBlocks>) -> Footage {
     let (width, height) = if blocks.is_some() { (640, 512) } else { (384, 256) };
     let mut settings = EncodeSettings { cell: height, ..EncodeSettings::default() };
     settings.search.min_psnr_db = 38.0;
-    settings.search.reach = 3;
+    settings.search.lookahead = 3;
     if blocks.is_some() {
         settings.search.effort = lightfold::effort::Effort::Fast;
     }

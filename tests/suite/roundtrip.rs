@@ -1,15 +1,16 @@
 //! Footage goes in, is decoded, and is what it was: sizes, ranges and settings that are easy to get wrong.
 
 use half::f16;
-use lightfold::color::cells::CellBuilder;
-use lightfold::color::keyframes::{Effort, SearchSettings};
+use lightfold::color::SearchSettings;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::{Reader, Writer};
 use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
 use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};
-use lightfold::depth::temporal::TemporalSettings;
+use lightfold::depth::settings::TemporalSettings;
+use lightfold::effort::Effort;
 use lightfold::encode::{DepthCodec, DepthSettings, EncodeSettings, ErrorBound, TileSize, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
 use lightfold::image::{Face, Plane};
@@ -239,7 +240,7 @@ fn high_dynamic_range_reaches_its_own_quality() {
         let settings = EncodeSettings {
             cell: 10,
             color: ColorFormat::Half { white_cd_m2: 100.0 },
-            search: SearchSettings { min_psnr_db, effort, reach: 16 },
+            search: SearchSettings { min_psnr_db, effort, lookahead: 16 },
             ..EncodeSettings::default()
         };
         let bytes = encoded(&source, &settings);

@@ -2,7 +2,7 @@
 
 use half::f16;
 use lightfold::Result;
-use lightfold::color::cells::CellBuilder;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::color::temporal::BlockStage;
 use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings};
@@ -11,12 +11,12 @@ use lightfold::container::{
 };
 use lightfold::dataset::stream::DepthKind;
 use lightfold::decode::{Decoder, Picture};
-use lightfold::depth::block_chunk::BlockEncoder;
+use lightfold::depth::block_chunk::encoder::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
 use lightfold::depth::node_encoder::{NodeEncoder, NodeSettings};
 use lightfold::depth::nodes::Grid;
 use lightfold::depth::temporal::Held;
-use lightfold::depth::tree_chunk::TreeEncoder;
+use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
 use lightfold::image::transfer::ToneMap;
@@ -420,7 +420,7 @@ pub fn static_for(frames: u32) -> Vec<u8> {
 
 /// 16 MiB of zeros in some kilobytes, which each of so many units has as its payload.
 pub fn shared_chunk(units: u32) -> Vec<u8> {
-    let stored = lightfold::container::lzma2::compress(&vec![0; 16 << 20], 6).unwrap();
+    let stored = lightfold::container::lzma2_encode::compress(&vec![0; 16 << 20], 6).unwrap();
     let (mut index, _) = take_apart(&static_depth(|_| ()));
     (index.streams[0].width, index.streams[0].unit_width) = (units, 1);
     let chunk = ChunkEntry {

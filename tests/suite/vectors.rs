@@ -1,5 +1,5 @@
-//! Frozen containers: `valid/` decode to the very images whose CRC-32s lie beside them, in this library and in
-//! `decode.py`, which was written from the documents alone; `invalid/` are refused, for the reason that lies beside them.
+//! Frozen containers (tests/vectors/README.md): `valid/` decode to the images whose CRC-32s lie beside them, in this library
+//! and in `decode.py`, which was written from the documents alone; `invalid/` and `limits/` are refused for their reasons.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use half::f16;
 use lightfold::Error;
-use lightfold::color::cells::CellBuilder;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
 use lightfold::container::{Index, Reader, Storage, Writer};
 use lightfold::decode::Decoder;
@@ -103,13 +103,7 @@ fn the_decoder_written_from_the_documents_agrees() {
     let said = files.iter().map(|path| fs::read_to_string(path.with_extension("crc")).unwrap());
     assert_eq!(python(&files), (said.collect(), String::new()));
 
-    // What only protects a reader's memory is no rule of the format.
-    let mut files = frozen("invalid");
-    let limited =
-        |path: &PathBuf| vectors_of_limits::ONLY_TOO_LARGE.iter().any(|name| path.ends_with(format!("{name}.lfold")));
-    let all = files.len();
-    files.retain(|path| !limited(path));
-    assert_eq!(files.len(), all - vectors_of_limits::ONLY_TOO_LARGE.len());
+    let files = frozen("invalid");
     let (printed, refusals) = python(&files);
     assert_eq!(printed, "");
     for path in files {
@@ -120,8 +114,12 @@ fn the_decoder_written_from_the_documents_agrees() {
 
 #[test]
 fn invalid_vectors_are_refused_for_their_reason() {
-    let files = frozen("invalid");
-    assert_eq!(files.len(), invalid().len(), "tests/vectors/invalid is not what the list in this file says");
+    let files = [frozen("invalid"), frozen("limits")].concat();
+    assert_eq!(
+        files.len(),
+        invalid().len(),
+        "tests/vectors/invalid and limits are not what the list in this file says"
+    );
     let mut wrong = Vec::new();
     for path in files {
         let reason = fs::read_to_string(path.with_extension("txt")).unwrap();
@@ -141,7 +139,7 @@ fn invalid_vectors_are_refused_for_their_reason() {
 #[test]
 #[ignore = "writes tests/vectors"]
 fn regenerate_vectors() {
-    for name in ["valid", "invalid"] {
+    for name in ["valid", "invalid", "limits"] {
         fs::create_dir_all(folder(name)).unwrap();
         for entry in fs::read_dir(folder(name)).unwrap() {
             fs::remove_file(entry.unwrap().path()).unwrap();
@@ -154,7 +152,8 @@ fn regenerate_vectors() {
         fs::write(path.with_extension("lfold"), bytes).unwrap();
     }
     for (name, bytes, reason) in invalid() {
-        let path = folder("invalid").join(name);
+        let limits = vectors_of_limits::ONLY_TOO_LARGE.contains(&name);
+        let path = folder(if limits { "limits" } else { "invalid" }).join(name);
         fs::write(path.with_extension("txt"), format!("{reason}\n")).unwrap();
         fs::write(path.with_extension("lfold"), bytes).unwrap();
     }
@@ -497,7 +496,7 @@ fn invalid() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let not_lzma2: fn(&mut Index) = |i| i.chunks[0].storage = Storage::Lzma2;
     all.push(("lzma2-damaged", edited(not_lzma2), "the chunk's LZMA2 stream"));
 
-    let mut smooth = lightfold::container::lzma2::compress(&[7; 3000], 6).unwrap();
+    let mut smooth = lightfold::container::lzma2_encode::compress(&[7; 3000], 6).unwrap();
     let lzma2 = |stored: &[u8], raw_bytes: u32| {
         let mut index = index.clone();
         let chunk = &mut index.chunks[0];

@@ -1,7 +1,7 @@
 //! The frozen containers of [`crate::vectors`] with pieces or keyframes in blocks of texture formats.
 
 use half::f16;
-use lightfold::color::cells::CellBuilder;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::{HalfKey, SearchSettings};
 use lightfold::container::EncodedChunk;
 use lightfold::depth::TemporalSettings;

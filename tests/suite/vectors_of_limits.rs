@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use lightfold::color::SearchSettings;
-use lightfold::color::cells::{CellBuilder, LEADS_NOWHERE};
+use lightfold::color::cells::LEADS_NOWHERE;
+use lightfold::color::cells::builder::CellBuilder;
 use lightfold::decode::Decoder;
 use lightfold::gpu::prepare;
 use lightfold::inspect::coding_map::{frame_anatomy, survey};

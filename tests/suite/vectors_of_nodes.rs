@@ -3,7 +3,8 @@
 use lightfold::container::{EncodedChunk, Storage};
 use lightfold::depth::domain::DomainKind;
 use lightfold::depth::mode_decision::Decide;
-use lightfold::depth::node_chunk::{NodeChunk, NodeChunkBuilder};
+use lightfold::depth::node_chunk::NodeChunk;
+use lightfold::depth::node_chunk::builder::NodeChunkBuilder;
 use lightfold::depth::node_encoder::NodeSettings;
 use lightfold::depth::nodes::{Function, Node, Place};
 use lightfold::effort::Effort;
@@ -72,7 +73,7 @@ fn every_function(face: u8, kind: DomainKind) -> Stream {
     chunk.push(1, &[node(1, 2, 0, platelet(both_constant, [0, 0, 255, 255])), node(0, 11, 7, raw([5; 16]))]);
     chunk.push(2, &[node(4, 0, 0, surface([i32::MAX, i32::MIN, 1, -1, i32::MIN, -1]))]);
     let payload = chunk.finish().unwrap();
-    let census = NodeChunk::parse(payload.clone(), grid, 3, domain).unwrap().census();
+    let census = NodeChunk::parse(payload.clone(), grid, 3, domain).unwrap().mode_statistics();
     for function in Function::ALL {
         assert!(census.of(function).nodes > 1, "{function:?}");
     }
@@ -85,7 +86,7 @@ fn functions_of(stream: &Stream, kind: DomainKind) -> Vec<Function> {
     for (unit, chunk) in &stream.chunks {
         let (grid, domain) = (samples::grid(&stream.entry, *unit), samples::node_domain(kind));
         let parsed = NodeChunk::parse(chunk.payload.clone(), grid, chunk.frame_count, domain).unwrap();
-        let census = parsed.census();
+        let census = parsed.mode_statistics();
         functions.extend(Function::ALL.into_iter().filter(|&function| census.of(function).nodes > 0));
     }
     functions

@@ -7,11 +7,13 @@ use super::json::{depth_kind_name, projection_name, transfer_name};
 use super::{Report, percent};
 use crate::cli::damage;
 use crate::cli::output::human_bytes;
+use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
 use crate::dataset::stream::StreamKind;
 use crate::depth::block::side_of;
-use crate::depth::census::{NodeCensus, Share};
+use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::settings::TemporalSettings;
+use crate::error::escaped;
 use crate::inspect::container::{BlockCount, StreamStats, Totals};
 use crate::report::{Column, Table};
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
@@ -47,7 +49,7 @@ fn heading(report: &Report<'_>) -> String {
     };
     let mut out = format!(
         "{}: {} at {} fps, {}, {streams}, {}\n",
-        index.name,
+        escaped(&index.name),
         projection_name(index.projection),
         index.fps,
         counted(report.probes().len() as u64, "probe"),
@@ -66,6 +68,9 @@ fn heading(report: &Report<'_>) -> String {
     );
     if report.inspection.unreferenced_bytes > 0 {
         let _ = writeln!(out, "{} belong to no chunk", human_bytes(report.inspection.unreferenced_bytes));
+    }
+    if reader.minor_version() > VERSION_MINOR {
+        let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version());
     }
     out
 }
@@ -224,7 +229,7 @@ fn streams(report: &Report<'_>) -> Table {
 
 /// What depth is made of: nodes by level and function, and what share of the pixels sent and of the bytes is theirs.
 fn nodes(report: &Report<'_>) -> Option<Table> {
-    let mut census = NodeCensus::default();
+    let mut census = ModeStatistics::default();
     report.inspection.streams.iter().for_each(|stats| census.add(&stats.nodes));
     if census.is_empty() {
         return None;

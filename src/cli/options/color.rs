@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::color::keyframes::SearchSettings;
+use crate::color::settings::SearchSettings;
 use crate::dataset::source::{InvalidColor, SourceOptions};
 use crate::encode::{ColorBlockSettings, EncodeSettings};
 use crate::error::{Error, Result};
@@ -44,7 +44,7 @@ pub struct ColorArgs {
     pub white: f64,
     /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time;
     /// at most as many as fit 768 MiB for all faces of an image
-    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().reach,
+    #[arg(long, value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub keyframe_reach: u32,
     /// What becomes of NaN colours
@@ -122,7 +122,7 @@ impl ColorArgs {
         }
         settings.cell = self.color_cell;
         settings.search =
-            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, reach: self.keyframe_reach };
+            SearchSettings { min_psnr_db: psnr, effort: settings.search.effort, lookahead: self.keyframe_reach };
         settings.color_blocks = blocks.map(|blocks| {
             let usual = ColorBlockSettings::new(blocks, &settings.search);
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }

@@ -7,7 +7,7 @@ use crate::dataset::stream::DepthKind;
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
-use crate::depth::temporal::TemporalSettings;
+use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::error::{Error, Result};
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::color::blend::HalfKey;
 use crate::color::cells::{CellChunk, CellFormat};
+use crate::color::keyframe_blocks::encode::KeyframeEncoder;
 use crate::color::quality::{EightBit, Pu21};
 use crate::effort::Effort;
 use half::f16;
@@ -82,8 +83,8 @@ fn footage(n: usize, samples: usize) -> Vec<Vec<u8>> {
 #[test]
 fn every_frame_reaches_the_quality_asked_for() {
     for effort in [Effort::Fast, Effort::Normal, Effort::Exhaustive] {
-        for (min_psnr_db, reach) in [(50.0, 64), (35.0, 64), (50.0, 1), (99.0, 3)] {
-            let count = check(&footage(160, 60), SearchSettings { min_psnr_db, effort, reach });
+        for (min_psnr_db, lookahead) in [(50.0, 64), (35.0, 64), (50.0, 1), (99.0, 3)] {
+            let count = check(&footage(160, 60), SearchSettings { min_psnr_db, effort, lookahead });
             assert!(count > 1 && count <= 160);
         }
     }
@@ -106,7 +107,7 @@ fn a_cell_that_changes_once_has_two() {
 #[test]
 fn long_noise_is_split_into_chunks_that_lead_into_each_other() {
     let frames = footage(80, 30_000);
-    let settings = SearchSettings { min_psnr_db: 30.0, reach: 8, ..SearchSettings::default() };
+    let settings = SearchSettings { min_psnr_db: 30.0, lookahead: 8, ..SearchSettings::default() };
     assert!(encode(&frames, SearchSettings { min_psnr_db: 60.0, ..settings }).len() > 1);
     check(&frames, SearchSettings { min_psnr_db: 60.0, ..settings });
     check(&frames, settings);
@@ -169,13 +170,13 @@ proptest! {
         recipe in proptest::collection::vec((any::<u8>(), 0u8..40, any::<u8>()), 1..40),
         [min_psnr_db, loss] in [30f64..60.0, 0f64..25.0],
         effort in 0usize..2,
-        reach in 1u32..20,
+        lookahead in 1u32..20,
         close_at_bytes in prop_oneof![Just(1usize), Just(400), Just(CLOSE_AT_BYTES)],
     ) {
         let size = [width, height];
         let frames = pictures(size, &recipe);
         let effort = [Effort::Fast, Effort::Normal][effort];
-        let settings = SearchSettings { min_psnr_db, effort, reach };
+        let settings = SearchSettings { min_psnr_db, effort, lookahead };
         let final_psnr_db = min_psnr_db - loss;
         for blocks in [KeyframeBlocks::BC1, KeyframeBlocks::BC7] {
             check_blocks(&frames, settings, BlockStage { blocks, size, final_psnr_db }, close_at_bytes, &EightBit);
@@ -204,8 +205,10 @@ const fn biased<const BIAS: u8>() -> KeyframeBlocks<u8> {
     KeyframeBlocks {
         bytes: 48,
         decode: |blocks, _, out| out.copy_from_slice(blocks),
-        encode: |samples, _, _| samples.iter().map(|sample| sample - BIAS).collect(),
-        fast: &[Effort::Fast],
+        encoder: KeyframeEncoder {
+            encode: |samples, _, _| samples.iter().map(|sample| sample - BIAS).collect(),
+            fast: &[Effort::Fast],
+        },
     }
 }
 

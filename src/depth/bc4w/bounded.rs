@@ -9,7 +9,7 @@
 //!
 //! Bounds are kept in 16 bits, in units of 2^shift rounded down, so that eight squares are looked at side by side.
 
-use crate::depth::bc4w::lines::bipartitions;
+use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::quick::{self, Trials};
 use crate::depth::bc4w::sums::{Plan, Quantity, lesser, plus};
 use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
@@ -30,7 +30,6 @@ const MOST_UNITS: u64 = 32_000;
 /// codes lie far apart.
 const MOST_SQUARES: usize = 1 << 13;
 
-/// BC4's two modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mode {
     Eight,
@@ -78,11 +77,9 @@ type Costs<T, const L: usize> = [[T; L]; 64];
 
 struct Search<'a> {
     tile: &'a Tile,
-    /// The best solution that is known.
     known: Option<Solution>,
     /// Its cost; solutions that are sought cost less.
     limit: u64,
-    /// The same in units.
     unit_limit: i16,
     shift: u32,
     first: u16,
@@ -133,7 +130,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The best solution there is.
     fn run(mut self) -> Option<Solution> {
         let count = self.last - self.first + 1;
         let mut size = 1 << (count / FIRST_SQUARES).max(1).ilog2();
@@ -272,7 +268,6 @@ impl<'a> Search<'a> {
         levels
     }
 
-    /// What each pixel costs at least.
     fn costs(&self, levels: &Levels) -> Costs<i16, LANES> {
         // The largest error whose square fits into 15 bits.
         let most = ((1u64 << (15 + self.shift)) - 1).isqrt().min(65535) as u16;

@@ -35,7 +35,6 @@ impl Surfaces {
         surfaces
     }
 
-    /// Smallest and largest code.
     fn extremes(&self) -> [f32; 2] {
         let (mut low, mut high) = (self.codes[0], self.codes[0]);
         for codes in &self.codes[..self.groups] {
@@ -104,7 +103,6 @@ impl Surfaces {
 /// How far endpoints are looked for around the least-squares fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Polish {
-    /// The fit alone.
     None,
     /// From neighbour to neighbour while the cost falls.
     Neighbours,

@@ -1,22 +1,19 @@
 //! The searches for every day: the most promising lines, endpoints around a least-squares fit.
 
+use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::fit::{Polish, best_pair};
-use crate::depth::bc4w::lines::bipartitions;
 use crate::depth::bc4w::sums::{Greatest, Plan, Quantity};
 use crate::depth::bc4w::tile::{Solution, Tile};
 
 /// How many lines are tried with a least-squares fit, and with how many of them the endpoints are polished.
 #[derive(Debug, Clone, Copy)]
 pub struct Trials {
-    /// Lines that are fitted.
     pub fitted: usize,
     /// The best of these, that are polished.
     pub polished: usize,
 }
 
-/// What `Fast` tries.
 pub const FAST: Trials = Trials { fitted: 6, polished: 1 };
-/// What `Normal` tries.
 pub const NORMAL: Trials = Trials { fitted: 48, polished: 8 };
 
 /// The best solution found within the tile's bound, and its squared error.

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::depth::bc4w::lines::bipartitions;
+use crate::depth::bc4w::bipartitions::bipartitions;
 
 /// Sums of a row: of its first 0 to 8 pixels, then of its last 1 to 7; one is left over.
 const ROW_SUMS: usize = 16;
@@ -15,15 +15,12 @@ const LEAVES: usize = 8 * ROW_SUMS;
 
 /// What is summed. Sums grow with what they are made of, also where they are rounded or saturate.
 pub trait Quantity: Copy + PartialOrd {
-    /// The sum of nothing.
     const ZERO: Self;
     /// At least every sum that matters.
     const MOST: Self;
-    /// The sum of two.
     fn plus(self, other: Self) -> Self;
 }
 
-/// Saturates.
 impl Quantity for i16 {
     const ZERO: i16 = 0;
     const MOST: i16 = i16::MAX;
@@ -91,7 +88,6 @@ fn leaf(y: usize, mask: u8) -> u16 {
 }
 
 impl Plan {
-    /// All bipartitions.
     pub fn all() -> &'static Plan {
         &ALL
     }
@@ -145,7 +141,6 @@ impl Plan {
         Plan { parts, sides: sides.into_iter().map(|side| side.map(|sum| place[usize::from(sum)])).collect() }
     }
 
-    /// How many lines it has.
     pub fn len(&self) -> usize {
         self.sides.len()
     }

@@ -2,10 +2,14 @@
 
 use std::ops::RangeInclusive;
 
-use crate::depth::bc4w::lines::Line;
-use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, PAD, Pair};
+use crate::depth::bc4w::line::Line;
+use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair};
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::quantise::BACKGROUND_CODE;
+
+/// How many endpoints, of eight codes each, beyond the smallest and the largest surface of a side are searched. The
+/// paper pads by 255 codes (algorithm 1). A wider pad can still gain a little, where no nearby pair has its rounding.
+pub const PAD: u16 = 8;
 
 /// The pixels of a block, bit 8y + x of a mask for pixel (x, y).
 #[derive(Debug, Clone)]
@@ -16,7 +20,6 @@ pub struct Tile {
     pub surfaces: u64,
     /// Pixels inside the picture that are background.
     pub background: u64,
-    /// Largest difference that is allowed.
     pub bound: u16,
     /// Smallest and largest surface; none where there is no surface.
     pub extremes: Option<[u16; 2]>,
@@ -25,9 +28,7 @@ pub struct Tile {
 /// Line and endpoints; the indices follow from them.
 #[derive(Debug, Clone, Copy)]
 pub struct Solution {
-    /// Parts the pixels.
     pub line: Line,
-    /// Endpoints of side A and of side B.
     pub pairs: [Pair; 2],
 }
 

@@ -5,6 +5,7 @@ use crate::depth::records::{TemporalChunk, Values};
 pub mod paths {
     use super::*;
     use crate::depth::records::Layout;
+    use crate::depth::window_check::check_window;
 
     pub fn encode<T: Texel, H: Held<T>>(mut encoder: TemporalEncoder<T, H>, frames: &[Vec<T>]) -> Vec<EncodedChunk> {
         let mut chunks = Vec::new();
@@ -26,6 +27,7 @@ pub mod paths {
         let mut seed = 7u32;
         for chunk in chunks {
             let parsed = TemporalChunk::<T, L>::parse(chunk.payload, size, chunk.frame_count).unwrap();
+            check_window(&parsed, settings.window, chunk.frame_count).unwrap();
             let body = |frame| parsed.records().iter().find(|record| record.frame == frame).map(|record| record.body);
             let mut canonical = vec![vec![T::default(); frames[0].len()]];
             parsed.apply(&mut canonical[0], body(0).unwrap());

@@ -1,9 +1,10 @@
 //! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records,
 //! pieces in blocks.
 
+use crate::depth::block_tiles::{BlockTexel, BlockTiles, stored_tiles, tiles_of};
 use crate::depth::boxes::PixelBox;
-use crate::depth::pieces::{BlockTexel, Pieces, pieces_of, stored_pieces};
-use crate::depth::records::{ChunkBuilder, TemporalChunk, Values};
+use crate::depth::records::builder::ChunkBuilder;
+use crate::depth::records::{TemporalChunk, Values};
 use crate::depth::texel::Texel;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, Unit, words_of};
@@ -42,13 +43,13 @@ impl<T: BoxTexel> RandomLayout<T> for Values {
     }
 }
 
-impl<T: BoxTexel + BlockTexel> RandomLayout<T> for Pieces {
+impl<T: BoxTexel + BlockTexel> RandomLayout<T> for BlockTiles {
     fn put(size: [u32; 2], random: &mut Random, data: &mut Vec<u8>) {
         let size = size.map(|side| side as usize);
-        let count = pieces_of(size).count();
+        let count = tiles_of(size).count();
         let mut map = vec![0; count.div_ceil(8)];
         (0..count).filter(|_| !random.one_in(3)).for_each(|piece| map[piece / 8] |= 1 << (piece % 8));
-        let bytes = stored_pieces::<T>(&map, size).map(|piece| piece.bytes).sum();
+        let bytes = stored_tiles::<T>(&map, size).map(|piece| piece.bytes).sum();
         let mut pieces = vec![0; bytes];
         random.fill(&mut pieces);
         data.extend(map);

@@ -2,7 +2,8 @@
 //! keyframes in blocks.
 
 use crate::color::blend::{HalfKey, Sample};
-use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
+use crate::color::cells::builder::CellBuilder;
+use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit, words_of};

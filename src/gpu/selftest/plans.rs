@@ -1,6 +1,7 @@
 //! Inputs of the planning kernels: all ways to reach a frame, in tables of all lengths, and more items than a workgroup.
 
-use crate::color::cells::{CellBuilder, CellChunk, CellFormat};
+use crate::color::cells::builder::CellBuilder;
+use crate::color::cells::{CellChunk, CellFormat};
 use crate::depth::record_table;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, words_of};

@@ -3,7 +3,8 @@
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
 //! part of the intermediate form comes from its encoder.
 
-use crate::color::cells::{CellBuilder, CellFormat};
+use crate::color::cells::CellFormat;
+use crate::color::cells::builder::CellBuilder;
 use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
@@ -11,16 +12,16 @@ use crate::dataset::stream::DepthKind;
 use crate::decode::{Decoder, FaceDecoder, StreamInfo};
 use crate::depth::DomainParts;
 use crate::depth::block_chunk::picture_bytes;
+use crate::depth::block_tiles::BlockTiles;
 use crate::depth::domain::{Domain, DomainKind};
-use crate::depth::node_chunk::NodeChunkBuilder;
+use crate::depth::node_chunk::builder::NodeChunkBuilder;
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::nodes::Grid;
-use crate::depth::pieces::Pieces;
 use crate::depth::quantise::DepthRange;
-use crate::depth::record_table::TableBuilder;
+use crate::depth::record_table::builder::TableBuilder;
 use crate::depth::records::Values;
-use crate::depth::temporal::TemporalSettings;
-use crate::depth::tree_chunk::TreeEncoder;
+use crate::depth::settings::TemporalSettings;
+use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::error::Result;
 use crate::gpu::decode::{GpuDecoder, Wanted};
 use crate::gpu::device::Gpu;
@@ -266,8 +267,8 @@ fn unit_chunks(
             CodecHeader::Depth(DepthHeader { coding: DepthCoding::Boxes(_), .. }) => {
                 records::<u16, Values>(size, count, random)?
             }
-            CodecHeader::Depth(_) => records::<u16, Pieces>(size, count, random)?,
-            CodecHeader::Material(header) if header.in_blocks => records::<[u8; 3], Pieces>(size, count, random)?,
+            CodecHeader::Depth(_) => records::<u16, BlockTiles>(size, count, random)?,
+            CodecHeader::Material(header) if header.in_blocks => records::<[u8; 3], BlockTiles>(size, count, random)?,
             CodecHeader::Material(_) => records::<[u8; 3], Values>(size, count, random)?,
             CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
                 cells(&header.cell_of_bytes(size), count, last, random)?

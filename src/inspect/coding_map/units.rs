@@ -6,9 +6,9 @@ use crate::color::blend::Sample;
 use crate::color::cells::CellChunk;
 use crate::container::{ChunkPlace, Payload};
 use crate::depth::block_chunk;
+use crate::depth::block_tiles::{BlockTexel, stored_tiles};
 use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::{Function, Grid, Place, function_of};
-use crate::depth::pieces::{BlockTexel, stored_pieces};
 use crate::depth::records::{Body, Layout, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
@@ -147,7 +147,7 @@ fn of_values([width, height]: [usize; 2], _: &[u8]) -> Vec<([usize; 4], Writing)
 
 fn of_pieces<T: BlockTexel>(size: [usize; 2], bytes: &[u8]) -> Vec<([usize; 4], Writing)> {
     let writing = |in_blocks| if in_blocks { Writing::Blocks } else { Writing::Values };
-    stored_pieces::<T>(bytes, size).map(|piece| (piece.rect, writing(piece.in_blocks))).collect()
+    stored_tiles::<T>(bytes, size).map(|piece| (piece.rect, writing(piece.in_blocks))).collect()
 }
 
 fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {

@@ -1,6 +1,9 @@
 use rayon::prelude::*;
 
 use super::*;
+use crate::depth::bc4w::line::Line;
+use crate::depth::bc4w::{MARKER_BYTES, MAX_ENDPOINT, Pair};
+use crate::depth::block::BlockMut;
 
 /// What the quicker efforts may lose on adversarial blocks, in dB on average.
 const NORMAL_LOSS_DB: f64 = 0.9;

@@ -1,4 +1,4 @@
-//! Counts nodes by level and function: what a stream is made of.
+//! Counts nodes by level and function.
 
 use crate::depth::nodes::{Function, Grid, Node};
 use crate::depth::runtime::LEVELS;
@@ -7,17 +7,14 @@ use crate::depth::storage::stored_bytes;
 /// How many nodes of one level and function there are, and what they take.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Share {
-    /// Nodes.
     pub nodes: u64,
-    /// Pixels of the picture that they write.
     pub pixels: u64,
     /// Bytes of their functions in the storage form; the walk, which they share, is not counted.
     pub bytes: u64,
 }
 
-/// Nodes by level and function.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct NodeCensus {
+pub struct ModeStatistics {
     shares: [[Share; 4]; LEVELS],
 }
 
@@ -29,7 +26,7 @@ impl Share {
     }
 }
 
-impl NodeCensus {
+impl ModeStatistics {
     /// Counts a node of a unit of `grid`'s size.
     pub fn count(&mut self, grid: Grid, node: &Node) {
         let share = Share { nodes: 1, pixels: grid.pixels_of(node.place), bytes: stored_bytes(node) as u64 };
@@ -41,19 +38,16 @@ impl NodeCensus {
         self.shares[usize::from(level)][function as usize].add(share);
     }
 
-    /// Adds another census.
-    pub fn add(&mut self, other: &NodeCensus) {
+    pub fn add(&mut self, other: &ModeStatistics) {
         for (row, other) in self.shares.iter_mut().zip(&other.shares) {
             row.iter_mut().zip(other).for_each(|(share, other)| share.add(*other));
         }
     }
 
-    /// The nodes of a level and function.
     pub fn share(&self, level: u8, function: Function) -> Share {
         self.shares.get(usize::from(level)).map_or(Share::default(), |row| row[function as usize])
     }
 
-    /// The nodes of a function at all levels.
     pub fn of(&self, function: Function) -> Share {
         let mut sum = Share::default();
         self.shares.iter().for_each(|row| sum.add(row[function as usize]));
@@ -65,7 +59,6 @@ impl NodeCensus {
         (0..LEVELS as u8).filter(|&level| self.shares[usize::from(level)].iter().any(|share| share.nodes > 0))
     }
 
-    /// Whether there is no node at all.
     pub fn is_empty(&self) -> bool {
         self.levels().next().is_none()
     }

@@ -4,7 +4,7 @@
 //! a pair costs in each pixel is the same for all lines.
 
 use crate::depth::bc4w::Pair;
-use crate::depth::bc4w::lines::bipartitions;
+use crate::depth::bc4w::bipartitions::bipartitions;
 use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
 use crate::depth::quantise::BACKGROUND_CODE;
 

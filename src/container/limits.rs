@@ -1,0 +1,108 @@
+//! Limits on files that claim more than their size justifies (container.md 2).
+
+use crate::container::index::Index;
+use crate::error::{Error, Result};
+
+/// What a reader may spend on a file that is not trusted (container.md 2, "What a reader spends").
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OpenLimits {
+    pub memory_floor_bytes: u64,
+    /// Beyond the floor, it may take this many times the file's size.
+    pub memory_ratio: u64,
+    pub unit_frames_floor: u64,
+    /// Beyond the floor, they may reach this many times the file's bytes.
+    pub unit_frames_ratio: u64,
+    pub pixels_floor: u64,
+    /// Beyond the floor, they may reach this many times the file's bytes.
+    pub pixels_ratio: u64,
+}
+
+impl OpenLimits {
+    /// 1 GiB or 1,024 times the file; 2²⁶ units in frames and 1,024 more for each byte of the file; 2³⁸ pixels and 2²⁰
+    /// more for each byte.
+    pub const DEFAULT: OpenLimits = OpenLimits {
+        memory_floor_bytes: 1 << 30,
+        memory_ratio: 1024,
+        unit_frames_floor: 1 << 26,
+        unit_frames_ratio: 1024,
+        pixels_floor: 1 << 38,
+        pixels_ratio: 1 << 20,
+    };
+    /// For a file that is trusted: whatever the format allows.
+    pub const NONE: OpenLimits = OpenLimits {
+        memory_floor_bytes: u64::MAX,
+        unit_frames_floor: u64::MAX,
+        pixels_floor: u64::MAX,
+        ..OpenLimits::DEFAULT
+    };
+    /// All streams together may take so many times what one may.
+    const ALL_STREAMS: u64 = 4;
+
+    /// Bytes that decoding one stream of a file of `file_bytes` may take.
+    pub fn stream_bytes(&self, file_bytes: u64) -> u64 {
+        self.memory_floor_bytes.max(self.memory_ratio.saturating_mul(file_bytes))
+    }
+
+    /// Bytes that decoding all streams of a file of `file_bytes` at once may take.
+    pub fn all_streams_bytes(&self, file_bytes: u64) -> u64 {
+        self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
+    }
+
+    /// Units times frames that a file of `file_bytes` may have.
+    pub fn unit_frames(&self, file_bytes: u64) -> u64 {
+        self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
+    }
+
+    /// Pixels that all images of a file of `file_bytes` may have.
+    pub fn pixels(&self, file_bytes: u64) -> u64 {
+        self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
+    }
+}
+
+impl Default for OpenLimits {
+    fn default() -> Self {
+        OpenLimits::DEFAULT
+    }
+}
+
+/// What decoding one image of a stream takes at the least: 3 bytes a pixel, which no codec goes below once the image is put
+/// together from its units, and the largest payload of each unit.
+fn least_bytes(index: &Index, at: u32) -> u64 {
+    let stream = &index.streams[at as usize];
+    let pixels = u64::from(stream.width) * u64::from(stream.height) * 3;
+    pixels.saturating_add(index.held_payload_bytes(at, |bytes| bytes))
+}
+
+/// Refuses an index whose images, payloads or frames are more than `limits` allow for a file of `file_bytes`. Decoders
+/// know more of a stream, and may refuse more.
+pub fn check(index: &Index, file_bytes: u64, limits: OpenLimits) -> Result<()> {
+    let (mut total, mut unit_frames, mut pixels) = (0u64, 0u64, 0u64);
+    for (at, stream) in (0..).zip(&index.streams) {
+        let bytes = least_bytes(index, at);
+        if bytes > limits.stream_bytes(file_bytes) {
+            return Err(Error::invalid(format!(
+                "stream {at} claims {}x{} pixels and payloads of {} bytes, more than a file of {file_bytes} bytes justifies",
+                stream.width,
+                stream.height,
+                index.held_payload_bytes(at, |bytes| bytes)
+            )));
+        }
+        total = total.saturating_add(bytes);
+        let frames = u64::from(stream.frame_count);
+        unit_frames = unit_frames.saturating_add(u64::from(stream.unit_count()) * frames);
+        pixels = pixels.saturating_add(u64::from(stream.width) * u64::from(stream.height) * frames);
+    }
+    if total > limits.all_streams_bytes(file_bytes) {
+        return Err(Error::invalid(format!(
+            "{} streams claim images and payloads of {total} bytes, more than a file of {file_bytes} bytes justifies",
+            index.streams.len()
+        )));
+    }
+    if unit_frames > limits.unit_frames(file_bytes) || pixels > limits.pixels(file_bytes) {
+        return Err(Error::invalid(format!(
+            "the streams claim {unit_frames} units and {pixels} pixels in all their frames, more than a file of \
+             {file_bytes} bytes justifies"
+        )));
+    }
+    Ok(())
+}

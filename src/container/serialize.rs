@@ -1,0 +1,164 @@
+//! Head, index and foot as bytes (container.md 3 to 7): the reverse of what [`header`](crate::container::header),
+//! [`chunk`](crate::container::chunk) and [`index`](crate::container::index) read.
+
+use crate::container::chunk::ChunkEntry;
+use crate::container::header::{FOOT_BYTES, FOOT_MAGIC, Foot, HEAD_BYTES, MAGIC, VERSION_MAJOR, VERSION_MINOR};
+use crate::container::index::Index;
+use crate::error::{Error, Result};
+
+/// Appends little-endian fields to a byte vector; the mirror of [`Fields`].
+pub trait PutFields {
+    fn put_u16(&mut self, value: u16);
+    fn put_u32(&mut self, value: u32);
+    fn put_u64(&mut self, value: u64);
+    fn put_f32(&mut self, value: f32);
+    fn put_f64(&mut self, value: f64);
+    /// A u16 length and the UTF-8 bytes.
+    fn put_string(&mut self, what: &str, value: &str) -> Result<()>;
+}
+
+impl PutFields for Vec<u8> {
+    fn put_u16(&mut self, value: u16) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_u32(&mut self, value: u32) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_u64(&mut self, value: u64) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_f32(&mut self, value: f32) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_f64(&mut self, value: f64) {
+        self.extend_from_slice(&value.to_le_bytes());
+    }
+
+    fn put_string(&mut self, what: &str, value: &str) -> Result<()> {
+        let length = u16::try_from(value.len())
+            .map_err(|_| Error::Usage(format!("{what} has {} bytes; a container holds at most 65535", value.len())))?;
+        self.put_u16(length);
+        self.extend_from_slice(value.as_bytes());
+        Ok(())
+    }
+}
+
+pub fn write_head() -> [u8; HEAD_BYTES] {
+    let mut head = [0; HEAD_BYTES];
+    head[..8].copy_from_slice(&MAGIC);
+    head[8..10].copy_from_slice(&VERSION_MAJOR.to_le_bytes());
+    head[10..12].copy_from_slice(&VERSION_MINOR.to_le_bytes());
+    head
+}
+
+impl ChunkEntry {
+    pub fn write(&self, out: &mut Vec<u8>) {
+        out.put_u32(self.key.stream);
+        out.put_u32(self.key.unit);
+        out.put_u32(self.key.first_frame);
+        out.put_u32(self.key.frame_count);
+        out.put_u64(self.offset);
+        out.put_u32(self.stored_bytes);
+        out.put_u32(self.raw_bytes);
+        out.put_u32(self.crc32);
+        out.push(self.storage as u8);
+        out.extend_from_slice(&[0; 3]);
+    }
+}
+
+impl Index {
+    pub fn write(&self) -> Result<Vec<u8>> {
+        let mut out = Vec::new();
+        let count = |what: &str, n: usize| {
+            u32::try_from(n).map_err(|_| Error::unsupported(format!("a container of {n} {what}: at most 2^32 - 1 fit")))
+        };
+        out.put_u32(count("probes", self.probes.len())?);
+        out.put_u32(count("streams", self.streams.len())?);
+        out.put_u32(count("chunks", self.chunks.len())?);
+        out.push(self.projection);
+        out.extend_from_slice(&[0; 3]);
+        out.put_f64(self.fps);
+        out.put_string("the dataset's name", &self.name)?;
+        for probe in &self.probes {
+            out.put_string("a probe's name", &probe.name)?;
+            probe.position.iter().chain(&probe.orientation).for_each(|&value| out.put_f64(value));
+            probe.frames.iter().for_each(|&frame| out.put_u32(frame));
+            probe.intrinsics.iter().for_each(|&value| out.put_f64(value));
+        }
+        for stream in &self.streams {
+            out.extend_from_slice(&[stream.kind, stream.face]);
+            out.put_u16(stream.probe);
+            out.extend_from_slice(&stream.codec);
+            for value in [
+                stream.width,
+                stream.height,
+                stream.first_frame,
+                stream.frame_count,
+                stream.unit_width,
+                stream.unit_height,
+                count("codec header bytes", stream.codec_header.len())?,
+            ] {
+                out.put_u32(value);
+            }
+            out.extend_from_slice(&stream.codec_header);
+        }
+        self.chunks.iter().for_each(|chunk| chunk.write(&mut out));
+        Ok(out)
+    }
+}
+
+impl Foot {
+    /// The last bytes of a file that ends with this foot right after its index.
+    pub fn write(&self) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(FOOT_BYTES);
+        bytes.put_u64(self.index_offset);
+        bytes.put_u64(self.index_bytes);
+        bytes.put_u32(self.index_crc32);
+        bytes.put_u32(0);
+        bytes.put_u64(self.index_offset + self.index_bytes + FOOT_BYTES as u64);
+        let crc = crc32fast::hash(&bytes);
+        bytes.put_u32(crc);
+        bytes.extend_from_slice(&FOOT_MAGIC);
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::container::header::read_head;
+
+    #[test]
+    fn the_foot_round_trips_and_any_changed_byte_is_refused() {
+        let foot = Foot { index_offset: 16, index_bytes: 1000, index_crc32: 0xdead_beef };
+        let bytes = foot.write();
+        let size = 16 + 1000 + FOOT_BYTES as u64;
+        assert_eq!(Foot::read(&bytes, size).unwrap(), foot);
+        for at in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[at] ^= 0x10;
+            assert!(Foot::read(&damaged, size).is_err(), "byte {at}");
+        }
+        assert!(Foot::read(&bytes, size + 1).is_err());
+        assert!(Foot::read(&bytes[1..], size).is_err());
+    }
+
+    #[test]
+    fn the_head_refuses_other_files_versions_and_flags() {
+        let head = write_head();
+        assert_eq!(read_head(&head).unwrap(), VERSION_MINOR);
+        for at in (0..8).chain(8..10).chain(12..16) {
+            let mut damaged = head;
+            damaged[at] ^= 1;
+            assert!(read_head(&damaged).is_err(), "byte {at}");
+        }
+        let mut later = head;
+        later[10] = 9;
+        assert_eq!(read_head(&later).unwrap(), 9);
+        assert!(read_head(&head[..15]).is_err());
+    }
+}

@@ -1,0 +1,81 @@
+//! Byte ranges of a container, from a file, from memory, or from whatever implements [`ByteSource`].
+
+use std::fs::File;
+use std::io;
+use std::sync::Arc;
+
+/// The bytes of a container, which do not change while it is open. Several threads read at once.
+pub trait ByteSource: std::fmt::Debug + Send + Sync {
+    /// Number of bytes.
+    ///
+    /// # Errors
+    /// Where it cannot be found out.
+    fn byte_count(&self) -> io::Result<u64>;
+
+    /// Fills `bytes` with those from `offset` on.
+    ///
+    /// # Errors
+    /// Of kind [`io::ErrorKind::UnexpectedEof`] where the source ends before; any other where reading fails.
+    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()>;
+
+    /// All bytes where they lie in shared memory: chunks are then parts of it, and nothing is copied.
+    fn memory(&self) -> Option<&Arc<Vec<u8>>> {
+        None
+    }
+}
+
+impl ByteSource for Arc<Vec<u8>> {
+    fn byte_count(&self) -> io::Result<u64> {
+        Ok(self.len() as u64)
+    }
+
+    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        read_slice(self, offset, bytes)
+    }
+
+    fn memory(&self) -> Option<&Arc<Vec<u8>>> {
+        Some(self)
+    }
+}
+
+impl ByteSource for &'static [u8] {
+    fn byte_count(&self) -> io::Result<u64> {
+        Ok(self.len() as u64)
+    }
+
+    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        read_slice(self, offset, bytes)
+    }
+}
+
+fn read_slice(memory: &[u8], offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+    let start = usize::try_from(offset).ok();
+    let part = start.and_then(|start| memory.get(start..start.checked_add(bytes.len())?));
+    bytes.copy_from_slice(part.ok_or(io::ErrorKind::UnexpectedEof)?);
+    Ok(())
+}
+
+impl ByteSource for File {
+    fn byte_count(&self) -> io::Result<u64> {
+        Ok(self.metadata()?.len())
+    }
+
+    #[cfg(unix)]
+    fn read_at(&self, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(self, bytes, offset)
+    }
+
+    #[cfg(windows)]
+    fn read_at(&self, mut offset: u64, mut bytes: &mut [u8]) -> io::Result<()> {
+        while !bytes.is_empty() {
+            match std::os::windows::fs::FileExt::seek_read(self, bytes, offset)? {
+                0 => return Err(io::ErrorKind::UnexpectedEof.into()),
+                count => {
+                    bytes = &mut bytes[count..];
+                    offset += count as u64;
+                }
+            }
+        }
+        Ok(())
+    }
+}

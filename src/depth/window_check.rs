@@ -1,0 +1,165 @@
+//! Checks that any path of steps of at most W frames shows the same pictures (depth.md 4).
+//!
+//! In: the records of a chunk. Out: an error at the first frame whose record leaves out a pixel that changed less than W
+//! frames before.
+
+use std::path::PathBuf;
+
+use crate::depth::node_chunk::NodeChunk;
+use crate::depth::records::{Body, Layout, TemporalChunk};
+use crate::depth::texel::Texel;
+use crate::error::{Error, Result};
+
+/// A chunk whose records replace rectangles of pixels.
+pub trait Updates {
+    type Texel: Texel;
+
+    fn size(&self) -> [usize; 2];
+
+    /// Frames of the records, ascending from 0.
+    fn frames(&self) -> Vec<u32>;
+
+    /// Left, top, width and height of the rectangles that record `at` replaces.
+    fn rectangles(&self, at: usize) -> Vec<[usize; 4]>;
+
+    fn apply(&self, at: usize, picture: &mut [Self::Texel]);
+}
+
+impl<T: Texel, L: Layout<T>> Updates for TemporalChunk<T, L> {
+    type Texel = T;
+
+    fn size(&self) -> [usize; 2] {
+        self.size().map(|side| side as usize)
+    }
+
+    fn frames(&self) -> Vec<u32> {
+        self.records().iter().map(|record| record.frame).collect()
+    }
+
+    fn rectangles(&self, at: usize) -> Vec<[usize; 4]> {
+        match self.records()[at].body {
+            Body::Whole(_) | Body::Constant(_) => {
+                let [width, height] = Updates::size(self);
+                vec![[0, 0, width, height]]
+            }
+            body => self.boxes(body).iter().map(|(b, _)| [b.x, b.y, b.width, b.height].map(usize::from)).collect(),
+        }
+    }
+
+    fn apply(&self, at: usize, picture: &mut [T]) {
+        self.apply(picture, self.records()[at].body);
+    }
+}
+
+impl Updates for NodeChunk {
+    type Texel = u16;
+
+    fn size(&self) -> [usize; 2] {
+        let grid = self.runtime().grid();
+        [grid.width as usize, grid.height as usize]
+    }
+
+    fn frames(&self) -> Vec<u32> {
+        self.runtime().frames().iter().map(|frame| frame.frame).collect()
+    }
+
+    fn rectangles(&self, at: usize) -> Vec<[usize; 4]> {
+        let runtime = self.runtime();
+        let places = runtime.nodes(runtime.frames()[at]).map(|(place, _)| place);
+        places.map(|place| runtime.grid().rect_of(place).map(|value| value as usize)).collect()
+    }
+
+    fn apply(&self, at: usize, picture: &mut [u16]) {
+        self.apply(picture, self.runtime().frames()[at]);
+    }
+}
+
+/// Refuses a chunk of `frame_count` frames in which frame n does not replace a pixel whose value changed in one of the
+/// W - 1 frames before n. Frames without a record replace nothing.
+///
+/// Time and memory: two pictures, and one pass over the unit for each record.
+pub fn check_window<C: Updates>(chunk: &C, window: u8, frame_count: u32) -> Result<()> {
+    let (window, [width, height]) = (u32::from(window), chunk.size());
+    let mut picture = vec![C::Texel::default(); width * height];
+    let mut before = picture.clone();
+    let mut covered = vec![false; width * height];
+    // 0: not since the keyframe.
+    let mut changed_at = vec![0; width * height];
+    let frames = chunk.frames();
+    for (at, &frame) in frames.iter().enumerate() {
+        covered.fill(false);
+        for [left, top, columns, rows] in chunk.rectangles(at) {
+            covered[top * width..].chunks_mut(width).take(rows).for_each(|row| row[left..left + columns].fill(true));
+        }
+        before.copy_from_slice(&picture);
+        chunk.apply(at, &mut picture);
+        if at > 0 {
+            for (pixel, changed_at) in changed_at.iter_mut().enumerate() {
+                if !covered[pixel] {
+                    check_pixel(pixel, width, window, *changed_at, frame)?;
+                } else if picture[pixel] != before[pixel] {
+                    *changed_at = frame;
+                }
+            }
+        }
+        let next = frames.get(at + 1).copied().unwrap_or(frame_count);
+        if next > frame + 1 {
+            // The frames up to the next record replace nothing; the first of them is the strictest.
+            for (pixel, &changed_at) in changed_at.iter().enumerate() {
+                check_pixel(pixel, width, window, changed_at, frame + 1)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn check_pixel(pixel: usize, width: usize, window: u32, changed_at: u32, frame: u32) -> Result<()> {
+    if changed_at == 0 || frame - changed_at >= window {
+        return Ok(());
+    }
+    let (x, y) = (pixel % width, pixel / width);
+    let message = format!(
+        "pixel ({x}, {y}) of the unit changes in frame {changed_at} of the chunk, and frame {frame} does not repeat it: a \
+         decoder that steps over frames, up to the window of {window}, shows another picture"
+    );
+    Err(Error::Invalid { file: PathBuf::new(), offset: None, section: "depth.md 4", message })
+}
+
+#[cfg(feature = "encode")]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::boxes::PixelBox;
+    use crate::depth::records::builder::ChunkBuilder;
+
+    /// 3x1 pixels; each record writes pixel `x` with `code` in `frame`.
+    fn chunk(records: &[(u32, u16, u16)], frame_count: u32) -> TemporalChunk<u16> {
+        let mut builder = ChunkBuilder::<u16>::new(&[1, 2, 3]);
+        for &(frame, x, code) in records {
+            builder.push_boxes(frame, &[PixelBox { x, y: 0, width: 1, height: 1 }], &[code; 3], 3);
+        }
+        TemporalChunk::parse(builder.finish().unwrap(), [3, 1], frame_count).unwrap()
+    }
+
+    fn holds(records: &[(u32, u16, u16)], window: u8, frame_count: u32) -> bool {
+        check_window(&chunk(records, frame_count), window, frame_count).is_ok()
+    }
+
+    #[test]
+    fn a_change_must_be_repeated_for_the_window() {
+        let once = [(1, 0, 9)];
+        assert!(holds(&once, 1, 5) && holds(&once, 2, 2));
+        assert!(!holds(&once, 2, 3));
+        let twice = [(1, 0, 9), (2, 0, 9)];
+        assert!(holds(&twice, 2, u32::MAX) && holds(&twice, 3, 3) && !holds(&twice, 3, 4));
+        // Another pixel, a gap, and a value that comes back.
+        assert!(!holds(&[(1, 0, 9), (2, 1, 9), (3, 1, 9)], 2, 4));
+        assert!(!holds(&[(1, 0, 9), (3, 0, 9)], 3, 4));
+        assert!(!holds(&[(1, 0, 9), (2, 0, 1)], 2, 4));
+        assert!(holds(&[(1, 0, 9), (2, 0, 1), (3, 0, 1)], 2, 4));
+        // A value that stays what it was is no change.
+        assert!(holds(&[(1, 0, 1)], 255, 300));
+        let error = check_window(&chunk(&once, 3), 2, 3).unwrap_err().to_string();
+        assert!(error.contains("pixel (0, 0)") && error.ends_with("(formats/depth.md 4)"), "{error}");
+    }
+}
