@@ -1,7 +1,7 @@
 //! LZMA2 for chunk payloads (container.md 6.1). The raw LZMA2 chunk stream, without xz framing: the container's own
 //! CRC-32 guards it.
 
-use std::io::{Read, Write};
+use std::io::Read;
 
 use crate::error::{Error, Result};
 
@@ -34,32 +34,4 @@ pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
         0 => Ok(raw),
         left => Err(Error::invalid(format!("{left} bytes follow the end of the chunk's LZMA2 stream"))),
     }
-}
-
-/// Takes what comes out, up to a number of bytes.
-struct Capped {
-    raw: Vec<u8>,
-    most: usize,
-}
-
-impl Write for Capped {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        if bytes.len() > self.most - self.raw.len() {
-            return Err(std::io::Error::other("more comes out than the table says"));
-        }
-        self.raw.extend_from_slice(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-/// Decompresses at most `raw_bytes` with an independent implementation, for verification.
-pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
-    let mut capped = Capped { raw: Vec::new(), most: raw_bytes as usize };
-    lzma_rs::lzma2_decompress(&mut std::io::BufReader::new(stored), &mut capped)
-        .map_err(|error| Error::invalid(format!("the second LZMA2 decoder refuses the chunk: {error:?}")))?;
-    Ok(capped.raw)
 }

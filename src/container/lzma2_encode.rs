@@ -21,7 +21,8 @@ pub fn compress(raw: &[u8], level: u32) -> Result<Vec<u8>> {
 mod tests {
     use super::*;
     use crate::container::chunk::MAX_EXPANSION;
-    use crate::container::lzma2::{decompress, decompress_independent};
+    use crate::container::lzma2::decompress;
+    use crate::container::lzma2_independent::decompress_independent;
 
     #[test]
     fn both_decoders_give_back_what_was_compressed() {

@@ -13,6 +13,8 @@ pub mod limits;
 pub mod lzma2;
 #[cfg(feature = "encode")]
 pub mod lzma2_encode;
+#[cfg(feature = "encode")]
+pub mod lzma2_independent;
 pub mod payload;
 pub mod reader;
 #[cfg(feature = "encode")]

@@ -3,7 +3,7 @@
 //! Enters: an open container. Leaves: numbers. Chunks are fetched, counted and dropped, units in parallel, so memory
 //! stays at one chunk for each thread. Counts are those of a decoder that shows all frames in order.
 
-use crate::container::{ChunkEntry, Reader, Storage, lzma2};
+use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
@@ -332,7 +332,7 @@ impl Watch<'_> {
             Storage::Lzma2 => {
                 let payload = lzma2::decompress(&stored, chunk.raw_bytes)?;
                 if self.settings.check == Check::ListAll
-                    && lzma2::decompress_independent(&stored, chunk.raw_bytes)? != payload
+                    && lzma2_independent::decompress_independent(&stored, chunk.raw_bytes)? != payload
                 {
                     return Err(Error::invalid("two LZMA2 decoders do not agree on the chunk"));
                 }

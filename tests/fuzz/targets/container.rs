@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use lightfold::container::{OpenLimits, Reader, lzma2};
+use lightfold::container::{OpenLimits, Reader, lzma2, lzma2_independent};
 use lightfold::decode::{self, AllUnits, Decoder, FaceDecoder, OnDamage, Picture, Request, StreamFrames, StreamInfo};
 use lightfold::depth::mode_decision::Decide;
 use lightfold::effort::Effort;
@@ -246,7 +246,7 @@ pub fn run_lzma2(bytes: &[u8]) -> Judged {
     if raw.len() != raw_bytes as usize {
         return Err(format!("{} bytes where {raw_bytes} were asked for", raw.len()));
     }
-    match lzma2::decompress_independent(stored, raw_bytes) {
+    match lzma2_independent::decompress_independent(stored, raw_bytes) {
         Ok(other) if other != *raw => Err("two LZMA2 decoders do not agree".into()),
         Ok(_) => Ok(Verdict::Accepted),
         Err(error @ Error::Invalid { .. }) => refused(&error),
