@@ -40,6 +40,8 @@ mod modules {
     pub mod image;
     #[cfg(feature = "encode")]
     pub mod inspect;
+    #[cfg(feature = "encode")]
+    pub mod json;
     #[cfg(feature = "render")]
     pub mod march;
     pub mod math;

@@ -3,17 +3,18 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
-use crate::cli::encode::{self, Encoded, Unfinished};
+use crate::cli::encode::{self, Unfinished};
 use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, MemoryArgs, OutputArgs, SequenceArgs};
-use crate::cli::output::{self, json_number};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
-use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
-use crate::encode::{DepthCodec, EncodeSettings, tile_quality};
+use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
+use crate::encode::tile_quality::{self, TileQualityReport};
+use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::report::{Column, Table};
 
@@ -66,6 +67,15 @@ pub struct Args {
     pub memory: MemoryArgs,
 }
 
+/// The JSON report of `--stats`.
+#[derive(Serialize)]
+struct Document {
+    #[serde(flatten)]
+    quality: TileQualityReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    encode: Option<EncodeReport>,
+}
+
 /// Encodes a sequence as blocks, measures it, or both.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
@@ -107,7 +117,7 @@ fn measure(
     args: &Args,
     source: &Source,
     settings: &EncodeSettings,
-    encoded: Option<Encoded>,
+    encoded: Option<EncodeReport>,
     global: &GlobalArgs,
 ) -> Result<ExitStatus> {
     let start = Instant::now();
@@ -116,48 +126,14 @@ fn measure(
     drop(progress);
     let seconds = start.elapsed().as_secs_f64();
     if args.json {
-        let mut report = stats_json(&found, seconds);
-        if let (Some(encoded), Value::Object(report)) = (encoded, &mut report) {
-            report.insert("encode".into(), encoded.json());
-        }
-        output::add_peak_memory(&mut report);
-        output::print_json(&report)?;
+        output::print_report(&Document { quality: TileQualityReport::new(&found, seconds), encode: encoded })?;
     } else {
         if let (Some(encoded), Some(path), false) = (encoded, &args.output, global.quiet) {
-            output::note(encoded.text(path));
+            output::note(encode::text(path, &encoded));
         }
         output::print_text(&stats_text(&found, seconds))?;
     }
     Ok(ExitStatus::Passed)
-}
-
-fn stats_json(found: &TilePsnr, seconds: f64) -> Value {
-    let model = |psnr: &PsnrDistribution| {
-        json!({
-            "mean": psnr.mean_db(),
-            "min": json_number(psnr.min_db()),
-            "p05": json_number(psnr.quantile_db(0.05)),
-            "p50": json_number(psnr.quantile_db(0.5)),
-            "p95": json_number(psnr.quantile_db(0.95)),
-            "exact_tiles": psnr.exact,
-            "unmodelled_tiles": psnr.unmodelled,
-        })
-    };
-    let each = |f: &dyn Fn(&PsnrDistribution) -> Value| {
-        TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), f(found.of(of)))).collect::<Map<_, _>>()
-    };
-    json!({
-        "tiles": found.tiles(),
-        "seconds": seconds,
-        "psnr_db": each(&model),
-        "max_error_codes": found.bc4w_max_error,
-        "histogram": {
-            "bin_db": BIN_DB,
-            "first_db": 0,
-            "tiles": each(&|psnr| json!(psnr.histogram())),
-        },
-        "exact_counts_as_db": EXACT_DB,
-    })
 }
 
 fn stats_text(found: &TilePsnr, seconds: f64) -> String {

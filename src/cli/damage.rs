@@ -1,31 +1,9 @@
-//! Damaged chunks as reports list them.
+//! Lists damaged chunks.
 
 use std::collections::HashMap;
 use std::fmt::Write;
 
-use serde_json::{Value, json};
-
 use crate::decode::{DamagedChunk, Decoder};
-
-/// One object for each chunk.
-pub fn json(decoder: &Decoder, damaged: &[DamagedChunk]) -> Vec<Value> {
-    let object = |damaged: &DamagedChunk| {
-        let key = damaged.chunk.key;
-        let stream = &decoder.streams()[key.stream as usize];
-        let frames = damaged.frames();
-        json!({
-            "stream": key.stream,
-            "kind": stream.kind.name(),
-            "probe": decoder.probe(stream).name,
-            "face": stream.face.name(),
-            "unit": key.unit,
-            "frames": [frames.first, frames.last],
-            "offset": damaged.chunk.offset,
-            "reason": damaged.reason,
-        })
-    };
-    damaged.iter().map(object).collect()
-}
 
 /// One line for each place in the file; chunks of equal bytes lie at the same one.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {

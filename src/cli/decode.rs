@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::ValueEnum;
-use serde_json::json;
+use serde::Serialize;
 
 use crate::cli::damage;
 use crate::cli::device::{self, DeviceArg, GpuArgs};
@@ -13,7 +13,9 @@ use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::manifest::MANIFEST_NAME;
-use crate::decode::{self, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request};
+use crate::decode::{
+    self, DecodeReport, DecodeTimes, Decoded, Decoder, Destination, FileFormat, ImageSource, OnCpu, OnDamage, Request,
+};
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
 use crate::gpu::Gpu;
@@ -21,6 +23,7 @@ use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
 use crate::report::tradeoff::Timing;
+use crate::views::seen_units::SeenReport;
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -158,13 +161,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         runs.runs.remove(0);
     }
     drop(progress);
-    let pace =
-        Pace { runs, repeated: args.repeat.is_some(), reading_seconds: reading.as_secs_f64(), in_memory, device: name };
+    let times = DecodeTimes {
+        seconds: runs.median().unwrap_or_default(),
+        reading_seconds: reading.as_secs_f64(),
+        container_in_memory: in_memory,
+        runs_seconds: args.repeat.map(|_| runs.runs.clone()),
+        device: name,
+    };
     if args.keep_going && !args.json {
         output::note(damage::lines(&decoder, &decoded.damaged).trim_end());
     }
-    let listed = args.keep_going.then_some(&decoder);
-    report(args, (&decoded, listed, &view), &pace, found.as_ref(), global)?;
+    let run = Run { decoder: &decoder, decoded: &decoded, view: &view, times: &times, verification: found.as_ref() };
+    run.report(args, global)?;
     match found {
         Some(found) if found.mismatched_words > 0 => Ok(ExitStatus::Failed),
         _ if !decoded.damaged.is_empty() => Err(verdict(&decoded, images).in_file(input)),
@@ -315,89 +323,72 @@ fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     Ok((pattern.has_field() || image).then_some(pattern))
 }
 
-/// How long it took.
-struct Pace {
-    /// Of each run that counts.
-    runs: Timing,
-    repeated: bool,
-    /// Time for reading the file beforehand, which `runs` do not include.
-    reading_seconds: f64,
-    in_memory: bool,
-    /// What decoded.
-    device: String,
+/// The JSON report.
+#[derive(Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    decoded: DecodeReport<'a>,
+    #[serde(flatten)]
+    seen: Option<SeenReport>,
+    #[serde(flatten)]
+    verification: Option<&'a Verification>,
 }
 
-fn report(
-    args: &Args,
-    (decoded, listed, view): (&Decoded, Option<&Decoder>, &View),
-    pace: &Pace,
-    found: Option<&Verification>,
-    global: &GlobalArgs,
-) -> Result<()> {
-    let summary = &decoded.summary;
-    let seconds = pace.runs.median().unwrap_or_default();
-    let speed = summary.pixels as f64 / 1e6 / seconds.max(1e-9);
-    let changed = 100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64;
-    if args.json {
-        let mut report = json!({
-            "frames": summary.frames,
-            "pixels": summary.pixels,
-            "updated_pixels": summary.cost.updated_pixels,
-            "seconds": seconds,
-            "reading_seconds": pace.reading_seconds,
-            "container_in_memory": pace.in_memory,
-            "megapixels_per_second": speed,
-            "updated_megapixels_per_second": summary.cost.updated_pixels as f64 / 1e6 / seconds.max(1e-9),
-            "bytes_read": summary.cost.bytes_read,
-            "bytes_out": summary.bytes_out,
-            "fetching_thread_seconds": summary.cost.fetching.as_secs_f64(),
-            "applying_thread_seconds": summary.cost.applying.as_secs_f64(),
-            "device": pace.device,
-        });
-        if pace.repeated {
-            report["runs_seconds"] = json!(pace.runs.runs);
+/// Results of a run.
+struct Run<'a> {
+    decoder: &'a Decoder,
+    decoded: &'a Decoded,
+    view: &'a View,
+    times: &'a DecodeTimes,
+    verification: Option<&'a Verification>,
+}
+
+impl Run<'_> {
+    fn report(&self, args: &Args, global: &GlobalArgs) -> Result<()> {
+        let decoded = DecodeReport::new(self.decoded, self.times);
+        if args.json {
+            let decoded = if args.keep_going { decoded.with_damage(self.decoder, self.decoded) } else { decoded };
+            let (seen, verification) = (self.view.report(), self.verification);
+            return output::print_report(&Document { decoded, seen, verification });
         }
-        if let Some(decoder) = listed {
-            report["damaged"] = damage::json(decoder, &decoded.damaged).into();
-            let missing = decoded.missing.iter().map(|missing| decode::missing_json(decoder, missing));
-            report["missing"] = missing.collect::<Vec<_>>().into();
-        }
-        output::add_peak_memory(&mut report);
-        view.add_to(&mut report);
-        if let Some(found) = found {
-            report["mismatched_words"] = found.mismatched_words.into();
-            report["first_mismatch"] = found.first.clone().into();
-        }
-        return output::print_json(&report);
-    }
-    let line = format!(
-        "{} images, {:.1} Mpixel of which {changed:.2}% changed, {} read, {} {}, {seconds:.3} s, {speed:.0} Mpixel/s",
-        summary.frames,
-        summary.pixels as f64 / 1e6,
-        human_bytes(summary.cost.bytes_read),
-        human_bytes(summary.bytes_out),
-        if args.output.is_none() { "decoded" } else { "written" },
-    );
-    let on = if pace.device == "cpu" { String::new() } else { format!(", on {}", pace.device) };
-    let compared = match found {
-        None => String::new(),
-        Some(Verification { first: Some(first), mismatched_words }) => {
-            format!("\n{mismatched_words} words differ from the CPU's, the first in {first}")
-        }
-        Some(_) => "\nall words are those of the CPU".to_owned(),
-    };
-    let spread = pace.runs.spread().filter(|_| pace.repeated).map_or_else(String::new, |(least, most)| {
-        format!("; median of {} runs of {least:.4} to {most:.4} s", pace.runs.runs.len())
-    });
-    let line = format!("{line}{on}{}{spread}{compared}", view.line(summary));
-    match &args.output {
-        None => output::print_text(&format!("{line}\n")),
-        Some(output) => {
-            if !global.quiet {
-                output::note(format_args!("{}: {line}", output.display()));
+        let line = self.text(args, decoded.megapixels_per_second);
+        match &args.output {
+            None => output::print_text(&format!("{line}\n")),
+            Some(output) => {
+                if !global.quiet {
+                    output::note(format_args!("{}: {line}", output.display()));
+                }
+                Ok(())
             }
-            Ok(())
         }
+    }
+
+    fn text(&self, args: &Args, megapixels_per_second: f64) -> String {
+        let (summary, times) = (&self.decoded.summary, self.times);
+        let line = format!(
+            "{} images, {:.1} Mpixel of which {:.2}% changed, {} read, {} {}, {:.3} s, {megapixels_per_second:.0} Mpixel/s",
+            summary.frames,
+            summary.pixels as f64 / 1e6,
+            100.0 * summary.cost.updated_pixels as f64 / summary.pixels.max(1) as f64,
+            human_bytes(summary.cost.bytes_read),
+            human_bytes(summary.bytes_out),
+            if args.output.is_none() { "decoded" } else { "written" },
+            times.seconds,
+        );
+        let on = if times.device == "cpu" { String::new() } else { format!(", on {}", times.device) };
+        let compared = match self.verification {
+            None => String::new(),
+            Some(Verification { first: Some(first), mismatched_words }) => {
+                format!("\n{mismatched_words} words differ from the CPU's, the first in {first}")
+            }
+            Some(_) => "\nall words equal those of the CPU".to_owned(),
+        };
+        let runs = times.runs_seconds.clone().map(|runs| Timing { runs });
+        let range = runs.and_then(|runs| Some((runs.runs.len(), runs.spread()?)));
+        let range = range.map_or_else(String::new, |(count, (least, most))| {
+            format!("; median of {count} runs of {least:.4} to {most:.4} s")
+        });
+        format!("{line}{on}{}{range}{compared}", self.view.line(summary))
     }
 }
 

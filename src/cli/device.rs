@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::error::{Error, Result};
-use crate::gpu::device::{self, DeviceChoice, DeviceInfo, Gpu, Pick};
+use crate::gpu::device::{self, DeviceChoice, Gpu, Pick};
 use crate::report::table::{Column, Table};
 
 /// Picks a graphics device by its number or a part of its name, where `--gpu-index` does not.
@@ -77,7 +77,7 @@ pub fn or_on_cpu<T>(
 pub fn list(as_json: bool) -> Result<ExitStatus> {
     let devices = device::list();
     if as_json {
-        output::print_json(&json!({ "devices": devices.iter().map(to_json).collect::<Vec<_>>() }))?;
+        output::print_json(&json!({ "devices": devices }))?;
         return Ok(ExitStatus::Passed);
     }
     let mut table = Table::new(&[
@@ -105,17 +105,4 @@ pub fn list(as_json: bool) -> Result<ExitStatus> {
         false => output::print_text(&table.to_string())?,
     }
     Ok(ExitStatus::Passed)
-}
-
-/// A device as JSON.
-pub fn to_json(info: &DeviceInfo) -> serde_json::Value {
-    json!({
-        "index": info.index,
-        "name": info.name,
-        "kind": info.kind,
-        "backend": info.backend,
-        "driver": info.driver,
-        "max_binding_bytes": info.max_binding_bytes,
-        "max_workgroup_invocations": info.max_invocations,
-    })
 }

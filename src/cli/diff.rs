@@ -1,24 +1,18 @@
 //! `lightfold diff A B`: how far two of anything are apart, and where most.
 
 use clap::ValueEnum;
-use serde_json::{Value, json};
 
 use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
-use crate::cli::output::{self, json_number};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::color::quality::PU_STEPS;
-use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
-use crate::compare::difference::{DepthErrors, Lowest, SampleErrors, Spot};
-use crate::compare::domain::{Domain, Origin};
-use crate::compare::side::{self, Coding, Side, SideOptions, StreamId};
+use crate::compare::bounds::Bounds;
+use crate::compare::side::{self, SideOptions};
 use crate::compare::streams::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Selection;
 use crate::error::Result;
 use crate::image::cube::Face;
-use crate::image::transfer::Transfer;
-use crate::streams::ColorFormat;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -115,16 +109,25 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let progress = Progress::start(global, "comparing", pairing.images())?;
     let comparison = compare(&pairing, &settings, &progress)?;
     drop(progress);
-    let verdict = Verdict::new(args, &comparison);
+    let judgement = args.bounds().judge(&comparison);
     if args.json {
-        let mut report = report_json(&sides, &comparison, &verdict);
-        output::add_peak_memory(&mut report);
-        output::print_json(&report)?;
+        output::print_report(&comparison.report(&sides, &judgement))?;
     } else {
         let rows = if args.streams { diff_text::Rows::All } else { diff_text::Rows::Few };
-        output::print_text(&diff_text::report(&sides, &comparison, &verdict, rows))?;
+        output::print_text(&diff_text::report(&sides, &comparison, &judgement, rows))?;
     }
-    Ok(if verdict.differs { ExitStatus::Failed } else { ExitStatus::Passed })
+    Ok(if judgement.failed { ExitStatus::Failed } else { ExitStatus::Passed })
+}
+
+impl Args {
+    fn bounds(&self) -> Bounds {
+        Bounds {
+            max_error: self.max_error,
+            min_psnr_db: self.min_psnr,
+            min_cell_psnr_db: self.min_cell_psnr,
+            exact: self.exact,
+        }
+    }
 }
 
 fn side_options(args: &Args) -> Result<SideOptions> {
@@ -134,280 +137,6 @@ fn side_options(args: &Args) -> Result<SideOptions> {
         kinds: args.stream.clone(),
         frames: args.frames.frames,
     })
-}
-
-/// A bound that is broken, and where most.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Broken {
-    /// The option.
-    pub bound: &'static str,
-    /// What it allows.
-    pub limit: f64,
-    /// What was found.
-    pub measured: f64,
-    /// Index of the stream.
-    pub stream: usize,
-    /// The pixel, or the frame and the upper left corner of what was measured.
-    pub spot: Option<Spot>,
-}
-
-/// What the numbers mean for what was asked.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Verdict {
-    /// Nothing differs and nothing is missing.
-    pub equal: bool,
-    /// All bounds that were given hold, and nothing is missing.
-    pub within_bounds: bool,
-    /// Whether the exit code says so.
-    pub differs: bool,
-    /// Whether any bound was given.
-    pub bounded: bool,
-    /// The bounds that do not hold.
-    pub broken: Vec<Broken>,
-}
-
-impl Verdict {
-    fn new(args: &Args, comparison: &Comparison) -> Verdict {
-        let mut broken = Vec::new();
-        if let Some(limit) = args.max_error {
-            let spot = |at: usize| comparison.streams[at].worst().map(|(spot, _)| spot);
-            let mut check = |measured: u32, stream: Option<usize>| {
-                if let Some(stream) = stream
-                    && measured > u32::from(limit)
-                {
-                    let (limit, measured) = (f64::from(limit), f64::from(measured));
-                    broken.push(Broken { bound: "--max-error", limit, measured, stream, spot: spot(stream) });
-                }
-            };
-            if let Some((errors, stream)) = comparison.depth() {
-                check(u32::from(errors.max_error_codes), stream);
-            }
-            if let Some(total) = comparison.material() {
-                check(total.max_error, total.worst);
-            }
-        }
-        if let Some(total) = comparison.color() {
-            let lowest = [
-                ("--min-psnr", args.min_psnr, total.lowest_frame),
-                ("--min-cell-psnr", args.min_cell_psnr, total.lowest_cell),
-            ];
-            for (bound, limit, lowest) in lowest {
-                if let (Some(limit), Some((stream, Lowest { psnr_db, spot }))) = (limit, lowest)
-                    && psnr_db < limit
-                {
-                    broken.push(Broken { bound, limit, measured: psnr_db, stream, spot: Some(spot) });
-                }
-            }
-        }
-        let bounded = args.max_error.is_some() || args.min_psnr.is_some() || args.min_cell_psnr.is_some();
-        let equal = comparison.equal();
-        let complete = comparison.missing.is_empty();
-        Verdict {
-            equal,
-            within_bounds: broken.is_empty() && complete,
-            differs: !broken.is_empty() || (bounded && !complete) || (args.exact && !equal),
-            bounded,
-            broken,
-        }
-    }
-}
-
-fn report_json(sides: &[Side; 2], comparison: &Comparison, verdict: &Verdict) -> Value {
-    let mut report = json!({
-        "equal": verdict.equal,
-        "within_bounds": verdict.within_bounds,
-        "broken": verdict.broken.iter().map(|broken| broken_json(broken, comparison)).collect::<Vec<_>>(),
-        "worst": comparison.worst().map(|(at, spot)| located(comparison, at, spot)),
-        "domains": domains_json(comparison),
-        "missing": comparison
-            .missing
-            .iter()
-            .map(|missing| {
-                let mut value = id_json(&missing.id);
-                value["only_in"] = json!(side_name(missing.only_in));
-                value["frames"] = json!([missing.frames.first, missing.frames.last]);
-                value
-            })
-            .collect::<Vec<_>>(),
-        "sides": sides.iter().map(|side| json!({ "path": side.path, "form": side.form.name() })).collect::<Vec<_>>(),
-        "streams": comparison.streams.iter().map(stream_json).collect::<Vec<_>>(),
-    });
-    if let Some((errors, worst)) = comparison.depth() {
-        let mut group = depth_json(&errors);
-        group["worst"] = worst.zip(errors.worst).map_or(Value::Null, |(at, spot)| located(comparison, at, spot));
-        report["depth"] = group;
-    }
-    if let Some(total) = comparison.color() {
-        report["color"] = color_json(&total, comparison);
-    }
-    if let Some(total) = comparison.material() {
-        report["material"] = json!({
-            "max_error_codes": total.max_error,
-            "psnr_db": json_number(total.psnr_db()),
-            "differing_pixels": total.differing_pixels,
-            "worst": worst_json(&total, comparison),
-        });
-    }
-    if let Some((count, first)) = comparison.bits() {
-        report["exact"] = json!({
-            "differing_pixels": count,
-            "first": first.map(|(at, spot)| located(comparison, at, spot)),
-        });
-    }
-    report
-}
-
-/// `A` or `B`.
-pub fn side_name(side: usize) -> &'static str {
-    if side == 0 { "A" } else { "B" }
-}
-
-fn id_json(id: &StreamId) -> Value {
-    json!({ "stream": id.to_string(), "kind": id.kind.name(), "probe": id.probe, "face": id.face.name() })
-}
-
-fn located(comparison: &Comparison, at: usize, spot: Spot) -> Value {
-    let mut value = id_json(&comparison.streams[at].id);
-    value["frame"] = json!(spot.frame);
-    value["x"] = json!(spot.x);
-    value["y"] = json!(spot.y);
-    value
-}
-
-fn broken_json(broken: &Broken, comparison: &Comparison) -> Value {
-    let id = &comparison.streams[broken.stream].id;
-    let mut value = broken.spot.map_or_else(|| id_json(id), |spot| located(comparison, broken.stream, spot));
-    value["bound"] = json!(broken.bound.trim_start_matches('-'));
-    value["limit"] = json_number(broken.limit);
-    value["measured"] = json_number(broken.measured);
-    value
-}
-
-fn depth_json(errors: &DepthErrors) -> Value {
-    json!({
-        "max_error_codes": errors.max_error_codes,
-        "max_error_m": json_number(errors.max_error_m),
-        "psnr_db": json_number(errors.error.psnr_db()),
-        "differing_pixels": errors.differing_pixels,
-        "background_mismatches": errors.background_mismatches,
-        "outside_pixels": errors.outside_pixels,
-    })
-}
-
-fn color_json(total: &SampleTotal, comparison: &Comparison) -> Value {
-    let lowest = |lowest: Option<(usize, Lowest)>| {
-        lowest.map_or(Value::Null, |(at, lowest)| located(comparison, at, lowest.spot))
-    };
-    json!({
-        "psnr_db": json_number(total.psnr_db()),
-        "min_psnr_db": total.lowest_frame.map(|(_, lowest)| json_number(lowest.psnr_db)),
-        "min_psnr_at": lowest(total.lowest_frame),
-        "min_cell_psnr_db": total.lowest_cell.map(|(_, lowest)| json_number(lowest.psnr_db)),
-        "min_cell_psnr_at": lowest(total.lowest_cell),
-        "ssim": total.ssim(),
-        "ssim_frames": total.ssim_frames,
-        "differing_pixels": total.differing_pixels,
-        "clipped_pixels": total.clipped_pixels,
-        "worst": worst_json(total, comparison),
-    })
-}
-
-fn worst_json(total: &SampleTotal, comparison: &Comparison) -> Value {
-    let worst = total.worst.and_then(|at| Some((at, comparison.streams[at].worst()?.0)));
-    worst.map_or(Value::Null, |(at, spot)| located(comparison, at, spot))
-}
-
-fn stream_json(stream: &StreamReport) -> Value {
-    let mut value = match &stream.measured {
-        Measured::Depth(errors) => depth_json(errors),
-        Measured::Color(errors) => {
-            let mut value = samples_json(errors, &stream.domain);
-            value["min_psnr_db"] = json!(errors.lowest_frame.map(|lowest| json_number(lowest.psnr_db)));
-            value["min_psnr_frame"] = json!(errors.lowest_frame.map(|lowest| lowest.spot.frame));
-            value["min_cell_psnr_db"] = json!(errors.lowest_cell.map(|lowest| json_number(lowest.psnr_db)));
-            value["min_cell_psnr_at"] = json!(errors.lowest_cell.map(|lowest| spot_json(lowest.spot)));
-            value["ssim"] = json!((errors.ssim_frames > 0).then(|| errors.ssim_sum / errors.ssim_frames as f64));
-            value["ssim_frames"] = json!(errors.ssim_frames);
-            value["clipped_pixels"] = json!(errors.clipped_pixels);
-            value
-        }
-        Measured::Material(errors) => samples_json(errors, &stream.domain),
-    };
-    if let (Value::Object(all), Value::Object(id)) = (&mut value, id_json(&stream.id)) {
-        all.extend(id);
-    }
-    if let Some(other) = &stream.other_id {
-        value["stream_in_b"] = json!(other.to_string());
-    }
-    if let Some(bits) = &stream.bits {
-        value["exact"] = json!({ "differing_pixels": bits.differing_pixels, "first": bits.first.map(spot_json) });
-    }
-    value["width"] = json!(stream.size[0]);
-    value["height"] = json!(stream.size[1]);
-    value["frames"] = json!([stream.frames.first, stream.frames.last]);
-    value["worst"] = json!(stream.worst().map(|(spot, _)| spot_json(spot)));
-    value["domain"] = domain_json(&stream.domain);
-    value
-}
-
-fn samples_json(errors: &SampleErrors, domain: &Domain) -> Value {
-    let mut value = json!({
-        "psnr_db": json_number(errors.psnr_db()),
-        "differing_pixels": errors.differing_pixels,
-    });
-    match domain.coding {
-        Coding::Color(ColorFormat::Half { .. }, _) => {
-            value["max_error_pu21"] = json!(f64::from(errors.max_error) / PU_STEPS);
-        }
-        _ => value["max_error_codes"] = json!(errors.max_error),
-    }
-    value
-}
-
-fn spot_json(spot: Spot) -> Value {
-    json!({ "frame": spot.frame, "x": spot.x, "y": spot.y })
-}
-
-/// The domains in use, each once, by kind.
-fn domains_json(comparison: &Comparison) -> Value {
-    let mut by_kind = serde_json::Map::new();
-    for stream in &comparison.streams {
-        let list = by_kind.entry(stream.id.kind.name()).or_insert_with(|| json!([]));
-        let mut domain = domain_json(&stream.domain);
-        if stream.id.kind == StreamKind::Depth {
-            domain["probe"] = json!(stream.id.probe);
-        }
-        if let Value::Array(list) = list
-            && !list.contains(&domain)
-        {
-            list.push(domain);
-        }
-    }
-    by_kind.into()
-}
-
-fn domain_json(domain: &Domain) -> Value {
-    let mut value = match domain.coding {
-        Coding::Depth(range) => json!({ "codes": "16bit-log", "near_m": range.near_m(), "far_m": range.far_m() }),
-        Coding::Color(ColorFormat::EightBit(tone), cell) => json!({
-            "codes": "8bit",
-            "transfer": if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
-            "exposure_ev": tone.exposure_ev,
-            "cell": cell,
-        }),
-        Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
-            json!({ "codes": "half", "metric": "pu21 in 64ths", "white_cd_m2": white_cd_m2, "cell": cell })
-        }
-        Coding::Material => json!({ "codes": "8bit" }),
-    };
-    let (of, from) = match domain.origin {
-        Origin::Container(side) => (json!(side_name(side)), "container"),
-        Origin::Manifest(side) => (json!(side_name(side)), "manifest"),
-        Origin::Chosen => (Value::Null, "default"),
-    };
-    value["of"] = of;
-    value["from"] = json!(from);
-    value
 }
 
 impl From<SsimArg> for SsimFrames {

@@ -2,11 +2,12 @@
 
 use comfy_table::{Table, presets};
 
-use crate::cli::diff::{Broken, Verdict, side_name};
 use crate::color::quality::PU_STEPS;
+use crate::compare::bounds::{Bound, Judgement, Violation};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
-use crate::compare::difference::Lowest;
+use crate::compare::difference::{Lowest, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
+use crate::compare::report::side_name;
 use crate::compare::side::{Coding, Side};
 use crate::dataset::stream::StreamKind;
 use crate::image::sequence::FrameRange;
@@ -28,7 +29,7 @@ pub enum Rows {
 }
 
 /// The whole report.
-pub fn report(sides: &[Side; 2], comparison: &Comparison, verdict: &Verdict, rows: Rows) -> String {
+pub fn report(sides: &[Side; 2], comparison: &Comparison, judgement: &Judgement, rows: Rows) -> String {
     let mut lines = Vec::new();
     for (at, side) in sides.iter().enumerate() {
         let streams = counted(side.streams.len() as u64, "stream");
@@ -48,7 +49,7 @@ pub fn report(sides: &[Side; 2], comparison: &Comparison, verdict: &Verdict, row
     }
     lines.extend(notes(comparison));
     lines.push(String::new());
-    lines.extend(verdict_lines(comparison, verdict));
+    lines.extend(verdict_lines(comparison, judgement));
     lines.push(String::new());
     lines.join("\n")
 }
@@ -190,7 +191,7 @@ fn stream_table(comparison: &Comparison) -> String {
                 || "-".into(),
                 |errors| format!("{}, {}", lowest(errors.lowest_frame), lowest(errors.lowest_cell)),
             ),
-            ssim(color.and_then(|e| (e.ssim_frames > 0).then(|| e.ssim_sum / e.ssim_frames as f64))),
+            ssim(color.and_then(SampleErrors::ssim)),
         ]);
     }
     finish(&table)
@@ -308,8 +309,9 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     notes
 }
 
-fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
-    let mut lines: Vec<String> = verdict.broken.iter().map(|broken| broken_text(comparison, broken)).collect();
+fn verdict_lines(comparison: &Comparison, judgement: &Judgement) -> Vec<String> {
+    let mut lines: Vec<String> =
+        judgement.violations.iter().map(|violation| violation_text(comparison, violation)).collect();
     if let Some((count, first)) = comparison.bits()
         && count > 0
     {
@@ -323,7 +325,7 @@ fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
         lines.push("different: streams or frames are on one side only (--common leaves them out)".into());
     }
     if lines.is_empty() {
-        let text = match (verdict.equal, verdict.bounded) {
+        let text = match (judgement.equal, judgement.bounded) {
             (true, _) if comparison.bits().is_some() => "equal in every bit",
             (true, _) => "equal in codes",
             (false, true) => "within bounds",
@@ -334,21 +336,23 @@ fn verdict_lines(comparison: &Comparison, verdict: &Verdict) -> Vec<String> {
     lines
 }
 
-fn broken_text(comparison: &Comparison, broken: &Broken) -> String {
-    let stream = &comparison.streams[broken.stream];
-    let (measured, limit, by) = match broken.bound {
-        "--max-error" => {
-            let codes = |codes: f64| counted(codes as u64, "code");
-            let by = broken.measured - broken.limit;
-            (codes(broken.measured), codes(broken.limit), format!("{} too many", codes(by)))
+fn violation_text(comparison: &Comparison, violation: &Violation) -> String {
+    let Violation { bound, limit, measured, stream, spot } = violation;
+    let codes = |codes: f64| counted(codes as u64, "code");
+    let (option, is, most, by) = match bound {
+        Bound::MaxError => {
+            ("--max-error", codes(*measured), codes(*limit), format!("{} too many", codes(measured - limit)))
         }
-        _ => (db(broken.measured), db(broken.limit), format!("{} too low", db(broken.limit - broken.measured))),
+        Bound::MinPsnr | Bound::MinCellPsnr => {
+            let option = if *bound == Bound::MinPsnr { "--min-psnr" } else { "--min-cell-psnr" };
+            (option, db(*measured), db(*limit), format!("{} too low", db(limit - measured)))
+        }
     };
-    let place = match (broken.bound, broken.spot) {
-        ("--min-psnr", Some(spot)) => format!(", frame {}", spot.frame),
-        ("--min-cell-psnr", Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
-        (_, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
+    let place = match (bound, spot) {
+        (Bound::MinPsnr, Some(spot)) => format!(", frame {}", spot.frame),
+        (Bound::MinCellPsnr, Some(spot)) => format!(", frame {}, cell at ({}, {})", spot.frame, spot.x, spot.y),
+        (Bound::MaxError, Some(spot)) => format!(", frame {}, pixel ({}, {})", spot.frame, spot.x, spot.y),
         (_, None) => String::new(),
     };
-    format!("{} {limit} is broken: {measured} at {}{place}, {by}", broken.bound, stream.id)
+    format!("{option} {most} is exceeded: {is} at {}{place}, {by}", comparison.streams[*stream].id)
 }

@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use serde_json::json;
-
 use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -13,7 +11,7 @@ use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
-use crate::encode::{self, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
+use crate::encode::{self, EncodeReport, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
 
@@ -143,19 +141,11 @@ pub fn encode_to(
     }
     let done = encode_file(source, settings, (&output.path, unfinished), global)?;
     if output.json {
-        let mut report = done.json();
-        output::add_peak_memory(&mut report);
-        output::print_json(&report)?;
+        output::print_report(&done)?;
     } else if !global.quiet {
-        output::note(done.text(&output.path));
+        output::note(text(&output.path, &done));
     }
     Ok(ExitStatus::Passed)
-}
-
-/// An encode that is done.
-pub struct Encoded {
-    summary: EncodeSummary,
-    seconds: f64,
 }
 
 /// Encodes a source into a file.
@@ -164,7 +154,7 @@ pub fn encode_file(
     settings: &EncodeSettings,
     (path, unfinished): (&Path, Unfinished),
     global: &GlobalArgs,
-) -> Result<Encoded> {
+) -> Result<EncodeReport> {
     if is_input(source, settings, path) {
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }
@@ -186,7 +176,7 @@ pub fn encode_file(
             }
         }
     };
-    Ok(Encoded { summary, seconds: start.elapsed().as_secs_f64() })
+    Ok(EncodeReport::new(summary, start.elapsed().as_secs_f64()))
 }
 
 fn say(global: &GlobalArgs, path: &Path, words: &str, when: bool) {
@@ -305,51 +295,30 @@ fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
         .any(|of| of.group.frames.iter().any(|frame| source.file(of.group, frame).is_ok_and(|file| same(&file))))
 }
 
-impl Encoded {
-    /// The report as JSON.
-    pub fn json(&self) -> serde_json::Value {
-        let Encoded { summary, seconds } = self;
-        json!({
-            "seconds": seconds,
-            "bytes": summary.bytes,
-            "raw_bytes": summary.raw_bytes,
-            "ratio_percent": 100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
-            "frames": summary.frames,
-            "streams": summary.streams,
-            "clipped_pixels": summary.clipped_pixels,
-            "color_pixels": summary.color_pixels,
-            "resumed_chunks": summary.resumed_chunks,
-            "reading_thread_seconds": summary.reading.as_secs_f64(),
-            "scanning_thread_seconds": summary.scanning.as_secs_f64(),
-            "coding_thread_seconds": summary.coding.as_secs_f64(),
-        })
-    }
-
-    /// The report for people.
-    pub fn text(&self, path: &Path) -> String {
-        let Encoded { summary, seconds } = self;
-        let clipped = match summary.clipped_pixels {
-            0 => String::new(),
-            count => format!(
-                "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
-                summary.color_pixels,
-                100.0 * count as f64 / summary.color_pixels as f64
-            ),
-        };
-        let resumed = match summary.resumed_chunks {
-            0 => String::new(),
-            count => format!(", {count} chunks from before"),
-        };
-        format!(
-            "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}{clipped}",
-            path.display(),
-            summary.streams,
-            summary.frames,
-            human_bytes(summary.bytes),
-            human_bytes(summary.raw_bytes),
-            100.0 * summary.bytes as f64 / summary.raw_bytes as f64,
-        )
-    }
+/// The report as text.
+pub fn text(path: &Path, report: &EncodeReport) -> String {
+    let EncodeReport { summary, ratio_percent, seconds } = report;
+    let clipped = match summary.clipped_pixels {
+        0 => String::new(),
+        count => format!(
+            "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
+            summary.color_pixels,
+            100.0 * count as f64 / summary.color_pixels as f64
+        ),
+    };
+    let resumed = match summary.resumed_chunks {
+        0 => String::new(),
+        count => format!(", {count} chunks from before"),
+    };
+    format!(
+        "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}{clipped}",
+        path.display(),
+        summary.streams,
+        summary.frames,
+        human_bytes(summary.bytes),
+        human_bytes(summary.raw_bytes),
+        ratio_percent,
+    )
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! manifest says; what a scene is made of.
 
 mod check;
-mod json;
+mod columns;
 mod plot;
 mod scene;
 mod text;
@@ -10,7 +10,6 @@ mod text;
 use std::path::PathBuf;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs, is_dataset};
 use crate::cli::progress::Progress;
@@ -18,9 +17,12 @@ use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
-use crate::inspect::container::{self, Check, FrameRow, FrameRows, InspectSettings, Inspection};
+use crate::inspect::container::{self, Check, FrameRows, InspectSettings, Inspection};
+use crate::inspect::report::{ChunksReport, ContainerReport, FrameReport};
 use crate::report;
 use crate::scene::Scene;
+
+use columns::STREAM_COLUMNS;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -107,27 +109,15 @@ struct Report<'a> {
     inspection: &'a Inspection<'a>,
 }
 
-/// A row of `--per-frame` in JSON and CSV.
-#[derive(Debug, Serialize)]
-struct FrameOut<'a> {
-    kind: &'static str,
-    probe: &'a str,
-    face: &'static str,
-    frame: u32,
-    keyframe_units: u64,
-    aabbs: u64,
-    updated_pixels: u64,
-    updated_percent: f64,
-    bytes: u64,
-}
-
 /// The JSON report.
 #[derive(Serialize)]
 struct Document<'a> {
     #[serde(flatten)]
-    head: Value,
+    container: ContainerReport<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    frame_rows: Option<Vec<FrameOut<'a>>>,
+    verify: Option<ChunksReport<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame_rows: Option<Vec<FrameReport<'a>>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     plots: Option<&'a [plot::PlotOut<'a>]>,
 }
@@ -172,15 +162,17 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         _ => None,
     };
     if args.json {
-        let frame_rows = args.is_per_frame().then(|| report.frame_rows());
-        let mut head = Value::Object(json::head(&report));
-        output::add_peak_memory(&mut head);
-        output::print_json(&Document { head, frame_rows, plots: plots.as_deref() })?;
+        output::print_report(&Document {
+            container: inspection.report(&decoder),
+            verify: args.verify.then(|| inspection.chunks_report(&decoder)),
+            frame_rows: args.is_per_frame().then(|| inspection.frame_reports(&decoder)),
+            plots: plots.as_deref(),
+        })?;
     } else if args.csv {
         output::print_text(&if args.is_per_frame() {
-            report::csv::of_rows(&report.frame_rows())?
+            report::csv::of_rows(&inspection.frame_reports(&decoder))?
         } else {
-            report::csv::of_objects(json::COLUMNS, &json::streams(&report))?
+            report::csv::of_objects(STREAM_COLUMNS, &inspection.stream_reports(&decoder))?
         })?;
     } else if inspection.damaged.is_empty() {
         output::print_text(&if args.is_per_frame() { text::frames(&report) } else { text::summary(&report) })?;
@@ -216,45 +208,4 @@ impl Report<'_> {
     fn probe_name(&self, stream: &StreamInfo) -> &str {
         &self.decoder.probe(stream).name
     }
-
-    /// Whether only some of the streams were asked for.
-    fn is_partial(&self) -> bool {
-        self.inspection.streams.len() < self.decoder.streams().len()
-    }
-
-    /// The file's size, or where only some streams were asked for, that of their chunks.
-    fn bytes(&self) -> u64 {
-        if self.is_partial() { self.inspection.totals(None).bytes } else { self.decoder.reader().file_bytes() }
-    }
-
-    /// Indices of the probes that the streams belong to.
-    fn probes(&self) -> Vec<usize> {
-        let mut probes: Vec<usize> = self.inspection.streams.iter().map(|stats| stats.stream.probe).collect();
-        probes.sort_unstable();
-        probes.dedup();
-        probes
-    }
-
-    fn frame_rows(&self) -> Vec<FrameOut<'_>> {
-        self.inspection.rows.iter().map(|row| self.frame_row(row)).collect()
-    }
-
-    fn frame_row(&self, row: &FrameRow<'_>) -> FrameOut<'_> {
-        let entry = &row.stream.entry;
-        FrameOut {
-            kind: row.stream.kind.name(),
-            probe: self.probe_name(row.stream),
-            face: row.stream.face.name(),
-            frame: row.frame,
-            keyframe_units: row.cost.keyframe_units,
-            aabbs: row.cost.aabbs,
-            updated_pixels: row.cost.updated_pixels,
-            updated_percent: percent(row.cost.updated_pixels, u64::from(entry.width) * u64::from(entry.height)),
-            bytes: row.cost.bytes,
-        }
-    }
-}
-
-fn percent(part: u64, whole: u64) -> f64 {
-    100.0 * part as f64 / whole.max(1) as f64
 }

@@ -24,6 +24,18 @@ pub fn print_json(value: &impl Serialize) -> Result<()> {
     print_text(&format!("{text}\n"))
 }
 
+/// Prints a report as JSON on standard output, with the peak memory of this process where the system reports it.
+pub fn print_report(report: &impl Serialize) -> Result<()> {
+    #[derive(Serialize)]
+    struct WithMemory<'a, T> {
+        #[serde(flatten)]
+        report: &'a T,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        peak_memory_bytes: Option<u64>,
+    }
+    print_json(&WithMemory { report, peak_memory_bytes: machine::peak_memory_bytes() })
+}
+
 /// Adds the peak memory of this process to a JSON report, on systems that report it.
 pub fn add_peak_memory(report: &mut serde_json::Value) {
     if let Some(bytes) = machine::peak_memory_bytes() {

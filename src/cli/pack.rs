@@ -2,8 +2,6 @@
 
 use std::path::PathBuf;
 
-use serde_json::json;
-
 use crate::cli::options::{BoundArgs, DepthStepArgs, EffortArgs, ModelArgs, OutputArgs};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
@@ -12,7 +10,7 @@ use crate::container::Reader;
 use crate::error::Result;
 use crate::files::OutputFile;
 use crate::pack::flatten::FlattenSettings;
-use crate::pack::merge::{self, PackSettings, PackSummary, Repack};
+use crate::pack::merge::{self, PackReport, PackSettings, Repack};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -80,23 +78,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     file.commit()?;
     drop(progress);
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
-    let PackSummary { bytes, raw_bytes, frames, streams, flattened_streams, chunks } = summary;
     if args.output.json {
-        let mut report = json!({
-            "seconds": start.elapsed().as_secs_f64(),
-            "bytes": bytes,
-            "raw_bytes": raw_bytes,
-            "frames": frames,
-            "input_bytes": input_bytes,
-            "streams": streams,
-            "flattened_streams": flattened_streams,
-            "chunks": chunks,
-        });
-        output::add_peak_memory(&mut report);
-        output::print_json(&report)?;
+        output::print_report(&PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() })?;
     } else if !global.quiet {
-        let (from, to) = (human_bytes(input_bytes), human_bytes(bytes));
-        output::note(format_args!("{}: {streams} streams, {from} became {to}", path.display()));
+        let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));
+        output::note(format_args!("{}: {} streams, {from} became {to}", path.display(), summary.streams));
     }
     Ok(ExitStatus::Passed)
 }

@@ -1,10 +1,10 @@
 //! `lightfold selftest`: whether this machine's graphics devices decode what its CPU decodes, and whether hard cases keep
 //! their bounds on both.
 
-use serde_json::json;
+use serde::Serialize;
 
 use crate::cli::device::{self, GpuArgs};
-use crate::cli::output::{self, json_number};
+use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::error::{Error, Result};
@@ -12,7 +12,7 @@ use crate::gpu::device::{DeviceInfo, Gpu, Pick, list};
 use crate::gpu::selftest::streams::{StreamsReport, test_streams};
 use crate::gpu::selftest::{KernelReport, ROWS, SEED, test_kernel};
 use crate::hard_cases::device::DeviceFigures;
-use crate::hard_cases::{self, CaseReport, Family, Inputs, family_rows};
+use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyRow, Inputs, family_rows};
 use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
 
@@ -88,7 +88,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let failed = all.iter().any(Tested::failed) || cases.iter().any(|case| !case.passed());
     if args.json {
-        print_json(&all, &cases, failed)?
+        output::print_json(&Document::new(&all, &cases, failed))?
     } else {
         output::print_text(&text(&all, &cases))?
     }
@@ -113,91 +113,60 @@ fn test_device(gpu: &Gpu, args: &Args, inputs: &[Inputs], global: &GlobalArgs) -
     Ok(Tested { info: gpu.info.clone(), kernels, hard_cases, streams })
 }
 
-/// A case as measured on the CPU and, where it made streams or pictures, shown on a device.
-fn case_json(case: &CaseReport, on_device: Option<(&DeviceInfo, &DeviceFigures)>) -> serde_json::Value {
-    let differs = on_device.is_some_and(|(_, figures)| figures.mismatched_words > 0);
-    json!({
-        "name": case.name,
-        "family": case.family.name(),
-        "pipeline": case.pipeline,
-        "unit": case.unit,
-        "must_be": match case.bound {
-            hard_cases::Bound::AtMost(_) => "at most",
-            hard_cases::Bound::AtLeast(_) => "at least",
-        },
-        "bound": json_number(case.bound.value()),
-        "measured": json_number(case.measured),
-        "place": case.place,
-        "note": case.note,
-        "streams": case.streams,
-        "pictures": case.pictures,
-        "seconds": case.seconds,
-        "device": on_device.map(|(info, _)| &info.name),
-        "mismatched_words": on_device.map(|(_, figures)| figures.mismatched_words),
-        "passed": case.passed() && !differs,
-    })
+/// The JSON report.
+#[derive(Serialize)]
+struct Document<'a> {
+    devices: Vec<&'a DeviceInfo>,
+    kernels: Vec<OnDevice<'a, KernelReport>>,
+    device_tested: bool,
+    hard_cases: Vec<CaseRow<'a>>,
+    families: Vec<FamilyReport<'a>>,
+    notes: Vec<String>,
+    streams: Vec<OnDevice<'a, StreamsReport>>,
+    failed: bool,
 }
 
-/// Each case once, or once for each device that showed streams or pictures of it.
-fn cases_json(all: &[Tested], cases: &[CaseReport]) -> Vec<serde_json::Value> {
-    let mut rows = Vec::new();
-    for (at, case) in cases.iter().enumerate() {
-        if case.streams + case.pictures == 0 || all.is_empty() {
-            rows.push(case_json(case, None));
-        } else {
-            rows.extend(all.iter().map(|tested| case_json(case, Some((&tested.info, &tested.hard_cases[at])))));
+/// A report of one device.
+#[derive(Serialize)]
+struct OnDevice<'a, T> {
+    device: &'a str,
+    #[serde(flatten)]
+    report: &'a T,
+}
+
+impl Tested {
+    fn on_device<'a, T>(&'a self, report: &'a T) -> OnDevice<'a, T> {
+        OnDevice { device: &self.info.name, report }
+    }
+
+    fn case_row<'a>(&'a self, at: usize, case: &'a CaseReport) -> CaseRow<'a> {
+        CaseRow::new(case, Some(&self.info.name), Some(self.hard_cases[at].mismatched_words))
+    }
+}
+
+impl<'a> Document<'a> {
+    fn new(all: &'a [Tested], cases: &'a [CaseReport], failed: bool) -> Document<'a> {
+        let mut hard_cases = Vec::new();
+        for (at, case) in cases.iter().enumerate() {
+            if case.streams + case.pictures == 0 || all.is_empty() {
+                hard_cases.push(CaseRow::new(case, None, None));
+            } else {
+                hard_cases.extend(all.iter().map(|tested| tested.case_row(at, case)));
+            }
+        }
+        let kernels = all.iter().flat_map(|tested| tested.kernels.iter().map(|kernel| tested.on_device(kernel)));
+        let streams = all.iter().flat_map(|tested| tested.streams.iter().map(|report| tested.on_device(report)));
+        Document {
+            devices: all.iter().map(|tested| &tested.info).collect(),
+            kernels: kernels.collect(),
+            device_tested: !all.is_empty(),
+            hard_cases,
+            families: family_rows(cases).iter().map(FamilyRow::report).collect(),
+            notes: hard_cases::notes(cases),
+            streams: streams.collect(),
+            failed,
         }
     }
-    rows
-}
-
-fn families_json(cases: &[CaseReport]) -> Vec<serde_json::Value> {
-    let row = |row: hard_cases::FamilyRow<'_>| {
-        json!({
-            "family": row.worst.family.name(),
-            "pipeline": row.worst.pipeline,
-            "cases": row.cases,
-            "failed": row.failed,
-            "worst": row.worst.name,
-            "bound": row.worst.bound.to_string(),
-            "measured": hard_cases::number(row.worst.measured),
-            "unit": row.worst.unit,
-        })
-    };
-    family_rows(cases).into_iter().map(row).collect()
-}
-
-fn print_json(all: &[Tested], cases: &[CaseReport], failed: bool) -> Result<()> {
-    let kernel = |tested: &Tested, kernel: &KernelReport| {
-        json!({
-            "name": kernel.name,
-            "device": tested.info.name,
-            "inputs": kernel.inputs,
-            "mismatches": kernel.mismatches,
-            "first_mismatch": kernel.first,
-            "megapixels_per_second": kernel.megapixels_per_second,
-        })
-    };
-    let streams = |tested: &Tested| {
-        let streams = tested.streams.as_ref()?;
-        Some(json!({
-            "device": tested.info.name,
-            "streams": streams.streams,
-            "images": streams.images,
-            "mismatched_words": streams.verification.mismatched_words,
-            "first_mismatch": streams.verification.first,
-        }))
-    };
-    output::print_json(&json!({
-        "devices": all.iter().map(|tested| device::to_json(&tested.info)).collect::<Vec<_>>(),
-        "kernels": all.iter().flat_map(|t| t.kernels.iter().map(move |k| kernel(t, k))).collect::<Vec<_>>(),
-        "device_tested": !all.is_empty(),
-        "hard_cases": cases_json(all, cases),
-        "families": families_json(cases),
-        "notes": hard_cases::notes(cases),
-        "streams": all.iter().filter_map(streams).collect::<Vec<_>>(),
-        "failed": failed,
-    }))
 }
 
 fn text(all: &[Tested], cases: &[CaseReport]) -> String {

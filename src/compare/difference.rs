@@ -1,17 +1,19 @@
 //! What is counted pixel by pixel when two images are compared.
 
 use half::f16;
+use serde::{Serialize, Serializer};
 
 use crate::color::quality::{Pu21, Quality};
 use crate::compare::domain::{DepthPicture, OUTSIDE, Values};
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, Plane};
+use crate::json::{self, Number};
 use crate::metrics::depth_error::DEPTH_CODE_PEAK;
 use crate::metrics::psnr::{CodeError, U8_PEAK};
 
 /// A pixel of a frame of a stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Spot {
     /// Frame number, of the first side where they differ.
     pub frame: u32,
@@ -29,16 +31,19 @@ impl Spot {
 }
 
 /// Errors of depth.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DepthErrors {
     /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
     /// code for what it sees.
     pub max_error_codes: u16,
     /// Largest error in metres, +inf where one side sees background and the other does not.
+    #[serde(serialize_with = "json::number")]
     pub max_error_m: f64,
     /// Squared error in codes.
+    #[serde(rename = "psnr_db", serialize_with = "psnr_db")]
     pub error: CodeError,
     /// The first pixel that has the largest error in codes; `None` where all are equal.
+    #[serde(skip)]
     pub worst: Option<Spot>,
     /// Pixels whose codes differ.
     pub differing_pixels: u64,
@@ -46,6 +51,10 @@ pub struct DepthErrors {
     pub background_mismatches: u64,
     /// Pixels that the range of the codes leaves out, on either side.
     pub outside_pixels: u64,
+}
+
+fn psnr_db<S: Serializer>(error: &CodeError, serializer: S) -> Result<S::Ok, S::Error> {
+    Number(error.psnr_db()).serialize(serializer)
 }
 
 impl Default for DepthErrors {
@@ -228,6 +237,11 @@ pub struct SampleErrors {
 }
 
 impl SampleErrors {
+    /// Mean SSIM of the frames that it was computed for.
+    pub fn ssim(&self) -> Option<f64> {
+        (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
+    }
+
     /// Nothing compared yet, with a metric of that peak.
     pub fn empty(peak: f64) -> SampleErrors {
         SampleErrors {
@@ -318,7 +332,7 @@ fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {
 }
 
 /// Differences in bits.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct BitErrors {
     /// Pixels that differ.
     pub differing_pixels: u64,

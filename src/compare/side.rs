@@ -6,7 +6,8 @@ use std::fmt;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::container::header::MAGIC;
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
@@ -30,6 +31,17 @@ pub struct StreamId {
     pub probe: String,
     /// Its face.
     pub face: Face,
+}
+
+impl Serialize for StreamId {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("StreamId", 4)?;
+        fields.serialize_field("stream", &self.to_string())?;
+        fields.serialize_field("kind", self.kind.name())?;
+        fields.serialize_field("probe", &self.probe)?;
+        fields.serialize_field("face", self.face.name())?;
+        fields.end()
+    }
 }
 
 impl fmt::Display for StreamId {

@@ -1,7 +1,12 @@
 //! What a check answers.
 
+use serde::{Serialize, Serializer};
+
+use crate::json::Number;
+
 /// How a check ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The pictures are as declared, and would not be if they were declared otherwise.
     Fine,
@@ -23,7 +28,7 @@ impl Verdict {
 }
 
 /// The answer of one check.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
     /// What was checked, such as `depth.kind`.
     pub check: &'static str,
@@ -32,7 +37,12 @@ pub struct Finding {
     /// One sentence.
     pub says: String,
     /// What was measured, by name.
+    #[serde(serialize_with = "by_name")]
     pub figures: Vec<(&'static str, f64)>,
+}
+
+fn by_name<S: Serializer>(figures: &[(&'static str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(figures.iter().map(|(name, value)| (name, Number(*value))))
 }
 
 impl Finding {

@@ -31,7 +31,7 @@ pub use read::Choice;
 pub const MAX_PROBES: usize = 16;
 
 /// What was looked at, and what was found.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
     /// Probes that were looked at.
     pub probes: usize,
@@ -40,6 +40,7 @@ pub struct Report {
     /// Images of faces that were read.
     pub images: u64,
     /// One for each check.
+    #[serde(rename = "checks")]
     pub findings: Vec<Finding>,
 }
 

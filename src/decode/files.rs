@@ -118,24 +118,13 @@ pub fn decode_to_files(
         && let Some(mut manifest) = manifest_of(decoder, streams, format)
     {
         if !decoded.missing.is_empty() {
-            let list = decoded.missing.iter().map(|missing| missing_json(decoder, missing)).collect();
-            manifest.extra.get_or_insert_with(|| json!({}))["missing"] = serde_json::Value::Array(list);
+            let list: Vec<_> = decoded.missing.iter().map(|missing| missing.report(decoder)).collect();
+            manifest.extra.get_or_insert_with(|| json!({}))["missing"] = json!(list);
         }
         let path = folder.join(MANIFEST_NAME);
         std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))?;
     }
     Ok(decoded)
-}
-
-/// Missing images of one stream, as in a manifest's `extra` and in reports.
-pub fn missing_json(decoder: &Decoder, missing: &MissingImages) -> serde_json::Value {
-    let stream = &decoder.streams()[missing.stream as usize];
-    json!({
-        "kind": stream.kind.name(),
-        "probe": decoder.probe(stream).name,
-        "face": stream.face.name(),
-        "frames": missing.frames.iter().map(|range| [range.first, range.last]).collect::<Vec<_>>(),
-    })
 }
 
 /// Turns pictures into files.

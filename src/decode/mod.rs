@@ -17,6 +17,8 @@ mod images;
 mod manifest;
 pub(crate) mod memory;
 mod pixels;
+#[cfg(feature = "encode")]
+mod report;
 mod selection;
 mod unit;
 mod unit_filter;
@@ -28,11 +30,13 @@ pub use damage::{DamagedChunk, FrameRanges, MissingImages, OnDamage};
 pub use decoder::Decoder;
 pub use face::{FaceDecoder, Picture};
 #[cfg(feature = "encode")]
-pub use files::{Destination, decode_to_files, missing_json};
+pub use files::{Destination, decode_to_files};
 pub use images::{ImageSource, Images, OnCpu};
 #[cfg(feature = "encode")]
 pub use manifest::FileFormat;
 pub use pixels::PixelsMut;
+#[cfg(feature = "encode")]
+pub use report::{DamagedChunkReport, DecodeReport, DecodeTimes};
 pub use selection::{Request, Selection, StreamFrames};
 pub use unit::{UnitDecoder, UnitPixels};
 pub use unit_filter::{AllUnits, UnitFilter};

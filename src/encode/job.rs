@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rayon::prelude::*;
+use serde::Serialize;
 
 use crate::container::index::{MAX_FRAME, MAX_SIZE};
 use crate::container::{Journal, PackedChunk, ProbeEntry, Recovered, StreamEntry, Writer};
@@ -25,6 +26,7 @@ use crate::encode::unit::{Batch, Pace, UnitJob, UnitPlace};
 use crate::encode::{EncodeSettings, configuration};
 use crate::error::{Error, Result};
 use crate::image::{DepthPlane, Projection, StreamKind};
+use crate::json;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 use crate::streams::{self, CodecHeader, DepthHeader};
@@ -33,7 +35,7 @@ use crate::streams::{self, CodecHeader, DepthHeader};
 const FINISH_UNITS: usize = 64;
 
 /// Figures of an encode.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct EncodeSummary {
     /// Size of the container.
     pub bytes: u64,
@@ -50,11 +52,31 @@ pub struct EncodeSummary {
     /// Chunks of an earlier run. All other figures except times are of the whole encode.
     pub resumed_chunks: u64,
     /// Time of all threads for reading and decompressing source files.
+    #[serde(rename = "reading_thread_seconds", serialize_with = "json::seconds")]
     pub reading: Duration,
     /// Time of all threads for reading images only to find near and far.
+    #[serde(rename = "scanning_thread_seconds", serialize_with = "json::seconds")]
     pub scanning: Duration,
     /// Time of all threads for converting, coding and compressing.
+    #[serde(rename = "coding_thread_seconds", serialize_with = "json::seconds")]
     pub coding: Duration,
+}
+
+/// Figures of an encode in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EncodeReport {
+    #[serde(flatten)]
+    pub summary: EncodeSummary,
+    /// Container bytes in percent of raw bytes.
+    pub ratio_percent: f64,
+    pub seconds: f64,
+}
+
+impl EncodeReport {
+    pub fn new(summary: EncodeSummary, seconds: f64) -> EncodeReport {
+        let ratio_percent = 100.0 * summary.bytes as f64 / summary.raw_bytes as f64;
+        EncodeReport { summary, ratio_percent, seconds }
+    }
 }
 
 /// An encode that ended early.

@@ -24,7 +24,8 @@ mod unit;
 
 pub use encoder::{Encoder, EncoderStream, ProbePose};
 pub use job::{
-    EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode, encode_resumable,
+    EncodeReport, EncodeSummary, Kept, Resumable, Stopped, check, check_recovered, describe_recovered, encode,
+    encode_resumable,
 };
 pub use settings::{
     ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, ErrorBound, MaterialSettings, TileSize,

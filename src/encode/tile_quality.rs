@@ -1,13 +1,18 @@
 //! PSNR of modelling functions on 8x8 tiles of depth (GDC figure 6).
 
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
 use crate::depth::Quantiser;
 use crate::depth::domain::Domain;
-use crate::depth::tile_psnr::{TILE_SIDE, TilePsnr};
+use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
 use crate::encode::EncodeSettings;
 use crate::encode::depth_range::depth_of_probe;
 use crate::encode::source::{FrameSource, GroupRef, name_frame, selected_groups};
 use crate::error::Result;
 use crate::image::StreamKind;
+use crate::json::Number;
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 use crate::streams::convert;
@@ -53,4 +58,69 @@ pub fn measure(source: &dyn FrameSource, settings: &EncodeSettings, monitor: &dy
         }
     }
     Ok(found)
+}
+
+/// PSNR of tiles as a report in JSON. Keys of the maps are names of models.
+#[derive(Debug, Serialize)]
+pub struct TileQualityReport {
+    tiles: u64,
+    seconds: f64,
+    psnr_db: BTreeMap<&'static str, PsnrReport>,
+    max_error_codes: u16,
+    histogram: HistogramReport,
+    exact_counts_as_db: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct PsnrReport {
+    mean: f64,
+    min: Number,
+    p05: Number,
+    p50: Number,
+    p95: Number,
+    exact_tiles: u64,
+    unmodelled_tiles: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct HistogramReport {
+    bin_db: usize,
+    first_db: usize,
+    tiles: BTreeMap<&'static str, Vec<u64>>,
+}
+
+impl TileQualityReport {
+    /// Of a measurement that took `seconds`.
+    pub fn new(found: &TilePsnr, seconds: f64) -> TileQualityReport {
+        TileQualityReport {
+            tiles: found.tiles(),
+            seconds,
+            psnr_db: by_model(|model| PsnrReport::new(found.of(model))),
+            max_error_codes: found.bc4w_max_error,
+            histogram: HistogramReport {
+                bin_db: BIN_DB,
+                first_db: 0,
+                tiles: by_model(|model| found.of(model).histogram()),
+            },
+            exact_counts_as_db: EXACT_DB,
+        }
+    }
+}
+
+impl PsnrReport {
+    fn new(psnr: &PsnrDistribution) -> PsnrReport {
+        PsnrReport {
+            mean: psnr.mean_db(),
+            min: Number(psnr.min_db()),
+            p05: Number(psnr.quantile_db(0.05)),
+            p50: Number(psnr.quantile_db(0.5)),
+            p95: Number(psnr.quantile_db(0.95)),
+            exact_tiles: psnr.exact,
+            unmodelled_tiles: psnr.unmodelled,
+        }
+    }
+}
+
+fn by_model<T>(value: impl Fn(TileModel) -> T) -> BTreeMap<&'static str, T> {
+    TileModel::ALL.into_iter().map(|model| (model.name(), value(model))).collect()
 }

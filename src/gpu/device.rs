@@ -43,7 +43,7 @@ impl Pick {
 }
 
 /// What a graphics device says of itself.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct DeviceInfo {
     /// Its position in [`list`].
     pub index: usize,
@@ -58,6 +58,7 @@ pub struct DeviceInfo {
     /// Bytes of a buffer that a kernel can be given.
     pub max_binding_bytes: u64,
     /// Invocations of a workgroup.
+    #[serde(rename = "max_workgroup_invocations")]
     pub max_invocations: u32,
 }
 

@@ -68,7 +68,7 @@ pub static ROWS: &[Row] = &[
 ];
 
 /// What came of a kernel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct KernelReport {
     /// Name of the kernel.
     pub name: &'static str,
@@ -77,6 +77,7 @@ pub struct KernelReport {
     /// Words that differ from the CPU's; of pictures, pixels that do so by more than is allowed.
     pub mismatches: u64,
     /// The first of them, in words.
+    #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
     /// Pixels written in a microsecond, without transfers.
     pub megapixels_per_second: f64,

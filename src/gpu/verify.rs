@@ -13,11 +13,12 @@ use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
 
 /// What came of decoding on two devices.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Verification {
     /// Words that differ.
     pub mismatched_words: u64,
     /// Where the first of them is.
+    #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
 }
 

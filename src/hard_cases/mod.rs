@@ -29,7 +29,7 @@ use crate::gpu::selftest::pictures::PictureCase;
 use crate::monitor::Monitor;
 
 pub use clip::Clip;
-pub use report::{CaseReport, FamilyRow, family_rows, notes, number};
+pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, notes, number};
 
 /// What cases have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,6 +1,9 @@
 //! What came of the cases, case by case and summed up.
 
+use serde::Serialize;
+
 use super::{Bound, Family, HardCase, Measured};
+use crate::json::Number;
 
 /// What conditions of normal equations are counted in.
 pub(super) const CONDITION: &str = "condition number";
@@ -64,6 +67,52 @@ impl CaseReport {
     }
 }
 
+/// A case, measured on the CPU and, where it has streams or pictures, decoded or rendered on a device.
+#[derive(Debug, Serialize)]
+pub struct CaseRow<'a> {
+    name: &'a str,
+    family: &'static str,
+    pipeline: &'a str,
+    unit: &'static str,
+    must_be: &'static str,
+    bound: Number,
+    measured: Number,
+    place: Option<&'a str>,
+    note: Option<&'a str>,
+    streams: usize,
+    pictures: usize,
+    seconds: f64,
+    device: Option<&'a str>,
+    mismatched_words: Option<u64>,
+    passed: bool,
+}
+
+impl<'a> CaseRow<'a> {
+    /// `mismatched_words` are those of `device`.
+    pub fn new(case: &'a CaseReport, device: Option<&'a str>, mismatched_words: Option<u64>) -> CaseRow<'a> {
+        CaseRow {
+            name: &case.name,
+            family: case.family.name(),
+            pipeline: &case.pipeline,
+            unit: case.unit,
+            must_be: match case.bound {
+                Bound::AtMost(_) => "at most",
+                Bound::AtLeast(_) => "at least",
+            },
+            bound: Number(case.bound.value()),
+            measured: Number(case.measured),
+            place: case.place.as_deref(),
+            note: case.note.as_deref(),
+            streams: case.streams,
+            pictures: case.pictures,
+            seconds: case.seconds,
+            device,
+            mismatched_words,
+            passed: case.passed() && mismatched_words.is_none_or(|words| words == 0),
+        }
+    }
+}
+
 /// The cases of one pipeline, and the one that comes closest to its bound.
 #[derive(Debug, Clone)]
 pub struct FamilyRow<'a> {
@@ -73,6 +122,35 @@ pub struct FamilyRow<'a> {
     pub failed: usize,
     /// The one that took the most of what is allowed; of equals the first.
     pub worst: &'a CaseReport,
+}
+
+/// A [`FamilyRow`] in JSON.
+#[derive(Debug, Serialize)]
+pub struct FamilyReport<'a> {
+    family: &'static str,
+    pipeline: &'a str,
+    cases: usize,
+    failed: usize,
+    worst: &'a str,
+    bound: String,
+    measured: String,
+    unit: &'static str,
+}
+
+impl<'a> FamilyRow<'a> {
+    /// For reports in JSON.
+    pub fn report(&self) -> FamilyReport<'a> {
+        FamilyReport {
+            family: self.worst.family.name(),
+            pipeline: &self.worst.pipeline,
+            cases: self.cases,
+            failed: self.failed,
+            worst: &self.worst.name,
+            bound: self.worst.bound.to_string(),
+            measured: number(self.worst.measured),
+            unit: self.worst.unit,
+        }
+    }
 }
 
 /// One row for each family, pipeline and unit, in the order of the reports.

@@ -3,6 +3,8 @@
 //! Enters: an open container. Leaves: numbers. Chunks are fetched, counted and dropped, units in parallel, so memory
 //! stays at one chunk for each thread. Counts are those of a decoder that shows all frames in order.
 
+use serde::Serialize;
+
 use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
@@ -54,7 +56,7 @@ pub struct InspectSettings {
 
 /// How much the chunks of a stream hold. Chunks that share their place in the file count for the first stream that
 /// has them, so that the streams' `bytes` add up.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct StorageStats {
     /// Rows of the chunk table.
     pub chunks: u64,
@@ -71,7 +73,7 @@ pub struct StorageStats {
 }
 
 /// Least, mean and most.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Spread {
     /// Least.
     pub min: u64,
@@ -143,7 +145,7 @@ pub struct Inspection<'a> {
 }
 
 /// Sums of the streams of one kind: a row of CALF's table 1.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Totals {
     /// Streams.
     pub streams: u64,

@@ -5,3 +5,4 @@
 pub mod coding_map;
 pub mod container;
 mod counts;
+pub mod report;

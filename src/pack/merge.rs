@@ -47,7 +47,7 @@ pub struct PackSettings {
 }
 
 /// What a pack did.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PackSummary {
     /// Size of the container.
     pub bytes: u64,
@@ -61,6 +61,18 @@ pub struct PackSummary {
     pub flattened_streams: u64,
     /// Chunks written.
     pub chunks: u64,
+}
+
+/// Figures of a pack that took `seconds`.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct PackReport {
+    /// The figures.
+    #[serde(flatten)]
+    pub summary: PackSummary,
+    /// Bytes of all inputs.
+    pub input_bytes: u64,
+    /// Time of the pack.
+    pub seconds: f64,
 }
 
 /// Writes all streams of `inputs` into `out`; answers the sink and what was done.

@@ -16,12 +16,13 @@ pub fn of_rows<T: Serialize>(rows: &[T]) -> Result<String> {
 ///
 /// A column is named by the key that it shows, `outer.inner` for a key of an object inside; the heading is then
 /// `outer_inner`. A key that an object does not have leaves its cell empty.
-pub fn of_objects(columns: &[&str], objects: &[Value]) -> Result<String> {
+pub fn of_objects(columns: &[&str], objects: &[impl Serialize]) -> Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(columns.iter().map(|column| column.replace('.', "_"))).map_err(|error| broken(&error))?;
     for object in objects {
+        let object = serde_json::to_value(object).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
         let cells = columns.iter().map(|column| {
-            let value = column.split('.').try_fold(object, |object, key| object.get(key));
+            let value = column.split('.').try_fold(&object, |object, key| object.get(key));
             match value {
                 None | Some(Value::Null) => String::new(),
                 Some(Value::String(text)) => text.clone(),

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
+use serde::Serialize;
+
 use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
 use crate::evaluate::camera_file::TimedCamera;
 use crate::image::cube::Face;
@@ -26,6 +28,39 @@ pub struct SeenCounts {
     pub regular_tests: u64,
     /// Tests that were made.
     pub hierarchical_tests: u64,
+}
+
+/// What cameras see of a container, as a report in JSON.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SeenReport {
+    cameras: u64,
+    units: u64,
+    visible_units: u64,
+    /// Part of the units.
+    pub visible_fraction: f64,
+    frustum_tests: FrustumTests,
+    /// Stored bytes of all units.
+    pub bytes_total: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct FrustumTests {
+    regular: u64,
+    hierarchical: u64,
+}
+
+impl SeenCounts {
+    /// The report; all units have `bytes_total` stored bytes.
+    pub fn report(&self, bytes_total: u64) -> SeenReport {
+        SeenReport {
+            cameras: self.cameras,
+            units: self.units,
+            visible_units: self.visible_units,
+            visible_fraction: self.visible_units as f64 / self.units.max(1) as f64,
+            frustum_tests: FrustumTests { regular: self.regular_tests, hierarchical: self.hierarchical_tests },
+            bytes_total,
+        }
+    }
 }
 
 /// The units that cameras see, of some streams; of the others all.

@@ -3,20 +3,29 @@
 use std::fmt::Write;
 use std::time::Instant;
 
-use serde_json::{Map, Value, json};
+use serde::Serialize;
 
 use super::Args;
 use crate::cli::options::is_dataset;
-use crate::cli::output::json_number;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, with_option_names};
-use crate::convention::{self, Choice, Finding, MAX_PROBES, Report, Verdict};
+use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
 use crate::dataset::Source;
 use crate::error::{Error, Result};
 use crate::report::table::{Column, Table};
 
 /// Lines of text are no longer.
 const COLUMNS: u16 = 100;
+
+/// The JSON report.
+#[derive(Serialize)]
+struct Document<'a> {
+    name: &'a str,
+    suspect: bool,
+    #[serde(flatten)]
+    report: &'a Report,
+    seconds: f64,
+}
 
 /// Checks, reports, and answers [`ExitStatus::Failed`] where something is suspected.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -41,37 +50,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         frame: args.frame,
     };
     let progress = Progress::start(global, "checking", convention::steps(&source, &choice)?)?;
-    let report = convention::check(&source, &choice, &progress)?;
+    let mut report = convention::check(&source, &choice, &progress)?;
     drop(progress);
+    report.findings.iter_mut().for_each(|finding| finding.says = with_option_names(&finding.says));
     if args.json {
-        let mut value = json_report(&report);
-        value["name"] = json!(source.name());
-        value["seconds"] = json_number(start.elapsed().as_secs_f64());
-        output::print_json(&value)?;
+        output::print_json(&Document {
+            name: source.name(),
+            suspect: report.suspects(),
+            report: &report,
+            seconds: start.elapsed().as_secs_f64(),
+        })?;
     } else {
         output::print_text(&text(source.name(), &report))?;
     }
     Ok(if report.suspects() { ExitStatus::Failed } else { ExitStatus::Passed })
-}
-
-fn json_report(report: &Report) -> Value {
-    let check = |finding: &Finding| {
-        let figures: Map<String, Value> =
-            finding.figures.iter().map(|(name, value)| ((*name).to_owned(), json_number(*value))).collect();
-        json!({
-            "check": finding.check,
-            "verdict": finding.verdict.name(),
-            "says": with_option_names(&finding.says),
-            "figures": figures,
-        })
-    };
-    json!({
-        "suspect": report.suspects(),
-        "probes": report.probes,
-        "all_probes": report.all_probes,
-        "images": report.images,
-        "checks": report.findings.iter().map(check).collect::<Vec<_>>(),
-    })
 }
 
 fn text(name: &str, report: &Report) -> String {
@@ -83,7 +75,7 @@ fn text(name: &str, report: &Report) -> String {
             Verdict::Suspect => "SUSPECT",
             Verdict::CannotTell => "cannot tell",
         };
-        table.row([finding.check.to_owned(), verdict.to_owned(), with_option_names(&finding.says)]);
+        table.row([finding.check.to_owned(), verdict.to_owned(), finding.says.clone()]);
     }
     let suspects = report.findings.iter().filter(|finding| finding.verdict == Verdict::Suspect).count();
     let _ = match suspects {

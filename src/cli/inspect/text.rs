@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::json::{depth_kind_name, projection_name, transfer_name};
-use super::{Report, percent};
+use super::Report;
 use crate::cli::damage;
 use crate::cli::output::human_bytes;
 use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};
@@ -15,6 +14,7 @@ use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::inspect::container::{BlockCount, StreamStats, Totals};
+use crate::inspect::report::{depth_kind_name, percent, projection_name, transfer_name};
 use crate::report::{Column, Table};
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
 
@@ -52,10 +52,10 @@ fn heading(report: &Report<'_>) -> String {
         escaped(&index.name),
         projection_name(index.projection),
         index.fps,
-        counted(report.probes().len() as u64, "probe"),
+        counted(report.inspection.probes().len() as u64, "probe"),
         counted(all.frames, "image"),
     );
-    let bytes = report.bytes();
+    let bytes = report.inspection.bytes(report.decoder);
     let _ = writeln!(
         out,
         "{} of {} raw ({:.2}%), {}, {} saved by sharing, {} head and index",
@@ -386,7 +386,7 @@ pub fn frames(report: &Report<'_>) -> String {
         Column::Right("%"),
         Column::Right("Bytes"),
     ]);
-    for row in report.frame_rows() {
+    for row in report.inspection.frame_reports(report.decoder) {
         table.row([
             row.probe.to_owned(),
             row.kind.to_owned(),

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use glam::DVec3;
-use serde_json::{Value, json};
 
 use crate::cli::output::{self, human_bytes};
 use crate::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
@@ -12,8 +11,7 @@ use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
 use crate::evaluate::camera_file::TimedCamera;
 use crate::math::{Camera, Lens};
-use crate::views::seen_units::SeenCounts;
-use crate::views::seen_units::SeenUnits;
+use crate::views::seen_units::{SeenCounts, SeenReport, SeenUnits};
 
 /// Parses `x,y,z`.
 pub fn parse_point(text: &str) -> Result<DVec3, String> {
@@ -121,31 +119,20 @@ impl View {
         }
     }
 
-    /// Adds what `--stats` asks for to a report in JSON.
-    pub fn add_to(&self, report: &mut Value) {
-        if !self.stats {
-            return;
-        }
-        let counts = &self.counts;
-        report["cameras"] = json!(counts.cameras);
-        report["units"] = json!(counts.units);
-        report["visible_units"] = json!(counts.visible_units);
-        report["visible_fraction"] = json!(self.visible_fraction());
-        report["frustum_tests"] = json!({ "regular": counts.regular_tests, "hierarchical": counts.hierarchical_tests });
-        report["bytes_total"] = json!(self.bytes_total);
+    /// What `--stats` adds to a report in JSON.
+    pub fn report(&self) -> Option<SeenReport> {
+        self.stats.then(|| self.counts.report(self.bytes_total))
     }
 
-    /// What `--stats` asks for as a second line of a report, empty where nothing is asked for.
+    /// What `--stats` adds to a report as a second line; empty without it.
     pub fn line(&self, summary: &DecodeSummary) -> String {
-        if !self.stats {
-            return String::new();
-        }
+        let Some(SeenReport { visible_fraction, bytes_total, .. }) = self.report() else { return String::new() };
         let counts = &self.counts;
         let read = format!(
             "{} of {} read ({:.1}%)",
             human_bytes(summary.cost.bytes_read),
-            human_bytes(self.bytes_total),
-            100.0 * summary.cost.bytes_read as f64 / self.bytes_total.max(1) as f64,
+            human_bytes(bytes_total),
+            100.0 * summary.cost.bytes_read as f64 / bytes_total.max(1) as f64,
         );
         let who = match counts.cameras {
             0 => return format!("\nno camera: all {} tiles and cells; {read}", counts.units),
@@ -153,17 +140,13 @@ impl View {
             cameras => format!("{cameras} cameras see"),
         };
         format!(
-            "\n{who} {} of {} tiles and cells ({:.1}%), found with {} frustum tests, where testing each takes {}; {read}",
+            "\n{who} {} of {} tiles and cells ({:.1}%); {} frustum tests instead of {}; {read}",
             counts.visible_units,
             counts.units,
-            100.0 * self.visible_fraction(),
+            100.0 * visible_fraction,
             counts.hierarchical_tests,
             counts.regular_tests,
         )
-    }
-
-    fn visible_fraction(&self) -> f64 {
-        self.counts.visible_units as f64 / self.counts.units.max(1) as f64
     }
 }
 

@@ -43,13 +43,14 @@ const FACES: u8 = 6;
 const VISITS: u32 = 6;
 
 /// What came of streams.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct StreamsReport {
     /// Streams that were decoded.
     pub streams: u64,
     /// Images that were compared.
     pub images: u64,
     /// Words that differ, and where the first of them is.
+    #[serde(flatten)]
     pub verification: Verification,
 }
 

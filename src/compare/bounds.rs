@@ -1,0 +1,112 @@
+//! Bounds on the errors of a comparison, and those that are exceeded.
+
+use serde::Serialize;
+
+use crate::compare::comparison::Comparison;
+use crate::compare::difference::Spot;
+
+/// Bounds that two sides must keep.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bounds {
+    /// Largest error: codes of depth, 8-bit codes of material.
+    pub max_error: Option<u16>,
+    /// Lowest PSNR of a frame of a colour stream, in dB.
+    pub min_psnr_db: Option<f64>,
+    /// Lowest PSNR of a frame of a colour cell, in dB.
+    pub min_cell_psnr_db: Option<f64>,
+    /// Every bit must be equal.
+    pub exact: bool,
+}
+
+/// One of the [`Bounds`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bound {
+    /// `max_error`.
+    MaxError,
+    /// `min_psnr_db`.
+    MinPsnr,
+    /// `min_cell_psnr_db`.
+    MinCellPsnr,
+}
+
+/// An exceeded bound, where it is exceeded most.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Violation {
+    /// The bound.
+    pub bound: Bound,
+    /// Its value: codes or dB.
+    pub limit: f64,
+    /// The measured value.
+    pub measured: f64,
+    /// Index of the stream.
+    pub stream: usize,
+    /// The pixel, or the frame and the upper left corner of the cell.
+    pub spot: Option<Spot>,
+}
+
+/// Whether a comparison keeps its bounds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Judgement {
+    /// Nothing differs and nothing is missing.
+    pub equal: bool,
+    /// All bounds hold, and nothing is missing.
+    pub within_bounds: bool,
+    /// A bound is exceeded, or streams or frames are missing although there is a bound.
+    pub failed: bool,
+    /// Whether there are bounds, other than exactness.
+    pub bounded: bool,
+    /// Exceeded bounds.
+    pub violations: Vec<Violation>,
+}
+
+impl Bounds {
+    /// Judges a comparison.
+    pub fn judge(&self, comparison: &Comparison) -> Judgement {
+        let mut violations = self.errors_beyond(comparison);
+        violations.extend(self.psnr_below(comparison));
+        let bounded = self.max_error.is_some() || self.min_psnr_db.is_some() || self.min_cell_psnr_db.is_some();
+        let equal = comparison.equal();
+        let complete = comparison.missing.is_empty();
+        Judgement {
+            equal,
+            within_bounds: violations.is_empty() && complete,
+            failed: !violations.is_empty() || (bounded && !complete) || (self.exact && !equal),
+            bounded,
+            violations,
+        }
+    }
+
+    fn errors_beyond(&self, comparison: &Comparison) -> Vec<Violation> {
+        let Some(limit) = self.max_error else { return Vec::new() };
+        let depth = comparison.depth().map(|(errors, stream)| (u32::from(errors.max_error_codes), stream));
+        let material = comparison.material().map(|total| (total.max_error, total.worst));
+        let beyond = depth.into_iter().chain(material).filter(|(measured, _)| *measured > u32::from(limit));
+        beyond
+            .filter_map(|(measured, stream)| {
+                let (stream, measured, limit) = (stream?, f64::from(measured), f64::from(limit));
+                let spot = comparison.streams[stream].worst().map(|(spot, _)| spot);
+                Some(Violation { bound: Bound::MaxError, limit, measured, stream, spot })
+            })
+            .collect()
+    }
+
+    fn psnr_below(&self, comparison: &Comparison) -> Vec<Violation> {
+        let Some(total) = comparison.color() else { return Vec::new() };
+        let lowest = [
+            (Bound::MinPsnr, self.min_psnr_db, total.lowest_frame),
+            (Bound::MinCellPsnr, self.min_cell_psnr_db, total.lowest_cell),
+        ];
+        let below = lowest.into_iter().filter_map(|(bound, limit, lowest)| Some((bound, limit?, lowest?)));
+        below
+            .filter(|(_, limit, (_, lowest))| lowest.psnr_db < *limit)
+            .map(|(bound, limit, (stream, lowest))| Violation {
+                bound,
+                limit,
+                measured: lowest.psnr_db,
+                stream,
+                spot: Some(lowest.spot),
+            })
+            .collect()
+    }
+}

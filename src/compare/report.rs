@@ -1,0 +1,345 @@
+//! A comparison as a report in JSON.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::color::quality::PU_STEPS;
+use crate::compare::bounds::{Bound, Judgement};
+use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
+use crate::compare::difference::{BitErrors, DepthErrors, SampleErrors, Spot};
+use crate::compare::domain::{Domain, Origin};
+use crate::compare::side::{Coding, Side, StreamId};
+use crate::dataset::stream::StreamKind;
+use crate::image::sequence::FrameRange;
+use crate::image::transfer::Transfer;
+use crate::json::Number;
+use crate::streams::ColorFormat;
+
+/// All of a comparison. Streams come by kind, then probe, then face.
+#[derive(Debug, Serialize)]
+pub struct ComparisonReport<'a> {
+    equal: bool,
+    within_bounds: bool,
+    broken: Vec<ViolationReport<'a>>,
+    /// The pixel with the largest error relative to its metric's peak.
+    worst: Option<Place<'a>>,
+    /// Domains in use, by kind.
+    domains: BTreeMap<&'static str, Vec<DomainReport<'a>>>,
+    missing: Vec<MissingReport<'a>>,
+    sides: Vec<SideReport<'a>>,
+    streams: Vec<StreamErrors<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    depth: Option<DepthTotal<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    color: Option<ColorTotal<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    material: Option<MaterialTotal<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exact: Option<BitsTotal<'a>>,
+}
+
+/// A stream, and a pixel of it where one is known.
+#[derive(Debug, Serialize)]
+struct Place<'a> {
+    #[serde(flatten)]
+    stream: &'a StreamId,
+    #[serde(flatten)]
+    spot: Option<Spot>,
+}
+
+#[derive(Debug, Serialize)]
+struct ViolationReport<'a> {
+    #[serde(flatten)]
+    place: Place<'a>,
+    bound: Bound,
+    limit: Number,
+    measured: Number,
+}
+
+#[derive(Debug, Serialize)]
+struct MissingReport<'a> {
+    #[serde(flatten)]
+    stream: &'a StreamId,
+    only_in: &'static str,
+    frames: [u32; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct SideReport<'a> {
+    path: &'a str,
+    form: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct DepthTotal<'a> {
+    #[serde(flatten)]
+    errors: DepthErrors,
+    worst: Option<Place<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct ColorTotal<'a> {
+    psnr_db: Number,
+    min_psnr_db: Option<Number>,
+    min_psnr_at: Option<Place<'a>>,
+    min_cell_psnr_db: Option<Number>,
+    min_cell_psnr_at: Option<Place<'a>>,
+    ssim: Option<f64>,
+    ssim_frames: u64,
+    differing_pixels: u64,
+    clipped_pixels: u64,
+    worst: Option<Place<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct MaterialTotal<'a> {
+    max_error_codes: u32,
+    psnr_db: Number,
+    differing_pixels: u64,
+    worst: Option<Place<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct BitsTotal<'a> {
+    differing_pixels: u64,
+    first: Option<Place<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct StreamErrors<'a> {
+    #[serde(flatten)]
+    id: &'a StreamId,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stream_in_b: Option<String>,
+    #[serde(flatten)]
+    errors: Errors,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exact: Option<BitErrors>,
+    width: u32,
+    height: u32,
+    frames: [u32; 2],
+    worst: Option<Spot>,
+    domain: DomainReport<'a>,
+}
+
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Errors {
+    Depth(DepthErrors),
+    Color(ColorErrors),
+    Material(LevelErrors),
+}
+
+/// Errors of samples of 8 bits, or of half floats in the PU21 encoding.
+#[derive(Debug, Serialize)]
+struct LevelErrors {
+    psnr_db: Number,
+    differing_pixels: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_error_pu21: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_error_codes: Option<u32>,
+}
+
+#[derive(Debug, Serialize)]
+struct ColorErrors {
+    #[serde(flatten)]
+    levels: LevelErrors,
+    min_psnr_db: Option<Number>,
+    min_psnr_frame: Option<u32>,
+    min_cell_psnr_db: Option<Number>,
+    min_cell_psnr_at: Option<Spot>,
+    ssim: Option<f64>,
+    ssim_frames: u64,
+    clipped_pixels: u64,
+}
+
+#[derive(Debug, PartialEq, Serialize)]
+struct DomainReport<'a> {
+    #[serde(flatten)]
+    codes: Codes,
+    /// The side that the domain is from.
+    of: Option<&'static str>,
+    from: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    probe: Option<&'a str>,
+}
+
+#[derive(Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+enum Codes {
+    Depth { codes: &'static str, near_m: f64, far_m: f64 },
+    EightBit { codes: &'static str, transfer: &'static str, exposure_ev: f64, cell: u32 },
+    Half { codes: &'static str, metric: &'static str, white_cd_m2: f64, cell: u32 },
+    Material { codes: &'static str },
+}
+
+/// `A` or `B`.
+pub fn side_name(side: usize) -> &'static str {
+    if side == 0 { "A" } else { "B" }
+}
+
+impl Comparison {
+    /// The report.
+    pub fn report<'a>(&'a self, sides: &'a [Side; 2], judgement: &Judgement) -> ComparisonReport<'a> {
+        let bits = self.bits();
+        ComparisonReport {
+            equal: judgement.equal,
+            within_bounds: judgement.within_bounds,
+            broken: judgement
+                .violations
+                .iter()
+                .map(|violation| ViolationReport {
+                    place: Place { stream: &self.streams[violation.stream].id, spot: violation.spot },
+                    bound: violation.bound,
+                    limit: Number(violation.limit),
+                    measured: Number(violation.measured),
+                })
+                .collect(),
+            worst: self.worst().map(|(at, spot)| self.place(at, spot)),
+            domains: self.domains(),
+            missing: self
+                .missing
+                .iter()
+                .map(|missing| MissingReport {
+                    stream: &missing.id,
+                    only_in: side_name(missing.only_in),
+                    frames: ends(missing.frames),
+                })
+                .collect(),
+            sides: sides.iter().map(|side| SideReport { path: &side.path, form: side.form.name() }).collect(),
+            streams: self.streams.iter().map(StreamErrors::new).collect(),
+            depth: self.depth().map(|(errors, worst)| DepthTotal {
+                errors,
+                worst: worst.zip(errors.worst).map(|(at, spot)| self.place(at, spot)),
+            }),
+            color: self.color().map(|total| self.color_total(&total)),
+            material: self.material().map(|total| MaterialTotal {
+                max_error_codes: total.max_error,
+                psnr_db: Number(total.psnr_db()),
+                differing_pixels: total.differing_pixels,
+                worst: self.worst_of(&total),
+            }),
+            exact: bits.map(|(differing_pixels, first)| BitsTotal {
+                differing_pixels,
+                first: first.map(|(at, spot)| self.place(at, spot)),
+            }),
+        }
+    }
+
+    fn place(&self, stream: usize, spot: Spot) -> Place<'_> {
+        Place { stream: &self.streams[stream].id, spot: Some(spot) }
+    }
+
+    fn worst_of(&self, total: &SampleTotal) -> Option<Place<'_>> {
+        let (at, (spot, _)) = total.worst.and_then(|at| Some((at, self.streams[at].worst()?)))?;
+        Some(self.place(at, spot))
+    }
+
+    fn color_total(&self, total: &SampleTotal) -> ColorTotal<'_> {
+        let (frame, cell) = (total.lowest_frame, total.lowest_cell);
+        ColorTotal {
+            psnr_db: Number(total.psnr_db()),
+            min_psnr_db: frame.map(|(_, lowest)| Number(lowest.psnr_db)),
+            min_psnr_at: frame.map(|(at, lowest)| self.place(at, lowest.spot)),
+            min_cell_psnr_db: cell.map(|(_, lowest)| Number(lowest.psnr_db)),
+            min_cell_psnr_at: cell.map(|(at, lowest)| self.place(at, lowest.spot)),
+            ssim: total.ssim(),
+            ssim_frames: total.ssim_frames,
+            differing_pixels: total.differing_pixels,
+            clipped_pixels: total.clipped_pixels,
+            worst: self.worst_of(total),
+        }
+    }
+
+    fn domains(&self) -> BTreeMap<&'static str, Vec<DomainReport<'_>>> {
+        let mut domains = BTreeMap::<_, Vec<_>>::new();
+        for stream in &self.streams {
+            let mut domain = DomainReport::new(&stream.domain);
+            domain.probe = (stream.id.kind == StreamKind::Depth).then_some(&stream.id.probe);
+            let known = domains.entry(stream.id.kind.name()).or_default();
+            if !known.contains(&domain) {
+                known.push(domain);
+            }
+        }
+        domains
+    }
+}
+
+impl<'a> StreamErrors<'a> {
+    fn new(stream: &'a StreamReport) -> StreamErrors<'a> {
+        StreamErrors {
+            id: &stream.id,
+            stream_in_b: stream.other_id.as_ref().map(ToString::to_string),
+            errors: match &stream.measured {
+                Measured::Depth(errors) => Errors::Depth(*errors),
+                Measured::Color(errors) => Errors::Color(ColorErrors::new(errors, &stream.domain)),
+                Measured::Material(errors) => Errors::Material(LevelErrors::new(errors, &stream.domain)),
+            },
+            exact: stream.bits,
+            width: stream.size[0],
+            height: stream.size[1],
+            frames: ends(stream.frames),
+            worst: stream.worst().map(|(spot, _)| spot),
+            domain: DomainReport::new(&stream.domain),
+        }
+    }
+}
+
+impl LevelErrors {
+    fn new(errors: &SampleErrors, domain: &Domain) -> LevelErrors {
+        let is_half = matches!(domain.coding, Coding::Color(ColorFormat::Half { .. }, _));
+        LevelErrors {
+            psnr_db: Number(errors.psnr_db()),
+            differing_pixels: errors.differing_pixels,
+            max_error_pu21: is_half.then(|| f64::from(errors.max_error) / PU_STEPS),
+            max_error_codes: (!is_half).then_some(errors.max_error),
+        }
+    }
+}
+
+impl ColorErrors {
+    fn new(errors: &SampleErrors, domain: &Domain) -> ColorErrors {
+        ColorErrors {
+            levels: LevelErrors::new(errors, domain),
+            min_psnr_db: errors.lowest_frame.map(|lowest| Number(lowest.psnr_db)),
+            min_psnr_frame: errors.lowest_frame.map(|lowest| lowest.spot.frame),
+            min_cell_psnr_db: errors.lowest_cell.map(|lowest| Number(lowest.psnr_db)),
+            min_cell_psnr_at: errors.lowest_cell.map(|lowest| lowest.spot),
+            ssim: errors.ssim(),
+            ssim_frames: errors.ssim_frames,
+            clipped_pixels: errors.clipped_pixels,
+        }
+    }
+}
+
+impl DomainReport<'_> {
+    fn new(domain: &Domain) -> Self {
+        let codes = match domain.coding {
+            Coding::Depth(range) => {
+                Codes::Depth { codes: "16bit-log", near_m: range.near_m().into(), far_m: range.far_m().into() }
+            }
+            Coding::Color(ColorFormat::EightBit(tone), cell) => Codes::EightBit {
+                codes: "8bit",
+                transfer: if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
+                exposure_ev: tone.exposure_ev.into(),
+                cell,
+            },
+            Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
+                Codes::Half { codes: "half", metric: "pu21 in 64ths", white_cd_m2, cell }
+            }
+            Coding::Material => Codes::Material { codes: "8bit" },
+        };
+        let (of, from) = match domain.origin {
+            Origin::Container(side) => (Some(side_name(side)), "container"),
+            Origin::Manifest(side) => (Some(side_name(side)), "manifest"),
+            Origin::Chosen => (None, "default"),
+        };
+        DomainReport { codes, of, from, probe: None }
+    }
+}
+
+fn ends(frames: FrameRange) -> [u32; 2] {
+    [frames.first, frames.last]
+}

@@ -1,0 +1,128 @@
+//! A decoding as a report in JSON.
+
+use serde::Serialize;
+
+use crate::decode::damage::{DamagedChunk, MissingImages};
+use crate::decode::decoder::Decoder;
+use crate::decode::units::{DecodeSummary, Decoded};
+
+/// Times of a decoding.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct DecodeTimes {
+    /// Seconds of one run, or the median of `runs_seconds`.
+    pub seconds: f64,
+    /// Seconds for reading the file before the runs.
+    pub reading_seconds: f64,
+    /// Whether the runs read the container from memory.
+    pub container_in_memory: bool,
+    /// Seconds of each run, if repeated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub runs_seconds: Option<Vec<f64>>,
+    /// Name of the graphics device, or `cpu`.
+    pub device: String,
+}
+
+/// A decoding.
+#[derive(Debug, Serialize)]
+pub struct DecodeReport<'a> {
+    frames: u64,
+    pixels: u64,
+    updated_pixels: u64,
+    bytes_read: u64,
+    bytes_out: u64,
+    fetching_thread_seconds: f64,
+    applying_thread_seconds: f64,
+    #[serde(flatten)]
+    times: &'a DecodeTimes,
+    /// Decoded megapixels per second.
+    pub megapixels_per_second: f64,
+    updated_megapixels_per_second: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    damaged: Option<Vec<DamagedChunkReport<'a>>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    missing: Option<Vec<MissingImagesReport<'a>>>,
+}
+
+/// A damaged chunk.
+#[derive(Debug, Serialize)]
+pub struct DamagedChunkReport<'a> {
+    stream: u32,
+    kind: &'static str,
+    probe: &'a str,
+    face: &'static str,
+    unit: u32,
+    frames: [u32; 2],
+    offset: u64,
+    reason: &'a str,
+}
+
+/// Missing images of one stream, here and in manifests.
+#[derive(Debug, Serialize)]
+pub struct MissingImagesReport<'a> {
+    kind: &'static str,
+    probe: &'a str,
+    face: &'static str,
+    frames: Vec<[u32; 2]>,
+}
+
+impl<'a> DecodeReport<'a> {
+    /// Of a decoding that stops at damage.
+    pub fn new(decoded: &Decoded, times: &'a DecodeTimes) -> DecodeReport<'a> {
+        let DecodeSummary { frames, pixels, bytes_out, cost } = decoded.summary;
+        let per_second = |pixels: u64| pixels as f64 / 1e6 / times.seconds.max(1e-9);
+        DecodeReport {
+            frames,
+            pixels,
+            updated_pixels: cost.updated_pixels,
+            bytes_read: cost.bytes_read,
+            bytes_out,
+            fetching_thread_seconds: cost.fetching.as_secs_f64(),
+            applying_thread_seconds: cost.applying.as_secs_f64(),
+            times,
+            megapixels_per_second: per_second(pixels),
+            updated_megapixels_per_second: per_second(cost.updated_pixels),
+            damaged: None,
+            missing: None,
+        }
+    }
+
+    /// Adds damaged chunks and missing images.
+    #[must_use]
+    pub fn with_damage(mut self, decoder: &'a Decoder, decoded: &'a Decoded) -> DecodeReport<'a> {
+        self.damaged = Some(decoded.damaged.iter().map(|chunk| chunk.report(decoder)).collect());
+        self.missing = Some(decoded.missing.iter().map(|missing| missing.report(decoder)).collect());
+        self
+    }
+}
+
+impl DamagedChunk {
+    /// For reports.
+    pub fn report<'a>(&'a self, decoder: &'a Decoder) -> DamagedChunkReport<'a> {
+        let key = self.chunk.key;
+        let stream = &decoder.streams()[key.stream as usize];
+        let frames = self.frames();
+        DamagedChunkReport {
+            stream: key.stream,
+            kind: stream.kind.name(),
+            probe: &decoder.probe(stream).name,
+            face: stream.face.name(),
+            unit: key.unit,
+            frames: [frames.first, frames.last],
+            offset: self.chunk.offset,
+            reason: &self.reason,
+        }
+    }
+}
+
+impl MissingImages {
+    /// For reports and manifests.
+    pub fn report<'a>(&self, decoder: &'a Decoder) -> MissingImagesReport<'a> {
+        let stream = &decoder.streams()[self.stream as usize];
+        MissingImagesReport {
+            kind: stream.kind.name(),
+            probe: &decoder.probe(stream).name,
+            face: stream.face.name(),
+            frames: self.frames.iter().map(|range| [range.first, range.last]).collect(),
+        }
+    }
+}
