@@ -1,10 +1,12 @@
 //! Tells the tests whether the measured footage is at hand, so that those which need it say "ignored" where it is not; tells
-//! the encoder by a hash from which sources it is built; and tells the linker of the C++ library that the encoder of blocks
-//! wants.
+//! the encoder by a hash from which sources it is built; turns the kernel table into Rust; and tells the linker of the C++
+//! library that the encoder of blocks wants.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
+
+use serde_json::Value;
 
 /// What an encoder is made of: two builds that agree in these write the same bytes.
 const SOURCES: [&str; 2] = ["Cargo.lock", "src"];
@@ -30,7 +32,87 @@ fn hash_of_sources(root: &Path) -> u64 {
     hasher.finish()
 }
 
+fn text(value: &Value) -> &str {
+    value.as_str().unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not a string"))
+}
+
+fn rows(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not an array"))
+}
+
+/// Name and type of a struct member or binding, written `name: type`.
+fn name_and_type(value: &Value) -> (&str, &str) {
+    text(value).split_once(": ").unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not 'name: type'"))
+}
+
+/// The structs and constants of the kernel table as the macros of `gpu/layout.rs` take them.
+fn layout_source(table: &Value) -> String {
+    let member = |value| {
+        let (name, kind) = name_and_type(value);
+        let kind = match kind {
+            "vec2<f32>" => "[f32; 2]",
+            "vec3<f32>" => "[f32; 3]",
+            "array<u32, 8>" => "[u32; 8]",
+            scalar => scalar,
+        };
+        format!("{name}: {kind}")
+    };
+    let mut out = String::from("structs! {\n");
+    for row in rows(&table["structs"]) {
+        let members: Vec<String> = rows(&row["members"]).iter().map(member).collect();
+        out += &format!("{} {{ {} }}\n", text(&row["name"]), members.join(", "));
+    }
+    out += "}\nconstants! {\n";
+    for (name, value) in table["constants"].as_object().into_iter().flatten() {
+        out += &format!("{name} = {value};\n");
+    }
+    out + "}\n"
+}
+
+/// The kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
+fn kernel_source(table: &Value) -> String {
+    let (mut out, mut names) = (String::new(), Vec::new());
+    for row in rows(&table["kernels"]) {
+        let name = text(&row["name"]);
+        let constant = name.to_uppercase().replace('-', "_");
+        let mut files = String::new();
+        for path in rows(&row["files"]).iter().map(text) {
+            let include = format!("include_str!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/shaders/{path}\"))");
+            files += &format!("ShaderFile {{ path: {path:?}, text: {include} }}, ");
+        }
+        let mut bindings = String::new();
+        for (name, kind) in rows(&row["bindings"]).iter().map(name_and_type) {
+            let kind = match kind {
+                "read-only-storage" => "ReadOnlyStorage",
+                "storage" => "Storage",
+                "uint" => "Uint",
+                "unfilterable-float" => "UnfilterableFloat",
+                other => panic!("shaders/kernels.json: {other} is no kind of binding"),
+            };
+            bindings += &format!("Binding {{ name: {name:?}, kind: BindingKind::{kind} }}, ");
+        }
+        out += &format!(
+            "/// {}\npub static {constant}: Kernel = Kernel {{ name: {name:?}, entry: {:?}, files: &[{files}], \
+             bindings: &[{bindings}], workgroup: {} }};\n",
+            text(&row["about"]),
+            text(&row["entry"]),
+            row["workgroup"],
+        );
+        names.push(format!("&{constant}"));
+    }
+    out + &format!("/// All kernels.\npub static KERNELS: [&Kernel; {}] = [{}];\n", names.len(), names.join(", "))
+}
+
+fn write_kernel_table() -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed=shaders/kernels.json");
+    let table: Value = serde_json::from_str(&fs::read_to_string("shaders/kernels.json")?)?;
+    let folder = PathBuf::from(std::env::var_os("OUT_DIR").unwrap_or_default());
+    fs::write(folder.join("kernels.rs"), kernel_source(&table))?;
+    fs::write(folder.join("layout.rs"), layout_source(&table))
+}
+
 fn main() {
+    write_kernel_table().expect("shaders/kernels.json becomes Rust");
     for name in SOURCES {
         println!("cargo::rerun-if-changed={name}");
     }

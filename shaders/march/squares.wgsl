@@ -1,7 +1,7 @@
 // The greatest inverse depths of squares of texels, level by level: `DepthPyramid::update` of src/march/pyramid.rs. An
 // invocation writes a square; inverse depths are compared as bits, as none is below 0. Needs `job_of`.
 
-@group(0) @binding(0) var<storage, read> jobs: SquareJobs;
+@group(0) @binding(0) var<storage, read> jobs: PyramidJobs;
 @group(0) @binding(1) var<storage, read_write> planes: array<u32>;
 
 @compute @workgroup_size(WORKGROUP)
@@ -20,5 +20,5 @@ fn write_squares(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgrou
         let below = min(2u * at + vec2u(corner % 2u, corner / 2u), last);
         greatest = max(greatest, planes[job.below + below.y * job.below_pitch + below.x]);
     }
-    planes[job.place + at.y * job.pitch + at.x] = min(greatest, job.most);
+    planes[job.output + at.y * job.pitch + at.x] = min(greatest, job.limit);
 }

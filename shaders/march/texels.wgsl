@@ -22,10 +22,10 @@ fn write_depths(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroup
         let column = job.left + x;
         let codes = pictures[job.picture + (job.top + y) * job.stride + column / 2u];
         bits = tables[job.table + ((codes >> (16u * (column % 2u))) & 0xffffu)];
-        if (job.stretch != NONE) {
-            let stretch = tables[job.stretch + y * job.stretch_pitch + x];
-            bits = bitcast<u32>(bitcast<f32>(bits) * bitcast<f32>(stretch));
+        if (job.ray_length != NONE) {
+            let ray_length = tables[job.ray_length + y * job.ray_length_pitch + x];
+            bits = bitcast<u32>(bitcast<f32>(bits) * bitcast<f32>(ray_length));
         }
     }
-    planes[job.place + y * job.pitch + x] = bits;
+    planes[job.output + y * job.pitch + x] = bits;
 }

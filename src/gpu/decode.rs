@@ -20,7 +20,7 @@ use crate::depth::record_table;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
-use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, Words, words_of};
+use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, words_of};
 use crate::gpu::prepare::{self, Prepared, Timeline};
 use crate::gpu::resident::{Growing, Resident, Slot};
 use crate::monitor::{Monitor, Silent};
@@ -586,7 +586,7 @@ impl<'a> GpuDecoder<'a> {
             _ => &self.buffers.pictures,
         };
         [(self.family.plan(), &self.plan), (self.family.kernel(), &self.kernel)].map(|(row, pipeline)| {
-            let buffers: Vec<_> = row.bindings.iter().map(|binding| of(binding.name())).collect();
+            let buffers: Vec<_> = row.bindings.iter().map(|binding| of(binding.name)).collect();
             self.gpu.bind(pipeline, &buffers)
         })
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::error::{Error, Result};
-use crate::gpu::kernels::{Binding, Kernel};
+use crate::gpu::kernels::{Binding, BindingKind, Kernel};
 
 /// Largest buffer that kernels are given, in bytes, whatever the device offers: offsets of bytes must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
@@ -104,14 +104,14 @@ fn binding_type(binding: Binding) -> wgpu::BindingType {
         view_dimension: wgpu::TextureViewDimension::D2Array,
         multisampled: false,
     };
-    match binding {
-        Binding::Read(_) | Binding::Write(_) => wgpu::BindingType::Buffer {
+    match binding.kind {
+        BindingKind::ReadOnlyStorage | BindingKind::Storage => wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Storage { read_only: !binding.is_written() },
             has_dynamic_offset: false,
             min_binding_size: None,
         },
-        Binding::WordTexels(_) => texture(wgpu::TextureSampleType::Uint),
-        Binding::FloatTexels(_) => texture(wgpu::TextureSampleType::Float { filterable: false }),
+        BindingKind::Uint => texture(wgpu::TextureSampleType::Uint),
+        BindingKind::UnfilterableFloat => texture(wgpu::TextureSampleType::Float { filterable: false }),
     }
 }
 

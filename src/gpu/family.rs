@@ -84,7 +84,7 @@ impl Family {
             Family::CodesBc5 => &kernels::BOXES_BC5,
             Family::Material => &kernels::BOXES_MATERIAL,
             Family::MaterialBc1 => &kernels::BOXES_BC1,
-            Family::Cells8 => &kernels::CELLS_8,
+            Family::Cells8 => &kernels::CELLS_8BIT,
             Family::CellsBc1 => &kernels::CELLS_BC1,
             Family::CellsBc7 => &kernels::CELLS_BC7,
             Family::CellsHalf => &kernels::CELLS_HALF,

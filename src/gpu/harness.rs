@@ -61,8 +61,8 @@ pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Res
     let pipeline = gpu.pipeline(kernel)?;
     let mut buffers = Vec::new();
     for (binding, words) in kernel.bindings.iter().zip(&case.buffers) {
-        let buffer = gpu.buffer(binding.name(), words.len(), wgpu::BufferUsages::empty())?;
-        gpu.guard(binding.name(), || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
+        let buffer = gpu.buffer(binding.name, words.len(), wgpu::BufferUsages::empty())?;
+        gpu.guard(binding.name, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
         buffers.push(buffer);
     }
     let dispatch = |times: u32| {
@@ -85,7 +85,7 @@ pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Res
         let differing = || found.iter().zip(expected).enumerate().filter(|(_, (found, expected))| found != expected);
         result.mismatches += differing().count() as u64;
         if let (None, Some((word, (found, expected)))) = (&result.first, differing().next()) {
-            let (label, name) = (&case.label, kernel.bindings[*at].name());
+            let (label, name) = (&case.label, kernel.bindings[*at].name);
             result.first = Some(format!("{label}: word {word} of {name} is {found:#010x} and not {expected:#010x}"));
         }
     }

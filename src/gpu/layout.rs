@@ -1,255 +1,85 @@
-//! What Rust and WGSL both know: structs of 32-bit words and constants. `shaders/shared/layout.wgsl` says the same
-//! again, and a test compares the two by reflection.
+//! Structs and constants that Rust and WGSL share: those of `shaders/kernels.json`, which `build.rs` turns into Rust. The WGSL
+//! declares them in `shaders/shared/layout.wgsl` and `shaders/march/layout.wgsl`; a test compares the two by reflection.
 
-/// Something that is a row of a buffer.
+/// A value that is stored as 32-bit words.
 pub trait Words {
-    /// Words that it takes.
-    const WORDS: usize;
-
     /// Appends its words.
     fn put(&self, out: &mut Vec<u32>);
 }
 
-/// The words of some rows.
+impl Words for u32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(*self);
+    }
+}
+
+impl Words for f32 {
+    fn put(&self, out: &mut Vec<u32>) {
+        out.push(self.to_bits());
+    }
+}
+
+impl<const N: usize, T: Words> Words for [T; N] {
+    fn put(&self, out: &mut Vec<u32>) {
+        self.iter().for_each(|value| value.put(out));
+    }
+}
+
+/// The words of rows of a buffer.
 pub fn words_of<T: Words>(rows: &[T]) -> Vec<u32> {
-    let mut out = Vec::with_capacity(rows.len() * T::WORDS);
+    let mut out = Vec::with_capacity(size_of_val(rows) / 4);
     rows.iter().for_each(|row| row.put(&mut out));
     out
 }
 
 macro_rules! structs {
-    ($($(#[$about:meta])* $name:ident { $($(#[$what:meta])* $field:ident),+ $(,)? })+) => {
+    ($($name:ident { $($field:ident: $kind:ty),+ })+) => {
         $(
-            $(#[$about])*
-            #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-            pub struct $name { $($(#[$what])* pub $field: u32),+ }
+            #[doc = concat!("`", stringify!($name), "` of the WGSL, member by member.")]
+            #[allow(missing_docs)]
+            #[repr(C)]
+            #[derive(Debug, Clone, Copy, PartialEq, Default)]
+            pub struct $name { $(pub $field: $kind),+ }
+
+            impl $name {
+                /// Size in words.
+                pub const WORDS: usize = size_of::<$name>() / 4;
+            }
 
             impl Words for $name {
-                const WORDS: usize = [$(stringify!($field)),+].len();
-
                 fn put(&self, out: &mut Vec<u32>) {
-                    out.extend_from_slice(&[$(self.$field),+]);
+                    $(self.$field.put(out);)+
                 }
             }
         )+
-        /// Names of all structs with those of their members, each a word, in order.
-        pub const STRUCTS: &[(&str, &[&str])] = &[$((stringify!($name), &[$(stringify!($field)),+])),+];
+        #[cfg(test)]
+        const STRUCTS: &[(&str, usize, &[(&str, usize)])] = &[$((
+            stringify!($name),
+            size_of::<$name>(),
+            &[$((stringify!($field), std::mem::offset_of!($name, $field))),+],
+        )),+];
     };
 }
 
 macro_rules! constants {
-    ($($(#[$about:meta])* $name:ident = $value:expr;)+) => {
-        $($(#[$about])* pub const $name: u32 = $value;)+
-        /// Names and values of all constants.
-        pub const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),+];
+    ($($name:ident = $value:expr;)+) => {
+        $(
+            #[doc = concat!("`", stringify!($name), "` of the WGSL.")]
+            pub const $name: u32 = $value;
+        )+
+        #[cfg(test)]
+        const CONSTANTS: &[(&str, u32)] = &[$((stringify!($name), $name)),+];
     };
 }
 
-structs! {
-    /// A tile or a cell.
-    Unit {
-        /// First word of its picture.
-        picture,
-        /// Columns of pixels.
-        width,
-        /// Rows of pixels.
-        height,
-        /// Words from row to row: of codes, two in a word, `width.div_ceil(2)`; of bytes `width`, of halves twice that.
-        stride,
-        /// W of its stream; 0 where each frame is whole, so that any can follow any.
-        window,
-        /// `DomainKind` of its functions, with the two numbers of the domain.
-        domain,
-        /// Logarithm at near.
-        base,
-        /// Codes for each unit of the logarithm.
-        scale,
-    }
+include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 
-    /// A chunk that is on the device.
-    Chunk {
-        /// Its first row in the table of records.
-        first_record,
-        /// Its rows.
-        record_count,
-        /// Colour: the byte of the stream at which its weights start.
-        weights_at,
-        /// Colour: weights.
-        weight_count,
-    }
-
-    /// What a frame changes: a record of depth or material, or a keyframe of colour.
-    Record {
-        /// The frame, counted from the chunk's first.
-        frame,
-        /// Nodes: the word of the stream at which its header starts. Keyframes: the byte of the first sample or block.
-        at,
-        /// Boxes: the first in the table of boxes.
-        first,
-        /// Boxes: their number.
-        count,
-        /// Invocations that it takes; of a keyframe, as many as the blend that it begins.
-        work,
-        /// Keyframes: how they are coded.
-        coding,
-    }
-
-    /// A rectangle of values of one record.
-    BoxRow {
-        /// Left column in the unit.
-        x,
-        /// Top row.
-        y,
-        /// Columns.
-        width,
-        /// Rows.
-        height,
-        /// The byte of the stream at which its values start.
-        at,
-        /// How it is coded.
-        coding,
-        /// Invocations that the record's boxes take, up to this one and with it.
-        end,
-    }
-
-    /// A unit that is to be decoded.
-    Item {
-        /// Its number.
-        unit,
-        /// Where its chunk is in the table of chunks.
-        chunk,
-        /// Colour: where the cell's next chunk is, where it is needed.
-        next,
-        /// The frame that is wanted, counted from the chunk's first.
-        frame,
-        /// What tells the chunk from all others, never 0.
-        key,
-    }
-
-    /// What a unit's picture shows.
-    State {
-        /// The key of the chunk; 0 for nothing.
-        key,
-        /// The frame; of colour, the keyframe.
-        frame,
-        /// Colour: the weight.
-        weight,
-    }
-
-    /// Work on one unit.
-    Job {
-        /// The unit.
-        unit,
-        /// Invocations of all jobs up to this one and with it.
-        end,
-        /// The record; of colour, the first keyframe's record.
-        record,
-        /// Colour: the second keyframe's record.
-        next,
-        /// Colour: the weight.
-        weight,
-    }
-
-    /// The size of the dispatch that follows, in workgroups.
-    Dispatch {
-        /// Along x.
-        x,
-        /// Along y.
-        y,
-        /// Along z.
-        z,
-    }
-
-    /// Texels whose inverse depths are written.
-    DepthJob {
-        /// First word of the picture of the tile that they lie in; [`NONE`]: they become all alike.
-        picture,
-        /// Its words from row to row.
-        stride,
-        /// The first column of the tile.
-        left,
-        /// The first row of the tile.
-        top,
-        /// Columns.
-        width,
-        /// Where the inverse depths of codes start among the tables; without a picture, what the texels become.
-        table,
-        /// Where there is what the first texel is multiplied by; [`NONE`]: nothing is.
-        stretch,
-        /// Words from row to row of that.
-        stretch_pitch,
-        /// Word of the planes that the first texel lies in.
-        place,
-        /// Words from row to row of these.
-        pitch,
-        /// Invocations of all jobs up to this one and with it.
-        end,
-    }
-
-    /// Squares of a level of a pyramid that are written.
-    SquareJob {
-        /// First word of the level below, or of the texels.
-        below,
-        /// Its words from row to row.
-        below_pitch,
-        /// Its columns.
-        below_width,
-        /// Its rows.
-        below_height,
-        /// The first column.
-        left,
-        /// The first row.
-        top,
-        /// Columns.
-        width,
-        /// First word of the level.
-        place,
-        /// Its words from row to row.
-        pitch,
-        /// The greatest that is written, as bits.
-        most,
-        /// Invocations of all jobs up to this one and with it.
-        end,
-    }
-}
-
-/// Words before the rows of a list: of `Items` and of all sorts of jobs.
+/// Words before the rows of a list: of `Items` and of all kinds of jobs.
 pub const LIST_HEAD_WORDS: usize = 2;
-
-constants! {
-    /// No row.
-    NONE = u32::MAX;
-    /// Invocations of a workgroup of a decoding kernel.
-    WORKGROUP = 64;
-    /// Invocations of the one workgroup of a planning kernel.
-    PLAN_WORKGROUP = 256;
-    /// Most workgroups along one direction.
-    MAX_GROUPS = 65_535;
-    /// Words of the header of a frame of nodes.
-    NODE_HEADER_WORDS = 12;
-    /// Levels of nodes.
-    LEVELS = 9;
-    /// A box of values.
-    BOX_VALUES = 0;
-    /// A box of one value.
-    BOX_CONSTANT = 1;
-    /// A box of blocks.
-    BOX_BLOCKS = 2;
-    /// A keyframe of samples.
-    KEYFRAME_SAMPLES = 0;
-    /// A keyframe of blocks.
-    KEYFRAME_BLOCKS = 1;
-    /// Functions in log codes.
-    DOMAIN_LOG = 0;
-    /// Functions in depth.
-    DOMAIN_LINEAR = 1;
-    /// Functions in inverse depth.
-    DOMAIN_INVERSE = 2;
-}
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
+    use std::collections::BTreeSet;
 
     use wgpu::naga;
 
@@ -264,31 +94,26 @@ mod tests {
     }
 
     #[test]
-    fn structs_have_the_members_and_offsets_that_wgsl_says() {
-        let mut seen = BTreeMap::new();
+    fn structs_have_the_members_and_offsets_of_the_wgsl() {
+        let mut seen = BTreeSet::new();
         for kernel in KERNELS {
             let module = module(kernel);
             for (_, found) in module.types.iter() {
                 let (Some(name), naga::TypeInner::Struct { members, span }) = (&found.name, &found.inner) else {
                     continue;
                 };
-                let Some((_, fields)) = STRUCTS.iter().find(|(known, _)| known == name) else { continue };
-                let wgsl: Vec<_> = members.iter().map(|m| (m.name.clone().unwrap(), m.offset)).collect();
-                let rust: Vec<_> = fields.iter().enumerate().map(|(at, f)| ((*f).to_owned(), 4 * at as u32)).collect();
-                assert_eq!(wgsl, rust, "{name} of {}", kernel.name);
-                assert_eq!(*span as usize, 4 * fields.len(), "{name}");
-                let word =
-                    |m: &naga::StructMember| module.types[m.ty].inner == naga::TypeInner::Scalar(naga::Scalar::U32);
-                assert!(members.iter().all(word), "{name} has members that are no u32");
-                seen.insert(name.clone(), ());
+                let Some((_, size, fields)) = STRUCTS.iter().find(|(known, ..)| known == name) else { continue };
+                let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
+                assert_eq!((wgsl.as_slice(), *span as usize), (*fields, *size), "{name} of {}", kernel.name);
+                seen.insert(name.clone());
             }
         }
-        assert_eq!(seen.len(), STRUCTS.len(), "structs that no kernel knows; known: {seen:?}");
+        assert_eq!(seen.len(), STRUCTS.len(), "no kernel declares some of the structs; declared are {seen:?}");
     }
 
     #[test]
-    fn constants_are_those_of_wgsl() {
-        let mut seen = BTreeMap::new();
+    fn constants_are_those_of_the_wgsl() {
+        let mut seen = BTreeSet::new();
         for kernel in KERNELS {
             let module = module(kernel);
             for (_, found) in module.constants.iter() {
@@ -298,10 +123,10 @@ mod tests {
                 let literal = &module.global_expressions[found.init];
                 let is = matches!(literal, naga::Expression::Literal(naga::Literal::U32(found)) if found == value);
                 assert!(is, "{name} is {value}, in {} it is {literal:?}", kernel.name);
-                seen.insert(*name, ());
+                seen.insert(*name);
             }
         }
-        assert_eq!(seen.len(), CONSTANTS.len(), "constants that no kernel knows; known: {seen:?}");
+        assert_eq!(seen.len(), CONSTANTS.len(), "no kernel declares some of the constants; declared are {seen:?}");
     }
 
     #[test]
@@ -312,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn kernels_are_what_their_rows_say() {
+    fn kernels_match_their_rows() {
         for kernel in KERNELS {
             let module = module(kernel);
             let flags = naga::valid::ValidationFlags::all();
@@ -339,9 +164,9 @@ mod tests {
                 .collect();
             bound.sort();
             let rows = kernel.bindings.iter().enumerate();
-            let rows: Vec<_> = rows.map(|(at, b)| (at as u32, b.name().to_owned(), b.is_written())).collect();
+            let rows: Vec<_> = rows.map(|(at, b)| (at as u32, b.name.to_owned(), b.is_written())).collect();
             assert_eq!(bound, rows, "bindings of {}", kernel.name);
-            // What is rendered is measured in decibels; what is decoded is right to the bit.
+            // Decoding is exact to the bit, so its kernels have no floats.
             let renders = kernel.files.iter().any(|file| file.path.starts_with("march/"));
             for (_, found) in module.types.iter().filter(|_| !renders) {
                 let scalar = found.inner.scalar_kind();

@@ -22,7 +22,8 @@ use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneWords, VIEW_WORDS};
+use crate::gpu::layout::{Face, View, words_of};
+use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::DeviceTexels;
 use crate::gpu::render::units::{DeviceUnits, UnitCost};
 use crate::image::plane::Plane;
@@ -209,21 +210,21 @@ impl<'a> GpuRenderer<'a> {
         self.cost.glass += start.elapsed();
         self.bring_glass(views, &glass)?;
         let place = |probe: usize, face: usize| self.texels.origin((probe, face));
-        let words = scene::words((views, &glass), camera, settings, self.texels.pyramid_rows(), place);
+        let rows = SceneRows::new((views, &glass), camera, settings, self.texels.pyramid_rows(), place);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
-        let target = self.target(kernel, &words, settings.size)?;
+        let target = self.target(kernel, &rows, settings.size)?;
         self.copy_greatest(views)?;
         let mut start = Instant::now();
         let [least, most] = rows_of_dispatch(self.gpu, views.views.len(), kernel, settings);
-        let (mut first_row, mut rows) = (0, least);
+        let (mut first_row, mut count) = (0, least);
         while first_row < height && width > 0 {
             monitor.check()?;
             let begun = Instant::now();
-            self.dispatch(kernel, &target, [width, height], [first_row, rows])?;
-            monitor.advance(rows.min(height - first_row).into());
-            first_row = first_row.saturating_add(rows);
-            rows = if begun.elapsed() < SHORT { rows.saturating_mul(2).min(most) } else { least };
+            self.dispatch(kernel, &target, [width, height], [first_row, count])?;
+            monitor.advance(count.min(height - first_row).into());
+            first_row = first_row.saturating_add(count);
+            count = if begun.elapsed() < SHORT { count.saturating_mul(2).min(most) } else { least };
         }
         self.cost.marching += start.elapsed();
         start = Instant::now();
@@ -261,23 +262,22 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// The buffers of a picture. The kernel writes every word of those that are read back.
-    fn target(&mut self, kernel: &'static Kernel, words: &SceneWords, [width, height]: [u32; 2]) -> Result<Target> {
+    fn target(&mut self, kernel: &'static Kernel, rows: &SceneRows, [width, height]: [u32; 2]) -> Result<Target> {
         let gpu = self.gpu;
         let mut filled = |label: &'static str, words: &[u32], least: usize| {
             let buffer = self.buffer(label, words.len().max(least))?;
             gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
             Ok::<_, crate::Error>(buffer)
         };
-        let least = |of: usize| scene::STRUCTS[of].1.iter().map(|field| field.1).sum();
-        let scene = filled("scene", &words.scene, least(0))?;
-        let views = filled("views", &words.views, least(1))?;
-        let faces = filled("faces", &words.faces, least(2))?;
-        let distances_m = filled("distances_m", &words.distances_m, 1)?;
+        let scene = filled("scene", &words_of(&[rows.scene]), 0)?;
+        let views = filled("views", &words_of(&rows.views), View::WORDS)?;
+        let faces = filled("faces", &words_of(&rows.faces), Face::WORDS)?;
+        let distances_m = filled("distances_m", &words_of(&rows.distances_m), 1)?;
         let pixels = self.buffer("pixels", 4 * width as usize * height as usize)?;
         let counts = self.buffer("counts", count_words([width, height]))?;
         let textures = self.texels.views();
         let pipeline = gpu.pipeline(kernel)?;
-        let resources = kernel.bindings.iter().filter_map(|binding| match binding.name() {
+        let resources = kernel.bindings.iter().filter_map(|binding| match binding.name {
             "scene" => Some(scene.as_entire_binding()),
             "views" => Some(views.as_entire_binding()),
             "faces" => Some(faces.as_entire_binding()),
@@ -305,7 +305,7 @@ impl<'a> GpuRenderer<'a> {
             let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for (at, planes) in decoded {
                 let from = 4 * u64::from(depth_planes::GREATEST_WORD);
-                let to = 4 * (at * VIEW_WORDS + scene::GREATEST_WORD) as u64;
+                let to = 4 * (at * View::WORDS + scene::GREATEST_WORD) as u64;
                 encoder.copy_buffer_to_buffer(planes.buffer(), from, words, to, 4);
             }
             self.gpu.queue.submit([encoder.finish()]);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
-use crate::gpu::layout::{BoxRow, Chunk, Record, Words, words_of};
+use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
 use crate::gpu::prepare::{Prepared, Timeline};
 
 /// Words that a buffer starts with.

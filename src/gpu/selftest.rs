@@ -46,7 +46,7 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::NODES, inputs: Words(nodes::cases) },
     Row { kernel: &kernels::BOXES_CODES, inputs: Words(boxes::cases::<u16, Values>) },
     Row { kernel: &kernels::BOXES_MATERIAL, inputs: Words(boxes::cases::<[u8; 3], Values>) },
-    Row { kernel: &kernels::CELLS_8, inputs: Words(cells::bytes) },
+    Row { kernel: &kernels::CELLS_8BIT, inputs: Words(cells::bytes) },
     Row { kernel: &kernels::CELLS_HALF, inputs: Words(cells::halves) },
     Row { kernel: &kernels::BOXES_BC5, inputs: Words(boxes::cases::<u16, BlockTiles>) },
     Row { kernel: &kernels::BOXES_BC1, inputs: Words(boxes::cases::<[u8; 3], BlockTiles>) },

@@ -138,7 +138,7 @@ fn every_shader_is_in_a_row_and_says_what_it_mirrors() {
     shaders.retain(|path| path.extension().is_some_and(|extension| extension == "wgsl"));
     assert!(shaders.len() > 10, "only {} shaders were found", shaders.len());
     for path in shaders {
-        assert!(used.contains(&path), "{} is in no row of src/gpu/kernels.rs", path.display());
+        assert!(used.contains(&path), "{} is in no row of shaders/kernels.json", path.display());
         let text = read(&path);
         assert!(text.starts_with("// "), "{} does not say what it is", path.display());
         assert!(text.lines().count() <= MAX_LINES, "{} is too long", path.display());

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::groups;
 use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::layout::{DepthJob, LIST_HEAD_WORDS, NONE, SquareJob, Unit, Words, words_of};
+use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, words_of};
 use crate::gpu::render::scene::NO_BOUND;
 use crate::gpu::render::texels::above;
 use crate::image::cube::Face;
@@ -50,7 +50,7 @@ struct FacePlanes {
     /// Where the inverse depths of codes start.
     table: u32,
     /// Where what they are multiplied by starts, row by row.
-    stretch: Option<u32>,
+    ray_lengths: Option<u32>,
 }
 
 /// What is to be written of the tiles that one buffer of pictures holds.
@@ -173,8 +173,8 @@ impl DepthPlanes {
                 top.at = new.face as u32;
             }
             let table = tables.inverse(new.inverse);
-            let stretch = (new.inverse.kind() == DepthKind::Distance).then(|| tables.stretch(new.texels));
-            known.insert(new.face, FacePlanes { levels, table, stretch });
+            let ray_lengths = (new.inverse.kind() == DepthKind::Distance).then(|| tables.stretch(new.texels));
+            known.insert(new.face, FacePlanes { levels, table, ray_lengths });
         }
         // A buffer says itself what it would need and what is allowed.
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
@@ -262,11 +262,11 @@ impl DepthPlanes {
     }
 
     /// The jobs of each level, from the texels up, and of the reductions.
-    fn square_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<SquareJob>> {
+    fn square_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<PyramidJob>> {
         let most_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
         let mut all = Vec::new();
         for level in 1..most_levels {
-            let mut jobs: Vec<SquareJob> = Vec::new();
+            let mut jobs: Vec<PyramidJob> = Vec::new();
             for (face, &rect) in changed {
                 let levels = self.levels(*face);
                 let (Some(below), Some(plane)) = (levels.get(level - 1), levels.get(level)) else { continue };
@@ -279,7 +279,7 @@ impl DepthPlanes {
             for pair in REDUCTIONS.windows(2) {
                 let [below, plane] = [pair[0], pair[1]].map(|[at, count]| Plane { at, pitch: count, size: [count, 1] });
                 let job = square_job([&below, &plane], [0, 0, plane.size[0], 1], 0);
-                all.push(vec![SquareJob { most: NO_BOUND.to_bits(), ..job }]);
+                all.push(vec![PyramidJob { limit: NO_BOUND.to_bits(), ..job }]);
             }
         }
         all
@@ -316,7 +316,7 @@ impl DepthPlanes {
                     offset: 4 * step.words[0] as u64,
                     size: wgpu::BufferSize::new(4 * step.words[1] as u64),
                 };
-                let resources = step.kernel.bindings.iter().filter_map(|binding| match binding.name() {
+                let resources = step.kernel.bindings.iter().filter_map(|binding| match binding.name {
                     "pictures" => step.pictures.map(wgpu::Buffer::as_entire_binding),
                     "tables" => Some(self.tables.as_entire_binding()),
                     "jobs" => Some(wgpu::BindingResource::Buffer(list.clone())),
@@ -338,28 +338,28 @@ impl FacePlanes {
     fn job(&self, part: &DepthPart, unit: &Unit, corner: [u32; 2]) -> DepthJob {
         let [left, top, width, _] = part.rect;
         let Some(plane) = self.levels.first() else { return DepthJob::default() };
-        let (place, pitch) = (plane.at + top * plane.pitch + left, plane.pitch);
-        let plain = DepthJob { width, place, pitch, stretch: NONE, ..DepthJob::default() };
+        let (output, pitch) = (plane.at + top * plane.pitch + left, plane.pitch);
+        let plain = DepthJob { width, output, pitch, ray_length: NONE, ..DepthJob::default() };
         if !part.is_known {
             return DepthJob { picture: NONE, table: UNKNOWN.to_bits(), ..plain };
         }
-        let stretch_pitch = plane.size[0];
+        let ray_length_pitch = plane.size[0];
         DepthJob {
             picture: unit.picture,
             stride: unit.stride,
             left: left - corner[0],
             top: top - corner[1],
             table: self.table,
-            stretch: self.stretch.map_or(NONE, |stretch| stretch + top * stretch_pitch + left),
-            stretch_pitch,
+            ray_length: self.ray_lengths.map_or(NONE, |first| first + top * ray_length_pitch + left),
+            ray_length_pitch,
             ..plain
         }
     }
 }
 
 /// The job that writes squares of a plane of the one below.
-fn square_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> SquareJob {
-    SquareJob {
+fn square_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> PyramidJob {
+    PyramidJob {
         below: below.at,
         below_pitch: below.pitch,
         below_width: below.size[0],
@@ -367,9 +367,9 @@ fn square_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end
         left,
         top,
         width,
-        place: plane.at,
+        output: plane.at,
         pitch: plane.pitch,
-        most: u32::MAX,
+        limit: u32::MAX,
         end: end + width * height,
     }
 }
@@ -383,5 +383,5 @@ fn list<T: Words>(words: &mut Vec<u32>, jobs: &[T], total: u32) -> Option<[usize
     let at = words.len();
     words.extend([total, jobs.len() as u32]);
     words.extend(words_of(jobs));
-    Some([at, LIST_HEAD_WORDS + jobs.len() * T::WORDS])
+    Some([at, words.len() - at])
 }

@@ -1,8 +1,9 @@
-//! What a picture is rendered of, as words for `shaders/march/layout.wgsl`: camera, settings, views and their images.
+//! Input of the rendering kernels: camera, settings, views and their images, as rows of `shaders/march/layout.wgsl`.
 
-use glam::Vec3;
+use std::mem::offset_of;
 
 use crate::evaluate::rendered_image::HoleFill;
+use crate::gpu::layout::{Face, Scene, View};
 use crate::image::transfer::Transfer;
 use crate::march::active_views::ActiveViews;
 use crate::march::interpolate::camera_weights;
@@ -12,7 +13,7 @@ use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::specular::secondary_rays::MAX_BOUNCES;
 use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::Camera;
-use crate::views::light_field::ColorCoding;
+use crate::views::light_field::{ColorCoding, FaceTexels};
 
 /// Where an image lies on the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -30,156 +31,102 @@ pub const NO_BOUND: f32 = 1e30;
 
 /// The word of a view that has no image of a face.
 const NO_FACE: u32 = u32::MAX;
-/// Words of a view for the numbers of its images.
-const FACE_WORDS: usize = 8;
+/// Images of a view in its row.
+const FACES_OF_VIEW: usize = 8;
 /// Colours are linear light.
 const CODING_LIGHT: u32 = 0;
 /// Colours are codes of sRGB.
 const CODING_SRGB: u32 = 1;
 /// Colours are codes of light.
 const CODING_LINEAR: u32 = 2;
-/// Word of a scene that says the first row of a dispatch.
-pub const FIRST_ROW_WORD: usize = 11;
-/// Word of a scene that says how many rows a dispatch has.
-pub const ROWS_WORD: usize = 21;
+/// Word of a scene with the first row of a dispatch.
+pub const FIRST_ROW_WORD: usize = offset_of!(Scene, first_row) / 4;
+/// Word of a scene with the number of rows of a dispatch.
+pub const ROWS_WORD: usize = offset_of!(Scene, rows) / 4;
+/// Word of a view with its greatest inverse depth.
+pub const GREATEST_WORD: usize = offset_of!(View, greatest_inverse_depth) / 4;
 
-/// Structs of the shader, and of each member its name and the words from it to the next.
-pub const STRUCTS: [(&str, &[(&str, usize)]); 3] = [
-    (
-        "Scene",
-        &[
-            ("forward", 3),
-            ("width", 1),
-            ("right", 3),
-            ("height", 1),
-            ("down", 3),
-            ("first_row", 1),
-            ("samples", 1),
-            ("view_count", 1),
-            ("distance_count", 1),
-            ("refine", 1),
-            ("hole_difference", 1),
-            ("fill_holes", 1),
-            ("coding", 1),
-            ("gain", 1),
-            ("max_bounces", 1),
-            ("rows", 1),
-            ("pyramid_rows", 1),
-            ("longest_segment", 1),
-            ("first_segment", 1),
-            ("ball_count", 1),
-            ("near_m", 1),
-            ("far_m", 1),
-        ],
-    ),
-    (
-        "View",
-        &[
-            ("from_eye", 3),
-            ("near_m", 1),
-            ("turn_x", 3),
-            ("camera_weight", 1),
-            ("turn_y", 3),
-            ("greatest_inverse_depth", 1),
-            ("turn_z", 3),
-            ("spare", 1),
-            ("faces", FACE_WORDS),
-        ],
-    ),
-    (
-        "Face",
-        &[
-            ("column", 1),
-            ("row", 1),
-            ("layer", 1),
-            ("has_material", 1),
-            ("width", 1),
-            ("height", 1),
-            ("pyramid_column", 1),
-            ("pyramid_row", 1),
-            ("levels", 1),
-            ("number", 1),
-            ("scale", 2),
-            ("centre", 2),
-        ],
-    ),
-];
-
-/// Words of a view from one to the next.
-pub const VIEW_WORDS: usize = 24;
-/// Word of a view that says its greatest inverse depth.
-pub const GREATEST_WORD: usize = 11;
-
-/// Words of all that a kernel is told beside texels.
+/// The input of a rendering kernel, textures apart.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SceneWords {
-    /// One `Scene`.
-    pub scene: Vec<u32>,
-    /// A `View` for each active view.
-    pub views: Vec<u32>,
-    /// A `Face` for each image of an active view.
-    pub faces: Vec<u32>,
-    /// The distances at which rays are looked at, in metres.
-    pub distances_m: Vec<u32>,
+pub struct SceneRows {
+    /// Camera and settings.
+    pub scene: Scene,
+    /// Active views, then a view for each refractive sphere.
+    pub views: Vec<View>,
+    /// Images of the views.
+    pub faces: Vec<Face>,
+    /// Distances of the samples along a ray, in metres.
+    pub distances_m: Vec<f32>,
 }
 
-/// The words of a picture; `place` says where the image of a probe's face lies, and `pyramid_rows` is
-/// [`super::texels::DeviceTexels::pyramid_rows`].
-pub fn words(
-    (views, glass): (&ActiveViews<'_>, &GlassBalls),
-    camera: &Camera,
-    settings: &RenderSettings,
-    pyramid_rows: u32,
-    place: impl Fn(usize, usize) -> Origin,
-) -> SceneWords {
-    let mut scene = scene(views, camera, settings);
-    let points = settings.steps.distances_m.len().next_power_of_two() as u32;
-    let [longest, first] = match settings.acceleration {
-        Acceleration::None => [1, 1],
-        Acceleration::Pyramid => [points, (points / 4).max(1)],
-    };
-    // Shaders have no infinity.
-    let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX).to_bits());
-    scene.extend([pyramid_rows, longest, first, glass.balls.len() as u32, near_m, far_m]);
-    let mut words = SceneWords { scene, views: Vec::new(), faces: Vec::new(), distances_m: Vec::new() };
-    put(&mut words.distances_m, &settings.steps.distances_m);
-    let mut count = 0;
-    let from_balls = glass.balls.iter().map(|ball| (ball.around(), 1.0));
-    for (active, camera_weight) in views.views.iter().cloned().zip(camera_weights(views)).chain(from_balls) {
-        let turn = active.probe_from_world;
-        for (axis, last) in [
-            (active.from_eye, active.view.near_m),
-            (turn.x_axis, camera_weight),
-            (turn.y_axis, active.greatest_inverse_depth.min(NO_BOUND)),
-            (turn.z_axis, 0.0),
-        ] {
-            put_axis(&mut words.views, axis, last.to_bits());
+impl SceneRows {
+    /// The input for a picture. `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` is where the image
+    /// of a probe's face lies.
+    pub fn new(
+        (views, glass): (&ActiveViews<'_>, &GlassBalls),
+        camera: &Camera,
+        settings: &RenderSettings,
+        pyramid_rows: u32,
+        origin: impl Fn(usize, usize) -> Origin,
+    ) -> SceneRows {
+        let ball_count = glass.balls.len() as u32;
+        let mut rows = SceneRows {
+            scene: Scene { pyramid_rows, ball_count, ..scene(views, camera, settings) },
+            views: Vec::new(),
+            faces: Vec::new(),
+            distances_m: settings.steps.distances_m.clone(),
+        };
+        let from_balls = glass.balls.iter().map(|ball| (ball.around(), 1.0));
+        for (active, camera_weight) in views.views.iter().cloned().zip(camera_weights(views)).chain(from_balls) {
+            let mut faces = [NO_FACE; FACES_OF_VIEW];
+            for (number, texels) in active.view.faces.iter().enumerate() {
+                let Some(texels) = texels else { continue };
+                faces[number] = rows.faces.len() as u32;
+                // A device that decodes has all levels, and the CPU none.
+                let levels = match texels.is_on_device() {
+                    true => DepthPyramid::sizes(texels.size).len(),
+                    false => active.pyramids.face(number).levels(),
+                } as u32;
+                rows.faces.push(Face { levels, ..face(number, texels, origin(active.view.probe, number)) });
+            }
+            let turn = active.probe_from_world;
+            rows.views.push(View {
+                from_eye: active.from_eye.to_array(),
+                near_m: active.view.near_m,
+                turn_x: turn.x_axis.to_array(),
+                camera_weight,
+                turn_y: turn.y_axis.to_array(),
+                greatest_inverse_depth: active.greatest_inverse_depth.min(NO_BOUND),
+                turn_z: turn.z_axis.to_array(),
+                spare: 0,
+                faces,
+            });
         }
-        let mut numbers = [NO_FACE; FACE_WORDS];
-        for (face, texels) in active.view.faces.iter().enumerate() {
-            let Some(texels) = texels else { continue };
-            numbers[face] = count;
-            count += 1;
-            let origin = place(active.view.probe, face);
-            words.faces.extend(origin.texels);
-            words.faces.extend([origin.layer, texels.material.is_some().into()]);
-            words.faces.extend(texels.size);
-            words.faces.extend(origin.pyramid);
-            // A device that decodes has all levels, and the CPU none.
-            let levels = match texels.is_on_device() {
-                true => DepthPyramid::sizes(texels.size).len(),
-                false => active.pyramids.face(face).levels(),
-            };
-            words.faces.extend([levels as u32, face as u32]);
-            put(&mut words.faces, texels.scale.as_slice());
-            put(&mut words.faces, texels.centre.as_slice());
-        }
-        words.views.extend(numbers);
+        rows
     }
-    words
 }
 
-fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) -> Vec<u32> {
+fn face(number: usize, texels: &FaceTexels, origin: Origin) -> Face {
+    let [column, row] = origin.texels;
+    let [pyramid_column, pyramid_row] = origin.pyramid;
+    let [width, height] = texels.size;
+    Face {
+        column,
+        row,
+        layer: origin.layer,
+        has_material: texels.material.is_some().into(),
+        width,
+        height,
+        pyramid_column,
+        pyramid_row,
+        levels: 0,
+        number: number as u32,
+        scale: texels.scale,
+        centre: texels.centre,
+    }
+}
+
+fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) -> Scene {
     let [forward, right, down] = camera.axes();
     let [half_right, half_down] = camera.half();
     let (coding, gain) = match views.coding {
@@ -192,31 +139,35 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
             (curve, (-f64::from(tone.exposure_ev)).exp2() as f32)
         }
     };
+    let samples = settings.steps.distances_m.len().next_power_of_two() as u32;
+    let [longest_segment, first_segment] = match settings.acceleration {
+        Acceleration::None => [1, 1],
+        Acceleration::Pyramid => [samples, (samples / 4).max(1)],
+    };
+    // Shaders have no infinity.
+    let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX));
     let [width, height] = settings.size;
-    let mut out = Vec::new();
-    put_axis(&mut out, forward.as_vec3(), width);
-    put_axis(&mut out, (right * half_right).as_vec3(), height);
-    put_axis(&mut out, (down * half_down).as_vec3(), 0);
-    let count = |length: usize| length as u32;
-    out.extend([settings.samples.max(1), count(views.views.len()), count(settings.steps.distances_m.len())]);
-    out.extend([settings.steps.refine, (HOLE_DIFFERENCE + settings.steps.unsure()).to_bits()]);
-    out.extend([
-        u32::from(settings.holes == HoleFill::Nearest),
+    Scene {
+        forward: forward.as_vec3().to_array(),
+        width,
+        right: (right * half_right).as_vec3().to_array(),
+        height,
+        down: (down * half_down).as_vec3().to_array(),
+        samples: settings.samples.max(1),
+        view_count: views.views.len() as u32,
+        distance_count: settings.steps.distances_m.len() as u32,
+        refine: settings.steps.refine,
+        hole_difference: HOLE_DIFFERENCE + settings.steps.unsure(),
+        fill_holes: u32::from(settings.holes == HoleFill::Nearest),
         coding,
-        gain.to_bits(),
-        settings.max_bounces.min(MAX_BOUNCES),
-        0,
-    ]);
-    out
-}
-
-fn put(out: &mut Vec<u32>, values: &[f32]) {
-    out.extend(values.iter().map(|value| value.to_bits()));
-}
-
-fn put_axis(out: &mut Vec<u32>, axis: Vec3, last: u32) {
-    put(out, &axis.to_array());
-    out.push(last);
+        gain,
+        max_bounces: settings.max_bounces.min(MAX_BOUNCES),
+        longest_segment,
+        first_segment,
+        near_m,
+        far_m,
+        ..Scene::default()
+    }
 }
 
 #[cfg(test)]
@@ -228,7 +179,6 @@ mod tests {
     use super::*;
     use crate::gpu::kernels::{KERNELS, Kernel};
     use crate::gpu::render::{COUNTED, COUNTERS, TILE};
-    use crate::image::cube::Face;
     use crate::march::interpolate::DEPTH_EPSILON;
     use crate::march::pyramid;
     use crate::march::ray;
@@ -245,39 +195,10 @@ mod tests {
         kernel.entry == "render"
     }
 
-    #[test]
-    fn structs_are_those_of_wgsl() {
-        for kernel in KERNELS.iter().filter(renders) {
-            let module = naga::front::wgsl::parse_str(&kernel.source()).unwrap();
-            for (name, fields) in STRUCTS {
-                let found = module.types.iter().find(|(_, found)| found.name.as_deref() == Some(name)).unwrap().1;
-                let naga::TypeInner::Struct { members, span } = &found.inner else { panic!("{name}") };
-                let wgsl: Vec<_> = members.iter().map(|m| (m.name.as_deref().unwrap(), m.offset as usize)).collect();
-                let mut offset = 0;
-                let place = |(field, words): &(&'static str, usize)| {
-                    offset += 4 * words;
-                    (*field, offset - 4 * words)
-                };
-                let rust: Vec<_> = fields.iter().map(place).collect();
-                assert_eq!(wgsl, rust, "{name} of {}", kernel.name);
-                assert_eq!(*span as usize, offset, "{name}");
-            }
-            let view = STRUCTS[1].1;
-            let at = view.iter().position(|(field, _)| *field == "greatest_inverse_depth").unwrap();
-            assert_eq!(view[..at].iter().map(|field| field.1).sum::<usize>(), GREATEST_WORD);
-            assert_eq!(view.iter().map(|field| field.1).sum::<usize>(), VIEW_WORDS);
-            let scene = STRUCTS[0].1;
-            for (word, name) in [(FIRST_ROW_WORD, "first_row"), (ROWS_WORD, "rows")] {
-                let at = scene.iter().position(|(field, _)| *field == name).unwrap();
-                assert_eq!(scene[..at].iter().map(|field| field.1).sum::<usize>(), word);
-            }
-        }
-    }
-
     /// Constants of shaders that the CPU has too.
     fn twins() -> Vec<(&'static str, f64)> {
         let numbers = [
-            ("VIEW_FACE", Face::View as u32),
+            ("VIEW_FACE", crate::image::cube::Face::View as u32),
             ("NO_FACE", NO_FACE),
             ("CODING_LIGHT", CODING_LIGHT),
             ("CODING_SRGB", CODING_SRGB),

@@ -3,7 +3,7 @@
 use crate::dataset::stream::DepthKind;
 use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{DepthJob, NONE, SquareJob, Words, words_of};
+use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Words, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
 use crate::gpu::random::Random;
 use crate::image::transfer::ToneMap;
@@ -81,7 +81,7 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
             }
             total += wide * high;
             let place = (top + y) * pitch + left + x;
-            let plain = DepthJob { width: wide, place, pitch, end: total, ..DepthJob::default() };
+            let plain = DepthJob { width: wide, output: place, pitch, end: total, ..DepthJob::default() };
             let is_stretched = kind == DepthKind::Distance;
             jobs.push(DepthJob {
                 picture: if known { picture } else { NONE },
@@ -89,8 +89,8 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
                 left: x,
                 top: y,
                 table: if known { 0 } else { UNKNOWN.to_bits() },
-                stretch: if is_stretched { stretch + (top + y) * size[0] + left + x } else { NONE },
-                stretch_pitch: size[0],
+                ray_length: if is_stretched { stretch + (top + y) * size[0] + left + x } else { NONE },
+                ray_length_pitch: size[0],
                 ..plain
             });
         }
@@ -142,7 +142,7 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
                 let value = values[(row * above[0] + column) as usize].to_bits().min(most);
                 after[(place + row * pitch + column) as usize] = value;
             }
-            let job = SquareJob {
+            let job = PyramidJob {
                 below: 0,
                 below_pitch,
                 below_width: below.0[0],
@@ -150,9 +150,9 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
                 left,
                 top,
                 width,
-                place,
+                output: place,
                 pitch,
-                most,
+                limit: most,
                 end: width * height,
             };
             cases.push(Case {
