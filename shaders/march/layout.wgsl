@@ -35,6 +35,9 @@ struct Scene {
     // Surfaces that are less deep along the axis of the camera, or deeper, are not shown: metres.
     near_m: f32,
     far_m: f32,
+    // The middle of the picture, in parts of `right` and `down`: 0 unless its window is off-axis.
+    middle: vec2<f32>,
+    spare: vec2<f32>,
 }
 
 struct View {

@@ -63,7 +63,8 @@ fn render_pixel(x: u32, y: u32) -> vec4<f32> {
     for (var at = 0u; at < samples * samples; at++) {
         let sample = (vec2(f32(at % samples), f32(at / samples)) + 0.5) / f32(samples);
         let window = 2.0 * (vec2(f32(x), f32(y)) + sample) / vec2(f32(scene.width), f32(scene.height)) - 1.0;
-        let direction = normalize(scene.forward + window.x * scene.right + window.y * scene.down);
+        let plane = window + scene.middle;
+        let direction = normalize(scene.forward + plane.x * scene.right + plane.y * scene.down);
         counted[PRIMARY_RAYS]++;
         let found = outcome(Ray(vec3(0.0), direction));
         if (found.is_seen) {

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::borders::{Edge, SIDES, edges, side_of, side_point};
 use crate::image::Face;
-use crate::image::cube::direction_to_face;
+use crate::image::cube::{FacePoint, direction_to_face};
 
 /// A cube has six faces.
 const FACES: usize = 6;
@@ -177,7 +177,8 @@ fn turned(arrangement: &Arrangement, turn: DMat3) -> Option<Arrangement> {
         let [forward, right, down] = face.axes();
         // A point without symmetry.
         let probe = [0.6, -0.3];
-        let (other, u, v) = direction_to_face(turn * (forward + probe[0] * right + probe[1] * down));
+        let FacePoint { face: other, plane: [u, v] } =
+            direction_to_face(turn * (forward + probe[0] * right + probe[1] * down));
         let (file, inner) = arrangement[other as usize]?;
         placed[face as usize] = Some((file, Turn::that_shows(probe, inner.in_file([u, v]))?));
     }

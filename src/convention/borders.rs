@@ -1,7 +1,7 @@
 //! The borders of cube faces, and how well any two of them continue each other.
 
 use crate::image::Face;
-use crate::image::cube::direction_to_face;
+use crate::image::cube::{FacePoint, direction_to_face};
 
 /// Longest border, in samples.
 const MAX_SAMPLES: u32 = 256;
@@ -107,7 +107,8 @@ pub fn edges() -> Vec<Edge> {
             // A little beyond the edge, nearer to one end of it than to the other.
             let [u, v] = side_point(side, 0.5);
             let beyond = |at: f64| if at.abs() == 1.0 { at * 1.001 } else { at };
-            let (next, nu, nv) = direction_to_face(forward + beyond(u) * right + beyond(v) * down);
+            let FacePoint { face: next, plane: [nu, nv] } =
+                direction_to_face(forward + beyond(u) * right + beyond(v) * down);
             let (other, along) = side_of([nu, nv]);
             if face < next {
                 found.push(Edge { a: (face as usize, side), b: (next as usize, other), reversed: along < 0.0 });

@@ -134,6 +134,7 @@ mod tests {
     use glam::{DQuat, DVec3};
 
     use super::*;
+    use crate::image::ImageProjection;
     use crate::image::{Face, Plane};
 
     const SIDE: u32 = 64;
@@ -147,7 +148,7 @@ mod tests {
                 let planar = metres / (1.0 + u * u + v * v).sqrt();
                 (if kind == DepthKind::Planar { planar } else { metres }) as f32
             });
-            Samples::new(face, &plane, None)
+            Samples::new(face, &plane, ImageProjection::cube_face(face, SIDE))
         };
         let (position, turn) = (DVec3::ZERO, DQuat::IDENTITY);
         View { name: "0".into(), frame: 0, position, turn, faces: Face::CUBE.map(face).to_vec() }

@@ -11,9 +11,9 @@ use super::light::ColorValues;
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
 use super::views::{Samples, View};
-use crate::dataset::{Source, SourceGroup, StreamKind};
+use crate::dataset::{ProbeInfo, Source, SourceGroup, StreamKind};
 use crate::error::{Error, Result};
-use crate::image::{ColorPlane, DepthPlane, Face, Plane};
+use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
@@ -144,13 +144,13 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
     let kept = try_map_ordered(jobs, |(group, frame)| {
         monitor.check()?;
         let kept: Vec<Kept> = if group.kind == StreamKind::Depth {
-            let lens = source.probes().get(group.probe).and_then(|probe| probe.intrinsics);
+            let probe = source.probes().get(group.probe);
             let planes = source.read_depth_as_stored(&group, frame)?;
             group
                 .faces
                 .iter()
                 .zip(planes)
-                .map(|(face, plane)| Kept::Depth(depth_face(*face, &plane, lens, stated)))
+                .map(|(face, plane)| Kept::Depth(depth_face(*face, &plane, probe, stated)))
                 .collect()
         } else {
             let planes = source.read_color(&group, frame)?;
@@ -239,7 +239,7 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
     }
 }
 
-fn depth_face(face: Face, plane: &DepthPlane, lens: Option<[f64; 4]>, stated: &Stated) -> DepthFace {
+fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> DepthFace {
     let values = DepthValues::count(plane, stated);
     let mark = mark_of(plane, |value| value.to_bits());
     let metres = plane.map(|&value| {
@@ -252,7 +252,10 @@ fn depth_face(face: Face, plane: &DepthPlane, lens: Option<[f64; 4]>, stated: &S
         }
     });
     let borders = Borders::new(plane.width().min(plane.height()), |x, y| metres.get(x, y));
-    DepthFace { samples: Samples::new(face, &metres, lens), borders, values, mark }
+    let size = [metres.width(), metres.height()];
+    let known = probe.and_then(|probe| probe.projection(face, size));
+    let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
+    DepthFace { samples: Samples::new(face, &metres, projection), borders, values, mark }
 }
 
 fn color_face(face: Face, plane: &ColorPlane) -> ColorFace {

@@ -3,8 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::dataset::DepthKind;
-use crate::image::cube::direction_to_face;
-use crate::image::{DepthPlane, Face, Plane};
+use crate::image::{DepthPlane, Face, ImageProjection, Plane};
 
 /// Longest side, in samples, of a face that is reprojected; larger ones are thinned.
 const MAX_SIDE: u32 = 256;
@@ -16,10 +15,8 @@ const EDGE_RATIO: f32 = 1.15;
 pub struct Samples {
     /// Which face.
     pub face: Face,
-    /// fx, fy, cx, cy of the whole face in pixels; half the side, four times, for the face of a cube.
-    lens: [f64; 4],
-    /// Size of the whole face in pixels.
-    size: [u32; 2],
+    /// Of the whole face.
+    projection: ImageProjection,
     step: u32,
     /// As the file has it, times the stated metres per unit: +inf for the background, NaN where nothing is known.
     pub stored: DepthPlane,
@@ -30,10 +27,9 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Thins a face. `lens` is fx, fy, cx, cy in pixels; for a cube face none is needed.
-    pub fn new(face: Face, stored: &DepthPlane, lens: Option<[f64; 4]>) -> Samples {
-        let size = [stored.width(), stored.height()];
-        let half = f64::from(size[0]) / 2.0;
+    /// Thins a face.
+    pub fn new(face: Face, stored: &DepthPlane, projection: ImageProjection) -> Samples {
+        let size = projection.size();
         let step = size[0].max(size[1]).div_ceil(MAX_SIDE).max(1);
         let offset = step / 2;
         let count = |side: u32| (side.saturating_sub(offset)).div_ceil(step).max(1);
@@ -41,8 +37,7 @@ impl Samples {
         let thin = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored.get(at(x, size[0]), at(y, size[1])));
         let mut samples = Samples {
             face,
-            lens: lens.unwrap_or([half; 4]),
-            size,
+            projection,
             step,
             distance: Plane::filled(0, 0, [0.0; 2]),
             planar: Plane::filled(0, 0, [0.0; 2]),
@@ -55,14 +50,13 @@ impl Samples {
 
     /// Where the ray of a sample meets the plane at distance 1.
     pub fn plane_point(&self, x: u32, y: u32) -> [f64; 2] {
-        let [fx, fy, cx, cy] = self.lens;
-        let at = |index: u32| f64::from(self.step / 2 + index * self.step) + 0.5;
-        [(at(x) - cx) / fx, (at(y) - cy) / fy]
+        self.projection.plane([x, y].map(|index| f64::from(self.step / 2 + index * self.step) + 0.5))
     }
 
     /// Distance between neighbouring samples on the plane at distance 1.
     pub fn spacing(&self) -> [f64; 2] {
-        [f64::from(self.step) / self.lens[0], f64::from(self.step) / self.lens[1]]
+        let (first, next) = (self.projection.plane([0.0; 2]), self.projection.plane([f64::from(self.step); 2]));
+        [next[0] - first[0], next[1] - first[1]]
     }
 
     /// What turns stored depth into distance at a sample.
@@ -111,14 +105,8 @@ impl Samples {
         })
     }
 
-    /// Nearest and farthest distance around a point of the plane at distance 1; `None` outside the image, where nothing
-    /// is known, and at edges.
-    fn range_at(&self, kind: DepthKind, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
-        let [fx, fy, cx, cy] = self.lens;
-        let (x, y) = (u * fx + cx, v * fy + cy);
-        if !(x >= 0.0 && y >= 0.0 && x <= f64::from(self.size[0]) && y <= f64::from(self.size[1])) {
-            return None;
-        }
+    /// Nearest and farthest distance around a position of the image; `None` where nothing is known, and at edges.
+    fn range_at(&self, kind: DepthKind, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let index = |at: f64, count: u32| {
             let index = (at - 0.5 - f64::from(self.step / 2)) / f64::from(self.step);
             (index.round().max(0.0) as u32).min(count - 1)
@@ -150,15 +138,8 @@ pub struct View {
 impl View {
     /// Nearest and farthest distance around a direction along the probe's own axes.
     pub fn range_towards(&self, kind: DepthKind, direction: DVec3) -> Option<[f64; 2]> {
-        if let [only] = self.faces.as_slice()
-            && only.face == Face::View
-        {
-            let [forward, right, down] = Face::View.axes();
-            let depth = direction.dot(forward);
-            let point = [direction.dot(right) / depth, direction.dot(down) / depth];
-            return if depth > 0.0 { only.range_at(kind, point) } else { None };
-        }
-        let (face, u, v) = direction_to_face(direction);
-        self.faces.iter().find(|samples| samples.face == face)?.range_at(kind, [u, v])
+        let shown = |samples: &Samples| samples.projection.project(direction);
+        let (samples, at) = self.faces.iter().find_map(|samples| Some((samples, shown(samples)?)))?;
+        samples.range_at(kind, at)
     }
 }

@@ -9,7 +9,7 @@ pub mod source;
 
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
-pub(crate) use pixels::{Geometry, planar_to_distance};
+pub(crate) use pixels::planar_to_distance;
 pub use source::{
     Arrangement, InvalidColor, InvalidDepth, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
 };

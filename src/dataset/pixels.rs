@@ -4,8 +4,7 @@ use half::f16;
 
 use super::source::{InvalidColor, InvalidDepth};
 use crate::error::{Error, Result};
-use crate::image::cube::{distance_from_planar, distance_from_planar_view};
-use crate::image::{ColorPlane, DepthPlane, Face, MaterialPlane, Plane, Transfer};
+use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer};
 
 /// How depth values of a source are read.
 #[derive(Debug, Clone, Copy)]
@@ -58,26 +57,12 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
     Ok(())
 }
 
-/// Where planar depth is to be converted.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Geometry {
-    /// The plane of a cube face.
-    Cube,
-    /// A pinhole camera.
-    View([f64; 4]),
-}
-
 /// Turns planar depth into distance; +inf and 0.0 stay.
-pub(crate) fn planar_to_distance(plane: &mut DepthPlane, geometry: Geometry) {
-    let (width, height) = (plane.width(), plane.height());
-    for row in 0..height {
+pub(crate) fn planar_to_distance(plane: &mut DepthPlane, projection: &ImageProjection) {
+    for row in 0..plane.height() {
         for (col, value) in plane.row_mut(row).iter_mut().enumerate() {
             if *value > 0.0 && *value < f32::INFINITY {
-                let factor = match geometry {
-                    Geometry::Cube => distance_from_planar(col as u32, row, width),
-                    Geometry::View(intrinsics) => distance_from_planar_view(col as u32, row, intrinsics),
-                };
-                *value = metres(*value, factor);
+                *value = metres(*value, projection.ray_length_factor(col as u32, row));
             }
         }
     }

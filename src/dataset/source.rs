@@ -11,15 +11,15 @@ use super::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
 use super::pixels::{
-    DepthRules, Geometry, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
+    DepthRules, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
 };
 use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_depth, resample_nearest};
 use crate::image::layout::{cut_faces, face_size};
 use crate::image::{
-    ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, MaterialPlane, Plane, ReadLimits,
-    Sequence, exr, png,
+    ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection, MaterialPlane,
+    Plane, ReadLimits, Sequence, exr, png,
 };
 
 /// Frames per second where nothing says otherwise.
@@ -119,6 +119,16 @@ pub struct ProbeInfo {
     pub frames: FrameRange,
     /// fx, fy, cx, cy in pixels; perspective only.
     pub intrinsics: Option<[f64; 4]>,
+}
+
+impl ProbeInfo {
+    /// The projection of an image of a cube map, or of the perspective image where the camera is known.
+    pub fn projection(&self, face: Face, size: [u32; 2]) -> Option<ImageProjection> {
+        match face {
+            Face::View => Some(ImageProjection::Pinhole { size, intrinsics: self.intrinsics? }),
+            face => Some(ImageProjection::CubeFace { face, size }),
+        }
+    }
 }
 
 /// Streams that are cut from the same files: one face when faces are files, six when one image holds them all.
@@ -541,11 +551,10 @@ impl Source {
         let mut planes = self.faces_of(plane, group, resample_depth)?;
         if self.depth_kind != self.depth_stored {
             for (face, plane) in group.faces.iter().zip(&mut planes) {
-                let view = self.probes.get(group.probe).and_then(|probe| probe.intrinsics);
-                match (face, view) {
-                    (Face::View, Some(intrinsics)) => planar_to_distance(plane, Geometry::View(intrinsics)),
-                    _ => planar_to_distance(plane, Geometry::Cube),
-                }
+                let size = [plane.width(), plane.height()];
+                let known = self.probes.get(group.probe).and_then(|probe| probe.projection(*face, size));
+                let projection = known.unwrap_or(ImageProjection::CubeFace { face: *face, size });
+                planar_to_distance(plane, &projection);
             }
         }
         Ok(planes)

@@ -7,13 +7,14 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use half::f16;
 
-use crate::dataset::{Geometry, planar_to_distance};
+use crate::dataset::planar_to_distance;
 use crate::error::Result;
 use crate::hard_cases::sight;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
-use crate::image::cube::{Face, direction_to_face, pixel_to_plane};
-use crate::image::equirect::{FaceMap, direction, position, resample_color, resample_depth};
+use crate::image::cube::{Face, FacePoint, direction_to_face};
+use crate::image::equirect::{FaceMap, resample_color, resample_depth};
 use crate::image::plane::Plane;
+use crate::image::projection::{ImageProjection, centre_of};
 
 /// Sides of faces in pixels.
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
@@ -109,14 +110,16 @@ fn pixels_and_back(side: u32) -> Measured {
     let mut worst = Worst::greatest();
     for face in Face::CUBE {
         let all = some(side);
+        let image = ImageProjection::cube_face(face, side);
         for (&col, &row) in all.iter().flat_map(|col| all.iter().map(move |row| (col, row))) {
             // Along the axes as they are nothing would be rounded.
             let unit = face.direction(col, row, side).normalize();
             for length in LENGTHS {
-                let (found, u, v) = direction_to_face(unit * length);
+                let FacePoint { face: found, plane: [u, v] } = direction_to_face(unit * length);
                 let half = f64::from(side) / 2.0;
-                let off = |at: f64, pixel: u32| (at - pixel_to_plane(pixel, side)).abs() * half;
-                let error = if found == face { off(u, col).max(off(v, row)) } else { f64::INFINITY };
+                let [at_u, at_v] = image.plane(centre_of(col, row));
+                let off = ((u - at_u).abs() * half).max((v - at_v).abs() * half);
+                let error = if found == face { off } else { f64::INFINITY };
                 worst.see(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
             }
         }
@@ -180,7 +183,7 @@ fn beside(directions: &[DVec3]) -> Vec<DVec3> {
 
 /// The angle between a direction and what its face and place on it say; infinite where they say another side of the probe.
 fn angle_to_face(direction: DVec3) -> f64 {
-    let (face, u, v) = direction_to_face(direction);
+    let FacePoint { face, plane: [u, v] } = direction_to_face(direction);
     let [forward, right, down] = face.axes();
     let (back, direction) = (forward + u * right + v * down, near_one(direction));
     let ahead = back.dot(direction) > 0.0 && u.abs() <= 1.0 && v.abs() <= 1.0;
@@ -217,7 +220,7 @@ fn borders(side: u32) -> Vec<Border> {
     for face in Face::CUBE {
         let [_, right, down] = face.axes();
         for pixel in some(side) {
-            let t = pixel_to_plane(pixel, side);
+            let [t, _] = ImageProjection::cube_face(face, side).plane(centre_of(pixel, pixel));
             let places = [([1.0, t], right), ([-1.0, t], -right), ([t, 1.0], down), ([t, -1.0], -down)];
             found.extend(places.map(|(at, across)| Border { face, pixel, at, across }));
         }
@@ -240,17 +243,17 @@ fn seams_meet(side: u32) -> Measured {
     let (mut wrong, mut first) = (0, None);
     for border in borders(side) {
         let [inner, outer] = border.sides().map(direction_to_face);
-        let neighbour = outer.0.axes()[0] == border.across;
+        let neighbour = outer.face.axes()[0] == border.across;
         let pixel = |at: f64| (((at + 1.0) / 2.0 * f64::from(side)) as u32).min(side - 1);
-        let own = if border.at[0].abs() == 1.0 { inner.2 } else { inner.1 };
+        let own = if border.at[0].abs() == 1.0 { inner.plane[1] } else { inner.plane[0] };
         // On the neighbour the seam is where one coordinate is at its end; the other runs along it, either way.
-        let (u, v) = (outer.1, outer.2);
+        let [u, v] = outer.plane;
         let ends = [u, v].map(|at| 1.0 - at.abs() < 1e-15);
         let its = [(ends[0], v), (ends[1], u)];
         let meets = its
             .iter()
             .any(|&(end, along)| end && (pixel(along) == border.pixel || side - 1 - pixel(along) == border.pixel));
-        if inner.0 != border.face || !neighbour || pixel(own) != border.pixel || !meets {
+        if inner.face != border.face || !neighbour || pixel(own) != border.pixel || !meets {
             wrong += 1;
             first.get_or_insert_with(|| format!("{} at {:?}", border.face.name(), border.at));
         }
@@ -263,7 +266,7 @@ fn seams_gape(side: u32) -> Measured {
     let mut worst = Worst::greatest();
     for border in borders(side) {
         let [inner, outer] = border.sides().map(|direction| {
-            let (face, u, v) = direction_to_face(direction);
+            let FacePoint { face, plane: [u, v] } = direction_to_face(direction);
             let [forward, right, down] = face.axes();
             forward + u * right + v * down
         });
@@ -280,7 +283,7 @@ fn wrong_faces() -> Measured {
     for direction in all.iter().chain(&beside(&all)).copied() {
         for length in LENGTHS {
             let scaled = direction * length;
-            let (face, u, v) = direction_to_face(scaled);
+            let FacePoint { face, plane: [u, v] } = direction_to_face(scaled);
             let forward = scaled.dot(face.axes()[0]);
             let right = forward == scaled.abs().max_element() && u.abs() <= 1.0 && v.abs() <= 1.0;
             if !right {
@@ -294,9 +297,10 @@ fn wrong_faces() -> Measured {
 
 fn panorama_and_back(width: u32, height: u32) -> Measured {
     let mut worst = Worst::greatest();
+    let panorama = ImageProjection::Equirect { size: [width, height] };
     for &row in &some(height) {
         for &col in &some(width) {
-            let (x, y) = position(direction(col, row, width, height), width, height);
+            let [x, y] = panorama.project(panorama.pixel_direction(col, row)).unwrap_or([f64::NAN; 2]);
             let off = (x - f64::from(col) - 0.5).abs().max((y - f64::from(row) - 0.5).abs());
             worst.see(off, || format!("pixel ({col}, {row}) came back as ({x}, {y})"));
         }
@@ -315,7 +319,8 @@ fn outside_panorama() -> Measured {
     all.extend(beside(&all));
     for direction in all {
         for length in LENGTHS {
-            let (x, y) = position(direction * length, 64, 32);
+            let panorama = ImageProjection::Equirect { size: [64, 32] };
+            let [x, y] = panorama.project(direction * length).unwrap_or([f64::NAN; 2]);
             if !(0.0..=64.0).contains(&x) || !(0.0..=32.0).contains(&y) {
                 wrong += 1;
                 first.get_or_insert_with(|| format!("{direction:?} times {length:e} is at ({x}, {y})"));
@@ -369,7 +374,7 @@ fn planar_and_back(fov_deg: f64) -> Result<Measured> {
     let mut worst = Worst::greatest();
     for planar_m in [1e-30f32, 0.001, 1.0, 7.3, 12_345.678, 1e30] {
         let mut plane = Plane::filled(SIDE, SIDE, planar_m);
-        planar_to_distance(&mut plane, Geometry::View(intrinsics));
+        planar_to_distance(&mut plane, &ImageProjection::Pinhole { size: [SIDE; 2], intrinsics });
         for (row, col) in (0..SIDE).flat_map(|row| (0..SIDE).map(move |col| (row, col))) {
             let side = |pixel: u32| (f64::from(pixel) + 0.5 - f64::from(SIDE) / 2.0) / focal;
             let exact = side(col).hypot(side(row)).hypot(1.0) * f64::from(planar_m);

@@ -13,7 +13,7 @@ use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::random::Random;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
-use crate::image::cube::{Face, direction_to_face};
+use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
@@ -162,7 +162,7 @@ fn own_room(side: u32) -> Setup {
 /// Bars one texel wide before walls.
 fn fence() -> Setup {
     made(|direction| {
-        let (_, u, _) = direction_to_face(direction);
+        let [u, _] = direction_to_face(direction).plane;
         let column = ((u + 1.0) * f64::from(SIDE) / 2.0) as u32;
         if column.is_multiple_of(2) { Some((1.0, [255; 3])) } else { room(DVec3::ZERO, direction, ROOM, 0.0) }
     })
@@ -171,7 +171,7 @@ fn fence() -> Setup {
 /// Texels that are by turns at near and at far.
 fn steps_of_all() -> Setup {
     made(|direction| {
-        let (_, u, v) = direction_to_face(direction);
+        let [u, v] = direction_to_face(direction).plane;
         let odd = [u, v].map(|at| ((at + 1.0) * f64::from(SIDE) / 2.0) as u32).iter().sum::<u32>() % 2;
         Some(([0.1, 100.0][odd as usize], [255 * odd as u8; 3]))
     })
@@ -304,7 +304,7 @@ fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
         let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
         for (at, color) in (0..).zip(picture.image.color.data()) {
             let window = [at % side, at / side].map(|at| (f64::from(at) + 0.5) / f64::from(side));
-            let (face, u, v) = direction_to_face(camera.direction(window));
+            let FacePoint { face, plane: [u, v] } = direction_to_face(camera.direction(window));
             let [column, row] = [u, v].map(|at| (((at + 1.0) * f64::from(side) / 2.0) as u32).min(side - 1));
             let Some(texels) = &setup.field.views[0].faces[face as usize] else { continue };
             let ColorTexels::Codes(codes) = &texels.color else { continue };

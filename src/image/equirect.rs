@@ -1,8 +1,5 @@
 //! Equirectangular images resampled to cube faces: colour filtered, depth by its nearest sample.
-//!
-//! lon = (2(col + 0.5)/W − 1)π, lat = (0.5 − (row + 0.5)/H)π, direction = (sin lon cos lat, sin lat, −cos lon cos lat).
 
-use std::f64::consts::PI;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
@@ -12,6 +9,7 @@ use half::f16;
 
 use super::cube::Face;
 use super::plane::{ColorPlane, DepthPlane, Plane};
+use super::projection::ImageProjection;
 use crate::error::{Error, Result};
 
 /// Lookups along each side of a cube pixel.
@@ -19,25 +17,6 @@ const SUPERSAMPLES: u32 = 4;
 
 /// Longest side of a face, so that the six plans for colour stay within 30 GiB.
 pub const MAX_FACE_SIDE: u32 = 8192;
-
-/// Continuous position, in pixels, of a direction in an equirectangular image: x in 0..=W, y in 0..=H.
-pub fn position(direction: DVec3, width: u32, height: u32) -> (f64, f64) {
-    let lon = direction.x.atan2(-direction.z);
-    let lat = direction.y.atan2(direction.x.hypot(direction.z));
-    ((lon / PI + 1.0) * 0.5 * f64::from(width), (0.5 - lat / PI) * f64::from(height))
-}
-
-/// Direction, of length 1, of the centre of pixel (col, row).
-pub fn direction(col: u32, row: u32, width: u32, height: u32) -> DVec3 {
-    direction_at(f64::from(col) + 0.5, f64::from(row) + 0.5, width, height)
-}
-
-/// Direction, of length 1, of a continuous position in pixels: what [`position`] leads back from.
-pub fn direction_at(x: f64, y: f64, width: u32, height: u32) -> DVec3 {
-    let lon = (2.0 * x / f64::from(width) - 1.0) * PI;
-    let lat = (0.5 - y / f64::from(height)) * PI;
-    DVec3::new(lon.sin() * lat.cos(), lat.sin(), -lon.cos() * lat.cos())
-}
 
 /// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the image it is cut from.
 ///
@@ -108,6 +87,10 @@ impl FaceMap {
         self.face
     }
 
+    fn panorama(&self) -> ImageProjection {
+        ImageProjection::Equirect { size: [self.width, self.height] }
+    }
+
     fn filters(&self) -> &[FilterRow] {
         self.filters.get_or_init(|| rows(self.size, |row| self.filter_row(row)))
     }
@@ -115,8 +98,9 @@ impl FaceMap {
     fn nearest(&self) -> &[Vec<u32>] {
         self.nearest.get_or_init(|| {
             let (width, height, size) = (self.width, self.height, self.size);
+            let panorama = self.panorama();
             let pixel = |col, row| {
-                let (x, y) = position(self.face.direction(col, row, size), width, height);
+                let [x, y] = panorama.project(self.face.direction(col, row, size)).unwrap_or_default();
                 (y as u32).min(height - 1) * width + x as u32 % width
             };
             rows(size, |row| (0..size).map(|col| pixel(col, row)).collect())
@@ -124,17 +108,14 @@ impl FaceMap {
     }
 
     fn filter_row(&self, row: u32) -> FilterRow {
-        let [forward, right, down] = self.face.axes();
-        let at = |pixel: u32, sub: u32| {
-            let offset = (f64::from(sub) + 0.5) / f64::from(SUPERSAMPLES);
-            2.0 * (f64::from(pixel) + offset) / f64::from(self.size) - 1.0
-        };
+        let cube = ImageProjection::cube_face(self.face, self.size);
+        let at = |pixel: u32, sub: u32| f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(SUPERSAMPLES);
         let (mut ends, mut all) = (Vec::with_capacity(self.size as usize), Vec::new());
         let mut pixel: Vec<(u32, f64)> = Vec::new();
         for col in 0..self.size {
             pixel.clear();
             for (j, i) in (0..SUPERSAMPLES).flat_map(|j| (0..SUPERSAMPLES).map(move |i| (j, i))) {
-                self.add_bilinear(forward + at(col, i) * right + at(row, j) * down, &mut pixel);
+                self.add_bilinear(cube.unproject([at(col, i), at(row, j)]), &mut pixel);
             }
             pixel.sort_by_key(|tap| tap.0);
             let scale = 1.0 / f64::from(SUPERSAMPLES * SUPERSAMPLES);
@@ -151,8 +132,7 @@ impl FaceMap {
 
     /// Adds the four pixels around a direction. Columns wrap; beyond a pole the picture goes on half a turn away.
     fn add_bilinear(&self, direction: DVec3, pixel: &mut Vec<(u32, f64)>) {
-        let (x, y) = position(direction, self.width, self.height);
-        let (x, y) = (x - 0.5, y - 0.5);
+        let [x, y] = self.panorama().project(direction).unwrap_or_default().map(|at| at - 0.5);
         let (left, top) = (x.floor(), y.floor());
         let (fx, fy) = (x - left, y - top);
         for (dy, wy) in [(0i64, 1.0 - fy), (1, fy)] {
@@ -248,22 +228,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn positions_undo_directions() {
-        for (width, height) in [(1, 1), (2, 1), (7, 3), (64, 32)] {
-            for (row, col) in (0..height).flat_map(|row| (0..width).map(move |col| (row, col))) {
-                let (x, y) = position(direction(col, row, width, height), width, height);
-                assert!((y - f64::from(row) - 0.5).abs() < 1e-9);
-                // At odd heights the middle row of a pole-free image still has a longitude.
-                assert!((x - f64::from(col) - 0.5).abs() < 1e-9, "{width}x{height} {col},{row} {x}");
-            }
-        }
-    }
-
-    #[test]
     fn faces_see_their_own_direction() {
         let (width, height, size) = (512, 256, 64);
+        let panorama = ImageProjection::Equirect { size: [width, height] };
         let code = |d: DVec3| [d.x, d.y, d.z].map(f16::from_f64);
-        let image = Plane::from_fn(width, height, |x, y| code(direction(x, y, width, height)));
+        let image = Plane::from_fn(width, height, |x, y| code(panorama.pixel_direction(x, y)));
         let depth = Plane::from_fn(width, height, |x, y| (y * width + x) as f32);
         for face in Face::CUBE {
             let map = FaceMap::new(face, size, width, height).unwrap();
@@ -274,7 +243,7 @@ mod tests {
                 let got = faces.get(col, row).map(f16::to_f64);
                 assert!(DVec3::from_array(got).distance(expected) < 0.004, "{face:?} {col},{row}");
                 let index = near.get(col, row) as u32;
-                let there = direction(index % width, index / width, width, height);
+                let there = panorama.pixel_direction(index % width, index / width);
                 // Half a pixel's diagonal.
                 assert!(there.angle_between(expected) < 0.0088, "{face:?} {col},{row}");
             }

@@ -16,7 +16,9 @@ pub mod limits;
 pub mod plane;
 #[cfg(feature = "encode")]
 pub mod png;
+pub mod projection;
 pub mod sequence;
+pub mod texel_map;
 pub mod transfer;
 
 pub use channels::ChannelSelect;
@@ -27,7 +29,9 @@ pub use limits::ReadLimits;
 pub use plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 #[cfg(feature = "encode")]
 pub use png::ColorSpace;
+pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};
+pub use texel_map::TexelMap;
 pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 
 /// Opens a file that is one: a named pipe would wait for a writer without end.

@@ -152,7 +152,8 @@ impl<'a> ActiveViews<'a> {
         let reach = |view: &ActiveView<'_>| {
             let corner = view.view.faces.iter().flatten().flat_map(|face| {
                 let [right, bottom] = face.size.map(|size| size - 1);
-                [[0, 0], [right, 0], [0, bottom], [right, bottom]].map(|[column, row]| face.stretch(column, row))
+                [[0, 0], [right, 0], [0, bottom], [right, bottom]]
+                    .map(|[column, row]| face.map.ray_length_factor(column, row))
             });
             view.from_eye.length() + view.view.far_m * corner.fold(1.0, f32::max)
         };

@@ -17,7 +17,6 @@ use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
 use crate::march::counters::Counters;
 use crate::march::pyramid::LEAST_M;
 use crate::march::ray::{Ray, StepsFrom};
-use crate::views::light_field::{View, cube_face};
 
 /// How far a coordinate of a point in a view's axes may be from the exact one, in parts of the sum of the greatest
 /// coordinates that it is computed from.
@@ -28,17 +27,6 @@ use crate::views::light_field::{View, cube_face};
 pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
 /// A product of a planar depth and an inverse one that is less than this is less than 1 however both are rounded.
 pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
-
-/// Face, u, v and planar depth of a point in a view's axes. None behind a perspective view.
-fn plane_of(view: &View, local: Vec3) -> Option<(usize, [f32; 2], f32)> {
-    if view.faces[Face::View as usize].is_some() {
-        let inverse = 1.0 / -local.z;
-        let plane = [local.x * inverse, -local.y * inverse];
-        return (local.z < 0.0).then_some((Face::View as usize, plane, -local.z));
-    }
-    let (face, u, v, planar_m) = cube_face(local);
-    Some((face, [u, v], planar_m))
-}
 
 /// Whether a view proves that it sees past every point between two ends of a segment, in metres from the eye. `reach_m`
 /// is the sum of the greatest coordinates of the ray's origin and of its way to the farther end.
@@ -54,25 +42,26 @@ pub fn is_segment_open(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> 
     if view.greatest_inverse_depth * farthest_m < SURELY_BELOW_ONE {
         return true;
     }
-    let (Some((face, a, a_m)), Some((other, b, b_m))) = (plane_of(view.view, a), plane_of(view.view, b)) else {
-        return false;
-    };
-    let (nearest_m, farthest_m) = (a_m.min(b_m), a_m.max(b_m) + 2.0 * error_m);
+    let (Some(a), Some(b)) = (view.view.planar_point(a), view.view.planar_point(b)) else { return false };
+    let (nearest_m, farthest_m) = (a.planar.min(b.planar), a.planar.max(b.planar) + 2.0 * error_m);
+    let face = a.face;
     let texels = match &view.view.faces[face] {
-        Some(texels) if face == other && nearest_m >= 4.0 * error_m => texels,
+        Some(texels) if face == b.face && nearest_m >= 4.0 * error_m => texels,
         _ => return false,
     };
-    let widest = a[0].abs().max(a[1].abs()).max(b[0].abs().max(b[1].abs()));
+    let widest = [a, b].map(|end| end.plane[0].abs().max(end.plane[1].abs()));
+    let widest = widest[0].max(widest[1]);
     let slack = (1.0 + widest) * (4.0 * error_m / nearest_m + ROUNDING);
     let is_view = face == Face::View as usize;
     if !(is_view || widest + slack <= 1.0) {
         return false;
     }
     let (mut from, mut to) = ([0; 2], [0; 2]);
+    let ends = [a, b].map(|end| texels.map.position(end.plane));
     for axis in 0..2 {
-        let [one, two] = [a, b].map(|at| at[axis] * texels.scale[axis] + texels.centre[axis]);
+        let [one, two] = ends.map(|at| at[axis]);
         let size = texels.size[axis];
-        let margin = slack * texels.scale[axis].abs() + size as f32 * ROUNDING;
+        let margin = slack * texels.map.scale[axis].abs() + size as f32 * ROUNDING;
         let (low, high) = (one.min(two) - margin, one.max(two) + margin);
         if is_view && !(low >= 0.0 && high < size as f32) {
             return false;

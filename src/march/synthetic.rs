@@ -4,6 +4,8 @@ use glam::{DMat3, DQuat, DVec3};
 use half::f16;
 
 use crate::image::cube::Face;
+use crate::image::projection::{ImageProjection, centre_of};
+use crate::image::texel_map::TexelMap;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
 /// What a probe sees in a direction of the world of length 1: the distance in metres and a colour. None is background.
@@ -31,15 +33,14 @@ impl Made {
     /// Its cube map.
     pub fn cube(&self, coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
-        let half = self.size.map(|pixels| pixels as f32 / 2.0);
         for face in Face::CUBE {
-            view.faces[face as usize] = Some(self.face(face, [half, half], coding, sight));
+            view.faces[face as usize] = Some(self.face(face, TexelMap::cube_face(self.size), coding, sight));
         }
         view
     }
 
-    /// A perspective image whose plane is mapped by focal lengths and centre, in pixels.
-    pub fn perspective(&self, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> View {
+    /// A perspective image.
+    pub fn perspective(&self, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> View {
         let mut view = self.view();
         view.faces[Face::View as usize] = Some(self.face(Face::View, map, coding, sight));
         view
@@ -57,13 +58,13 @@ impl Made {
         }
     }
 
-    fn face(&self, face: Face, map: [[f32; 2]; 2], coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
+    fn face(&self, face: Face, map: TexelMap, coding: ColorCoding, sight: Sight<'_>) -> FaceTexels {
         let mut texels = FaceTexels::unknown(self.size, map, coding);
         let [forward, right, down] = face.axes();
+        let ([fx, fy], [cx, cy]) = (map.scale, map.centre);
+        let exact = ImageProjection::Pinhole { size: self.size, intrinsics: [fx, fy, cx, cy].map(f64::from) };
         for at in 0..texels.inverse_depth.len() {
-            let place = [at as u32 % self.size[0], at as u32 / self.size[0]];
-            let [u, v] =
-                [0, 1].map(|axis| (f64::from(place[axis]) + 0.5 - f64::from(map[1][axis])) / f64::from(map[0][axis]));
+            let [u, v] = exact.plane(centre_of(at as u32 % self.size[0], at as u32 / self.size[0]));
             let direction = self.turn * (forward + u * right + v * down);
             let stretch = direction.length();
             let (inverse, [r, g, b]) = match sight(direction / stretch) {

@@ -76,7 +76,8 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
         made.cube(coding, &sight)
     } else {
         let focal = size.map(|pixels| pixels as f32 * (0.2 + random.next() as f32));
-        made.perspective([focal, size.map(|pixels| pixels as f32 * random.next() as f32)], coding, &sight)
+        let centre = size.map(|pixels| pixels as f32 * random.next() as f32);
+        made.perspective(crate::image::TexelMap { scale: focal, centre }, coding, &sight)
     };
     for face in &mut view.faces {
         let Some(texels) = face else { continue };

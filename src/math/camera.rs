@@ -38,6 +38,8 @@ pub struct Camera {
     axes: [DVec3; 3],
     /// Half the width and half the height of the image at distance 1.
     half: [f64; 2],
+    /// The middle of the image at distance 1, to the right and down: 0 unless the window is off-axis.
+    middle: [f64; 2],
     depth_m: [f64; 2],
 }
 
@@ -113,7 +115,7 @@ impl Camera {
                 "a camera that sees from {near_m} m to {far_m} m: 0 <= near < far was expected"
             )));
         }
-        Ok(Camera { eye, axes, half, depth_m: [near_m, far_m] })
+        Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m] })
     }
 
     /// Where it stands.
@@ -131,6 +133,23 @@ impl Camera {
         self.half
     }
 
+    /// The image at distance 1, u to the right and v down.
+    pub fn window(&self) -> Window {
+        let edges = |axis: usize| [self.middle[axis] - self.half[axis], self.middle[axis] + self.half[axis]];
+        Window { u: edges(0), v: edges(1) }
+    }
+
+    /// The same camera with an off-axis window: the middle of its image at distance 1 is that far to the right and down.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] where a number is not finite.
+    pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
+        match middle.iter().all(|at| at.is_finite()) {
+            true => Ok(Camera { middle, ..self }),
+            false => Err(usage(format!("the middle of a camera's image must be finite, not {middle:?}"))),
+        }
+    }
+
     /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
     /// looks so.
     pub fn orientation(&self) -> Option<[f64; 4]> {
@@ -142,14 +161,16 @@ impl Camera {
     /// The direction, of length 1, of a point of its picture: 0 to 1 from left to right, and from top to bottom.
     pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
         let [forward, right, down] = self.axes;
-        (forward + (2.0 * x - 1.0) * self.half[0] * right + (2.0 * y - 1.0) * self.half[1] * down).normalize()
+        let at = |axis: usize, share: f64| self.middle[axis] + (2.0 * share - 1.0) * self.half[axis];
+        (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
     /// Where a point of the world, relative to the eye, lies in its picture, and how deep along its axis, in the units of
     /// the point. None where it is not before the camera.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
-        let at = [(right / deep, self.half[0]), (down / deep, self.half[1])].map(|(at, half)| 0.5 + 0.5 * at / half);
+        let plane = [right / deep, down / deep];
+        let at = [0, 1].map(|axis| 0.5 + 0.5 * (plane[axis] - self.middle[axis]) / self.half[axis]);
         (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
     }
 
@@ -176,7 +197,8 @@ impl Camera {
     /// The same camera with a picture of another width: `aspect`, above 0, is the width over the height.
     #[must_use]
     pub fn with_aspect(self, aspect: f64) -> Camera {
-        Camera { half: [self.half[1] * aspect, self.half[1]], ..self }
+        let half = [self.half[1] * aspect, self.half[1]];
+        Camera { half, middle: [self.middle[0] * half[0] / self.half[0], self.middle[1]], ..self }
     }
 
     /// The same camera, moved to its right by so many metres; to its left where they are below 0.
@@ -187,8 +209,7 @@ impl Camera {
 
     /// All that it sees.
     pub fn frustum(&self) -> Frustum {
-        let [x, y] = self.half;
-        Frustum::new(self.eye, self.axes, Window { u: [-x, x], v: [-y, y] }, self.depth_m)
+        Frustum::new(self.eye, self.axes, self.window(), self.depth_m)
     }
 }
 
@@ -236,6 +257,26 @@ mod tests {
                 Camera::with_axes(DVec3::Y, axes, Lens::new(90.0)).unwrap_err().to_string().contains("right angles")
             );
         }
+    }
+
+    #[test]
+    fn an_off_axis_window_is_a_part_of_a_wider_image() {
+        let wide = Camera::oriented(DVec3::ONE, [0.0, 0.0, 0.0, 1.0], Lens::new(90.0)).unwrap();
+        let narrow = Lens::new(2.0 * 0.25f64.atan().to_degrees());
+        let centred = Camera::oriented(DVec3::ONE, [0.0, 0.0, 0.0, 1.0], narrow).unwrap();
+        assert_eq!(centred.off_axis([0.0; 2]).unwrap(), centred);
+        // A quarter of the width, around (0.7, 0.4) of the wide image.
+        let part = centred.off_axis([0.4, -0.2]).unwrap();
+        for (x, y) in [(0.0, 0.0), (1.0, 1.0), (0.3, 0.8)] {
+            let in_wide = [0.7 + 0.25 * (x - 0.5), 0.4 + 0.25 * (y - 0.5)];
+            let direction = part.direction([x, y]);
+            assert!((direction - wide.direction(in_wide)).length() < 1e-12);
+            let ([found_x, found_y], deep) = part.project(direction * 3.0).unwrap();
+            assert!((found_x - x).abs() < 1e-12 && (found_y - y).abs() < 1e-12 && deep > 0.0);
+            assert!(part.frustum().contains_direction(part.direction([0.98 * x + 0.01, 0.98 * y + 0.01])));
+        }
+        assert!(!part.frustum().contains_direction(part.direction([1.01, 0.5])));
+        assert!(centred.off_axis([f64::NAN, 0.0]).is_err());
     }
 
     #[test]

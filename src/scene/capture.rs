@@ -10,12 +10,13 @@ use glam::DVec3;
 use super::raycast::SceneAtTime;
 use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
+use crate::image::ImageProjection;
 use crate::image::{ColorPlane, DepthPlane, Face};
 use crate::monitor::Silent;
 
 pub use plan::{CapturePlan, Take, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
-pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, Window, capture_view};
+pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, capture_view};
 pub use write::{CaptureSummary, Kept};
 
 /// Default samples of a pixel's colour.
@@ -27,7 +28,7 @@ pub fn capture_face(scene: &SceneAtTime, position: DVec3, face: Face, size: u32)
     let samples = SamplePattern::new(COLOR_SAMPLES)?;
     let passes = [Pass::Color, Pass::Depth];
     let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
-    let from = Viewpoint { position, orientation: None, window: Window::Face(face, size) };
+    let from = Viewpoint { position, orientation: None, projection: ImageProjection::cube_face(face, size) };
     let images = capture_view(scene, &from, &shot, &Silent)?;
     images.color.zip(images.depth).ok_or_else(|| Error::invalid("a face without colour and depth"))
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::container::index::ProbeEntry;
 use crate::dataset::stream::DepthKind;
-use crate::image::cube::Face;
+use crate::image::{Face, ImageProjection};
 use crate::math::camera::rotation;
 use crate::math::{Frustum, Window};
 
@@ -35,9 +35,7 @@ pub struct FaceImage {
     centre: DVec3,
     /// Forward, right, down.
     axes: [DVec3; 3],
-    /// For columns, then rows: where pixel edge 0 lies on the plane at distance 1, and how far the next.
-    columns: [f64; 2],
-    rows: [f64; 2],
+    projection: ImageProjection,
     depth: DepthSpan,
     /// Pixels by which every rectangle is larger on each side.
     margin_pixels: f64,
@@ -50,19 +48,13 @@ impl FaceImage {
     /// is not 1.
     pub fn new(probe: &ProbeEntry, face: Face, size: [u32; 2], depth: DepthSpan) -> Option<FaceImage> {
         let turn = rotation(probe.orientation)?;
-        let [columns, rows] = if face == Face::View {
-            let [fx, fy, cx, cy] = probe.intrinsics;
-            [[-cx / fx, 1.0 / fx], [-cy / fy, 1.0 / fy]]
-        } else {
-            size.map(|pixels| [-1.0, 2.0 / f64::from(pixels)])
-        };
+        let projection = ImageProjection::of_face(face, size, probe.intrinsics);
         let axes = face.axes().map(|axis| turn * axis);
-        let usable = columns.iter().chain(&rows).all(|value| value.is_finite());
+        let usable = [0.0, 1.0].into_iter().flat_map(|at| projection.plane([at; 2])).all(f64::is_finite);
         usable.then_some(FaceImage {
             centre: DVec3::from_array(probe.position),
             axes,
-            columns,
-            rows,
+            projection,
             depth,
             margin_pixels: 0.0,
         })
@@ -76,12 +68,10 @@ impl FaceImage {
 
     /// The frustum of pixels from `from` up to, but without, `to` (column, row).
     pub fn frustum(&self, from: [u32; 2], to: [u32; 2]) -> Frustum {
-        let edges = |[first, step]: [f64; 2], from: u32, to: u32| {
-            let at = |pixel: f64| first + step * pixel;
-            let ends = [at(f64::from(from) - self.margin_pixels), at(f64::from(to) + self.margin_pixels)];
-            [ends[0].min(ends[1]), ends[0].max(ends[1])]
-        };
-        let window = Window { u: edges(self.columns, from[0], to[0]), v: edges(self.rows, from[1], to[1]) };
+        let first = self.projection.plane(from.map(|pixel| f64::from(pixel) - self.margin_pixels));
+        let last = self.projection.plane(to.map(|pixel| f64::from(pixel) + self.margin_pixels));
+        let edges = |axis: usize| [first[axis].min(last[axis]), first[axis].max(last[axis])];
+        let window = Window { u: edges(0), v: edges(1) };
         let DepthSpan { near_m, far_m, kind } = self.depth;
         let depth_m = match kind {
             DepthKind::Planar => [near_m, far_m],
@@ -105,7 +95,6 @@ fn length_range(window: Window) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::cube::{distance_from_planar, distance_from_planar_view};
 
     fn probe(orientation: [f64; 4], intrinsics: [f64; 4]) -> ProbeEntry {
         ProbeEntry { name: "p".into(), position: [1.0, 2.0, 3.0], orientation, frames: [0, 0], intrinsics }
@@ -123,7 +112,7 @@ mod tests {
                     let image = FaceImage::new(&probe(orientation, [0.0; 4]), face, [8, 8], depth).unwrap();
                     for (col, row) in (0..8).flat_map(|col| (0..8).map(move |row| (col, row))) {
                         let direction = turn * face.direction(col, row, 8);
-                        let factor = if kind == DepthKind::Distance { distance_from_planar(col, row, 8) } else { 1.0 };
+                        let factor = if kind == DepthKind::Distance { direction.length() } else { 1.0 };
                         let point = |depth_m: f64| DVec3::new(1.0, 2.0, 3.0) + direction * (depth_m / factor);
                         let alone = image.frustum([col, row], [col + 1, row + 1]);
                         let other = image.frustum([(col + 1) % 8, row], [(col + 1) % 8 + 1, row + 1]);
@@ -146,7 +135,7 @@ mod tests {
         let image = FaceImage::new(&probe([0.0, 0.0, 0.0, 1.0], intrinsics), Face::View, [32, 24], depth).unwrap();
         for (col, row) in [(0, 0), (31, 23), (9, 7), (10, 6)] {
             let [u, v] = [(f64::from(col) + 0.5 - 10.0) / 40.0, (f64::from(row) + 0.5 - 7.0) / 50.0];
-            let metres = 1.5 / distance_from_planar_view(col, row, intrinsics);
+            let metres = 1.5 / (1.0 + u * u + v * v).sqrt();
             let point = DVec3::new(1.0, 2.0, 3.0) + metres * DVec3::new(u, -v, -1.0);
             assert!(image.frustum([col, row], [col + 1, row + 1]).contains(point));
             assert!(!image.frustum([col + 1, row], [col + 2, row + 1]).contains(point));

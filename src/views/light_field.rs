@@ -13,6 +13,7 @@ use crate::dataset::stream::DepthKind;
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
+use crate::image::texel_map::{PlanarPoint, TexelMap};
 use crate::image::transfer::ToneMap;
 use crate::math::camera::rotation;
 
@@ -70,10 +71,8 @@ impl ColorTexels {
 pub struct FaceTexels {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Column and row of the direction `forward + u·right + v·down` are `[u, v] · scale + centre`; texel (0, 0) is from 0 to 1.
-    pub scale: [f32; 2],
-    /// See `scale`.
-    pub centre: [f32; 2],
+    /// Where directions lie in it.
+    pub map: TexelMap,
     /// Inverse planar depth in 1/m; [`BACKGROUND`], or [`UNKNOWN`].
     pub inverse_depth: Vec<f32>,
     /// Colour.
@@ -87,12 +86,11 @@ pub struct FaceTexels {
 
 impl FaceTexels {
     /// A face of `size` texels of which nothing is known, without materials.
-    pub fn unknown(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding) -> FaceTexels {
+    pub fn unknown(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
         let texels = size[0] as usize * size[1] as usize;
         FaceTexels {
             size,
-            scale: map[0],
-            centre: map[1],
+            map,
             inverse_depth: vec![UNKNOWN; texels],
             color: match coding {
                 ColorCoding::Codes(_) => ColorTexels::Codes(vec![[0; 4]; texels]),
@@ -104,7 +102,7 @@ impl FaceTexels {
     }
 
     /// A face whose depths and colours lie on a device, and nowhere else ([`crate::views::units_on_device`]).
-    pub fn on_device(size: [u32; 2], map: [[f32; 2]; 2], coding: ColorCoding) -> FaceTexels {
+    pub fn on_device(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
         let nothing = FaceTexels::unknown([0; 2], map, coding);
         FaceTexels { size, ..nothing }
     }
@@ -124,24 +122,6 @@ impl FaceTexels {
     /// Takes in that materials were written. Looks at all texels.
     pub fn material_changed(&mut self) {
         self.calls_for_effects = self.material.as_ref().is_some_and(|texels| texels.iter().any(sends_on));
-    }
-
-    /// √(1 + u² + v²) at the centre of a texel: how much farther its surface is than its planar depth.
-    pub fn stretch(&self, column: u32, row: u32) -> f32 {
-        let [u, v] = self.plane([column, row].map(|at| at as f32 + 0.5));
-        (1.0 + u * u + v * v).sqrt()
-    }
-
-    /// u and v of a place, column and row in texels from the upper left corner: see `scale`.
-    pub fn plane(&self, at: [f32; 2]) -> [f32; 2] {
-        [0, 1].map(|axis| (at[axis] - self.centre[axis]) / self.scale[axis])
-    }
-
-    /// The way to such a place in the axes of the probe, if this is the image of a face: its planar depth is 1.
-    pub fn way(&self, face: Face, at: [f32; 2]) -> Vec3 {
-        let [forward, right, down] = face.axes().map(|axis| axis.as_vec3());
-        let [u, v] = self.plane(at);
-        forward + u * right + v * down
     }
 }
 
@@ -209,54 +189,24 @@ impl View {
         self.faces.iter().flatten().any(|face| face.calls_for_effects)
     }
 
-    /// Scale and centre of an image of `size` texels ([`FaceTexels::scale`]).
-    pub fn image_map(entry: &ProbeEntry, face: Face, size: [u32; 2]) -> [[f32; 2]; 2] {
-        if face == Face::View {
-            let [fx, fy, cx, cy] = entry.intrinsics.map(|value| value as f32);
-            [[fx, fy], [cx, cy]]
-        } else {
-            let half = size.map(|pixels| pixels as f32 / 2.0);
-            [half, half]
+    /// The point of an image plane where a point of the probe's own axes lies; None behind a perspective image.
+    pub fn planar_point(&self, from_probe: Vec3) -> Option<PlanarPoint> {
+        match self.faces[Face::View as usize] {
+            Some(_) => PlanarPoint::in_view(from_probe),
+            None => Some(PlanarPoint::on_cube(from_probe)),
         }
     }
 
     /// Where a point lies in the images of this probe; `from_probe` is the way to it from the centre, in the probe's
     /// own axes and metres. None in the centre, and where no image is.
     pub fn project(&self, from_probe: Vec3) -> Option<Projected> {
-        if let Some(view) = &self.faces[Face::View as usize] {
-            return project_to_view(from_probe, view);
-        }
-        let (face, u, v, planar_m) = cube_face(from_probe);
+        let PlanarPoint { face, plane, planar } = self.planar_point(from_probe)?;
         let texels = self.faces[face].as_ref()?;
-        let at = [u * texels.scale[0] + texels.centre[0], v * texels.scale[1] + texels.centre[1]];
-        let inverse_depth = 1.0 / planar_m;
-        inverse_depth.is_finite().then_some(Projected { face, at, inverse_depth })
-    }
-}
-
-fn project_to_view(from_probe: Vec3, view: &FaceTexels) -> Option<Projected> {
-    let inverse_depth = 1.0 / -from_probe.z;
-    if !(inverse_depth.is_finite() && inverse_depth > 0.0) {
-        return None;
-    }
-    let plane = [from_probe.x * inverse_depth, -from_probe.y * inverse_depth];
-    let at = [0, 1].map(|axis| plane[axis] * view.scale[axis] + view.centre[axis]);
-    let inside = (0..2).all(|axis| at[axis] >= 0.0 && at[axis] < view.size[axis] as f32);
-    inside.then_some(Projected { face: Face::View as usize, at, inverse_depth })
-}
-
-/// Face, u, v and planar depth of a point, as `image::cube::direction_to_face` has them, in single precision.
-pub fn cube_face(x: Vec3) -> (usize, f32, f32, f32) {
-    let size = x.abs();
-    if size.x >= size.y && size.x >= size.z {
-        let scale = 1.0 / size.x;
-        if x.x < 0.0 { (1, x.z * scale, -x.y * scale, size.x) } else { (0, -x.z * scale, -x.y * scale, size.x) }
-    } else if size.y >= size.z {
-        let scale = 1.0 / size.y;
-        if x.y < 0.0 { (3, x.x * scale, -x.z * scale, size.y) } else { (2, x.x * scale, x.z * scale, size.y) }
-    } else {
-        let scale = 1.0 / size.z;
-        if x.z < 0.0 { (5, -x.x * scale, -x.y * scale, size.z) } else { (4, x.x * scale, -x.y * scale, size.z) }
+        let at = texels.map.position(plane);
+        let inside = |axis: usize| at[axis] >= 0.0 && at[axis] < texels.size[axis] as f32;
+        let inverse_depth = 1.0 / planar;
+        let is_shown = face != Face::View as usize || (inverse_depth > 0.0 && inside(0) && inside(1));
+        (inverse_depth.is_finite() && is_shown).then_some(Projected { face, at, inverse_depth })
     }
 }
 
@@ -289,7 +239,7 @@ impl InverseDepth {
         let inverse = self.of_code[usize::from(code)];
         match self.kind {
             DepthKind::Planar => inverse,
-            DepthKind::Distance => inverse * face.stretch(column, row),
+            DepthKind::Distance => inverse * face.map.ray_length_factor(column, row),
         }
     }
 
@@ -323,27 +273,5 @@ impl LightField {
     /// Whether a view has a stream of materials: without one, no effect is called for.
     pub fn has_material(&self) -> bool {
         self.views.iter().any(View::has_material)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::image::cube::direction_to_face;
-
-    #[test]
-    fn faces_are_those_of_the_format() {
-        for at in 0..4000u32 {
-            let part = |prime: u32| ((at * prime) % 2003) as f32 / 1001.5 - 1.0;
-            let x = Vec3::new(part(7), part(11), part(13));
-            if x == Vec3::ZERO {
-                continue;
-            }
-            let (face, u, v, planar_m) = cube_face(x);
-            let (expected, expected_u, expected_v) = direction_to_face(x.as_dvec3());
-            assert_eq!(face, expected as usize);
-            assert!((f64::from(u) - expected_u).abs() < 1e-6 && (f64::from(v) - expected_v).abs() < 1e-6);
-            assert_eq!(planar_m, x.abs().max_element());
-        }
     }
 }

@@ -13,6 +13,7 @@ use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
+use crate::image::TexelMap;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthHeader};
@@ -468,7 +469,7 @@ impl<'a> Player<'a> {
         let depth = streams.depth;
         let number = depth.face as usize;
         let size = [depth.entry.width, depth.entry.height];
-        let map = View::image_map(self.decoder.probe(depth), depth.face, size);
+        let map = TexelMap::of_face(depth.face, size, self.decoder.probe(depth).intrinsics);
         let texels = match self.on_device {
             true => FaceTexels::on_device(size, map, self.field.coding),
             false => FaceTexels::unknown(size, map, self.field.coding),

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use lightfold::convention::{Choice, Finding, MAX_PROBES, Report, Verdict, check};
 use lightfold::dataset::manifest::{Background, Probe};
 use lightfold::dataset::{DepthKind, Manifest, Source, SourceOptions};
-use lightfold::image::cube::distance_from_planar;
+use lightfold::image::ImageProjection;
 use lightfold::image::{DepthPlane, Face, Plane, exr};
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
@@ -116,7 +116,9 @@ fn assert_clean(report: &Report) {
 }
 
 fn planar(_: Face, plane: DepthPlane) -> DepthPlane {
-    Plane::from_fn(SIDE, SIDE, |x, y| (f64::from(plane.get(x, y)) / distance_from_planar(x, y, SIDE)) as f32)
+    Plane::from_fn(SIDE, SIDE, |x, y| {
+        (f64::from(plane.get(x, y)) / ImageProjection::cube_face(Face::Px, SIDE).ray_length_factor(x, y)) as f32
+    })
 }
 
 #[test]
@@ -304,7 +306,8 @@ fn walls_that_are_alike_are_no_copies() {
         images.verdict
     };
     // The middle of a room as high as it is long and wide.
-    let wall = |x, y, distance: f64| (distance * distance_from_planar(x, y, SIDE)) as f32;
+    let wall =
+        |x, y, distance: f64| (distance * ImageProjection::cube_face(Face::Px, SIDE).ray_length_factor(x, y)) as f32;
     set.rewrite(0..1, |_, _| Plane::from_fn(SIDE, SIDE, |x, y| wall(x, y, 2.0)));
     let one = |manifest: &mut Manifest| manifest.probes.truncate(1);
     assert_eq!(verdict(&set.check_as(one), "are the same picture, as walls"), Verdict::CannotTell);

@@ -5,8 +5,8 @@ use lightfold::container::ProbeEntry;
 use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::DepthRange;
 use lightfold::evaluate::rendered_image::HoleFill;
-use lightfold::image::Face;
 use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
+use lightfold::image::{Face, ImageProjection, TexelMap};
 use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
 use lightfold::march::interpolate::camera_weights;
@@ -20,7 +20,7 @@ use lightfold::march::synthetic::Made;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::CodeError;
 use lightfold::monitor::Silent;
-use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
+use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, capture_view};
 use lightfold::scene::procedural::{DemoKind, DemoScene};
 use lightfold::scene::raycast::SceneAtTime;
 use lightfold::streams::convert::{color_codes, material_codes};
@@ -39,7 +39,7 @@ fn capture(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Image
     let samples = SamplePattern::new(4).unwrap();
     let passes = [Pass::Color, Pass::Depth, Pass::Material];
     let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
-    let from = Viewpoint { position, orientation: None, window: Window::Face(face, size) };
+    let from = Viewpoint { position, orientation: None, projection: ImageProjection::cube_face(face, size) };
     capture_view(scene, &from, &shot, &Silent).unwrap()
 }
 
@@ -60,7 +60,8 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
         let mut view = View::new(probe, &entry, range).unwrap();
         for face in Face::CUBE {
             let images = capture(scene, *position, face, size);
-            let mut texels = FaceTexels::unknown([size; 2], View::image_map(&entry, face, [size; 2]), coding);
+            let mut texels =
+                FaceTexels::unknown([size; 2], TexelMap::of_face(face, [size; 2], entry.intrinsics), coding);
             let depths = (0..).zip(images.depth.unwrap().into_data());
             texels.inverse_depth =
                 depths.map(|(at, z)| inverse.of(range.code(z), &texels, at % size, at / size)).collect();

@@ -7,7 +7,7 @@ use half::f16;
 use lightfold::dataset::{
     Arrangement, DepthKind, InvalidColor, InvalidDepth, Projection, SequenceLayout, Source, SourceOptions, StreamKind,
 };
-use lightfold::image::{ColorPlane, DepthPlane, Face, FrameRange, Plane, cube, equirect, exr as ours, png};
+use lightfold::image::{ColorPlane, DepthPlane, Face, FrameRange, ImageProjection, Plane, exr as ours, png};
 use tempfile::TempDir;
 
 pub(crate) fn ramp(width: u32, height: u32) -> DepthPlane {
@@ -156,8 +156,12 @@ fn equirect_images_become_a_cube() {
     let set = Set::new(&manifest("equirect", [256, 128], "", files, ""));
     // Inside a box of 4 x 2 x 6 metres: each wall has one colour direction and a known distance.
     let distance = |d: DVec3| 1.0 / (d.x.abs() / 2.0).max(d.y.abs()).max(d.z.abs() / 3.0);
-    let color = Plane::from_fn(256, 128, |x, y| face_color(equirect::direction(x, y, 256, 128)));
-    let depth = Plane::from_fn(256, 128, |x, y| distance(equirect::direction(x, y, 256, 128)) as f32);
+    let color = Plane::from_fn(256, 128, |x, y| {
+        face_color(ImageProjection::Equirect { size: [256, 128] }.pixel_direction(x, y))
+    });
+    let depth = Plane::from_fn(256, 128, |x, y| {
+        distance(ImageProjection::Equirect { size: [256, 128] }.pixel_direction(x, y)) as f32
+    });
     for frame in 0..2 {
         ours::write_color(&set.path(&format!("c.{frame}.exr")), &color).unwrap();
         ours::write_depth(&set.path(&format!("z.{frame}.exr")), &depth).unwrap();
@@ -273,8 +277,9 @@ fn perspective_planar_depth() {
     assert_eq!(source.projection(), Projection::Perspective);
     assert_eq!(source.probes()[0].intrinsics, Some([2.0, 3.0, 1.5, 1.0]));
     let plane = &source.read_depth(&source.groups()[0], 0).unwrap()[0];
+    let view = ImageProjection::Pinhole { size: [3, 2], intrinsics: [2.0, 3.0, 1.5, 1.0] };
     for (y, x) in (0..2).flat_map(|y| (0..3).map(move |x| (y, x))) {
-        let factor = cube::distance_from_planar_view(x, y, [2.0, 3.0, 1.5, 1.0]);
+        let factor = view.ray_length_factor(x, y);
         let metres = f64::from((f64::from(codes.get(x, y)) * 0.001) as f32);
         let expected = if x == 0 { f32::INFINITY } else { (metres * factor) as f32 };
         assert_eq!(plane.get(x, y), expected, "{x},{y}");
@@ -449,8 +454,9 @@ fn single_sequences() {
     let planar = SourceOptions { depth_kind: Some(DepthKind::Planar), ..SourceOptions::default() };
     assert!(open(&at("depth.0007.exr"), Arrangement::Equirect, &planar).is_err());
     let source = open(&at("depth.0007.exr"), face, &planar).unwrap();
-    let exact =
-        Plane::from_fn(4, 4, |x, y| (f64::from(ramp(4, 4).get(x, y)) * cube::distance_from_planar(x, y, 4)) as f32);
+    let exact = Plane::from_fn(4, 4, |x, y| {
+        (f64::from(ramp(4, 4).get(x, y)) * ImageProjection::cube_face(Face::Px, 4).ray_length_factor(x, y)) as f32
+    });
     assert_eq!(
         (source.read_depth(&source.groups()[0], 7).unwrap(), source.depth_stored()),
         (vec![exact], DepthKind::Distance)

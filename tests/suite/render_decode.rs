@@ -83,7 +83,7 @@ fn copy(changes: &[Change], from: &LightField, to: &mut LightField) {
     for change in changes {
         let source = from.views[change.view].faces[change.face].as_ref().unwrap();
         let target = to.views[change.view].faces[change.face].get_or_insert_with(|| {
-            let texels = FaceTexels::unknown(source.size, [source.scale, source.centre], from.coding);
+            let texels = FaceTexels::unknown(source.size, source.map, from.coding);
             if source.material.is_some() { texels.with_material() } else { texels }
         });
         let [left, top, width, height] = change.rect;

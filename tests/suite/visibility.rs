@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use lightfold::container::ProbeEntry;
 use lightfold::dataset::stream::DepthKind;
 use lightfold::image::Face;
-use lightfold::image::cube::direction_to_face;
+use lightfold::image::cube::{FacePoint, direction_to_face};
 use lightfold::math::camera::rotation;
 use lightfold::math::{Camera, Lens, Sight, Viewer};
 use lightfold::views::face_frustum::DepthSpan;
@@ -127,7 +127,7 @@ impl Setup {
             }
             (Face::View, [fx * local.x / -local.z + cx, fy * -local.y / -local.z + cy])
         } else {
-            let (face, u, v) = direction_to_face(local);
+            let FacePoint { face, plane: [u, v] } = direction_to_face(local);
             (face, [u, v].map(|at| (at + 1.0) / 2.0 * f64::from(self.grid.size[0])))
         };
         let [width, height] = self.grid.size.map(f64::from);

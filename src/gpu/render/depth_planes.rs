@@ -128,8 +128,7 @@ impl<'f> Tables<'f> {
     }
 
     fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
-        let alike =
-            |other: &FaceTexels| (other.size, other.scale, other.centre) == (face.size, face.scale, face.centre);
+        let alike = |other: &FaceTexels| (other.size, other.map) == (face.size, face.map);
         if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
             return *at as u32;
         }
@@ -148,7 +147,7 @@ impl<'f> Tables<'f> {
         for (face, at) in &self.stretch {
             let [width, height] = face.size;
             let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-            let stretches = texels.map(|[column, row]| face.stretch(column, row).to_bits());
+            let stretches = texels.map(|[column, row]| face.map.ray_length_factor(column, row).to_bits());
             words[*at..].iter_mut().zip(stretches).for_each(|(word, stretch)| *word = stretch);
         }
         words

@@ -12,7 +12,7 @@ use crate::march::settings::{Acceleration, RenderSettings};
 use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::specular::secondary_rays::MAX_BOUNCES;
 use crate::march::specular::sphere_fit::GlassBalls;
-use crate::math::Camera;
+use crate::math::{Camera, Window};
 use crate::views::light_field::{ColorCoding, FaceTexels};
 
 /// Where an image lies on the device.
@@ -121,8 +121,8 @@ fn face(number: usize, texels: &FaceTexels, origin: Origin) -> Face {
         pyramid_row,
         levels: 0,
         number: number as u32,
-        scale: texels.scale,
-        centre: texels.centre,
+        scale: texels.map.scale,
+        centre: texels.map.centre,
     }
 }
 
@@ -147,6 +147,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
     // Shaders have no infinity.
     let [near_m, far_m] = camera.depth_m().map(|metres| (metres as f32).min(f32::MAX));
     let [width, height] = settings.size;
+    let Window { u, v } = camera.window();
     Scene {
         forward: forward.as_vec3().to_array(),
         width,
@@ -166,6 +167,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         first_segment,
         near_m,
         far_m,
+        middle: [u, v].map(|[low, high]| ((low + high) / (high - low)) as f32),
         ..Scene::default()
     }
 }

@@ -16,6 +16,7 @@ use crate::gpu::render::agreement::Agreement;
 use crate::gpu::selftest::KernelReport;
 use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{ImageProjection, TexelMap};
 use crate::march::active_views::ActiveViews;
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render};
@@ -23,7 +24,7 @@ use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::math::Camera;
 use crate::math::camera::Lens;
 use crate::monitor::Silent;
-use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, Window, capture_view};
+use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, capture_view};
 use crate::scene::{DemoKind, DemoScene, SceneAtTime};
 use crate::streams::convert::material_codes;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, UNKNOWN, View};
@@ -187,7 +188,7 @@ impl Captured {
     /// A picture from `eye` of cube maps captured at these places.
     fn case(&self, label: &'static str, places: &[DVec3], coding: ColorCoding, eye: DVec3) -> Result<PictureCase> {
         let side = if places.len() > 12 { 8 } else { FACE };
-        let windows = Face::CUBE.map(|face| (face, Window::Face(face, side)));
+        let windows = Face::CUBE.map(|face| (face, ImageProjection::cube_face(face, side)));
         let views = places.iter().enumerate().map(|(at, &place)| self.view((at, place, None), &windows, coding));
         self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, eye)
     }
@@ -198,7 +199,8 @@ impl Captured {
         let views = places.iter().enumerate().map(|(at, &place)| {
             let turn = DQuat::from_rotation_y(0.1 * at as f64 - 0.35) * DQuat::from_rotation_z(0.05 * at as f64);
             let size = [FACE + 3 * at as u32, FACE - at as u32];
-            let window = Window::Picture(size, [20.0, 21.0, f64::from(size[0]) * 0.45, f64::from(size[1]) * 0.55]);
+            let intrinsics = [20.0, 21.0, f64::from(size[0]) * 0.45, f64::from(size[1]) * 0.55];
+            let window = ImageProjection::Pinhole { size, intrinsics };
             self.view((at, place, Some(turn)), &[(Face::View, window)], coding)
         });
         self.seen_by(label, LightField { views: views.collect::<Result<_>>()?, coding }, self.middle)
@@ -222,7 +224,7 @@ impl Captured {
     fn view(
         &self,
         (at, position, turn): (usize, DVec3, Option<DQuat>),
-        windows: &[(Face, Window)],
+        windows: &[(Face, ImageProjection)],
         coding: ColorCoding,
     ) -> Result<View> {
         let samples = SamplePattern::new(1)?;
@@ -237,13 +239,13 @@ impl Captured {
             intrinsics: [0.0; 4],
         };
         let mut images = Vec::new();
-        for &(face, window) in windows {
-            let from = Viewpoint { position, orientation: turn, window };
+        for &(face, projection) in windows {
+            let from = Viewpoint { position, orientation: turn, projection };
             let image = capture_view(&self.scene, &from, &shot, &Silent)?;
             let (Some(color), Some(depth)) = (image.color, image.depth) else {
                 return Err(Error::invalid("a capture without colour and depth"));
             };
-            if let Window::Picture(_, intrinsics) = window {
+            if let ImageProjection::Pinhole { intrinsics, .. } = projection {
                 entry.intrinsics = intrinsics;
             }
             let finite = depth.data().iter().filter(|metres| metres.is_finite());
@@ -255,7 +257,7 @@ impl Captured {
         let mut view = View::new(at, &entry, range)?;
         for (face, color, depth, material) in images {
             let size = [color.width(), color.height()];
-            let mut texels = FaceTexels::unknown(size, View::image_map(&entry, face, size), coding);
+            let mut texels = FaceTexels::unknown(size, TexelMap::of_face(face, size, entry.intrinsics), coding);
             // The inverse of what is infinitely far is that of a background.
             texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
             texels.color = match coding {

@@ -6,6 +6,7 @@ use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Words, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
 use crate::gpu::random::Random;
+use crate::image::TexelMap;
 use crate::image::transfer::ToneMap;
 use crate::march::pyramid::DepthPyramid;
 use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
@@ -37,12 +38,11 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
     ] {
         let Ok(range) = DepthRange::new(0.25, 900.0) else { continue };
         let inverse = InverseDepth::new(range, kind);
-        let half = size.map(|side: u32| side as f32 / 2.0);
-        let mut face = FaceTexels::unknown(size, [half, half], codes);
+        let mut face = FaceTexels::unknown(size, TexelMap::cube_face(size), codes);
         let mut tables: Vec<u32> = inverse.of_codes().iter().map(|inverse| inverse.to_bits()).collect();
         let stretch = tables.len() as u32;
         for row in 0..size[1] {
-            tables.extend((0..size[0]).map(|column| face.stretch(column, row).to_bits()));
+            tables.extend((0..size[0]).map(|column| face.map.ray_length_factor(column, row).to_bits()));
         }
         let (mut pictures, mut jobs, mut total) = (vec![0; 3], Vec::<DepthJob>::new(), 0);
         let pitch = size[0].next_multiple_of(64);

@@ -98,7 +98,7 @@ impl Image<'_> {
             return None;
         }
         let centre = [column, row].map(|at| at as f32 + 0.5);
-        let direction = view.probe_from_world.transpose() * face.way(*number, centre);
+        let direction = view.probe_from_world.transpose() * face.map.direction(*number, centre);
         let (from_eye, distance_m) = if inverse_depth == BACKGROUND {
             (direction, f32::INFINITY)
         } else {
@@ -165,7 +165,7 @@ mod tests {
 
     /// A perspective view of three texels that looks along −Z with 90 degrees from left to right.
     fn view(position: DVec3, inverse_depth: [f32; 3], gray: [u8; 3]) -> View {
-        let map = [[1.5, 1.5], [1.5, 0.5]];
+        let map = crate::image::TexelMap { scale: [1.5, 1.5], centre: [1.5, 0.5] };
         let mut face = FaceTexels::unknown([3, 1], map, CODING);
         face.inverse_depth = inverse_depth.to_vec();
         face.color = ColorTexels::Codes(gray.map(|code| [code, code, code, 0]).to_vec());

@@ -6,6 +6,7 @@
 
 use glam::Vec4;
 
+use crate::image::TexelMap;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::packet::lanes::{ALL, Lanes, Points, either, lanes_of, number_of, to_whole};
@@ -20,8 +21,7 @@ const LONGEST_GUESSED: f32 = 65_536.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Map {
     size: [f32; 2],
-    scale: [f32; 2],
-    centre: [f32; 2],
+    texels: TexelMap,
 }
 
 /// An active view, laid out flat.
@@ -137,8 +137,8 @@ impl<'a> PacketView<'a> {
     fn new(active: &'a ActiveView<'a>) -> PacketView<'a> {
         let faces: [Option<&FaceTexels>; 7] = std::array::from_fn(|at| active.view.faces[at].as_ref());
         let map = |face: Option<&FaceTexels>| match face {
-            Some(face) => Map { size: face.size.map(|size| size as f32), scale: face.scale, centre: face.centre },
-            None => Map { size: [1.0; 2], scale: [0.0; 2], centre: [0.0; 2] },
+            Some(face) => Map { size: face.size.map(|size| size as f32), texels: face.map },
+            None => Map { size: [1.0; 2], texels: TexelMap { scale: [0.0; 2], centre: [0.0; 2] } },
         };
         let mut all = faces.iter().flatten().map(|&face| map(Some(face)));
         let of = |at: usize| faces.get(at).copied().flatten();
@@ -148,8 +148,8 @@ impl<'a> PacketView<'a> {
         let is_view = faces[Face::View as usize].is_some();
         let are_small = faces.iter().flatten().all(|face| face.inverse_depth.len() <= 1 << 23);
         let is_whole = |map: Map| {
-            let half = map.size.map(|size| size / 2.0);
-            map.scale == half && map.centre == half && map.size.iter().all(|&size| size <= LONGEST_GUESSED)
+            map.texels == TexelMap::cube_face(map.size.map(|size| size as u32))
+                && map.size.iter().all(|&size| size <= LONGEST_GUESSED)
         };
         PacketView {
             turn,
@@ -197,7 +197,7 @@ impl<'a> PacketView<'a> {
     /// the image: it has not to be moved into it.
     #[inline(always)]
     fn guessed(&self, points: &Points, face: usize) -> Option<Places> {
-        let Map { size, scale, centre } = self.whole_faces?;
+        let Map { size, texels: TexelMap { scale, centre } } = self.whole_faces?;
         let x = points.x - self.from_eye[0];
         let y = points.y - self.from_eye[1];
         let z = points.z - self.from_eye[2];
@@ -302,7 +302,7 @@ impl<'a> PacketView<'a> {
 
     #[inline(always)]
     fn mapping(&self, face: Faces) -> [[Lanes; 2]; 3] {
-        if let Some(Map { size, scale, centre }) = self.alike {
+        if let Some(Map { size, texels: TexelMap { scale, centre } }) = self.alike {
             let splat = |two: [f32; 2]| [Lanes::splat(two[0]), Lanes::splat(two[1])];
             return [splat(size), splat(scale), splat(centre)];
         }
@@ -314,7 +314,7 @@ impl<'a> PacketView<'a> {
         let each = |part: fn(&Map) -> [f32; 2]| {
             [0, 1].map(|axis| Lanes::from_array(std::array::from_fn(|lane| part(&self.maps[face.of(lane)])[axis])))
         };
-        [each(|map| map.size), each(|map| map.scale), each(|map| map.centre)]
+        [each(|map| map.size), each(|map| map.texels.scale), each(|map| map.texels.centre)]
     }
 
     /// Inverse depths of the texels that points fall into.

@@ -13,6 +13,7 @@ use half::f16;
 use rayon::prelude::*;
 
 use crate::error::Result;
+use crate::image::TexelMap;
 use crate::image::cube::Face;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::counters::Counters;
@@ -118,7 +119,7 @@ pub fn surroundings(
     let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
     let steps = steps_around(views, &ball, size);
     // Colours come later; the coding does not matter before.
-    let face = FaceTexels::unknown([size; 2], [[size as f32 / 2.0; 2]; 2], ColorCoding::Light);
+    let face = FaceTexels::unknown([size; 2], TexelMap::cube_face([size; 2]), ColorCoding::Light);
     let looking = Looking { views, camera_weights, ball, steps: &steps, face: &face, monitor };
     let known = looking.all_known()?;
     let mut view = View {
@@ -142,7 +143,7 @@ pub fn surroundings(
 fn direction(at: usize, face: &FaceTexels) -> Vec3 {
     let [width, height] = face.size.map(|size| size as usize);
     let centre = [at % width, at / width % height].map(|at| at as f32 + 0.5);
-    face.way(Face::CUBE[at / (width * height)], centre)
+    face.map.direction(Face::CUBE[at / (width * height)], centre)
 }
 
 /// How views look for what is around a ball.
@@ -253,7 +254,7 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTex
     for (face, inverse) in inverse.chunks((size * size) as usize).enumerate() {
         let mut texels = like.clone();
         for (at, inverse) in inverse.iter().enumerate() {
-            let stretch = texels.stretch(at as u32 % size, at as u32 / size);
+            let stretch = texels.map.ray_length_factor(at as u32 % size, at as u32 / size);
             texels.inverse_depth[at] = if inverse.x > 0.0 { inverse.x * stretch } else { BACKGROUND };
         }
         view.faces[face] = Some(texels);
@@ -355,7 +356,7 @@ mod tests {
         let ball = Ball { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 1.0 };
         let views = ActiveViews { views: Vec::new(), coding: ColorCoding::Light };
         let steps = Steps::new(4, 0.1, 1.0, 0);
-        let face = &FaceTexels::unknown([1; 2], [[0.5; 2]; 2], ColorCoding::Light);
+        let face = &FaceTexels::unknown([1; 2], TexelMap::cube_face([1; 2]), ColorCoding::Light);
         let looking = Looking { views: &views, camera_weights: &[], ball, steps: &steps, face, monitor: &Silent };
         let through = |x: f32, ior| looking.through(&Ray { origin: Vec3::X * x, direction: Vec3::NEG_Z }, ior);
         let (straight, part) = through(0.0, 1.5).unwrap();

@@ -82,7 +82,7 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     let normal = image.normal(&fit, offset)?;
     let facing = -normal.dot(local.normalize_or_zero());
     let curvature = if fit.bends { image.curvature(&fit) } else { None };
-    let texel_m = 1.0 / (at.inverse_depth * face.scale[0].abs().min(face.scale[1].abs()));
+    let texel_m = 1.0 / (at.inverse_depth * face.map.scale[0].abs().min(face.map.scale[1].abs()));
     (facing > 0.0).then_some(Local { normal, curvature, texel_m, difference, facing })
 }
 
@@ -121,16 +121,16 @@ impl Image<'_> {
 
     /// The surface has `inverse depth = normal · (u, v, 1)`, up to the length of the normal.
     fn normal(&self, fit: &Fit, offset: [f32; 2]) -> Option<Vec3> {
-        let [u, v] = self.face.plane(self.place(offset));
+        let [u, v] = self.face.map.plane(self.place(offset));
         let [x, y] = fit.slope(offset);
-        let [by_u, by_v] = [x * self.face.scale[0], y * self.face.scale[1]];
+        let [by_u, by_v] = [x * self.face.map.scale[0], y * self.face.map.scale[1]];
         let ahead = fit.value(offset) - by_u * u - by_v * v;
         let [forward, right, down] = self.number.axes().map(|axis| axis.as_vec3());
         (-(by_u * right + by_v * down + ahead * forward)).try_normalize()
     }
 
     fn point(&self, fit: &Fit, offset: [f32; 2]) -> Vec3 {
-        self.face.way(self.number, self.place(offset)) / fit.value(offset)
+        self.face.map.direction(self.number, self.place(offset)) / fit.value(offset)
     }
 
     /// How the normal turns over two texels along and two down, as it would on a ball.

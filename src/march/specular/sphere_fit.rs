@@ -133,18 +133,19 @@ impl GlassBall {
 /// Whether a texel that sends rays on, of mirror or glass, may be in a camera's picture, hidden or not.
 pub fn in_sight(views: &ActiveViews<'_>, camera: &Camera) -> bool {
     let [forward, right, down] = camera.axes();
-    let of_axis = camera.half().map(|half| (half, (1.0 + half * half).sqrt()));
+    let window = camera.window();
+    let edges = [window.u, window.v].map(|edges| edges.map(|edge| (edge, (1.0 + edge * edge).sqrt())));
     let near_picture = |point: DVec3, margin_m: f64| {
         let depth_m = point.dot(forward);
-        let beside_m = [point.dot(right), point.dot(down)].map(f64::abs);
+        let beside_m = [point.dot(right), point.dot(down)];
         depth_m >= -margin_m
-            && beside_m.iter().zip(of_axis).all(|(beside_m, (half, slant))| {
-                // Distance from the plane of the picture's edge.
-                beside_m - half * depth_m <= slant * margin_m
+            && beside_m.iter().zip(edges).all(|(beside_m, [low, high])| {
+                // Distances from the planes of the picture's edges.
+                beside_m - high.0 * depth_m <= high.1 * margin_m && low.0 * depth_m - beside_m <= low.1 * margin_m
             })
     };
     faces(views).into_par_iter().any(|(active, face, texels)| {
-        let scale = f64::from(texels.scale[0].abs().min(texels.scale[1].abs()));
+        let scale = f64::from(texels.map.scale[0].abs().min(texels.map.scale[1].abs()));
         texels.material.as_ref().is_some_and(|material| {
             (0..material.len()).filter(|&at| sends_on(&material[at])).any(|at| {
                 let margin_m = || MARGIN_TEXELS / (f64::from(texels.inverse_depth[at]) * scale);
@@ -178,7 +179,7 @@ pub(crate) fn texel_point(active: &ActiveView<'_>, face: usize, texels: &FaceTex
     }
     let width = texels.size[0] as usize;
     let centre = [at % width, at / width].map(|at| at as f32 + 0.5);
-    let local = texels.way(Face::from_index(face as u8)?, centre).as_dvec3() / f64::from(inverse);
+    let local = texels.map.direction(Face::from_index(face as u8)?, centre).as_dvec3() / f64::from(inverse);
     let point = active.probe_from_world.as_dmat3().transpose() * local + active.from_eye.as_dvec3();
     point.is_finite().then_some(point)
 }

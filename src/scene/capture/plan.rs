@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde_json::json;
 
 use super::samples::SamplePattern;
-use super::view::{MAX_FACE_SIZE, Pass, Viewpoint, Window};
+use super::view::{MAX_FACE_SIZE, Pass, Viewpoint};
 use crate::dataset::cameras::CameraSet;
 use crate::dataset::manifest::{
     ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, ManifestColorSpace, MaterialInfo, Probe,
@@ -17,6 +17,7 @@ use crate::dataset::manifest::{
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::fingerprint::digest;
+use crate::image::ImageProjection;
 use crate::image::{Face, FrameRange, Pattern};
 use crate::math::camera::rotation;
 
@@ -192,18 +193,18 @@ impl CapturePlan {
 
     pub fn viewpoint(&self, take: &Take) -> Viewpoint {
         let camera = &self.cameras.cameras[take.probe];
-        let window = match self.projection {
-            Projection::Cubemap => Window::Face(take.face, self.size[0]),
-            Projection::Equirect => Window::Panorama(self.size),
+        let projection = match self.projection {
+            Projection::Cubemap => ImageProjection::cube_face(take.face, self.size[0]),
+            Projection::Equirect => ImageProjection::Equirect { size: self.size },
             Projection::Perspective => {
                 let fov_y_deg = camera.fov_y_deg.or(self.fov_y_deg).unwrap_or(90.0);
-                Window::Picture(self.size, intrinsics_of(fov_y_deg, self.size))
+                ImageProjection::Pinhole { size: self.size, intrinsics: intrinsics_of(fov_y_deg, self.size) }
             }
         };
         Viewpoint {
             position: DVec3::from_array(camera.position),
             orientation: camera.orientation.and_then(rotation),
-            window,
+            projection,
         }
     }
 
@@ -361,8 +362,8 @@ mod tests {
     fn fields_of_view_become_focal_lengths() {
         let mut plan = plan();
         (plan.projection, plan.size, plan.fov_y_deg) = (Projection::Perspective, [20, 10], Some(90.0));
-        let window = |plan: &CapturePlan, probe| plan.viewpoint(&Take { probe, face: Face::View, frame: 4 }).window;
-        let Window::Picture(size, [fx, fy, cx, cy]) = window(&plan, 0) else { panic!() };
+        let window = |plan: &CapturePlan, probe| plan.viewpoint(&Take { probe, face: Face::View, frame: 4 }).projection;
+        let ImageProjection::Pinhole { size, intrinsics: [fx, fy, cx, cy] } = window(&plan, 0) else { panic!() };
         assert_eq!((size, cx, cy, fx), ([20, 10], 10.0, 5.0, fy));
         assert!((fx - 5.0).abs() < 1e-12);
         assert_ne!(window(&plan, 1), window(&plan, 0), "its own comes first");

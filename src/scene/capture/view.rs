@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::samples::SamplePattern;
 use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
+use crate::image::ImageProjection;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
-use crate::image::{Face, equirect};
 use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
 use crate::scene::raycast::SceneAtTime;
@@ -60,58 +60,8 @@ pub struct Viewpoint {
     pub position: DVec3,
     /// Turn from the probe's axes to the world's.
     pub orientation: Option<DQuat>,
-    /// What through.
-    pub window: Window,
-}
-
-/// The directions of an image's pixels, in the probe's axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Window {
-    /// A face of a cube map ([`crate::image::cube`]), so many pixels a side.
-    Face(Face, u32),
-    /// All directions, longitude across, latitude down ([`crate::image::equirect`]): width and height.
-    Panorama([u32; 2]),
-    /// A pinhole camera that looks along −Z with +Y up: width and height, and fx, fy, cx, cy in pixels.
-    Picture([u32; 2], [f64; 4]),
-}
-
-impl Window {
-    /// Width and height in pixels.
-    pub fn size(self) -> [u32; 2] {
-        match self {
-            Window::Face(_, size) => [size; 2],
-            Window::Panorama(size) | Window::Picture(size, _) => size,
-        }
-    }
-
-    /// Forward, right and down of a flat window.
-    fn axes(self) -> Option<[DVec3; 3]> {
-        match self {
-            Window::Face(face, _) => Some(face.axes()),
-            Window::Panorama(_) => None,
-            Window::Picture(..) => Some(Face::View.axes()),
-        }
-    }
-
-    /// Position in the plane at distance 1 of a flat window, of a position in pixels.
-    fn plane(self, x: f64, y: f64) -> [f64; 2] {
-        match self {
-            // As `cube::pixel_to_plane`, to the bit.
-            Window::Face(_, size) => [x, y].map(|at| (2.0 * at) / f64::from(size) - 1.0),
-            Window::Picture(_, [fx, fy, cx, cy]) => [(x - cx) / fx, (y - cy) / fy],
-            Window::Panorama(_) => [0.0; 2],
-        }
-    }
-
-    /// Direction of a position in pixels; its length is distance over planar depth in flat windows, and 1 in others.
-    fn direction(self, x: f64, y: f64) -> DVec3 {
-        let Some([forward, right, down]) = self.axes() else {
-            let [width, height] = self.size();
-            return equirect::direction_at(x, y, width, height);
-        };
-        let [u, v] = self.plane(x, y);
-        forward + u * right + v * down
-    }
+    /// In the probe's axes.
+    pub projection: ImageProjection,
 }
 
 /// What is wanted of an image.
@@ -121,7 +71,7 @@ pub struct Shot<'a> {
     pub passes: &'a [Pass],
     /// Where colour is sampled.
     pub samples: &'a SamplePattern,
-    /// What depth measures; planar only through flat windows.
+    /// What depth measures; planar only through flat images.
     pub depth: DepthKind,
     /// Metres; what lies farther is background, but for its colour.
     pub far_m: f64,
@@ -155,7 +105,7 @@ pub struct Images {
 
 /// Captures an image. It does not depend on the number of threads.
 pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, monitor: &dyn Monitor) -> Result<Images> {
-    let [width, height] = from.window.size();
+    let [width, height] = from.projection.size();
     if [width, height].iter().any(|&side| side == 0 || side > MAX_FACE_SIZE) {
         return Err(Error::Usage(format!(
             "an image has 1 to {MAX_FACE_SIZE} pixels a side, not {}",
@@ -165,7 +115,7 @@ pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, moni
     if !from.position.is_finite() {
         return Err(Error::Usage(format!("a probe's position must be finite, not {}", from.position)));
     }
-    if shot.depth == DepthKind::Planar && from.window.axes().is_none() {
+    if shot.depth == DepthKind::Planar && from.projection.axes().is_none() {
         return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
     }
     let plane = |pass| shot.wants(pass).then_some((width, height));
@@ -175,7 +125,7 @@ pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, moni
         normal: plane(Pass::Normal).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
         material: plane(Pass::Material).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
     };
-    let view = View { scene, from, shot, axes: from.window.axes().map(|axes| axes.map(|axis| turned(from, axis))) };
+    let view = View { scene, from, shot, axes: from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis))) };
     bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
         monitor.check()?;
         view.capture_band(band);
@@ -233,13 +183,13 @@ struct View<'a> {
     scene: &'a SceneAtTime,
     from: &'a Viewpoint,
     shot: &'a Shot<'a>,
-    /// Forward, right and down in the world, of a flat window.
+    /// Forward, right and down in the world, of a flat image.
     axes: Option<[DVec3; 3]>,
 }
 
 impl View<'_> {
     fn capture_band(&self, mut band: Band<'_>) {
-        let [width, _] = self.from.window.size();
+        let [width, _] = self.from.projection.size();
         for left in (0..width).step_by(TILE as usize) {
             let right = (left + TILE).min(width);
             let candidates = self.in_view([left, band.top], [right, band.top + band.rows]);
@@ -272,7 +222,7 @@ impl View<'_> {
         if let Some(depth) = &mut band.depth {
             let metres = match self.shot.depth {
                 DepthKind::Distance => seen.distance,
-                DepthKind::Planar => seen.distance / self.from.window.direction(x, y).length(),
+                DepthKind::Planar => seen.distance / self.from.projection.unproject([x, y]).length(),
             };
             // What is too near for a float is not where the eye is.
             depth[pixel] = if near { (metres as f32).max(f32::MIN_POSITIVE) } else { f32::INFINITY };
@@ -308,8 +258,8 @@ impl View<'_> {
     }
 
     fn ray(&self, x: f64, y: f64) -> Ray {
-        // Its length lies within f64's reach: 1 or more in flat windows, and 1 in others.
-        Ray::from_unit(self.from.position, turned(self.from, self.from.window.direction(x, y).normalize()))
+        // Its length lies within f64's reach: 1 or more in flat images, and 1 in others.
+        Ray::from_unit(self.from.position, turned(self.from, self.from.projection.unproject([x, y]).normalize()))
     }
 
     /// Indices, in order, of the objects that pixels `from..to` may see.
@@ -329,7 +279,7 @@ impl View<'_> {
         from: [u32; 2],
         to: [u32; 2],
     ) -> Box<dyn Fn(&AxisBox) -> bool> {
-        let plane = |[x, y]: [u32; 2]| self.from.window.plane(f64::from(x), f64::from(y));
+        let plane = |at: [u32; 2]| self.from.projection.plane(at.map(f64::from));
         let ([left, top], [beyond, below]) = (plane(from), plane(to));
         // Normals that point inwards; every plane goes through the camera.
         let planes =
@@ -344,13 +294,13 @@ impl View<'_> {
 
     /// Whether the ball around a box lies wholly outside of a cone around the pixels of a panorama.
     fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> Box<dyn Fn(&AxisBox) -> bool> {
-        let [width, height] = self.from.window.size().map(f64::from);
+        let [width, height] = self.from.projection.size().map(f64::from);
         let [x, y] = [0, 1].map(|axis| 0.5 * (f64::from(from[axis]) + f64::from(to[axis])));
         // Along a meridian and then along a parallel, which is the longer way round.
         let across = f64::from(to[0] - from[0]) / width * PI;
         let along = f64::from(to[1] - from[1]) / height * 0.5 * PI;
         let reach = across + along + 1e-6;
-        let axis = turned(self.from, self.from.window.direction(x, y));
+        let axis = turned(self.from, self.from.projection.unproject([x, y]));
         let position = self.from.position;
         Box::new(move |bounds| {
             let to_middle = 0.5 * (bounds.min + bounds.max) - position;
@@ -365,7 +315,7 @@ impl View<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::cube;
+    use crate::image::Face;
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, trace};
 
@@ -376,48 +326,35 @@ mod tests {
     const TURN: [f64; 4] = [0.1, -0.7, 0.3, 0.640_312_423_743_284_9];
 
     #[test]
-    fn directions_are_those_that_datasets_are_read_by() {
-        for (col, row) in [(0, 0), (31, 7), (63, 31)] {
-            let (x, y) = (f64::from(col) + 0.5, f64::from(row) + 0.5);
-            let panorama = Window::Panorama([64, 32]).direction(x, y);
-            assert!((panorama - equirect::direction(col, row, 64, 32)).length() < 1e-15);
-            let picture = Window::Picture([64, 32], [40.0, 41.0, 30.0, 15.0]).direction(x, y);
-            let factor = cube::distance_from_planar_view(col, row, [40.0, 41.0, 30.0, 15.0]);
-            assert!((picture.length() - factor).abs() < 1e-12 && picture.z == -1.0);
-            for face in Face::CUBE {
-                assert_eq!(Window::Face(face, 64).direction(x, y), face.direction(col, row, 64));
-            }
-        }
-    }
-
-    #[test]
     fn every_window_sees_what_single_rays_see() {
         let scene = DemoScene::new(DemoKind::Courtyard).at(1.3);
         let samples = SamplePattern::new(1).unwrap();
         let turn = crate::math::camera::rotation(TURN);
-        let windows = [
-            Window::Face(Face::Ny, 37),
-            Window::Panorama([70, 35]),
-            Window::Panorama([16, 8]),
-            Window::Picture([50, 20], [30.0, 33.0, 26.0, 9.0]),
+        let projections = [
+            ImageProjection::cube_face(Face::Ny, 37),
+            ImageProjection::Equirect { size: [70, 35] },
+            ImageProjection::Equirect { size: [16, 8] },
+            ImageProjection::Pinhole { size: [50, 20], intrinsics: [30.0, 33.0, 26.0, 9.0] },
         ];
-        for (window, orientation) in windows.into_iter().flat_map(|window| [(window, None), (window, turn)]) {
+        for (projection, orientation) in
+            projections.into_iter().flat_map(|projection| [(projection, None), (projection, turn)])
+        {
             for position in [DVec3::new(0.1, 1.4, 0.2), DVec3::new(-3.0, 1.0, 3.0), DVec3::new(-1.0, 9.0, 0.0)] {
-                let from = Viewpoint { position, orientation, window };
+                let from = Viewpoint { position, orientation, projection };
                 let images = capture_view(&scene, &from, &shot(&Pass::ALL, &samples), &Silent).unwrap();
                 let (color, depth, normal) = (images.color.unwrap(), images.depth.unwrap(), images.normal.unwrap());
-                let [width, height] = window.size();
+                let [width, height] = projection.size();
                 for (col, row) in (0..height).flat_map(|row| (0..width).map(move |col| (col, row))) {
-                    let direction = turned(&from, window.direction(f64::from(col) + 0.5, f64::from(row) + 0.5));
+                    let direction = turned(&from, projection.pixel_direction(col, row));
                     // The length of a turned direction is another number, if only just.
                     let hit = trace(&scene, position, direction);
                     let found = f64::from(depth.get(col, row));
                     assert!(
                         found == hit.distance || (found / hit.distance - 1.0).abs() < 1e-6,
-                        "{window:?} {col} {row}"
+                        "{projection:?} {col} {row}"
                     );
                     let of_normal = normal.get(col, row).map(f64::from);
-                    assert!((DVec3::from_array(of_normal) - hit.normal).length() < 1e-5, "{window:?} {col} {row}");
+                    assert!((DVec3::from_array(of_normal) - hit.normal).length() < 1e-5, "{projection:?} {col} {row}");
                     if orientation.is_none() {
                         assert_eq!(color.get(col, row), hit.color.to_array().map(f16::from_f64));
                     }
@@ -429,8 +366,11 @@ mod tests {
     #[test]
     fn one_sample_is_the_centre_and_depth_does_not_depend_on_samples() {
         let scene = DemoScene::new(DemoKind::Courtyard).at(0.2);
-        let from =
-            Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, window: Window::Face(Face::Pz, 40) };
+        let from = Viewpoint {
+            position: DVec3::new(0.0, 1.5, 0.0),
+            orientation: None,
+            projection: ImageProjection::cube_face(Face::Pz, 40),
+        };
         let patterns = [1, 3, 16].map(|count| SamplePattern::new(count).unwrap());
         let all = patterns
             .each_ref()
@@ -455,15 +395,15 @@ mod tests {
     fn planar_depth_and_far() {
         let scene = DemoScene::new(DemoKind::Courtyard).at(0.0);
         let samples = SamplePattern::new(1).unwrap();
-        let window = Window::Face(Face::Ny, 64);
-        let from = Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, window };
+        let projection = ImageProjection::cube_face(Face::Ny, 64);
+        let from = Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, projection };
         let planar = Shot { depth: DepthKind::Planar, ..shot(&[Pass::Depth], &samples) };
         let depth = capture_view(&scene, &from, &planar, &Silent).unwrap().depth.unwrap();
         // The ground is 1.5 m below, whichever way one looks.
         assert!((depth.get(20, 30) - 1.5).abs() < 1e-6);
         let distances = capture_view(&scene, &from, &shot(&[Pass::Depth], &samples), &Silent).unwrap().depth.unwrap();
         for (col, row) in (0..64).flat_map(|row| (0..64).map(move |col| (col, row))) {
-            let factor = cube::distance_from_planar(col, row, 64);
+            let factor = projection.ray_length_factor(col, row);
             let (found, expected) = (f64::from(depth.get(col, row)), f64::from(distances.get(col, row)) / factor);
             assert!(found == expected || (found - expected).abs() < 1e-6, "{col} {row}: {found} {expected}");
         }
@@ -478,7 +418,7 @@ mod tests {
             assert_eq!(*depth, if *all <= 1.6 { *all } else { f32::INFINITY });
             assert_eq!(*normal == [0.0; 3], *all > 1.6);
         }
-        let panorama = Viewpoint { window: Window::Panorama([8, 4]), ..from };
+        let panorama = Viewpoint { projection: ImageProjection::Equirect { size: [8, 4] }, ..from };
         assert!(capture_view(&scene, &panorama, &planar, &Silent).is_err());
     }
 }
