@@ -6,6 +6,7 @@ use std::fs;
 use std::hash::{DefaultHasher, Hasher};
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "gpu")]
 use serde_json::Value;
 
 /// What an encoder is made of: two builds that agree in these write the same bytes.
@@ -32,20 +33,24 @@ fn hash_of_sources(root: &Path) -> u64 {
     hasher.finish()
 }
 
+#[cfg(feature = "gpu")]
 fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not a string"))
 }
 
+#[cfg(feature = "gpu")]
 fn rows(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not an array"))
 }
 
 /// Name and type of a struct member or binding, written `name: type`.
+#[cfg(feature = "gpu")]
 fn name_and_type(value: &Value) -> (&str, &str) {
     text(value).split_once(": ").unwrap_or_else(|| panic!("shaders/kernels.json: {value} is not 'name: type'"))
 }
 
 /// The structs and constants of the kernel table as the macros of `gpu/layout.rs` take them.
+#[cfg(feature = "gpu")]
 fn layout_source(table: &Value) -> String {
     let member = |value| {
         let (name, kind) = name_and_type(value);
@@ -70,6 +75,7 @@ fn layout_source(table: &Value) -> String {
 }
 
 /// The kernels of the kernel table as statics of `gpu/kernels.rs`, and `KERNELS`, which lists them.
+#[cfg(feature = "gpu")]
 fn kernel_source(table: &Value) -> String {
     let (mut out, mut names) = (String::new(), Vec::new());
     for row in rows(&table["kernels"]) {
@@ -103,6 +109,7 @@ fn kernel_source(table: &Value) -> String {
     out + &format!("/// All kernels.\npub static KERNELS: [&Kernel; {}] = [{}];\n", names.len(), names.join(", "))
 }
 
+#[cfg(feature = "gpu")]
 fn write_kernel_table() -> std::io::Result<()> {
     println!("cargo::rerun-if-changed=shaders/kernels.json");
     let table: Value = serde_json::from_str(&fs::read_to_string("shaders/kernels.json")?)?;
@@ -112,6 +119,7 @@ fn write_kernel_table() -> std::io::Result<()> {
 }
 
 fn main() {
+    #[cfg(feature = "gpu")]
     write_kernel_table().expect("shaders/kernels.json becomes Rust");
     for name in SOURCES {
         println!("cargo::rerun-if-changed={name}");

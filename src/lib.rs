@@ -10,6 +10,8 @@
 
 #[path = "."]
 mod modules {
+    #[cfg(feature = "render")]
+    pub mod atlas;
     pub mod block;
     #[cfg(feature = "cli")]
     pub mod cli;

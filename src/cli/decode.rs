@@ -23,7 +23,7 @@ use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
 use crate::report::tradeoff::Timing;
-use crate::views::seen_units::SeenReport;
+use crate::views::camera_units::CameraUnitsReport;
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
@@ -329,7 +329,7 @@ struct Document<'a> {
     #[serde(flatten)]
     decoded: DecodeReport<'a>,
     #[serde(flatten)]
-    seen: Option<SeenReport>,
+    seen: Option<CameraUnitsReport>,
     #[serde(flatten)]
     verification: Option<&'a Verification>,
 }

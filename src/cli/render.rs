@@ -36,8 +36,8 @@ use crate::march::specular::environment::MOST_TEXELS;
 use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_BALLS};
 use crate::math::Camera;
 use crate::memory::Need;
+use crate::views::catalogue::ProbeChoice;
 use crate::views::light_field::ColorCoding;
-use crate::views::player::ProbeChoice;
 
 use options::{DecodeArg, EffectsArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
 use pictures::{PictureName, Pictures};

@@ -41,7 +41,7 @@ const MOST_WORK: u64 = 1 << 31;
 
 /// A unit and the frame that it is to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Wanted {
+pub struct UnitFrame {
     /// Position of its stream among those that the decoder was made for.
     pub stream: usize,
     /// The tile or cell.
@@ -250,22 +250,22 @@ impl<'a> GpuDecoder<'a> {
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         let has_it = |at: &usize| self.streams[*at].frames.contains(frame);
         let units = (0..self.streams.len()).filter(has_it).flat_map(|at| self.wanted(at, frame, &AllUnits));
-        let units: Vec<Wanted> = units.collect();
+        let units: Vec<UnitFrame> = units.collect();
         self.decode_units(&units)
     }
 
     /// The units of a stream that a filter wants in a frame.
-    pub fn wanted(&self, stream: usize, frame: u32, filter: &dyn UnitFilter) -> Vec<Wanted> {
+    pub fn wanted(&self, stream: usize, frame: u32, filter: &dyn UnitFilter) -> Vec<UnitFrame> {
         let info = self.streams[stream];
         let units = (0..info.entry.unit_count()).filter(|&unit| filter.wants(info, unit, frame));
-        units.map(|unit| Wanted { stream, unit, frame }).collect()
+        units.map(|unit| UnitFrame { stream, unit, frame }).collect()
     }
 
     /// Shows frames of some units, each named once at most.
     ///
     /// # Errors
     /// A stream lacks a frame, a chunk is damaged, or the device fails.
-    pub fn decode_units(&mut self, wanted: &[Wanted]) -> Result<()> {
+    pub fn decode_units(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         self.calls += 1;
         if self.resident.stream_words() > self.kept_words {
             self.drop_chunks(wanted)?;
@@ -289,7 +289,7 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Drops chunks that these units do not need, until no more are left than are kept.
-    fn drop_chunks(&mut self, wanted: &[Wanted]) -> Result<()> {
+    fn drop_chunks(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         for &one in wanted {
             let (key, entry) = self.chunk(one)?;
             self.resident.needed(key, self.calls);
@@ -304,7 +304,7 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
-    fn list(&mut self, mut wanted: &[Wanted], batch: &mut Batch) -> Result<()> {
+    fn list(&mut self, mut wanted: &[UnitFrame], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
             self.watch.0.check()?;
             let start = Instant::now();
@@ -335,17 +335,17 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Position of a unit among those of all streams.
-    fn number(&self, one: Wanted) -> usize {
+    fn number(&self, one: UnitFrame) -> usize {
         self.first_units[one.stream] + one.unit as usize
     }
 
     /// Pixels that the last call wrote of a unit that it wanted.
-    pub fn written(&self, one: Wanted) -> u64 {
+    pub fn written(&self, one: UnitFrame) -> u64 {
         self.written[self.number(one)]
     }
 
     /// Whether what a unit's picture shows is known to be right for a frame.
-    pub fn shows(&self, one: Wanted) -> bool {
+    pub fn shows(&self, one: UnitFrame) -> bool {
         let Some(shown) = &self.shown[self.number(one)] else { return false };
         let Ok((key, entry)) = self.chunk(one) else { return false };
         let frame = one.frame - entry.key.first_frame;
@@ -397,7 +397,7 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// The chunk that holds a frame of a unit, and its key: its place in the index, counted from 1.
-    fn chunk(&self, one: Wanted) -> Result<(u32, ChunkEntry)> {
+    fn chunk(&self, one: UnitFrame) -> Result<(u32, ChunkEntry)> {
         let (reader, stream) = (self.decoder.reader(), self.streams[one.stream]);
         if !stream.frames.contains(one.frame) {
             let frames = stream.frames;
@@ -434,7 +434,7 @@ impl<'a> GpuDecoder<'a> {
 
     /// Fetches and checks the chunks of the first units that are not on the device, in parallel; answers how many units
     /// these are, one at least, and the chunks.
-    fn fetch_missing(&mut self, wanted: &[Wanted]) -> Result<(usize, HashMap<u32, Prepared>)> {
+    fn fetch_missing(&mut self, wanted: &[UnitFrame]) -> Result<(usize, HashMap<u32, Prepared>)> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {
             let (key, entry) = self.chunk(one)?;
@@ -477,7 +477,7 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Adds a unit to the list; `false` where its chunks do not fit beside those that the list needs.
-    fn add(&mut self, one: Wanted, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
+    fn add(&mut self, one: UnitFrame, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
         let unit = self.number(one);

@@ -1,8 +1,12 @@
-//! Decoding on graphics devices, bit for bit what the CPU decodes (GDC 5), and rendering as the CPU does it (CALF 6).
+//! Decoding on graphics devices, equal to the CPU's in every bit (GDC 5), and rendering within a stated bound (CALF 6).
 //!
-//! Enters: an open container. Leaves: its pictures, in the domain of their codecs; of a light field and a camera, what the
-//! camera sees. The kernels are in `shaders/`, each a mirror of a file of `depth`, `color` or `reconstruct`; `kernels` is
-//! their table and `selftest` runs each against its mirror.
+//! Enters: an open container. Leaves: its pictures, in the domain of their codecs; rendered views of a light field. The kernels
+//! are in `shaders/`, each a mirror of a file of `depth`, `color` or `march`; `kernels` is their table, and `selftest` runs each
+//! against its mirror.
+//!
+//! Decoding kernels have no floats, and the host parses and refuses as it does for the CPU, so that a device is not another
+//! decoder. Kernels use only what WebGPU has by default. Units never share a word, as two invocations cannot safely write halves
+//! of one.
 
 pub mod decode;
 pub mod device;
@@ -12,9 +16,9 @@ pub mod kernels;
 pub mod layout;
 pub mod pictures;
 pub mod prepare;
-pub mod random;
 pub mod render;
 pub mod resident;
+#[cfg(feature = "scene")]
 pub mod selftest;
 pub mod verify;
 

@@ -8,11 +8,11 @@
 //! grazes a surface may pass it on one and not on the other.
 
 pub mod agreement;
+pub mod backend;
 pub mod depth_planes;
 pub mod playback;
 pub mod scene;
 pub mod texels;
-pub mod units;
 
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
@@ -23,9 +23,9 @@ use crate::evaluate::rendered_image::RenderedImage;
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::{Face, View, words_of};
-use crate::gpu::render::scene::{FIRST_ROW_WORD, ROWS_WORD, SceneRows};
-use crate::gpu::render::texels::DeviceTexels;
-use crate::gpu::render::units::{DeviceUnits, UnitCost};
+use crate::gpu::render::backend::{GpuBackend, UnitCost};
+use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
+use crate::gpu::render::texels::{DeviceTexels, Transferred};
 use crate::image::plane::Plane;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
@@ -38,6 +38,7 @@ use crate::march::specular::sphere_fit::{GlassBall, GlassBalls};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{ColorCoding, FaceTexels, LightField};
+use crate::views::rects::Rect;
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
@@ -91,7 +92,7 @@ pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     texels: DeviceTexels,
     /// What decodes depth and colour, where the CPU does not.
-    units: Option<DeviceUnits<'a>>,
+    backend: Option<GpuBackend<'a>>,
     /// Buffers of the last picture by name, for pictures that need the same size.
     buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
@@ -112,23 +113,23 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// A renderer of a light field whose depth and colour the device decodes, and whose colours are coded so.
-    pub fn decoding(gpu: &'a Gpu, coding: ColorCoding, units: DeviceUnits<'a>) -> GpuRenderer<'a> {
-        Self::of_coding(gpu, coding, Some(units))
+    pub fn decoding(gpu: &'a Gpu, coding: ColorCoding, backend: GpuBackend<'a>) -> GpuRenderer<'a> {
+        Self::of_coding(gpu, coding, Some(backend))
     }
 
-    fn of_coding(gpu: &'a Gpu, coding: ColorCoding, units: Option<DeviceUnits<'a>>) -> GpuRenderer<'a> {
+    fn of_coding(gpu: &'a Gpu, coding: ColorCoding, backend: Option<GpuBackend<'a>>) -> GpuRenderer<'a> {
         let (texels, cost) = (DeviceTexels::new(coding), RenderCost::default());
-        GpuRenderer { gpu, texels, units, buffers: HashMap::new(), cost }
+        GpuRenderer { gpu, texels, backend, buffers: HashMap::new(), cost }
     }
 
     /// Whether the device decodes depth and colour.
     pub fn decodes(&self) -> bool {
-        self.units.is_some()
+        self.backend.is_some()
     }
 
     /// What decodes depth and colour, where the CPU does not.
-    pub fn units(&mut self) -> Option<&mut DeviceUnits<'a>> {
-        self.units.as_mut()
+    pub fn backend(&mut self) -> Option<&mut GpuBackend<'a>> {
+        self.backend.as_mut()
     }
 
     /// The texels on the device.
@@ -138,14 +139,13 @@ impl<'a> GpuRenderer<'a> {
 
     /// What it has cost so far.
     pub fn cost(&self) -> RenderCost {
-        let units = self.units.as_ref().map(DeviceUnits::cost).unwrap_or_default();
+        let units = self.backend.as_ref().map(GpuBackend::cost).unwrap_or_default();
         RenderCost { units, bytes_sent: self.cost.bytes_sent + units.bytes_sent, ..self.cost }
     }
 
-    /// Texels of a probe (its index in the container) and a face have changed since the last picture: `[left, top, width,
-    /// height]` of one kind.
-    pub fn change(&mut self, probe: usize, face: usize, kind: StreamKind, rectangle: [u32; 4]) {
-        self.texels.change((probe, face), kind, rectangle);
+    /// Marks texels of one kind as changed since the last picture.
+    pub fn change(&mut self, image: ImageId, kind: StreamKind, rect: Rect) {
+        self.texels.change(image, kind, rect);
     }
 
     /// The kernel that renders with these settings.
@@ -163,14 +163,14 @@ impl<'a> GpuRenderer<'a> {
     /// They are too many or too large for the device.
     pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
-        let [sent, copied] = self.texels.bring(self.gpu, views, self.units.as_ref())?;
-        if sent + copied > 0 {
-            // Else they would go there with the first dispatch, and count as marching.
+        let Transferred { bytes_sent, bytes_copied } = self.texels.bring(self.gpu, views, self.backend.as_ref())?;
+        if bytes_sent + bytes_copied > 0 {
+            // Else the transfer would run with the first dispatch, and count as marching.
             self.gpu.queue.submit([]);
             self.gpu.wait()?;
         }
-        self.cost.bytes_sent += sent;
-        self.cost.bytes_copied += copied;
+        self.cost.bytes_sent += bytes_sent;
+        self.cost.bytes_copied += bytes_copied;
         self.cost.sending += start.elapsed();
         Ok(())
     }
@@ -181,7 +181,7 @@ impl<'a> GpuRenderer<'a> {
             for (face, texels) in view.faces.iter().enumerate() {
                 let Some(FaceTexels { size: [width, height], .. }) = texels else { continue };
                 for kind in [StreamKind::Depth, StreamKind::Color] {
-                    self.texels.change((view.probe, face), kind, [0, 0, *width, *height]);
+                    self.texels.change(ImageId { probe: view.probe, face }, kind, [0, 0, *width, *height]);
                 }
             }
         }
@@ -209,8 +209,8 @@ impl<'a> GpuRenderer<'a> {
         };
         self.cost.glass += start.elapsed();
         self.bring_glass(views, &glass)?;
-        let place = |probe: usize, face: usize| self.texels.origin((probe, face));
-        let rows = SceneRows::new((views, &glass), camera, settings, self.texels.pyramid_rows(), place);
+        let origin = |image| self.texels.origin(image);
+        let rows = SceneRows::new((views, &glass), camera, settings, self.texels.pyramid_rows(), origin);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
         let target = self.target(kernel, &rows, settings.size)?;
@@ -296,9 +296,9 @@ impl<'a> GpuRenderer<'a> {
     /// Brings the greatest inverse depths of views that the device has decoded to where the kernel reads them: the CPU does not
     /// know them.
     fn copy_greatest(&self, views: &ActiveViews<'_>) -> Result<()> {
-        let (Some(units), Some(words)) = (&self.units, self.buffers.get("views")) else { return Ok(()) };
+        let (Some(backend), Some(words)) = (&self.backend, self.buffers.get("views")) else { return Ok(()) };
         let decoded = views.views.iter().enumerate().filter_map(|(at, active)| {
-            let planes = units.planes(active.view.probe)?;
+            let planes = backend.planes(active.view.probe)?;
             (planes.has_greatest() && active.view.near_m >= LEAST_M).then_some((at, planes))
         });
         self.gpu.guard("views", || {

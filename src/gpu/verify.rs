@@ -5,7 +5,7 @@ use crate::decode::{
     UnitFilter, decoded_pixel_bytes,
 };
 use crate::error::{Error, Result};
-use crate::gpu::decode::{GpuDecoder, Wanted, picture_words};
+use crate::gpu::decode::{GpuDecoder, UnitFrame, picture_words};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
 use crate::gpu::pictures::mismatched_words;
@@ -114,7 +114,7 @@ fn decode_group(
     for frame in span.into_iter().flat_map(FrameRange::iter) {
         monitor.check()?;
         let now: Vec<usize> = (0..group.len()).filter(|&at| group[at].frames.contains(frame)).collect();
-        let units: Vec<Wanted> = now.iter().flat_map(|&stream| on_gpu.wanted(stream, frame, filter)).collect();
+        let units: Vec<UnitFrame> = now.iter().flat_map(|&stream| on_gpu.wanted(stream, frame, filter)).collect();
         on_gpu.decode_units(&units)?;
         on_gpu.wait()?;
         seen(&mut on_gpu, &now, frame)?;

@@ -14,10 +14,10 @@ use crate::depth::platelet::Platelet;
 use crate::depth::settings::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::gpu::random::Random;
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, random_at};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::math::random::Random;
 use half::f16;
 
 /// Blocks of each mode that two decoders show.
@@ -44,9 +44,9 @@ const BC6H_MODES: [(u128, u32); 14] = [
 
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Blocks, pipeline, unit);
+    let group = |pipeline: &str, unit| Group::new(Family::Blocks, pipeline, unit);
     let mut cases = Vec::new();
-    let background = shelf("DB4W", "background mixed up");
+    let background = group("DB4W", "background mixed up");
     for picture in PICTURES {
         cases.push(background.case(picture.name, Bound::AtMost(0.0), move || background_of(picture)));
     }
@@ -54,8 +54,8 @@ pub(super) fn cases() -> Vec<HardCase> {
     // within 9/14 of one of them, and that is rounded by 3/7 at most. With the background in the block there are fifths,
     // at most 9/5 apart: 9/10 and 2/5. Either is less than two, and so one code. The same holds of 65528 to 65534, between
     // the last two endpoints, although the very last is the background's own code.
-    let one = shelf("DB4W, one code a block", "codes");
-    let two = shelf("DB4W, one code and the background in a block", "codes");
+    let one = group("DB4W, one code a block", "codes");
+    let two = group("DB4W, one code and the background in a block", "codes");
     let most = Bound::AtMost(1.0);
     let spans: [(&str, u16, u16); 4] = [
         ("0 to 1599", 0, 1),
@@ -68,18 +68,18 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(one.case(name, most, move || codes_of_blocks([first, step, last], |_, _| false)));
         cases.push(two.case(name, most, move || codes_of_blocks([first, step, last], |x, y| (x + y) % 3 == 0)));
     }
-    let palette = shelf("BC4w palettes against binary64", "codes");
+    let palette = group("BC4w palettes against binary64", "codes");
     // Sevenths and fifths, to nearest.
     cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(Palette::Eight))));
     cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(Palette::Six))));
     cases.push(palette.case("equal endpoints, all of them", Bound::AtMost(0.0), || Ok(equal_endpoints())));
     // 8 e + e / 1024 rounded down for 65535 / 8191 e: both end at the same code, and between they are less than 1 apart.
     cases.push(palette.case("endpoints of 13 bits", Bound::AtMost(1.0), || Ok(endpoint_error())));
-    let marker = shelf("blocks and platelets of 8x8 pixels parted by every third line", "taken for another function");
+    let marker = group("blocks and platelets of 8x8 pixels parted by every third line", "taken for another function");
     cases.push(marker.case("codes that fill endpoints with ones", Bound::AtMost(0.0), marker_collisions));
     let temporal = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
     for epsilon in [0, 100] {
-        let boxes = shelf(&format!("DAB5, epsilon = {epsilon}"), "codes");
+        let boxes = group(&format!("DAB5, epsilon = {epsilon}"), "codes");
         for picture in PICTURES {
             cases.push(boxes.case(picture.name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = picture.moving();
@@ -89,7 +89,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         }
     }
     for epsilon in [0, 8, 60] {
-        let boxes = shelf(&format!("MAB1, epsilon = {epsilon}"), "of 255");
+        let boxes = group(&format!("MAB1, epsilon = {epsilon}"), "of 255");
         for (name, pixel) in MATERIALS {
             cases.push(boxes.case(name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = Sequence::new([22, 17], 4, pixel);
@@ -246,7 +246,7 @@ fn marker_collisions() -> Result<Measured> {
 fn decoders() -> Vec<HardCase> {
     let mut cases = Vec::new();
     // BC1, BC4 and BC5 leave the rounding of thirds, fifths and sevenths to decoders: one step of 8 bits.
-    let near = Shelf::new(Family::Blocks, "our decoder beside that of dds", "of 255");
+    let near = Group::new(Family::Blocks, "our decoder beside that of dds", "of 255");
     let bytes = |name: &str, most: f64, run: fn() -> Result<Measured>| near.case(name, Bound::AtMost(most), run);
     cases.push(bytes("BC1, both orders of endpoints", 1.0, || {
         let ours = |block: &[u8; 8]| bc1::decode(block).as_flattened().to_vec();
@@ -269,7 +269,7 @@ fn decoders() -> Vec<HardCase> {
             beside(&blocks_of(1 << mode, mode + 1), (Format::BC7_UNORM, ColorFormat::RGB_U8), ours)
         }));
     }
-    let exact = Shelf::new(Family::Blocks, "our decoder beside that of dds", "half floats that differ");
+    let exact = Group::new(Family::Blocks, "our decoder beside that of dds", "half floats that differ");
     for (code, count) in BC6H_MODES {
         let name = format!("BC6H, mode {code} of {count} bits");
         cases.push(exact.case(name, Bound::AtMost(0.0), move || halves_beside(&blocks_of(code, count))));

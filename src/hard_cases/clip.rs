@@ -1,4 +1,4 @@
-//! Streams of one unit, made by the encoders and shown by way of a container.
+//! Streams of one unit, encoded, and decoded from a container.
 
 use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
@@ -15,22 +15,16 @@ use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::gpu::pictures::mismatched_words;
-use crate::gpu::random::Random;
-use crate::hard_cases::Measured;
+use crate::math::random::Random;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 
 /// Effort of all searches: bounds hold with any, and this one takes the least time.
 pub(super) const EFFORT: Effort = Effort::Fast;
 
-/// Paths that are taken at random beside those of two pictures, and the pictures of each.
-const RANDOM_PATHS: u32 = 12;
-const RANDOM_PICTURES: u32 = 40;
-
 /// A stream of one unit.
 #[derive(Debug, Clone)]
 pub struct Clip {
-    /// What it was made with.
+    /// How it was encoded.
     pub what: String,
     /// Its codec.
     pub header: CodecHeader,
@@ -169,7 +163,7 @@ impl Clip {
         u64::from(self.size[0]) * u64::from(self.size[1]) * u64::from(self.frame_count)
     }
 
-    /// Shows all frames in order.
+    /// Decodes all frames in order.
     pub(super) fn show(&self, mut see: impl FnMut(usize, &Picture) -> Result<()>) -> Result<()> {
         let decoder = open(std::slice::from_ref(self))?;
         let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
@@ -177,61 +171,13 @@ impl Clip {
         (0..self.frame_count).try_for_each(|frame| see(frame as usize, &face.decode(frame)?))
     }
 
-    /// Frames that a decoder may step over at once.
-    fn window(&self) -> u32 {
+    /// Frames that one step of a decoder may advance.
+    pub(super) fn window(&self) -> u32 {
         match self.header {
             CodecHeader::Depth(header) => u32::from(header.window()),
             CodecHeader::Material(header) => u32::from(header.temporal.window),
             CodecHeader::Color(_) => 1,
         }
-    }
-
-    /// Enters at every frame and steps on by every legal number of frames, then takes longer paths at random; counts
-    /// pictures that are not those shown in order.
-    ///
-    /// A legal path is made of steps of 1 to W frames, so that pictures that are right after each single step are right
-    /// on every path, as far as a decoder remembers nothing but its picture. Random paths ask whether it does: they
-    /// start with a new decoder, step, and leap anywhere.
-    pub(super) fn paths(&self) -> Result<Measured> {
-        let (window, count) = (self.window(), self.frame_count);
-        let mut shown = Vec::new();
-        self.show(|_, picture| {
-            shown.push(picture.clone());
-            Ok(())
-        })?;
-        let decoder = open(std::slice::from_ref(self))?;
-        let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
-        let mut face = decoder.face(stream);
-        let (mut looked, mut wrong, mut first) = (0u64, 0, None);
-        let mut look = |frame: u32, picture: &Picture, way: &dyn Fn() -> String| {
-            looked += 1;
-            if mismatched_words(picture, &shown[frame as usize]) > 0 {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("frame {frame}, {}", way()));
-            }
-        };
-        for start in 0..count {
-            // One step more than a decoder may take at once: it has to take two.
-            for step in 1..=window + 1 {
-                for frame in [start, start + step].into_iter().filter(|&frame| frame < count) {
-                    look(frame, &face.decode(frame)?, &|| format!("entered at {start}, step {step}"));
-                }
-                if start + step >= count {
-                    break;
-                }
-            }
-        }
-        let mut random = Random::new(u64::from(count) << 8 | u64::from(window));
-        for path in 0..RANDOM_PATHS {
-            let mut face = decoder.face(stream);
-            let mut frame = random.below(count);
-            for at in 0..RANDOM_PICTURES {
-                look(frame, &face.decode(frame)?, &|| format!("picture {at} of random path {path}"));
-                let next = frame + 1 + random.below(window + 1);
-                frame = if random.one_in(8) || next >= count { random.below(count) } else { next };
-            }
-        }
-        Ok(Measured::count(wrong, first).with_note(format!("{looked} pictures")))
     }
 }
 
@@ -328,23 +274,4 @@ pub(super) fn open(clips: &[Clip]) -> Result<Decoder> {
         }
     }
     Decoder::new(Reader::from_memory(writer.finish()?.0)?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn clip() -> Clip {
-        let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);
-        Clip::codes(&source, TemporalSettings { window: 3, ..TemporalSettings::default() }).unwrap()
-    }
-
-    #[test]
-    fn paths_enter_at_every_frame() {
-        // From each frame but the last four, W + 1 = 4 steps of two pictures; then 3, 2, 1 of them, and what is left
-        // of each before it ends: the frame entered at.
-        let pairs = 16 * 8 + (6 + 1) + (4 + 1) + (2 + 1) + 1;
-        let random = RANDOM_PATHS * RANDOM_PICTURES;
-        assert_eq!(clip().paths().unwrap().note, Some(format!("{} pictures", pairs + random)));
-    }
 }

@@ -10,8 +10,9 @@ use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
 use crate::container::EncodedChunk;
 use crate::decode::Picture;
 use crate::error::{Error, Result};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::hard_cases::paths::paths;
 use crate::image::transfer::ToneMap;
 use crate::metrics::psnr::U8_PEAK;
 use crate::metrics::pu21::PU21_PEAK;
@@ -107,31 +108,31 @@ pub(super) fn cases() -> Vec<HardCase> {
         ("CCB7", Some(ColorBlocks::Bc7), 40.0, "dB"),
     ];
     for (codec, blocks, min_psnr_db, unit) in formats {
-        let shelf = Shelf::new(Family::Color, codec, unit);
+        let group = Group::new(Family::Color, codec, unit);
         let format = ColorFormat::EightBit(ToneMap::default());
         let header = ColorHeader { format, blocks, min_psnr_db };
-        let paths = paths_of(codec);
+        let any_path = paths_of(codec);
         for cell in BYTES {
-            cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
-            cases.push(paths.case(cell.0, Bound::AtMost(0.0), move || clip_of_bytes(cell, header)?.1.paths()));
+            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
+            cases.push(any_path.case(cell.0, Bound::AtMost(0.0), move || paths(&clip_of_bytes(cell, header)?.1)));
         }
     }
     for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
-        let shelf = Shelf::new(Family::Color, codec, "dB of PU21");
+        let group = Group::new(Family::Color, codec, "dB of PU21");
         let header = ColorHeader { format: ColorFormat::Half { white_cd_m2: WHITE_CD_M2 }, blocks, min_psnr_db };
-        let exact = Shelf::new(Family::Color, format!("{codec}, keyframes of samples"), "samples of other bits");
-        let paths = paths_of(codec);
+        let exact = Group::new(Family::Color, format!("{codec}, keyframes of samples"), "samples of other bits");
+        let any_path = paths_of(codec);
         for cell in HALVES {
-            cases.push(shelf.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
-            cases.push(paths.case(cell.0, Bound::AtMost(0.0), move || clip_of_halves(cell, header)?.1.paths()));
+            cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
+            cases.push(any_path.case(cell.0, Bound::AtMost(0.0), move || paths(&clip_of_halves(cell, header)?.1)));
             cases.push(exact.case(cell.0, Bound::AtMost(0.0), move || changed_keyframes(cell, header)));
         }
     }
     cases
 }
 
-fn paths_of(codec: &str) -> Shelf {
-    Shelf::new(Family::Color, format!("{codec}, every legal path"), "pictures that differ")
+fn paths_of(codec: &str) -> Group {
+    Group::new(Family::Color, format!("{codec}, every legal path"), "pictures that differ")
 }
 
 /// Decibels of a sum of squares.

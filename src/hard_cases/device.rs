@@ -7,10 +7,10 @@ use crate::gpu::decode::GpuDecoder;
 use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
 use crate::gpu::pictures::mismatched_words;
-use crate::gpu::random::Random;
 use crate::gpu::selftest::pictures;
-use crate::hard_cases::Inputs;
+use crate::hard_cases::case::Inputs;
 use crate::hard_cases::clip::{Clip, open};
+use crate::math::random::Random;
 use crate::monitor::Monitor;
 
 /// Pixels of the pictures that are held on the device together.

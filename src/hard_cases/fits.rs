@@ -7,11 +7,11 @@ use crate::depth::least_squares::{Frame, Sample, Terms, solve};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::error::{Error, Result};
-use crate::gpu::random::Random;
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Inputs, Measured, Worst};
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
-use crate::hard_cases::{Bound, Family, HardCase, Inputs, Measured, Shelf, Worst};
+use crate::math::random::Random;
 
 /// Bounds that every picture is held to, in codes.
 const BOUNDS: [u16; 7] = [0, 1, 10, 30, 100, 300, 1000];
@@ -28,16 +28,16 @@ type Matrix = [[f64; 6]; 6];
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     for bound in BOUNDS {
-        let shelf = Shelf::new(Family::Fits, format!("DQPN, E = {bound}, all domains and rules"), "codes");
+        let group = Group::new(Family::Fits, format!("DQPN, E = {bound}, all domains and rules"), "codes");
         for picture in PICTURES {
-            let case = shelf.case(picture.name, Bound::AtMost(f64::from(bound)), move || through_nodes(picture, bound));
+            let case = group.case(picture.name, Bound::AtMost(f64::from(bound)), move || through_nodes(picture, bound));
             cases.push(case);
         }
     }
-    let condition = Shelf::new(Family::Fits, "normal equations in the scaled basis", CONDITION);
-    let solved = Shelf::new(Family::Fits, "normal equations of a known function, solved", "codes");
-    let projected = Shelf::new(Family::Fits, "least squares against sums in integers", "codes between functions");
-    let horner = Shelf::new(Family::Fits, "Horner's scheme in integers against binary64", "codes");
+    let condition = Group::new(Family::Fits, "normal equations in the scaled basis", CONDITION);
+    let solved = Group::new(Family::Fits, "normal equations of a known function, solved", "codes");
+    let projected = Group::new(Family::Fits, "least squares against sums in integers", "codes between functions");
+    let horner = Group::new(Family::Fits, "Horner's scheme in integers against binary64", "codes");
     for side in SIDES {
         // The basis is orthogonal; the squares of its functions have means of 1, 1/3 · (1 − 1/n²) and
         // 4/45 · (1 − 1/n²)(1 − 4/n²): the least at n = 4, where 4/45 · 15/16 · 3/4 is 1/16.
@@ -60,7 +60,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         let most = projection_rounding(picture.size);
         cases.push(projected.case(picture.name, Bound::AtMost(most), move || Ok(projection_error(picture))));
     }
-    let few = Shelf::new(Family::Fits, "minimax over pixels that tell too little", "codes");
+    let few = Group::new(Family::Fits, "minimax over pixels that tell too little", "codes");
     // 1024 samples, a condition of 16, values of up to 65535, two passes; what depends on other terms is left out.
     let most = 2.0 * 1024.0 * 16.0 * f64::EPSILON * 65535.0;
     for (name, pixels) in FEW {

@@ -9,8 +9,8 @@ use half::f16;
 
 use crate::dataset::planar_to_distance;
 use crate::error::Result;
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
 use crate::hard_cases::sight;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::equirect::{FaceMap, resample_color, resample_depth};
 use crate::image::plane::Plane;
@@ -30,15 +30,15 @@ type Directions = fn() -> Vec<DVec3>;
 
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Geometry, pipeline, unit);
+    let group = |pipeline: &str, unit| Group::new(Family::Geometry, pipeline, unit);
     let mut cases = Vec::new();
-    let pixels = shelf("pixel of a cube face to direction and back", "of a pixel");
+    let pixels = group("pixel of a cube face to direction and back", "of a pixel");
     for side in SIDES {
         // Of numbers of up to 1, two products above and below, and a quotient, for a pixel that is 2 / N wide.
         let most = 6.0 * ROUNDING * f64::from(side) / 2.0;
         cases.push(pixels.case(format!("{side}x{side}"), Bound::AtMost(most), move || Ok(pixels_and_back(side))));
     }
-    let angle = shelf("direction to cube face and back, unit vectors and all lengths", "radians");
+    let angle = group("direction to cube face and back, unit vectors and all lengths", "radians");
     // Two quotients, and two products and sums on the way back, of numbers of up to 1, each way across.
     let most = 6.0 * ROUNDING;
     let directions: [(&str, Directions); 4] = [
@@ -50,8 +50,8 @@ pub(super) fn cases() -> Vec<HardCase> {
     for (name, make) in directions {
         cases.push(angle.case(name, Bound::AtMost(most), move || Ok(directions_and_back(&make()))));
     }
-    let seams = shelf("pixels on both sides of a seam", "pixels that do not meet");
-    let gaps = shelf("a seam from the faces on both sides", "radians between them");
+    let seams = group("pixels on both sides of a seam", "pixels that do not meet");
+    let gaps = group("a seam from the faces on both sides", "radians between them");
     // An ulp of 1 outward and half an ulp inward, and on each side what a direction and back is allowed.
     let gap = 1.5 * f64::EPSILON + 2.0 * most;
     for side in [1, 3, 4, 7, 1024, 65_535] {
@@ -59,32 +59,32 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(seams.case(name.clone(), Bound::AtMost(0.0), move || Ok(seams_meet(side))));
         cases.push(gaps.case(name, Bound::AtMost(gap), move || Ok(seams_gape(side))));
     }
-    let face = shelf("direction to cube face", "faces that do not look there");
+    let face = group("direction to cube face", "faces that do not look there");
     cases.push(face.case(
         "edges, corners, thirds, signed zeros, all lengths",
         Bound::AtMost(0.0),
         || Ok(wrong_faces()),
     ));
-    let panorama = shelf("equirectangular pixel to direction and back", "of a pixel");
+    let panorama = group("equirectangular pixel to direction and back", "of a pixel");
     for [width, height] in PANORAMAS {
         // Sines, cosines and arc tangents of up to 1 ulp each way, of angles of up to π over a width of 2π.
         let most = 12.0 * f64::EPSILON * f64::from(width);
         let name = format!("{width}x{height}, poles, date line and between");
         cases.push(panorama.case(name, Bound::AtMost(most), move || Ok(panorama_and_back(width, height))));
     }
-    let places = shelf("direction to equirectangular position", "outside of the image");
+    let places = group("direction to equirectangular position", "outside of the image");
     cases.push(
         places.case("poles, date line, signed zeros, all lengths", Bound::AtMost(0.0), || Ok(outside_panorama())),
     );
-    let mixed = shelf("panorama resampled to cube faces", "pixels that are none of the source's");
+    let mixed = group("panorama resampled to cube faces", "pixels that are none of the source's");
     cases.push(mixed.case("depth: checkerboard of 1 m, 1 km and background", Bound::AtMost(0.0), mixed_depth));
-    let flat = shelf("panorama resampled to cube faces", "relative change");
+    let flat = group("panorama resampled to cube faces", "relative change");
     // Weights add up to 1 but for their rounding, and half floats round to their own value.
     for value in [1.0, 65_504.0, 6e-8, -0.25] {
         let name = format!("colour: {value} everywhere, poles and date line too");
         cases.push(flat.case(name, Bound::AtMost(0.0), move || changed_color(value)));
     }
-    let planar = shelf("planar depth to distance and back", "of the distance");
+    let planar = group("planar depth to distance and back", "of the distance");
     for (name, fov_deg) in
         [("90 degrees", 90.0), ("170 degrees", 170.0), ("179.9 degrees", 179.9), ("179.9999 degrees", 179.9999)]
     {

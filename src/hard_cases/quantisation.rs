@@ -10,8 +10,8 @@ use crate::depth::node_encoder::NodeSettings;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Quantiser};
 use crate::error::{Error, Result};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
 
 /// Name, near and far in metres.
 const RANGES: [(&str, f32, f32); 14] = [
@@ -94,12 +94,12 @@ impl Reference {
 
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Quantisation, pipeline, unit);
+    let group = |pipeline: &str, unit| Group::new(Family::Quantisation, pipeline, unit);
     let mut cases = Vec::new();
-    let codes = shelf("metres to code, at every boundary ± 3 ulp", "codes");
-    let forms = shelf("table against formula, at every boundary ± 3 ulp", "codes that differ");
-    let order = shelf("order of metres and of codes", "descents");
-    let ends = shelf("ends, background and what is no depth", "wrong answers");
+    let codes = group("metres to code, at every boundary ± 3 ulp", "codes");
+    let forms = group("table against formula, at every boundary ± 3 ulp", "codes that differ");
+    let order = group("order of metres and of codes", "descents");
+    let ends = group("ends, background and what is no depth", "wrong answers");
     for (name, near, far) in RANGES {
         // Rounding to a code is half of one; with one code for all, nothing is rounded.
         let half = if near == far { 0.0 } else { 0.5 + LOG_ROUNDING };
@@ -109,18 +109,18 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(ends.case(name, Bound::AtMost(0.0), move || wrong_ends(Reference::new(near, far)?)));
         cases.push(round_trip(name, near, far));
     }
-    let refused = shelf("ranges that are none", "accepted");
+    let refused = group("ranges that are none", "accepted");
     cases.push(refused.case("zero, negative, swapped, infinite, NaN", Bound::AtMost(0.0), ranges_accepted));
     // The chord of log2(1 + x) over 1/256 is off by h²/8 · log2(e) at most; the table and the line round half a unit of
     // 2^-24 each.
     let chord = std::f64::consts::LOG2_E / (8.0 * 65536.0) + FLOAT_ROUNDING;
     // Of numbers of more than 24 bits the format takes 23 behind the first, and cuts the others off.
     let cut = std::f64::consts::LOG2_E * 2.0 * FLOAT_ROUNDING;
-    let log2 = shelf("integer log2 against binary64", "log2");
+    let log2 = group("integer log2 against binary64", "log2");
     cases.push(log2.case("all Q8 values, 1 to 2^24 - 1", Bound::AtMost(chord), || Ok(log2_error((1 << 24) - 1, 1))));
     cases.push(log2.case("up to 2^32 - 1", Bound::AtMost(chord + cut), || Ok(log2_error(u32::MAX, 4093))));
-    let domain = shelf("value of a function to code, against binary64", "of what Q8 allows");
-    let nodes = shelf("metres through DQPN, E = 100", "of the promise");
+    let domain = group("value of a function to code, against binary64", "of what Q8 allows");
+    let nodes = group("metres through DQPN, E = 100", "of the promise");
     for kind in [DomainKind::Linear, DomainKind::Inverse] {
         for ratio in DOMAIN_RATIOS {
             let name = format!("{}, far / near = {ratio}", kind.name());
@@ -218,8 +218,8 @@ fn wrong_ends(reference: Reference) -> Result<Measured> {
 fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
     let pipeline = "metres to code to metres";
     if near < f32::MIN_POSITIVE {
-        let shelf = Shelf::new(Family::Quantisation, pipeline, "of half a step and half an ulp");
-        return shelf.case(name, Bound::AtMost(1.0), move || {
+        let group = Group::new(Family::Quantisation, pipeline, "of half a step and half an ulp");
+        return group.case(name, Bound::AtMost(1.0), move || {
             let reference = Reference::new(near, far)?;
             let half = reference.half_step().exp_m1() + EXP_ROUNDING;
             // Below 2^-126 floats are a fixed distance apart.
@@ -228,12 +228,12 @@ fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
             back_and_forth(reference, |z, error| error / allowed(z))
         });
     }
-    let shelf = Shelf::new(Family::Quantisation, pipeline, "of the distance");
+    let group = Group::new(Family::Quantisation, pipeline, "of the distance");
     let span = log_ratio(far, near);
     let half = (span * (0.5 + LOG_ROUNDING) / f64::from(FAR_CODE)).exp_m1() + EXP_ROUNDING;
     // With one code for all surfaces, metres come back as they were.
     let bound = if near == far { 0.0 } else { half + FLOAT_ROUNDING * (1.0 + half) };
-    shelf.case(name, Bound::AtMost(bound), move || back_and_forth(Reference::new(near, far)?, |z, error| error / z))
+    group.case(name, Bound::AtMost(bound), move || back_and_forth(Reference::new(near, far)?, |z, error| error / z))
 }
 
 fn back_and_forth(reference: Reference, figure: impl Fn(f64, f64) -> f64) -> Result<Measured> {

@@ -10,9 +10,8 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
-use crate::gpu::random::Random;
 use crate::gpu::selftest::pictures::PictureCase;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
@@ -22,6 +21,7 @@ use crate::march::ray::{Ray, Steps};
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::march::synthetic::{Made, room};
+use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
 use crate::views::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
@@ -84,10 +84,10 @@ const BESIDE: DVec3 = DVec3::new(0.5, 0.25, -0.5);
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let none = Bound::AtMost(0.0);
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Render, pipeline, unit);
+    let group = |pipeline: &str, unit| Group::new(Family::Render, pipeline, unit);
     let mut cases = Vec::new();
-    let segments = shelf("segments of rays against all their points", "hits that differ");
-    let packets = shelf("four rays at once against one by one", "wrong pixels");
+    let segments = group("segments of rays against all their points", "hits that differ");
+    let packets = group("four rays at once against one by one", "wrong pixels");
     for (name, make) in SETUPS {
         cases.push(segments.case(name, none, move || Ok(by_segments(&make()))));
         cases.push(packets.case(name, none, move || {
@@ -95,13 +95,13 @@ pub(super) fn cases() -> Vec<HardCase> {
             by_packets(&setup)?.with_picture_of(name, setup)
         }));
     }
-    let own = shelf("the eye in a probe", "codes that differ");
+    let own = group("the eye in a probe", "codes that differ");
     // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
     // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
     for side in [1, 2, 33, 64] {
         cases.push(own.case(format!("{side}x{side}"), none, move || own_codes(&own_room(side), side)));
     }
-    let depths = shelf("the eye in a probe, rays through its texels", "distances that are not the texels'");
+    let depths = group("the eye in a probe, rays through its texels", "distances that are not the texels'");
     for (name, make) in [(FENCE, fence as Make), (STEPS_OF_ALL, steps_of_all)] {
         let in_the_probe = move || Setup { eye: DVec3::ZERO, ..make() };
         cases.push(own.case(name, none, move || own_codes(&in_the_probe(), SIDE)));
@@ -109,7 +109,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     }
     let near_is_far = || Setup { range_m: [1.0; 2], ..own_room(SIDE) };
     cases.push(depths.case("near = far", none, move || Ok(own_depths(&near_is_far()))));
-    let scaled = shelf("hits at another size or place", "hits that differ");
+    let scaled = group("hits at another size or place", "hits that differ");
     // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
     for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
     {
@@ -117,17 +117,17 @@ pub(super) fn cases() -> Vec<HardCase> {
             elsewhere(size, away).with_picture_of(name, at_size(&POSITIONS, BESIDE, size, DVec3::splat(away)))
         }));
     }
-    let bad = shelf("rays that can bring nothing", "rays that bring something");
+    let bad = group("rays that can bring nothing", "rays that bring something");
     cases.push(bad.case("the eye outside of all walls", none, outside));
-    let background = shelf("rays that meet nothing", "rays that meet something");
+    let background = group("rays that meet nothing", "rays that meet something");
     cases.push(background.case("nothing but background", none, empty));
-    let last = shelf("a surface at the last step", "missed");
+    let last = group("a surface at the last step", "missed");
     cases.push(last.case("walls just before far", none, || Ok(at_the_last_step())));
-    let near = shelf("points within the near planes of all views", "taken for surfaces");
+    let near = group("points within the near planes of all views", "taken for surfaces");
     cases.push(near.case("walls nearer than near", none, || {
         within_near().with_picture_of("walls nearer than near", walls_within_near())
     }));
-    let copies = shelf("coincident probes against one", "codes");
+    let copies = group("coincident probes against one", "codes");
     // Three times the terms of a sum of 4 weights, each rounded; colours of up to 255 codes.
     let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
     cases.push(copies.case("three", Bound::AtMost(most), coincident));

@@ -1,37 +1,37 @@
-//! What came of the cases, case by case and summed up.
+//! Results of hard cases, and a row for each pipeline.
 
 use serde::Serialize;
 
-use super::{Bound, Family, HardCase, Measured};
+use crate::hard_cases::case::{Bound, Family, HardCase, Measured, number};
 use crate::json::Number;
 
-/// What conditions of normal equations are counted in.
+/// Unit of condition numbers.
 pub(super) const CONDITION: &str = "condition number";
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseReport {
-    /// What is hard about it.
+    /// Name of the case.
     pub name: String,
-    /// What it belongs to.
+    /// Its family.
     pub family: Family,
-    /// What it went through.
+    /// The code under test.
     pub pipeline: String,
-    /// What must hold.
+    /// The bound.
     pub bound: Bound,
-    /// What was measured, in the same unit.
+    /// The measured figure.
     pub measured: f64,
-    /// What both are counted in.
+    /// Unit of both.
     pub unit: &'static str,
-    /// Where the worst was.
+    /// Where it was measured.
     pub place: Option<String>,
-    /// Other figures.
+    /// Other figures, for readers.
     pub note: Option<String>,
-    /// Streams that were measured.
+    /// Number of its streams.
     pub streams: usize,
-    /// Pictures that devices can make, too.
+    /// Number of its pictures.
     pub pictures: usize,
-    /// How long it took.
+    /// Duration.
     pub seconds: f64,
 }
 
@@ -58,7 +58,7 @@ impl CaseReport {
         self.bound.holds(self.measured)
     }
 
-    /// What happened, in one line.
+    /// One line.
     pub fn sentence(&self) -> String {
         let verdict = if self.passed() { "" } else { " FAILED" };
         let place = self.place.as_ref().map_or(String::new(), |place| format!(", {place}"));
@@ -113,14 +113,14 @@ impl<'a> CaseRow<'a> {
     }
 }
 
-/// The cases of one pipeline, and the one that comes closest to its bound.
+/// The cases of one pipeline, and the one closest to its bound.
 #[derive(Debug, Clone)]
 pub struct FamilyRow<'a> {
-    /// How many cases there are.
+    /// Cases.
     pub cases: usize,
-    /// How many broke their bound.
+    /// Cases that broke their bound.
     pub failed: usize,
-    /// The one that took the most of what is allowed; of equals the first.
+    /// The case closest to its bound; of equals the first.
     pub worst: &'a CaseReport,
 }
 
@@ -175,7 +175,7 @@ pub fn family_rows(reports: &[CaseReport]) -> Vec<FamilyRow<'_>> {
     rows
 }
 
-/// Notes for people, one line each: of the case that each row shows, and of all conditions of normal equations.
+/// Notes, one line each: of the case that each row shows, and of all condition numbers.
 pub fn notes(reports: &[CaseReport]) -> Vec<String> {
     let rows = family_rows(reports);
     let shown = |report: &CaseReport| rows.iter().any(|row| std::ptr::eq(row.worst, report));
@@ -186,33 +186,9 @@ pub fn notes(reports: &[CaseReport]) -> Vec<String> {
     reports.iter().filter_map(line).collect()
 }
 
-/// A figure with four digits at most, so that tables do not depend on the last bits of a logarithm.
-pub fn number(value: f64) -> String {
-    match value {
-        _ if value.is_nan() => "nothing".to_owned(),
-        _ if value.is_infinite() => if value > 0.0 { "inf" } else { "-inf" }.to_owned(),
-        _ if value.fract() == 0.0 && value.abs() < 1e9 => format!("{value:.0}"),
-        _ if (0.001..1e6).contains(&value.abs()) => {
-            let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 6) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.3e}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn figures_have_four_digits() {
-        let shown =
-            [0.0, 100.0, 65535.0, 0.5, 0.012_345, 53.217_9, 1.0e-7, 2.2e12, f64::INFINITY, f64::NAN].map(number);
-        assert_eq!(
-            shown,
-            ["0", "100", "65535", "0.5000", "0.01235", "53.22", "1.000e-7", "2.200e12", "inf", "nothing"]
-        );
-    }
 
     #[test]
     fn a_row_shows_the_case_that_is_closest_to_its_bound() {

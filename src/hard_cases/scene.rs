@@ -8,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::gpu::random::Random;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::math::random::Random;
 use crate::mesh::{AxisBox, Mesh, Ray};
 use crate::scene::{
     Lamp, Light, Material, MeshMaterial, Object, Optics, SceneAtTime, SceneMesh, Shape, Sphere, Texture, Window, trace,
@@ -27,13 +27,13 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Scene, pipeline, unit);
+    let group = |pipeline: &str, unit| Group::new(Family::Scene, pipeline, unit);
     let none = Bound::AtMost(0.0);
     let mut cases = Vec::new();
-    let center = shelf("camera at the centre of a ball", "of the radius");
-    let wall = shelf("camera in a wall", "of the distance");
-    let leaks = shelf("rays at edges and corners of a closed mesh", "leaks");
-    let sight = shelf("sight of points on a closed mesh", "wrong answers");
+    let center = group("camera at the centre of a ball", "of the radius");
+    let wall = group("camera in a wall", "of the distance");
+    let leaks = group("rays at edges and corners of a closed mesh", "leaks");
+    let sight = group("sight of points on a closed mesh", "wrong answers");
     for (size, away, name) in SIZES {
         // A square and its root: half a rounding of one and a whole one of the other.
         cases.push(center.case(name, Bound::AtMost(1.5 * ROUNDING), move || Ok(from_the_center(size, away))));
@@ -44,7 +44,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         // Points are off their triangles by roundings of their coordinates, far less than sight leaves out at its ends.
         cases.push(sight.case(name, none, move || Ok(sight_of_surfaces(size, away))));
     }
-    let scale = shelf("distances in a scene of another size", "of the radius, times the cosine");
+    let scale = group("distances in a scene of another size", "of the radius, times the cosine");
     // Corners, eye and direction are rounded anew, by 4 roundings of a radius together. In the ray's frame a coordinate, of
     // up to 4 radii, has 4 roundings; weights of triangles that are nearly equilateral have 5 of these over their
     // side, thrice, and so does the distance, as it changes by a side at most: 15 · 16, and 40 for what is left.
@@ -52,16 +52,16 @@ pub(super) fn cases() -> Vec<HardCase> {
     for (size, _, name) in SIZES.into_iter().skip(1).take(2) {
         cases.push(scale.case(name, Bound::AtMost(most), move || Ok(against_one_metre(size))));
     }
-    let broken = shelf("nearest triangle among broken ones", "other answers");
+    let broken = group("nearest triangle among broken ones", "other answers");
     cases.push(broken.case("no area, NaN, infinite and huge corners", none, || Ok(among_broken())));
-    let doubled = shelf("nearest of coplanar triangles", "answers that are not the first");
+    let doubled = group("nearest of coplanar triangles", "answers that are not the first");
     cases.push(doubled.case("each triangle three times", none, || Ok(among_doubled())));
-    let far = shelf("rays from far away at the middle of a mesh", "missed");
+    let far = group("rays from far away at the middle of a mesh", "missed");
     // The tree is walked up to 1e9 half sizes, and all triangles are tried beyond.
     for reach in [1e3, 0.99e9, 1.01e9, 1e12] {
         cases.push(far.case(format!("{reach:e} half sizes"), none, move || Ok(from_afar(reach))));
     }
-    let places = shelf("light seen from bad places", "not finite, or below 0");
+    let places = group("light seen from bad places", "not finite, or below 0");
     cases.push(places.case("on triangles, edges, corners, in a plane, in glass, at a lamp", none, || Ok(bad_places())));
     cases
 }

@@ -6,9 +6,9 @@ use glam::{DQuat, DVec3};
 use crate::container::ProbeEntry;
 use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
-use crate::gpu::random::Random;
-use crate::hard_cases::{Bound, Family, HardCase, Inputs, Measured, Shelf};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Inputs, Measured};
 use crate::image::cube::Face;
+use crate::math::random::Random;
 use crate::math::{Camera, Lens, Viewer};
 use crate::views::face_frustum::DepthSpan;
 use crate::views::face_frustum::FaceImage;
@@ -93,8 +93,8 @@ const PLACES: [(&str, Place); 8] = [
 
 /// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
-    let shelf = Shelf::new(Family::Geometry, "units that cameras see, against points", "units missed");
-    let case = |(name, place): (&'static str, Place)| shelf.case(name, Bound::AtMost(0.0), move || missed(place));
+    let group = Group::new(Family::Geometry, "units that cameras see, against points", "units missed");
+    let case = |(name, place): (&'static str, Place)| group.case(name, Bound::AtMost(0.0), move || missed(place));
     PLACES.into_iter().map(case).collect()
 }
 

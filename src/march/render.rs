@@ -92,7 +92,7 @@ pub fn sends_on(views: &ActiveViews<'_>, effects: EffectMode) -> bool {
     match effects {
         EffectMode::None => false,
         EffectMode::Force => views.views.iter().any(|view| view.view.has_material()),
-        EffectMode::Auto => views.views.iter().any(|view| view.view.calls_for_effects()),
+        EffectMode::Auto => views.views.iter().any(|view| view.view.is_specular()),
     }
 }
 

@@ -6,6 +6,7 @@
 
 pub mod camera;
 pub mod frustum;
+pub mod random;
 mod separation;
 pub mod sight;
 

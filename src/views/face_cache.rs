@@ -1,11 +1,11 @@
-//! A face of a probe that is shown: its units as they are decoded, and its texels (CALF 6.2).
+//! The units and texels of one face of a probe in the current frame (CALF 6.2).
 //!
-//! Enters: which units are wanted in a frame. Leaves: texels, and the rectangles of them that changed.
+//! Enters: the units that a frame needs. Leaves: texels, and the rectangles of them that changed.
 //!
-//! The rule is that a texel is either right for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a cell of colour
-//! that is not wanted makes the depths of its texels unknown too, unless it is known to show the frame all the same.
-//!
-//! Where a device decodes depth and colour ([`crate::views::units_on_device`]), the rule is the same, and what would be written is told.
+//! Invariant: a texel is valid for the frame in all its kinds, or its depth is [`UNKNOWN`]. So a colour cell outside of the
+//! visible set makes the depths of its texels unknown too, unless it is known to show the frame anyway. A
+//! [`backend`](crate::views::backend) that keeps texels itself follows the same rule: [`FaceCache::depth_parts`] lists what it
+//! is to write.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,16 +18,16 @@ use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use crate::error::Result;
 use crate::streams::DepthHeader;
-use crate::views::light_field::{ColorTexels, FaceTexels, InverseDepth, UNKNOWN, sends_on};
+use crate::views::inverse_depth::InverseDepth;
+use crate::views::light_field::{ColorTexels, FaceTexels, UNKNOWN, has_specular_weight};
 use crate::views::rects::{Rect, bounds, joined, overlap};
-use crate::views::units_on_device::{DepthPart, UnitId, UnitsOnDevice};
 
 /// The streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceStreams<'a> {
     /// Depth.
     pub depth: &'a StreamInfo,
-    /// How it is coded.
+    /// Header of the depth stream.
     pub header: DepthHeader,
     /// Colour.
     pub color: &'a StreamInfo,
@@ -47,34 +47,56 @@ impl<'a> FaceStreams<'a> {
     }
 }
 
-/// A unit, and whether what texels have of it is right.
+/// A depth tile or colour cell of a container.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct UnitId {
+    /// Index of its probe.
+    pub probe: usize,
+    /// Index of its stream.
+    pub stream: u32,
+    /// Its number in the stream.
+    pub unit: u32,
+}
+
+/// A rectangle of a tile whose depths are to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DepthPart {
+    /// Number of the tile.
+    pub unit: u32,
+    /// Whether its depths become those of the tile; else they become unknown.
+    pub is_known: bool,
+    /// Left, top, width and height in texels of the face, within the tile.
+    pub rect: Rect,
+}
+
+/// A unit, and whether its texels are valid.
 #[derive(Debug)]
-pub struct ShownUnit<'a> {
+pub struct CachedUnit<'a> {
     id: UnitId,
-    /// Knows the unit, and decodes it where no device does.
+    /// Knows the unit, and decodes it unless a backend does.
     decoder: UnitDecoder<'a>,
-    right: bool,
-    was_right: bool,
+    is_valid: bool,
+    was_valid: bool,
     /// Pixels that decoding the frame has written.
     written: u64,
-    /// Whether a weight of the material that it shows is above 0.
-    calls: bool,
-    /// Chunk that was counted last as one that a whole frame takes.
+    /// Whether a weight of its material is above 0.
+    is_specular: bool,
+    /// The last chunk that [`FaceCache::count_bytes`] counted.
     counted: Option<usize>,
 }
 
-impl ShownUnit<'_> {
+impl CachedUnit<'_> {
     /// Decodes a frame.
     ///
     /// # Errors
     /// When it cannot be read.
     pub fn decode(&mut self, frame: u32) -> Result<()> {
-        self.written = self.decoder.decode(frame)?;
-        self.right = true;
+        let written = self.decoder.decode(frame)?;
+        self.set_decoded(written);
         if let UnitPixels::Material(pixels) = self.decoder.pixels()
             && self.is_new()
         {
-            self.calls = pixels.iter().any(sends_on);
+            self.is_specular = pixels.iter().any(has_specular_weight);
         }
         Ok(())
     }
@@ -84,76 +106,80 @@ impl ShownUnit<'_> {
         self.id
     }
 
-    /// A device has decoded the frame, and written so many pixels.
-    pub fn was_decoded(&mut self, written: u64) {
-        self.written = written;
-        self.right = true;
+    /// Whether its own decoder is known to show a frame.
+    pub fn shows(&self, frame: u32) -> bool {
+        self.decoder.shows(frame)
+    }
+
+    /// Marks it as decoded by a backend, which wrote so many pixels.
+    pub fn set_decoded(&mut self, written: u64) {
+        (self.written, self.is_valid) = (written, true);
     }
 
     fn is_new(&self) -> bool {
-        self.right && (self.written > 0 || !self.was_right)
+        self.is_valid && (self.written > 0 || !self.was_valid)
+    }
+
+    fn has_turned(&self) -> bool {
+        self.is_valid != self.was_valid
     }
 }
 
 /// The units of a stream.
 #[derive(Debug)]
-struct Units<'a> {
+struct StreamUnits<'a> {
     stream: &'a StreamInfo,
-    /// Units that were wanted last.
-    wanted: u64,
-    units: Vec<ShownUnit<'a>>,
+    /// Units that the frame needs.
+    needed: u64,
+    units: Vec<CachedUnit<'a>>,
 }
 
-impl<'a> Units<'a> {
-    fn new(decoder: &'a Decoder, stream: &'a StreamInfo) -> Units<'a> {
-        let unit = |unit| ShownUnit {
+impl<'a> StreamUnits<'a> {
+    fn new(decoder: &'a Decoder, stream: &'a StreamInfo) -> StreamUnits<'a> {
+        let unit = |unit| CachedUnit {
             id: UnitId { probe: stream.probe, stream: stream.index, unit },
             decoder: decoder.unit(stream, unit),
-            right: false,
-            was_right: false,
+            is_valid: false,
+            was_valid: false,
             written: 0,
-            calls: false,
+            is_specular: false,
             counted: None,
         };
-        Units { stream, wanted: 0, units: (0..stream.entry.unit_count()).map(unit).collect() }
+        StreamUnits { stream, needed: 0, units: (0..stream.entry.unit_count()).map(unit).collect() }
     }
 
     fn rect(&self, unit: usize) -> Rect {
         self.units[unit].decoder.rect()
     }
 
-    /// The units that a frame wants; see [`ShownFace::want`].
-    fn want(
+    /// See [`FaceCache::begin_frame`].
+    fn begin_frame(
         &mut self,
         frame: u32,
         filter: Option<&dyn UnitFilter>,
-        device: Option<&dyn UnitsOnDevice>,
-    ) -> Vec<&mut ShownUnit<'a>> {
-        let shows = |unit: &ShownUnit<'_>| match device {
-            Some(device) => device.shows(unit.id, frame),
-            None => unit.decoder.shows(frame),
-        };
-        let mut wanted = Vec::new();
+        shows: &dyn Fn(&CachedUnit<'_>) -> bool,
+    ) -> Vec<&mut CachedUnit<'a>> {
+        let mut needed = Vec::new();
         for (at, unit) in (0..).zip(&mut self.units) {
             unit.written = 0;
-            unit.was_right = unit.right;
+            unit.was_valid = unit.is_valid;
             if filter.is_some_and(|filter| filter.wants(self.stream, at, frame)) {
-                wanted.push(unit);
+                needed.push(unit);
             } else {
-                unit.right = unit.right && shows(unit);
+                unit.is_valid = unit.is_valid && shows(unit);
             }
         }
-        self.wanted = wanted.len() as u64;
-        wanted
+        self.needed = needed.len() as u64;
+        needed
     }
 
-    /// Units that a rectangle is in, with what they have in common.
+    /// Units that overlap a rectangle, with the overlap.
     fn under(&self, rect: Rect) -> impl Iterator<Item = (usize, Rect)> {
         units_under(&self.stream.entry, rect).filter_map(move |unit| Some((unit, overlap(self.rect(unit), rect)?)))
     }
 }
 
-/// Numbers of the units that a rectangle of an image lies in.
+/// Numbers of the units that overlap a rectangle of an image.
 pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> impl Iterator<Item = usize> + use<> {
     let columns = entry.width.div_ceil(entry.unit_width);
     let span = |from: u32, length: u32, unit: u32| from / unit..(from + length).div_ceil(unit);
@@ -165,116 +191,109 @@ pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> imp
 /// What changed in a face.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceChanges {
-    /// Rectangles of its texels, none of them twice.
+    /// Changed rectangles of its texels; those of one kind do not overlap.
     pub rects: Vec<(StreamKind, Rect)>,
     /// Units that were decoded, and wrote something.
     pub decoded: u64,
-    /// Units that were wanted and showed the frame already.
+    /// Needed units that showed the frame already.
     pub unchanged: u64,
-    /// Units that were not wanted.
+    /// Units that were not needed.
     pub unseen: u64,
-    /// What a device is to write, where depths lie on one.
-    pub depth_parts: Vec<DepthPart>,
 }
 
-/// A face that is shown.
+/// The units of a face.
 #[derive(Debug)]
-pub struct ShownFace<'a> {
+pub struct FaceCache<'a> {
     inverse: Arc<InverseDepth>,
-    depth: Units<'a>,
-    color: Units<'a>,
-    material: Option<Units<'a>>,
+    depth: StreamUnits<'a>,
+    color: StreamUnits<'a>,
+    material: Option<StreamUnits<'a>>,
 }
 
-impl<'a> ShownFace<'a> {
+impl<'a> FaceCache<'a> {
     /// A face of which nothing was decoded yet.
-    pub fn new(decoder: &'a Decoder, streams: &FaceStreams<'a>, inverse: Arc<InverseDepth>) -> ShownFace<'a> {
-        ShownFace {
+    pub fn new(decoder: &'a Decoder, streams: &FaceStreams<'a>, inverse: Arc<InverseDepth>) -> FaceCache<'a> {
+        FaceCache {
             inverse,
-            depth: Units::new(decoder, streams.depth),
-            color: Units::new(decoder, streams.color),
-            material: streams.material.map(|stream| Units::new(decoder, stream)),
+            depth: StreamUnits::new(decoder, streams.depth),
+            color: StreamUnits::new(decoder, streams.color),
+            material: streams.material.map(|stream| StreamUnits::new(decoder, stream)),
         }
     }
 
-    /// What codes of its depth become.
+    /// Inverse depths of its codes.
     pub fn inverse(&self) -> &Arc<InverseDepth> {
         &self.inverse
     }
 
-    fn all(&self) -> impl Iterator<Item = &Units<'a>> {
+    fn all(&self) -> impl Iterator<Item = &StreamUnits<'a>> {
         [&self.depth, &self.color].into_iter().chain(&self.material)
     }
 
-    fn all_mut(&mut self) -> impl Iterator<Item = &mut Units<'a>> {
-        [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material)
-    }
-
-    /// The units of depth and colour that a frame wants, which are to be decoded; the others keep what is right for it.
-    /// `None` wants none; `device` is what decodes them, where the player does not.
-    pub fn want(
+    /// Begins a frame: answers the depth and colour units that pass the filter, which are to be decoded. Other units stay valid
+    /// where they show the frame. Without a filter none is needed.
+    pub fn begin_frame(
         &mut self,
         frame: u32,
         filter: Option<&dyn UnitFilter>,
-        device: Option<&dyn UnitsOnDevice>,
-    ) -> Vec<&mut ShownUnit<'a>> {
-        [&mut self.depth, &mut self.color].into_iter().flat_map(|units| units.want(frame, filter, device)).collect()
+        shows: &dyn Fn(&CachedUnit<'_>) -> bool,
+    ) -> Vec<&mut CachedUnit<'a>> {
+        let streams = [&mut self.depth, &mut self.color].into_iter();
+        streams.flat_map(|units| units.begin_frame(frame, filter, shows)).collect()
     }
 
-    /// The same of material.
-    pub fn want_material(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut ShownUnit<'a>> {
-        self.material.iter_mut().flat_map(|units| units.want(frame, filter, None)).collect()
+    /// The same for material, which is never decoded by a backend.
+    pub fn begin_material(&mut self, frame: u32, filter: Option<&dyn UnitFilter>) -> Vec<&mut CachedUnit<'a>> {
+        let units = self.material.iter_mut();
+        units.flat_map(|units| units.begin_frame(frame, filter, &|unit| unit.shows(frame))).collect()
     }
 
-    /// Whether a weight of the materials that are shown is above 0.
-    pub fn calls_for_effects(&self) -> bool {
-        self.material.iter().flat_map(|units| &units.units).any(|unit| unit.right && unit.calls)
+    /// Whether a weight of its materials is above 0.
+    pub fn is_specular(&self) -> bool {
+        self.material.iter().flat_map(|units| &units.units).any(|unit| unit.is_valid && unit.is_specular)
     }
 
     /// Brings the texels to what the units show.
-    pub fn update(&mut self, texels: &mut FaceTexels) -> FaceChanges {
-        let mut changes = FaceChanges::default();
-        for unit in self.all().flat_map(|units| &units.units) {
-            changes.decoded += u64::from(unit.written > 0);
-        }
-        let wanted: u64 = self.all().map(|units| units.wanted).sum();
-        changes.unchanged = wanted - changes.decoded;
-        changes.unseen = self.all().map(|units| units.units.len() as u64).sum::<u64>() - wanted;
-        let mut push = |kind: StreamKind, rects: Vec<Rect>| {
-            changes.rects.extend(rects.into_iter().map(|rect| (kind, rect)));
-        };
-        if texels.is_on_device() {
-            changes.depth_parts = self.depth_parts();
-            push(StreamKind::Depth, joined(changes.depth_parts.iter().map(|part| part.rect).collect()));
-            let new = self.color.units.iter().filter(|unit| unit.is_new());
-            push(StreamKind::Color, joined(new.map(|unit| unit.decoder.rect()).collect()));
-        } else {
-            push(StreamKind::Depth, joined(self.update_depth(texels)));
-            push(StreamKind::Color, joined(update_color(&self.color, texels)));
-        }
+    pub fn update(&self, texels: &mut FaceTexels) -> FaceChanges {
+        let depth = joined(self.update_depth(texels));
+        let color = joined(update_color(&self.color, texels));
+        self.changes(depth, color, texels)
+    }
+
+    /// What changes where a backend keeps depth and colour, and writes these parts of the depths. Brings materials to what the
+    /// units show.
+    pub fn update_in_backend(&self, parts: &[DepthPart], texels: &mut FaceTexels) -> FaceChanges {
+        let depth = joined(parts.iter().map(|part| part.rect).collect());
+        let new = self.color.units.iter().filter(|unit| unit.is_new());
+        self.changes(depth, joined(new.map(|unit| unit.decoder.rect()).collect()), texels)
+    }
+
+    fn changes(&self, depth: Vec<Rect>, color: Vec<Rect>, texels: &mut FaceTexels) -> FaceChanges {
+        let mut rects = Vec::new();
+        let mut push = |kind: StreamKind, of: Vec<Rect>| rects.extend(of.into_iter().map(|rect| (kind, rect)));
+        push(StreamKind::Depth, depth);
+        push(StreamKind::Color, color);
         if let Some(material) = &self.material {
             push(StreamKind::Material, joined(update_material(material, texels)));
-            texels.calls_for_effects = self.calls_for_effects();
+            texels.is_specular = self.is_specular();
         }
-        changes
+        let units = self.all().flat_map(|units| &units.units);
+        let decoded = units.filter(|unit| unit.written > 0).count() as u64;
+        let needed: u64 = self.all().map(|units| units.needed).sum();
+        let count = self.all().map(|units| units.units.len() as u64).sum::<u64>();
+        FaceChanges { rects, decoded, unchanged: needed - decoded, unseen: count - needed }
     }
 
-    /// Forgets what is right; to be followed by a face of which nothing is known.
-    pub fn forget(&mut self) {
-        for unit in self.all_mut().flat_map(|units| &mut units.units) {
-            (unit.right, unit.was_right, unit.written) = (false, false, 0);
-        }
-    }
-
-    /// Stored bytes that were read so far.
+    /// Stored bytes that its units have read so far.
     pub fn bytes_read(&self) -> u64 {
         self.all().flat_map(|units| &units.units).map(|unit| unit.decoder.cost().bytes_read).sum()
     }
 
-    /// Stored bytes of the chunks that hold a frame, as far as they were not those of the frame before.
+    /// Stored bytes of the chunks that hold a frame and were not counted for the frame before.
     pub fn count_bytes(&mut self, frame: u32) -> u64 {
         let mut bytes = 0;
-        for unit in self.all_mut().flat_map(|units| &mut units.units) {
+        let streams = [&mut self.depth, &mut self.color].into_iter().chain(&mut self.material);
+        for unit in streams.flat_map(|units| &mut units.units) {
             if let Ok((chunk, stored)) = unit.decoder.chunk_of(frame)
                 && unit.counted.replace(chunk) != Some(chunk)
             {
@@ -284,81 +303,79 @@ impl<'a> ShownFace<'a> {
         bytes
     }
 
-    /// Tiles, or rectangles of them, in which a unit of any kind became right, ceased to be, or has other pixels.
+    /// Tiles, or rectangles of them, in which a unit of any kind has new pixels, or became valid or invalid.
     fn stale_depths(&self) -> Vec<(usize, Rect)> {
-        let turned = |unit: &ShownUnit<'_>| unit.right != unit.was_right;
         let mut stale = Vec::new();
         let mut whole = vec![false; self.depth.units.len()];
         for (at, unit) in self.depth.units.iter().enumerate() {
-            if unit.is_new() || turned(unit) {
+            if unit.is_new() || unit.has_turned() {
                 whole[at] = true;
                 stale.push((at, self.depth.rect(at)));
             }
         }
         for units in [&self.color].into_iter().chain(&self.material) {
-            for (at, _) in units.units.iter().enumerate().filter(|(_, unit)| turned(unit)) {
+            for (at, _) in units.units.iter().enumerate().filter(|(_, unit)| unit.has_turned()) {
                 stale.extend(self.depth.under(units.rect(at)).filter(|(tile, _)| !whole[*tile]));
             }
         }
         stale
     }
 
-    /// The parts of a rectangle of a tile that are right in all kinds, and those that are not.
-    fn parts(&self, tile: usize, rect: Rect) -> Vec<(bool, Rect)> {
-        let tile = &self.depth.units[tile];
+    /// A rectangle of a tile in parts that are valid in all kinds, and parts that are not.
+    fn parts(&self, unit: usize, rect: Rect) -> Vec<DepthPart> {
+        let tile = &self.depth.units[unit];
+        let part = |is_known, rect| DepthPart { unit: unit as u32, is_known, rect };
         let mut parts = Vec::new();
         for (cell, rect) in self.color.under(rect) {
-            let right = tile.right && self.color.units[cell].right;
+            let is_known = tile.is_valid && self.color.units[cell].is_valid;
             match &self.material {
-                None => parts.push((right, rect)),
+                None => parts.push(part(is_known, rect)),
                 Some(material) => {
-                    parts.extend(material.under(rect).map(|(at, rect)| (right && material.units[at].right, rect)));
+                    let under = material.under(rect);
+                    parts.extend(under.map(|(at, rect)| part(is_known && material.units[at].is_valid, rect)));
                 }
             }
         }
         parts
     }
 
-    /// What [`ShownFace::update_depth`] writes, for a device to write it: in as few parts as there can be, none twice.
-    fn depth_parts(&self) -> Vec<DepthPart> {
-        let mut stale: BTreeMap<usize, Vec<(bool, Rect)>> = BTreeMap::new();
+    /// The depths that [`FaceCache::update`] writes, for a backend: in few parts that do not overlap.
+    pub fn depth_parts(&self) -> Vec<DepthPart> {
+        let mut stale: BTreeMap<usize, Vec<DepthPart>> = BTreeMap::new();
         for (tile, rect) in self.stale_depths() {
             stale.entry(tile).or_default().extend(self.parts(tile, rect));
         }
-        // A cell and a material that turn together lie over the same texels.
+        // A cell and a material that turn together cover the same texels.
         if self.material.is_some() {
-            stale.values_mut().for_each(once);
+            stale.values_mut().for_each(sort_and_dedup);
         }
         let mut all = Vec::new();
         for (tile, parts) in stale {
             for is_known in [false, true] {
-                let alike = parts.iter().filter(|part| part.0 == is_known).map(|part| part.1);
+                let alike = parts.iter().filter(|part| part.is_known == is_known).map(|part| part.rect);
                 let rects = joined(alike.collect()).into_iter();
-                all.extend(rects.map(|rect| DepthPart { unit: tile as u32, rect, is_known }));
+                all.extend(rects.map(|rect| DepthPart { unit: tile as u32, is_known, rect }));
             }
         }
         all
     }
 
-    /// Writes depths that are stale; answers what became different.
+    /// Writes stale depths; answers what became different.
     fn update_depth(&self, texels: &mut FaceTexels) -> Vec<Rect> {
-        let mut changed = Vec::new();
-        for (tile, rect) in self.stale_depths() {
-            changed.extend(self.write_depth(tile, rect, texels));
-        }
-        changed
+        let stale = self.stale_depths().into_iter();
+        stale.filter_map(|(tile, rect)| self.write_depth(tile, rect, texels)).collect()
     }
 
-    /// Writes depths of a tile in a rectangle of it; answers what became different.
+    /// Writes depths in a rectangle of a tile; answers what became different.
     fn write_depth(&self, tile: usize, rect: Rect, texels: &mut FaceTexels) -> Option<Rect> {
         let decoder = &self.depth.units[tile].decoder;
         let UnitPixels::Depth(codes) = decoder.pixels() else { return None };
+        let [tile_left, tile_top, tile_width, _] = decoder.rect();
         let mut changed = None;
-        for (right, [left, top, width, height]) in self.parts(tile, rect) {
-            let [tile_left, tile_top, tile_width, _] = decoder.rect();
+        for DepthPart { is_known, rect: [left, top, width, height], .. } in self.parts(tile, rect) {
             for row in top..top + height {
                 let start = row as usize * texels.size[0] as usize + left as usize;
-                let differ = if right {
+                let differ = if is_known {
                     let from = (row - tile_top) as usize * tile_width as usize + (left - tile_left) as usize;
                     self.inverse.write_row(&codes[from..from + width as usize], texels, [left, row])
                 } else {
@@ -373,13 +390,12 @@ impl<'a> ShownFace<'a> {
     }
 }
 
-/// Leaves each part once.
-fn once(parts: &mut Vec<(bool, Rect)>) {
+fn sort_and_dedup(parts: &mut Vec<DepthPart>) {
     parts.sort_unstable();
     parts.dedup();
 }
 
-/// Makes texels unknown; answers the first and the last that were not.
+/// Makes texels unknown; answers the first and the last that were known.
 fn fill_unknown(texels: &mut [f32]) -> Option<[u32; 2]> {
     let known = |texel: &f32| *texel != UNKNOWN;
     let ends = [texels.iter().position(known)?, texels.iter().rposition(known)?];
@@ -396,14 +412,14 @@ fn write<T: Copy, U>(pixels: &[T], rect: Rect, image: &mut [U], width: u32, conv
     }
 }
 
-/// The light of a key, as encoders take it: black for what is no number, the largest half for what is infinite. Containers may
-/// hold both, and weights of 0 would make no number of the second.
+/// The light of a key: 0 for NaN and the largest half for infinities, as encoders take them. Containers may hold both, and a
+/// blend weight of 0 would turn an infinity into NaN.
 fn light_of(key: HalfKey) -> f16 {
     let light = key.to_half();
     if light.is_nan() { f16::ZERO } else { light.clamp(f16::MIN, f16::MAX) }
 }
 
-fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
+fn update_color(units: &StreamUnits<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     let width = texels.size[0];
     let new = units.units.iter().filter(|unit| unit.is_new());
     new.filter_map(|unit| {
@@ -423,7 +439,7 @@ fn update_color(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     .collect()
 }
 
-fn update_material(units: &Units<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
+fn update_material(units: &StreamUnits<'_>, texels: &mut FaceTexels) -> Vec<Rect> {
     let width = texels.size[0];
     let Some(image) = &mut texels.material else { return Vec::new() };
     let new = units.units.iter().filter(|unit| unit.is_new());
@@ -440,13 +456,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_of_many_small_cells_are_left_once() {
+    fn parts_of_many_small_cells_are_deduplicated() {
         // As many as cells of 4 pixels under a tile of 2048: comparing all with all would take minutes.
-        let cell = |at: u32| (at.is_multiple_of(3), [at % 512 * 4, at / 512 * 4, 4, 4]);
-        let mut parts: Vec<(bool, Rect)> = (0..512 * 512).chain(0..512 * 512).map(cell).collect();
-        once(&mut parts);
+        let cell = |at: u32| {
+            let rect = [at % 512 * 4, at / 512 * 4, 4, 4];
+            DepthPart { unit: 0, is_known: at.is_multiple_of(3), rect }
+        };
+        let mut parts: Vec<DepthPart> = (0..512 * 512).chain(0..512 * 512).map(cell).collect();
+        sort_and_dedup(&mut parts);
         assert_eq!(parts.len(), 512 * 512);
-        assert_eq!(parts.iter().filter(|part| part.0).count(), (512 * 512usize).div_ceil(3));
+        assert_eq!(parts.iter().filter(|part| part.is_known).count(), (512 * 512usize).div_ceil(3));
     }
 
     #[test]

@@ -6,10 +6,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
-use rayon::prelude::*;
 
 use crate::container::index::ProbeEntry;
-use crate::dataset::stream::DepthKind;
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
@@ -80,8 +78,8 @@ pub struct FaceTexels {
     /// Weights of reflection and refraction, and the index of refraction, as `streams::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
     pub material: Option<Vec<[u8; 4]>>,
-    /// Whether a weight of its material is above 0; [`FaceTexels::material_changed`] keeps it true to `material`.
-    pub calls_for_effects: bool,
+    /// Whether a weight of its material is above 0; after writing `material`, call [`FaceTexels::update_specular`].
+    pub is_specular: bool,
 }
 
 impl FaceTexels {
@@ -97,18 +95,18 @@ impl FaceTexels {
                 ColorCoding::Light => ColorTexels::Light(vec![[f16::ZERO; 4]; texels]),
             },
             material: None,
-            calls_for_effects: false,
+            is_specular: false,
         }
     }
 
-    /// A face whose depths and colours lie on a device, and nowhere else ([`crate::views::units_on_device`]).
-    pub fn on_device(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
+    /// A face whose depths and colours are kept by a [`backend`](crate::views::backend), and nowhere else.
+    pub fn in_backend(size: [u32; 2], map: TexelMap, coding: ColorCoding) -> FaceTexels {
         let nothing = FaceTexels::unknown([0; 2], map, coding);
         FaceTexels { size, ..nothing }
     }
 
-    /// Whether depths and colours lie on a device.
-    pub fn is_on_device(&self) -> bool {
+    /// Whether a backend keeps depths and colours.
+    pub fn is_in_backend(&self) -> bool {
         self.inverse_depth.is_empty() && self.size != [0; 2]
     }
 
@@ -119,14 +117,14 @@ impl FaceTexels {
         FaceTexels { material: Some(vec![[0; 4]; texels]), ..self }
     }
 
-    /// Takes in that materials were written. Looks at all texels.
-    pub fn material_changed(&mut self) {
-        self.calls_for_effects = self.material.as_ref().is_some_and(|texels| texels.iter().any(sends_on));
+    /// Updates `is_specular`, by all texels.
+    pub fn update_specular(&mut self) {
+        self.is_specular = self.material.as_ref().is_some_and(|texels| texels.iter().any(has_specular_weight));
     }
 }
 
 /// Whether a weight of a material, as it is coded, is above 0: reflection is the first, refraction the second.
-pub(crate) fn sends_on<const N: usize>(material: &[u8; N]) -> bool {
+pub(crate) fn has_specular_weight<const N: usize>(material: &[u8; N]) -> bool {
     material.iter().take(2).any(|&weight| weight > 0)
 }
 
@@ -185,8 +183,8 @@ impl View {
     }
 
     /// Whether a weight of its materials is above 0.
-    pub fn calls_for_effects(&self) -> bool {
-        self.faces.iter().flatten().any(|face| face.calls_for_effects)
+    pub fn is_specular(&self) -> bool {
+        self.faces.iter().flatten().any(|face| face.is_specular)
     }
 
     /// The point of an image plane where a point of the probe's own axes lies; None behind a perspective image.
@@ -207,56 +205,6 @@ impl View {
         let inverse_depth = 1.0 / planar;
         let is_shown = face != Face::View as usize || (inverse_depth > 0.0 && inside(0) && inside(1));
         (inverse_depth.is_finite() && is_shown).then_some(Projected { face, at, inverse_depth })
-    }
-}
-
-/// Metres of a stream's codes as texels have them: [`InverseDepth::of`].
-#[derive(Debug, Clone)]
-pub struct InverseDepth {
-    /// 1 over the metres of each code.
-    of_code: Vec<f32>,
-    kind: DepthKind,
-}
-
-impl InverseDepth {
-    /// The table of a stream's range.
-    pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
-        InverseDepth { of_code: (0..=u16::MAX).into_par_iter().map(|code| 1.0 / range.metres(code)).collect(), kind }
-    }
-
-    /// 1 over the metres of each code.
-    pub fn of_codes(&self) -> &[f32] {
-        &self.of_code
-    }
-
-    /// What the metres of codes are.
-    pub fn kind(&self) -> DepthKind {
-        self.kind
-    }
-
-    /// Inverse planar depth of a texel that shows `code`.
-    pub fn of(&self, code: u16, face: &FaceTexels, column: u32, row: u32) -> f32 {
-        let inverse = self.of_code[usize::from(code)];
-        match self.kind {
-            DepthKind::Planar => inverse,
-            DepthKind::Distance => inverse * face.map.ray_length_factor(column, row),
-        }
-    }
-
-    /// Writes texels that show `codes`, from a column of a row on, which they must fit into; answers the first and the last of
-    /// them that became different.
-    pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
-        let start = row as usize * face.size[0] as usize + column as usize;
-        let mut differ = None;
-        for (at, &code) in (0u32..).zip(codes) {
-            let inverse_depth = self.of(code, face, column + at, row);
-            let texel = &mut face.inverse_depth[start + at as usize];
-            if *texel != inverse_depth {
-                *texel = inverse_depth;
-                differ = Some([differ.map_or(at, |[first, _]: [u32; 2]| first), at]);
-            }
-        }
-        differ
     }
 }
 

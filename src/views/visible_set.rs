@@ -1,9 +1,9 @@
-//! The units that rays from cameras can ask for (CALF 6.2).
+//! The units that rays from cameras can look up (CALF 6.2).
 //!
-//! A ray asks a view about points before the surfaces that it sees, and behind them. Nearer to its centre than its near
-//! plane, the answer is known without a texel ([`crate::march::active_views`]); from there on, up to any distance, the unit must
-//! be there into which a point falls. So units are cut off at near, but, other than in [`crate::views::seen_units`], not at far. With
-//! that, and a margin of a pixel for the four texels that a colour is from, pictures are the same as with all units.
+//! A ray looks up points before and behind the surfaces of a view. Points nearer to the centre of the view than its near plane
+//! need no texel; from there to any distance the unit under a point is needed. So frusta of units begin at near, but do not end
+//! at far, other than in [`crate::views::camera_units`]. With that, and a margin of a pixel for bilinear lookups, rendering gives
+//! the same pictures as with all units.
 
 use std::collections::HashMap;
 
@@ -16,38 +16,38 @@ use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 
-/// Pixels around a unit that count as its own: half a pixel for colours between pixels, the rest for rounding.
+/// Margin around a unit: half a pixel for bilinear lookups, the rest for rounding.
 const MARGIN_PIXELS: f64 = 1.0;
-/// Part of near at which units begin, as rays compute distances in single precision.
+/// Part of near at which frusta begin, as rays compute distances in single precision.
 const NEAR_PART: f64 = 0.99;
 
-/// Units in the sight of cameras.
+/// Units that cameras may look up.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct UnitsInSight {
-    /// Of streams by their number, whether each unit is seen.
+pub struct VisibleSet {
+    /// By stream index: whether each unit is visible.
     streams: HashMap<u32, Vec<bool>>,
 }
 
-impl UnitFilter for UnitsInSight {
-    /// Units of streams that were not asked for are not wanted.
+impl UnitFilter for VisibleSet {
+    /// Streams that were not asked for have no visible units.
     fn wants(&self, stream: &StreamInfo, unit: u32, _frame: u32) -> bool {
         self.streams.get(&stream.index).and_then(|units| units.get(unit as usize)).is_some_and(|seen| *seen)
     }
 }
 
-/// Finds units in sight, shot by shot.
+/// Finds visible sets, and keeps the last one.
 #[derive(Debug)]
-pub struct SightLines<'a> {
+pub struct VisibleSets<'a> {
     decoder: &'a Decoder,
     /// The nearest surface of each probe, in metres of distance.
     near_m: HashMap<usize, f64>,
     cameras: Vec<Camera>,
-    seen: UnitsInSight,
+    seen: VisibleSet,
 }
 
-impl<'a> SightLines<'a> {
+impl<'a> VisibleSets<'a> {
     /// For the streams of a container.
-    pub fn new(decoder: &'a Decoder) -> SightLines<'a> {
+    pub fn new(decoder: &'a Decoder) -> VisibleSets<'a> {
         let mut near_m = HashMap::new();
         for stream in decoder.streams() {
             if let CodecHeader::Depth(header) = stream.header {
@@ -55,11 +55,11 @@ impl<'a> SightLines<'a> {
                 *nearest = f64::from(header.range.near_m()).min(*nearest);
             }
         }
-        SightLines { decoder, near_m, cameras: Vec::new(), seen: UnitsInSight::default() }
+        VisibleSets { decoder, near_m, cameras: Vec::new(), seen: VisibleSet::default() }
     }
 
-    /// The units of `streams` that `cameras` see. What was found for the same cameras is not found again.
-    pub fn seen(&mut self, streams: &[&StreamInfo], cameras: &[Camera]) -> &UnitsInSight {
+    /// The visible set of `streams`. Results for the same cameras are reused.
+    pub fn find(&mut self, streams: &[&StreamInfo], cameras: &[Camera]) -> &VisibleSet {
         if self.cameras != cameras {
             self.cameras = cameras.to_vec();
             self.seen.streams.clear();
@@ -67,12 +67,12 @@ impl<'a> SightLines<'a> {
         let viewers: Vec<Viewer> = cameras.iter().map(|camera| Viewer::new(camera.sight_lines())).collect();
         let new: Vec<&&StreamInfo> =
             streams.iter().filter(|stream| !self.seen.streams.contains_key(&stream.index)).collect();
-        let found: Vec<_> = new.par_iter().map(|stream| (stream.index, self.find(stream, &viewers))).collect();
+        let found: Vec<_> = new.par_iter().map(|stream| (stream.index, self.units(stream, &viewers))).collect();
         self.seen.streams.extend(found);
         &self.seen
     }
 
-    fn find(&self, stream: &StreamInfo, viewers: &[Viewer]) -> Vec<bool> {
+    fn units(&self, stream: &StreamInfo, viewers: &[Viewer]) -> Vec<bool> {
         let entry = &stream.entry;
         let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
         // As a distance, whatever the stream has: a point whose planar depth is less than near may be farther off.

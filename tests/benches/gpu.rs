@@ -242,7 +242,7 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     let field = playbacks[0].player().field();
     let eye = field.views.iter().map(|view| view.position).sum::<glam::DVec3>() / field.views.len() as f64;
     decodes = decodes.decoding(decoder, field.coding);
-    match decodes.device_units() {
+    match decodes.gpu_backend() {
         Some(units) => units.wait_for_parts(),
         None => return Err(Error::Usage("the device does not decode this container".into())),
     }

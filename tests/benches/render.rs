@@ -29,8 +29,9 @@ use lightfold::report::plot::axis::Axis;
 use lightfold::report::plot::chart::{Chart, Kind, Mark, Series};
 use lightfold::report::plot::marker::Look;
 use lightfold::report::plot::save;
+use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorCoding, LightField};
-use lightfold::views::player::{Player, ProbeChoice};
+use lightfold::views::player::Player;
 
 /// Turns of each measurement.
 const TURNS: usize = 3;

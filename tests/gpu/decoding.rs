@@ -7,10 +7,10 @@ use glam::DVec3;
 use libtest_mimic::Failed;
 use lightfold::decode::{AllUnits, Decoder};
 use lightfold::evaluate::path::Shot;
+use lightfold::gpu::render::backend::{GpuBackend, buffer_bytes};
 use lightfold::gpu::render::depth_planes::ROW_WORDS;
-use lightfold::gpu::render::scene::Origin;
+use lightfold::gpu::render::scene::{ImageId, Origin};
 use lightfold::gpu::render::texels::DeviceTexels;
-use lightfold::gpu::render::units::{DeviceUnits, buffer_bytes};
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
@@ -19,8 +19,9 @@ use lightfold::march::settings::EffectMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
+use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField};
-use lightfold::views::player::{Player, ProbeChoice, Wanted};
+use lightfold::views::player::{Player, UnitRequest};
 use lightfold::{Error, Result};
 
 use crate::{lightfold, pick, with_gpu};
@@ -124,7 +125,7 @@ fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes:
         let pyramids = ViewPyramids::of(view);
         for (number, face) in view.faces.iter().enumerate() {
             let Some(face) = face else { continue };
-            let origin = texels.origin((view.probe, number));
+            let origin = texels.origin(ImageId { probe: view.probe, face: number });
             if let Some(wrong) = differing(gpu, texels, origin, face, pyramids.face(number)).map_err(said)? {
                 return Err(format!("{}, face {number}: {wrong}", view.name).into());
             }
@@ -157,7 +158,7 @@ fn compare_walk(
     if !decodes.decodes() {
         return Err("the device does not decode it".into());
     }
-    if let (Some(words), Some(units)) = (kept_words, decodes.device_units()) {
+    if let (Some(words), Some(units)) = (kept_words, decodes.gpu_backend()) {
         units.limit_kept(words);
     }
     let mut is_sent = DeviceRenderer::new(gpu, options.clone());
@@ -277,14 +278,14 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
         let decoder = Decoder::open(Path::new(&container)).map_err(said)?;
         let mut read = Vec::new();
         for kept_words in [usize::MAX, 0] {
-            let mut units = DeviceUnits::new(gpu, &decoder);
-            units.limit_kept(kept_words);
+            let mut backend = GpuBackend::new(gpu, &decoder);
+            backend.limit_kept(kept_words);
             let mut player = Player::new(&decoder, &ProbeChoice::default()).map_err(said)?;
             let views: Vec<usize> = (0..player.field().views.len()).collect();
-            let wanted = Wanted { filter: &AllUnits, effects: false };
+            let request = UnitRequest { visible: &AllUnits, secondary_rays: false };
             let mut bytes = Vec::new();
             for frame in (0..12).flat_map(|frame| [frame, frame]) {
-                let counts = player.show_on(frame, &views, wanted, Some(&mut units)).map_err(said)?;
+                let counts = player.show_on(frame, &views, request, &mut backend).map_err(said)?;
                 bytes.push(counts.bytes_read);
             }
             // What is shown already takes no chunk.

@@ -24,7 +24,8 @@ use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, ca
 use lightfold::scene::procedural::{DemoKind, DemoScene};
 use lightfold::scene::raycast::SceneAtTime;
 use lightfold::streams::convert::{color_codes, material_codes};
-use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, InverseDepth, LightField, View};
+use lightfold::views::inverse_depth::InverseDepth;
+use lightfold::views::light_field::{ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
 /// Where the glass ball of the built-in scene is, and its radius.
 const GLASS: (DVec3, f64) = (DVec3::new(0.1, 0.5, -0.5), 0.45);
@@ -70,7 +71,7 @@ fn field(scene: &SceneAtTime, positions: &[DVec3], size: u32) -> LightField {
             texels.color = ColorTexels::Codes(codes.into_data().into_iter().map(fourth).collect());
             let materials = material_codes(&images.material.unwrap()).unwrap();
             texels.material = Some(materials.into_data().into_iter().map(fourth).collect());
-            texels.material_changed();
+            texels.update_specular();
             view.faces[face as usize] = Some(texels);
         }
         view
@@ -111,7 +112,7 @@ fn look(field: &LightField, eye: DVec3, size: u32, effects: EffectMode) -> Rende
 fn with_material(mut field: LightField, material: Option<[u8; 4]>) -> LightField {
     for face in field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
         face.material = material.map(|material| vec![material; face.inverse_depth.len()]);
-        face.material_changed();
+        face.update_specular();
     }
     field
 }
@@ -318,7 +319,7 @@ fn made(position: DVec3, size: u32, sight: Sight<'_>) -> View {
             sight((forward + u * right + v * down).normalize()).2
         };
         texels.material = Some((0..size * size).map(material).collect());
-        texels.material_changed();
+        texels.update_specular();
     }
     view
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use lightfold::dataset::stream::StreamKind;
+use lightfold::dataset::{Source, SourceOptions};
 use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use lightfold::evaluate::path::Shot;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
@@ -14,10 +15,13 @@ use lightfold::march::settings::{Acceleration, EffectMode};
 use lightfold::math::{Camera, Lens};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
-use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField, UNKNOWN};
-use lightfold::views::player::{Change, Player, ProbeChoice, Wanted};
-use lightfold::views::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
-use lightfold::views::visible_set::SightLines;
+use lightfold::views::backend::{FaceUpdate, NewFace, TexelBackend};
+use lightfold::views::catalogue::ProbeChoice;
+use lightfold::views::face_cache::{CachedUnit, FaceChanges};
+use lightfold::views::from_images::from_dataset;
+use lightfold::views::light_field::{ColorTexels, FaceTexels, LightField, UNKNOWN, View};
+use lightfold::views::player::{Change, Player, UnitRequest};
+use lightfold::views::visible_set::VisibleSets;
 use lightfold::{Error, Result};
 use tempfile::TempDir;
 
@@ -112,7 +116,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
         let views = [0, 1, 2];
         let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
         let (mut mirror, mut pyramids) = (player.field().clone(), Pyramids::default());
-        let (mut sight_lines, mut ever_known) = (SightLines::new(&decoder), 0);
+        let (mut visible_sets, mut ever_known) = (VisibleSets::new(&decoder), 0);
         let looks = [[2.0, 1.5, 0.0], [2.0, 1.0, 1.0], [-3.0, 1.5, 1.0]];
         for (at, frame) in [0, 1, 1, 2, 4, 5, 5, 3, 0, 1, 2].into_iter().enumerate() {
             let counts = if at % 3 == 1 {
@@ -120,7 +124,7 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
             } else {
                 let camera = camera([0.1, 1.5, 0.1], looks[at % 3], 60.0);
                 let streams = player.streams_of(frame, &views);
-                player.show(frame, &views, sight_lines.seen(&streams, &[camera])).unwrap()
+                player.show(frame, &views, visible_sets.find(&streams, &[camera])).unwrap()
             };
             let changes = player.take_changes();
             copy(&changes, player.field(), &mut mirror);
@@ -341,8 +345,7 @@ fn a_damaged_chunk_is_an_error_and_leaves_nothing_that_could_be_taken_for_the_fr
     player.take_changes();
     let said = player.show(bad, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
     assert!(said.contains("b.lfold"), "{said}");
-    assert!(faces(player.field()).all(|face| face.inverse_depth.iter().all(|texel| *texel == UNKNOWN)));
-    assert_eq!(player.take_changes().len(), 18);
+    assert!(faces(player.field()).next().is_none() && player.take_changes().is_empty());
     player.show(good, &[0, 1, 2], &AllUnits).unwrap();
     let mut fresh = Player::new(&whole, &ProbeChoice::default()).unwrap();
     fresh.show(good, &[0, 1, 2], &AllUnits).unwrap();
@@ -385,40 +388,45 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     assert!(limited_beside(2 * one, one + one / 2).show(0, &[0], &AllUnits).is_err());
 }
 
-/// A device that has room for so many probes, each of so many bytes, and shows nothing.
-struct SmallDevice {
+/// A backend with room for so many probes, each of so many bytes, that decodes nothing.
+struct SmallBackend {
     most: usize,
     each_bytes: u64,
-    held: Vec<usize>,
+    loaded: Vec<usize>,
 }
 
-impl UnitsOnDevice for SmallDevice {
-    fn begin(&mut self, probe: usize, _faces: &[NewFace<'_>]) -> Result<()> {
-        if self.held.len() == self.most {
+impl TexelBackend for SmallBackend {
+    fn keeps_texels(&self) -> bool {
+        true
+    }
+
+    fn load(&mut self, probe: usize, _faces: &[NewFace<'_>]) -> Result<()> {
+        if self.loaded.len() == self.most {
             return Err(Error::unsupported("the device is full"));
         }
-        self.held.push(probe);
+        self.loaded.push(probe);
         Ok(())
     }
 
     fn bytes(&self, probe: usize) -> u64 {
-        if self.held.contains(&probe) { self.each_bytes } else { 0 }
+        if self.loaded.contains(&probe) { self.each_bytes } else { 0 }
     }
 
-    fn give_up(&mut self, probe: usize) {
-        self.held.retain(|held| *held != probe);
+    fn unload(&mut self, probe: usize) {
+        self.loaded.retain(|loaded| *loaded != probe);
     }
 
-    fn decode(&mut self, _frame: u32, units: &[UnitId]) -> Result<Vec<u64>> {
-        Ok(vec![1; units.len()])
+    fn decode(&mut self, _frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
+        units.into_iter().for_each(|unit| unit.set_decoded(1));
+        Ok(())
     }
 
-    fn shows(&self, _unit: UnitId, _frame: u32) -> bool {
+    fn shows(&self, _unit: &CachedUnit<'_>, _frame: u32) -> bool {
         false
     }
 
-    fn write_depths(&mut self, _faces: &[FaceParts]) -> Result<()> {
-        Ok(())
+    fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>> {
+        Ok(faces.iter().map(|_| FaceChanges::default()).collect())
     }
 
     fn bytes_read(&self) -> u64 {
@@ -430,22 +438,22 @@ impl UnitsOnDevice for SmallDevice {
 fn idle_views_make_room_on_a_device() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
-    let wanted = Wanted { filter: &AllUnits, effects: false };
+    let request = UnitRequest { visible: &AllUnits, secondary_rays: false };
     let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
-    let mut device = SmallDevice { most: 2, each_bytes: 1, held: Vec::new() };
-    let mut show = |device: &mut SmallDevice, views: &[usize]| player.show_on(0, views, wanted, Some(device));
+    let mut device = SmallBackend { most: 2, each_bytes: 1, loaded: Vec::new() };
+    let mut show = |device: &mut SmallBackend, views: &[usize]| player.show_on(0, views, request, device);
     show(&mut device, &[0]).unwrap();
     show(&mut device, &[1]).unwrap();
-    assert_eq!(device.held, [0, 1]);
+    assert_eq!(device.loaded, [0, 1]);
     show(&mut device, &[2]).unwrap();
-    assert_eq!(device.held, [2]);
+    assert_eq!(device.loaded, [2]);
     assert!(show(&mut device, &[0, 1, 2]).unwrap_err().to_string().contains("full"));
-    assert!(device.held.is_empty());
+    assert!(device.loaded.is_empty());
     // What the device says of a probe counts where it is more than the CPU would take.
     device.each_bytes = 3 << 30;
     show(&mut device, &[0]).unwrap();
     show(&mut device, &[1]).unwrap();
-    assert_eq!(device.held, [1]);
+    assert_eq!(device.loaded, [1]);
 }
 
 #[test]
@@ -475,4 +483,26 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     let (active, culled) = (&shown.trace.active, &shown.trace.culled);
     assert_eq!((active.len(), active[0].probe.as_str(), active[0].slot), (2, "01", 0));
     assert_eq!((culled.len(), culled[0].probe.as_str(), culled[0].why), (1, "02", "limit"));
+}
+
+#[test]
+fn views_of_a_container_are_those_of_the_dataset_that_it_decodes_to() {
+    for options in ["--keyframe-interval 3", "--hdr"] {
+        let folder = TempDir::new().unwrap();
+        let decoder = courtyard(folder.path(), options);
+        fine("decode a.lfold -o decoded -q", folder.path());
+        let source = Source::open(&folder.path().join("decoded"), &SourceOptions::default()).unwrap();
+        let mut player = Player::new(&decoder, &ProbeChoice::default()).unwrap();
+        for frame in [0, 4] {
+            player.show(frame, &[0, 1, 2], &AllUnits).unwrap();
+            let field = player.field();
+            let loaded = from_dataset(&source, frame, field.coding).unwrap();
+            assert_eq!(loaded.views.len(), 3);
+            for (view, expected) in loaded.views.iter().zip(&field.views) {
+                let pose = |view: &View| (view.name.clone(), view.position, view.probe_from_world);
+                assert_eq!(pose(view), pose(expected));
+                assert!(view.faces == expected.faces, "{options}: frame {frame} of {}", view.name);
+            }
+        }
+    }
 }

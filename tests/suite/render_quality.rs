@@ -26,8 +26,8 @@ use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
 use lightfold::streams::ColorFormat;
+use lightfold::views::catalogue::ProbeChoice;
 use lightfold::views::light_field::{ColorCoding, ColorTexels};
-use lightfold::views::player::ProbeChoice;
 
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/render.csv");
 const HEAD: &str = "set,probe,method,psnr_db,ssim,hole_percent";

@@ -11,7 +11,7 @@ use lightfold::depth::BACKGROUND_CODE;
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, Plane};
 use lightfold::monitor::Silent;
-use lightfold::views::seen_units::SeenUnits;
+use lightfold::views::camera_units::CameraUnits;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -119,7 +119,7 @@ fn units_are_seen_in_the_frames_of_their_cameras() {
     let chosen = Selection::default().choose(&decoder).unwrap();
     let entries = [camera([5.0, 1.0, 2.0], r#", "frames": [1, 2]"#), camera([-5.0, 1.0, 2.0], r#", "frames": [2, 9]"#)];
     let timed = CameraFile::parse(cameras(&entries).as_bytes()).unwrap();
-    let seen = SeenUnits::find(&decoder, &chosen, &timed);
+    let seen = CameraUnits::find(&decoder, &chosen, &timed);
     assert!(check(&decoder, &seen) > 0);
     for stream in decoder.streams() {
         let wanted = |frame| (0..stream.entry.unit_count()).any(|unit| seen.wants(stream, unit, frame));

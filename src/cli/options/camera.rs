@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
 use crate::evaluate::camera_file::TimedCamera;
 use crate::math::{Camera, Lens};
-use crate::views::seen_units::{SeenCounts, SeenReport, SeenUnits};
+use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 
 /// Parses `x,y,z`.
 pub fn parse_point(text: &str) -> Result<DVec3, String> {
@@ -87,11 +87,11 @@ impl CameraArgs {
     /// As for [`CameraArgs::cameras`].
     pub fn view(&self, decoder: &Decoder, chosen: &[StreamFrames<'_>]) -> Result<View> {
         let cameras = self.cameras()?;
-        let seen = (!cameras.is_empty()).then(|| SeenUnits::find(decoder, chosen, &cameras));
+        let seen = (!cameras.is_empty()).then(|| CameraUnits::find(decoder, chosen, &cameras));
         let units = chosen.iter().map(|part| u64::from(part.stream.entry.unit_count())).sum();
         let counts = match &seen {
             Some(seen) => seen.counts(),
-            None => SeenCounts { units, visible_units: units, ..SeenCounts::default() },
+            None => CameraUnitCounts { units, visible_units: units, ..CameraUnitCounts::default() },
         };
         if let (Some(_), 0) = (&seen, counts.visible_units) {
             output::note("no camera sees anything in the frames and streams that were chosen");
@@ -104,8 +104,8 @@ impl CameraArgs {
 /// The part of a container that is decoded.
 #[derive(Debug)]
 pub struct View {
-    seen: Option<SeenUnits>,
-    counts: SeenCounts,
+    seen: Option<CameraUnits>,
+    counts: CameraUnitCounts,
     bytes_total: u64,
     stats: bool,
 }
@@ -120,13 +120,13 @@ impl View {
     }
 
     /// What `--stats` adds to a report in JSON.
-    pub fn report(&self) -> Option<SeenReport> {
+    pub fn report(&self) -> Option<CameraUnitsReport> {
         self.stats.then(|| self.counts.report(self.bytes_total))
     }
 
     /// What `--stats` adds to a report as a second line; empty without it.
     pub fn line(&self, summary: &DecodeSummary) -> String {
-        let Some(SeenReport { visible_fraction, bytes_total, .. }) = self.report() else { return String::new() };
+        let Some(CameraUnitsReport { visible_fraction, bytes_total, .. }) = self.report() else { return String::new() };
         let counts = &self.counts;
         let read = format!(
             "{} of {} read ({:.1}%)",

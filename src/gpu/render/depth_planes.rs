@@ -14,12 +14,13 @@ use crate::gpu::harness::groups;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, words_of};
 use crate::gpu::render::scene::NO_BOUND;
-use crate::gpu::render::texels::above;
 use crate::image::cube::Face;
 use crate::march::pyramid::DepthPyramid;
-use crate::views::light_field::{FaceTexels, InverseDepth, UNKNOWN};
+use crate::views::backend::NewFace;
+use crate::views::face_cache::DepthPart;
+use crate::views::inverse_depth::InverseDepth;
+use crate::views::light_field::{FaceTexels, UNKNOWN};
 use crate::views::rects::{Rect, bounds};
-use crate::views::units_on_device::{DepthPart, NewFace};
 
 /// Rows take a multiple of so many words: copies into textures want it.
 pub const ROW_WORDS: u32 = 64;
@@ -53,13 +54,26 @@ struct FacePlanes {
     ray_lengths: Option<u32>,
 }
 
-/// What is to be written of the tiles that one buffer of pictures holds.
+/// Parts of the tiles in one buffer of pictures, whose depths are to be written.
 #[derive(Debug)]
 pub struct TileParts<'p> {
     /// The buffer.
     pub pictures: &'p wgpu::Buffer,
-    /// Parts, with the number of the face, the tile as it lies in the buffer, and its left and top in the face.
-    pub parts: Vec<(usize, DepthPart, Unit, [u32; 2])>,
+    /// The parts.
+    pub parts: Vec<TilePart>,
+}
+
+/// A part of a tile.
+#[derive(Debug, Clone, Copy)]
+pub struct TilePart {
+    /// Number of the face.
+    pub face: usize,
+    /// The part, in the face.
+    pub part: DepthPart,
+    /// Where the tile lies in the buffer.
+    pub unit: Unit,
+    /// Left and top of the tile in the face.
+    pub corner: [u32; 2],
 }
 
 /// Planes of a probe.
@@ -81,19 +95,29 @@ fn plane_words([width, height]: [u32; 2]) -> u64 {
     u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
 }
 
-/// Words of the larger buffer of a probe, at most: the planes of its faces, or the tables. Of each face the size of its image,
-/// and the range and kind of its depths.
-pub fn buffer_words(faces: &[([u32; 2], (DepthRange, DepthKind))]) -> u64 {
-    let planes = faces.iter().flat_map(|(size, _)| plane_sizes(*size)).map(plane_words).sum::<u64>();
+/// The depth stream of a face.
+#[derive(Debug, Clone, Copy)]
+pub struct DepthImage {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Near and far.
+    pub range: DepthRange,
+    /// Planar depth or distance.
+    pub kind: DepthKind,
+}
+
+/// Most words of the larger buffer of a probe: the planes of its faces, or the tables.
+pub fn buffer_words(faces: &[DepthImage]) -> u64 {
+    let planes = faces.iter().flat_map(|face| plane_sizes(face.size)).map(plane_words).sum::<u64>();
     let mut ranges = Vec::new();
     let mut tables = 0;
-    for (size, range) in faces {
-        if !ranges.contains(range) {
-            ranges.push(*range);
+    for face in faces {
+        if !ranges.contains(&(face.range, face.kind)) {
+            ranges.push((face.range, face.kind));
             tables += 1 << u16::BITS;
         }
-        if range.1 == DepthKind::Distance {
-            tables += u64::from(size[0]) * u64::from(size[1]);
+        if face.kind == DepthKind::Distance {
+            tables += u64::from(face.size[0]) * u64::from(face.size[1]);
         }
     }
     tables.max(u64::from(HEAD_WORDS) + planes)
@@ -113,7 +137,7 @@ struct Step<'p> {
 struct Tables<'f> {
     words: usize,
     inverse: Vec<(&'f Arc<InverseDepth>, usize)>,
-    stretch: Vec<(&'f FaceTexels, usize)>,
+    ray_lengths: Vec<(&'f FaceTexels, usize)>,
 }
 
 impl<'f> Tables<'f> {
@@ -127,14 +151,14 @@ impl<'f> Tables<'f> {
         at as u32
     }
 
-    fn stretch(&mut self, face: &'f FaceTexels) -> u32 {
+    fn ray_lengths(&mut self, face: &'f FaceTexels) -> u32 {
         let alike = |other: &FaceTexels| (other.size, other.map) == (face.size, face.map);
-        if let Some((_, at)) = self.stretch.iter().find(|(other, _)| alike(other)) {
+        if let Some((_, at)) = self.ray_lengths.iter().find(|(other, _)| alike(other)) {
             return *at as u32;
         }
         let at = self.words;
         self.words += face.size[0] as usize * face.size[1] as usize;
-        self.stretch.push((face, at));
+        self.ray_lengths.push((face, at));
         at as u32
     }
 
@@ -144,11 +168,11 @@ impl<'f> Tables<'f> {
         for (table, at) in &self.inverse {
             words[*at..].iter_mut().zip(table.of_codes()).for_each(|(word, inverse)| *word = inverse.to_bits());
         }
-        for (face, at) in &self.stretch {
+        for (face, at) in &self.ray_lengths {
             let [width, height] = face.size;
             let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-            let stretches = texels.map(|[column, row]| face.map.ray_length_factor(column, row).to_bits());
-            words[*at..].iter_mut().zip(stretches).for_each(|(word, stretch)| *word = stretch);
+            let lengths = texels.map(|[column, row]| face.map.ray_length_factor(column, row).to_bits());
+            words[*at..].iter_mut().zip(lengths).for_each(|(word, length)| *word = length);
         }
         words
     }
@@ -172,7 +196,7 @@ impl DepthPlanes {
                 top.at = new.face as u32;
             }
             let table = tables.inverse(new.inverse);
-            let ray_lengths = (new.inverse.kind() == DepthKind::Distance).then(|| tables.stretch(new.texels));
+            let ray_lengths = (new.inverse.kind() == DepthKind::Distance).then(|| tables.ray_lengths(new.texels));
             known.insert(new.face, FacePlanes { levels, table, ray_lengths });
         }
         // A buffer says itself what it would need and what is allowed.
@@ -224,7 +248,7 @@ impl DepthPlanes {
         let mut texels = Vec::new();
         for tile in tiles {
             let mut jobs: Vec<DepthJob> = Vec::new();
-            for (face, part, unit, corner) in &tile.parts {
+            for TilePart { face, part, unit, corner } in &tile.parts {
                 let Some(planes) = self.faces.get(face) else { continue };
                 let end = jobs.last().map_or(0, |job| job.end) + part.rect[2] * part.rect[3];
                 jobs.push(DepthJob { end, ..planes.job(part, unit, *corner) });
@@ -240,7 +264,7 @@ impl DepthPlanes {
             }));
         }
         let mut squares = Vec::new();
-        for jobs in self.square_jobs(&changed) {
+        for jobs in self.pyramid_jobs(&changed) {
             let invocations = jobs.last().map_or(0, |job| job.end);
             squares.extend(list(&mut words, &jobs, invocations).map(|words| Step {
                 kernel: &kernels::SQUARES,
@@ -261,7 +285,7 @@ impl DepthPlanes {
     }
 
     /// The jobs of each level, from the texels up, and of the reductions.
-    fn square_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<PyramidJob>> {
+    fn pyramid_jobs(&self, changed: &BTreeMap<usize, Rect>) -> Vec<Vec<PyramidJob>> {
         let most_levels = changed.keys().map(|face| self.levels(*face).len()).max().unwrap_or(0);
         let mut all = Vec::new();
         for level in 1..most_levels {
@@ -270,14 +294,14 @@ impl DepthPlanes {
                 let levels = self.levels(*face);
                 let (Some(below), Some(plane)) = (levels.get(level - 1), levels.get(level)) else { continue };
                 let end = jobs.last().map_or(0, |job| job.end);
-                jobs.push(square_job([below, plane], above(rect, level - 1), end));
+                jobs.push(pyramid_job([below, plane], above(rect, level - 1), end));
             }
             all.push(jobs);
         }
         if self.has_greatest() && !changed.is_empty() {
             for pair in REDUCTIONS.windows(2) {
                 let [below, plane] = [pair[0], pair[1]].map(|[at, count]| Plane { at, pitch: count, size: [count, 1] });
-                let job = square_job([&below, &plane], [0, 0, plane.size[0], 1], 0);
+                let job = pyramid_job([&below, &plane], [0, 0, plane.size[0], 1], 0);
                 all.push(vec![PyramidJob { limit: NO_BOUND.to_bits(), ..job }]);
             }
         }
@@ -356,8 +380,18 @@ impl FacePlanes {
     }
 }
 
-/// The job that writes squares of a plane of the one below.
-fn square_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> PyramidJob {
+/// The part of a level of a pyramid, counted from 0, that covers a rectangle of texels.
+pub fn above([left, top, width, height]: Rect, level: usize) -> Rect {
+    let span = |begin: u32, length: u32| {
+        let first = begin >> (level + 1);
+        [first, ((begin + length - 1) >> (level + 1)) - first + 1]
+    };
+    let ([left, width], [top, height]) = (span(left, width.max(1)), span(top, height.max(1)));
+    [left, top, width, height]
+}
+
+/// The job that writes a rectangle of a level from the level below.
+fn pyramid_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, end: u32) -> PyramidJob {
     PyramidJob {
         below: below.at,
         below_pitch: below.pitch,

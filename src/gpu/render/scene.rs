@@ -15,6 +15,15 @@ use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::{Camera, Window};
 use crate::views::light_field::{ColorCoding, FaceTexels};
 
+/// An image of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ImageId {
+    /// Index of its probe in the container.
+    pub probe: usize,
+    /// Number of its face.
+    pub face: usize,
+}
+
 /// Where an image lies on the device.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Origin {
@@ -67,7 +76,7 @@ impl SceneRows {
         camera: &Camera,
         settings: &RenderSettings,
         pyramid_rows: u32,
-        origin: impl Fn(usize, usize) -> Origin,
+        origin: impl Fn(ImageId) -> Origin,
     ) -> SceneRows {
         let ball_count = glass.balls.len() as u32;
         let mut rows = SceneRows {
@@ -83,11 +92,14 @@ impl SceneRows {
                 let Some(texels) = texels else { continue };
                 faces[number] = rows.faces.len() as u32;
                 // A device that decodes has all levels, and the CPU none.
-                let levels = match texels.is_on_device() {
+                let levels = match texels.is_in_backend() {
                     true => DepthPyramid::sizes(texels.size).len(),
                     false => active.pyramids.face(number).levels(),
                 } as u32;
-                rows.faces.push(Face { levels, ..face(number, texels, origin(active.view.probe, number)) });
+                rows.faces.push(Face {
+                    levels,
+                    ..face(number, texels, origin(ImageId { probe: active.view.probe, face: number }))
+                });
             }
             let turn = active.probe_from_world;
             rows.views.push(View {

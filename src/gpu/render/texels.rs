@@ -1,31 +1,29 @@
-//! Texels on a device: the images of those views that take part, in textures of layers, and which of their texels are
-//! no longer what the CPU has.
+//! Texels on a device: the images of active views in texture arrays, and which of their texels are stale.
 //!
-//! All images have tiles of one size, so that any image fits into any tile. A tile is a whole layer as long as the
-//! layers that WebGPU grants suffice, else several share one.
+//! All images have tiles of one size, so that any image fits into any tile. A tile is a whole layer as long as the layers that
+//! WebGPU grants suffice, else several share one.
 
 use std::collections::{HashMap, HashSet};
 
 use half::slice::HalfFloatSliceExt;
 
+use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
-use crate::gpu::render::depth_planes::Plane;
-use crate::gpu::render::scene::Origin;
-use crate::gpu::render::units::DeviceUnits;
+use crate::gpu::render::backend::GpuBackend;
+use crate::gpu::render::depth_planes::{Plane, above};
+use crate::gpu::render::scene::{ImageId, Origin};
 use crate::march::active_views::ActiveViews;
 use crate::march::pyramid::DepthPyramid;
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};
-use crate::views::rects::{bounds, overlap};
+use crate::views::rects::{Rect, bounds, overlap};
 
-/// Rectangles of an image that are sent one by one; of more, the whole image is sent.
+/// Most stale rectangles that are sent one by one; beyond, the whole image is sent.
 const MOST_RECTANGLES: usize = 64;
 
-/// An image of a view: the probe's index in the container, and the number of the face.
-type Key = (usize, usize);
-/// Left, top, width and height in texels.
-type Rectangle = [u32; 4];
+/// Texels that are not on the device yet, of one kind.
+type Stale = (StreamKind, Rect);
 
 /// Texels on a device.
 #[derive(Debug)]
@@ -36,15 +34,15 @@ pub struct DeviceTexels {
     /// Whether an image that was needed so far has a material.
     has_material: bool,
     textures: Option<Textures>,
-    held: HashMap<Key, Held>,
+    resident: HashMap<ImageId, Resident>,
 }
 
-/// Textures of one shape, with a place for so many tiles.
+/// Texture arrays that share an atlas of tiles.
 #[derive(Debug)]
 struct Textures {
-    tiles: usize,
-    /// Tiles in each row and column of a layer.
-    grid: [usize; 2],
+    /// Tiles that fit.
+    capacity: usize,
+    atlas: Atlas,
     inverse_depths: wgpu::Texture,
     pyramids: wgpu::Texture,
     colors: wgpu::Texture,
@@ -53,140 +51,169 @@ struct Textures {
 
 /// An image that has a tile.
 #[derive(Debug)]
-struct Held {
-    tile: usize,
-    /// What the device does not have yet, of each kind.
-    stale: Vec<(StreamKind, Rectangle)>,
+struct Resident {
+    tile: Allocation,
+    stale: Vec<Stale>,
+}
+
+/// An image that is needed on the device.
+#[derive(Clone, Copy)]
+struct Image<'v> {
+    id: ImageId,
+    texels: &'v FaceTexels,
+    pyramid: &'v DepthPyramid,
+}
+
+/// A place in a texture array: column, row and layer.
+#[derive(Debug, Clone, Copy)]
+struct Place<'t> {
+    texture: &'t wgpu::Texture,
+    origin: [u32; 3],
+}
+
+impl Place<'_> {
+    /// The place of a rectangle of the image that begins here.
+    fn copy_target(&self, [left, top, ..]: Rect) -> wgpu::TexelCopyTextureInfo<'_> {
+        let [x, y, z] = self.origin;
+        wgpu::TexelCopyTextureInfo {
+            texture: self.texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d { x: x + left, y: y + top, z },
+            aspect: wgpu::TextureAspect::All,
+        }
+    }
+}
+
+/// Bytes that were brought into textures.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Transferred {
+    /// From the host.
+    pub bytes_sent: u64,
+    /// From buffers that the device has decoded into.
+    pub bytes_copied: u64,
 }
 
 impl DeviceTexels {
-    /// Room for images whose colours are coded so; none is on the device yet.
+    /// No image yet; colours are coded like this.
     pub fn new(coding: ColorCoding) -> DeviceTexels {
-        DeviceTexels { tile: [1, 1], coding, has_material: false, textures: None, held: HashMap::new() }
+        DeviceTexels { tile: [1, 1], coding, has_material: false, textures: None, resident: HashMap::new() }
     }
 
-    /// Texels of an image have changed on the CPU.
-    pub fn change(&mut self, key: Key, kind: StreamKind, rectangle: Rectangle) {
-        if let Some(held) = self.held.get_mut(&key) {
-            held.stale.push((kind, rectangle));
+    /// Marks texels of an image as changed.
+    pub fn change(&mut self, id: ImageId, kind: StreamKind, rect: Rect) {
+        if let Some(resident) = self.resident.get_mut(&id) {
+            resident.stale.push((kind, rect));
         }
     }
 
-    /// A rectangle that holds any image, of each kind.
-    fn whole(&self) -> Vec<(StreamKind, Rectangle)> {
+    /// Rectangles that cover any image, of each kind.
+    fn whole(&self) -> Vec<Stale> {
         let [width, height] = self.tile;
         let kinds = [StreamKind::Depth, StreamKind::Color, StreamKind::Material];
         kinds.map(|kind| (kind, [0, 0, width, height])).to_vec()
     }
 
-    /// Sees to it that all images of these views are in textures of the device, as they are now; answers the bytes that were
-    /// sent, and those that were copied of what the device has decoded.
+    /// Brings the images of these views into textures of the device, as they are now.
     ///
     /// # Errors
     /// They are too many or too large for the device.
-    pub fn bring(&mut self, gpu: &Gpu, views: &ActiveViews<'_>, units: Option<&DeviceUnits<'_>>) -> Result<[u64; 2]> {
-        let images = || {
-            views.views.iter().flat_map(|active| {
-                let faces = active.view.faces.iter().enumerate();
-                faces.filter_map(|(face, texels)| {
-                    Some(((active.view.probe, face), texels.as_ref()?, active.pyramids.face(face)))
-                })
+    pub fn bring(
+        &mut self,
+        gpu: &Gpu,
+        views: &ActiveViews<'_>,
+        backend: Option<&GpuBackend<'_>>,
+    ) -> Result<Transferred> {
+        let images = views.views.iter().flat_map(|active| {
+            let faces = active.view.faces.iter().enumerate();
+            faces.filter_map(|(face, texels)| {
+                let id = ImageId { probe: active.view.probe, face };
+                Some(Image { id, texels: texels.as_ref()?, pyramid: active.pyramids.face(face) })
             })
-        };
-        let needed: HashSet<Key> = images().map(|(key, ..)| key).collect();
-        for (_, texels, _) in images() {
-            self.suit(texels);
-        }
-        if self.textures.as_ref().is_none_or(|textures| textures.tiles < needed.len()) {
+        });
+        let images: Vec<Image<'_>> = images.collect();
+        let needed: HashSet<ImageId> = images.iter().map(|image| image.id).collect();
+        images.iter().for_each(|image| self.fit(image.texels));
+        if self.textures.as_ref().is_none_or(|textures| textures.capacity < needed.len()) {
             // The old ones go first: there may be no room for both.
-            self.textures = None;
-            self.held.clear();
+            self.clear();
             self.textures = Some(self.make(gpu, needed.len().max(1))?);
         }
-        self.place(images().map(|(key, ..)| key), &needed);
-        let (mut sent, mut copies) = (0, Vec::new());
-        for (key, texels, pyramid) in images() {
-            sent += self.send(gpu, key, texels, pyramid)?;
-            if let Some(units) = units.filter(|_| texels.is_on_device()) {
-                self.list_copies(key, units, &mut copies);
-            }
+        images.iter().for_each(|image| self.allocate(image.id, &needed));
+        let mut bytes_sent = 0;
+        for image in &images {
+            bytes_sent += self.send(gpu, image)?;
+        }
+        let mut in_backend = Vec::new();
+        for image in images.iter().filter(|image| backend.is_some() && image.texels.is_in_backend()) {
+            let stale = self.resident.get_mut(&image.id).map(|resident| std::mem::take(&mut resident.stale));
+            in_backend.push((image.id, stale.unwrap_or_default()));
+        }
+        let mut copies = Vec::new();
+        for (backend, (id, stale)) in in_backend.into_iter().filter_map(|image| Some((backend?, image))) {
+            self.list_copies(id, stale, backend, &mut copies);
         }
         if copies.is_empty() {
-            return Ok([sent, 0]);
+            return Ok(Transferred { bytes_sent, bytes_copied: 0 });
         }
-        let copied = copies.iter().map(|copy| 4 * u64::from(copy.size[0]) * u64::from(copy.size[1])).sum();
+        let bytes_copied = copies.iter().map(|copy| 4 * u64::from(copy.rect[2]) * u64::from(copy.rect[3])).sum();
         gpu.guard("texels", || {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             copies.iter().for_each(|copy| copy.encode(&mut encoder));
             gpu.queue.submit([encoder.finish()]);
         })?;
-        Ok([sent, copied])
+        Ok(Transferred { bytes_sent, bytes_copied })
     }
 
-    /// Gives textures up that an image does not fit into, or that have no room for its material. A light field has images only
-    /// of views that take part, so that larger ones may come at any time.
-    fn suit(&mut self, texels: &FaceTexels) {
+    fn clear(&mut self) {
+        self.textures = None;
+        self.resident.clear();
+    }
+
+    /// Drops textures whose tiles are too small for an image, or that have no room for its material. Views are loaded when they
+    /// become active, so a larger image may come at any time.
+    fn fit(&mut self, texels: &FaceTexels) {
         let tile = [0, 1].map(|axis| self.tile[axis].max(texels.size[axis]));
         let has_material = self.has_material || texels.material.is_some();
         if (tile, has_material) != (self.tile, self.has_material) {
             (self.tile, self.has_material) = (tile, has_material);
-            self.textures = None;
-            self.held.clear();
+            self.clear();
         }
     }
 
-    /// Gives tiles to images that have none; images that are not needed give theirs up.
-    fn place(&mut self, keys: impl Iterator<Item = Key>, needed: &HashSet<Key>) {
-        let missing: Vec<Key> = {
-            let mut known: HashSet<Key> = self.held.keys().copied().collect();
-            keys.filter(|key| known.insert(*key)).collect()
-        };
-        if missing.is_empty() {
+    /// Gives an image a tile, if need be that of an image that is not needed.
+    fn allocate(&mut self, id: ImageId, needed: &HashSet<ImageId>) {
+        let stale = self.whole();
+        let DeviceTexels { resident, textures: Some(textures), tile, .. } = self else { return };
+        if resident.contains_key(&id) {
             return;
         }
-        let tiles = self.textures.as_ref().map_or(0, |textures| textures.tiles);
-        let mut taken = vec![false; tiles];
-        self.held.values().for_each(|held| taken[held.tile] = true);
-        let mut free: Vec<usize> = (0..tiles).filter(|&tile| !taken[tile]).collect();
-        let mut spare: Vec<(usize, Key)> =
-            self.held.iter().filter(|(key, _)| !needed.contains(*key)).map(|(key, held)| (held.tile, *key)).collect();
-        spare.sort_unstable();
-        let stale = self.whole();
-        for key in missing {
-            let tile = free.pop().or_else(|| {
-                let (tile, given_up) = spare.pop()?;
-                self.held.remove(&given_up);
-                Some(tile)
-            });
-            if let Some(tile) = tile {
-                self.held.insert(key, Held { tile, stale: stale.clone() });
-            }
+        let tile = textures.atlas.allocate(*tile).or_else(|| {
+            let spare = *resident.keys().find(|id| !needed.contains(*id))?;
+            resident.remove(&spare).map(|resident| resident.tile)
+        });
+        if let Some(tile) = tile {
+            resident.insert(id, Resident { tile, stale });
         }
     }
 
-    fn make(&self, gpu: &Gpu, tiles: usize) -> Result<Textures> {
+    fn make(&self, gpu: &Gpu, count: usize) -> Result<Textures> {
         let limits = gpu.device.limits();
+        let limits = TextureLimits { side: limits.max_texture_dimension_2d, layers: limits.max_texture_array_layers };
         let pyramid = [self.tile[0].div_ceil(2), self.pyramid_rows()];
-        let most = [0, 1].map(|axis| (limits.max_texture_dimension_2d / self.tile[axis].max(pyramid[axis])) as usize);
-        let most_layers = limits.max_texture_array_layers as usize;
-        let together = tiles.div_ceil(most_layers);
-        let columns = together.min(most[0]);
-        let grid = [columns, together.div_ceil(columns.max(1))];
-        if columns == 0 || grid[1] > most[1] {
-            let ([width, height], most) = (self.tile, most[0] * most[1] * most_layers);
+        // Tiles and pyramids lie in textures of the same grid.
+        let larger = [0, 1].map(|axis| self.tile[axis].max(pyramid[axis]));
+        let grid = u32::try_from(count).ok().and_then(|count| TileGrid::new(larger, count, limits));
+        let Some(TileGrid { columns, rows, layers }) = grid else {
+            let ([width, height], most) = (self.tile, TileGrid::most(larger, limits));
             return Err(Error::unsupported(format!(
-                "{}: {tiles} images of {width}x{height} texels are needed at once, and it holds {most} of this size: let \
-                fewer views take part, or use `device` cpu",
+                "{}: {count} images of {width}x{height} texels are needed at once, and it holds {most} of this size: use \
+                fewer `views`, or `device` cpu",
                 gpu.info.name
             )));
-        }
-        let layers = tiles.div_ceil(grid[0] * grid[1]) as u32;
+        };
         let texture = |label: &'static str, tile: [u32; 2], format| {
-            let size = wgpu::Extent3d {
-                width: tile[0] * grid[0] as u32,
-                height: tile[1] * grid[1] as u32,
-                depth_or_array_layers: layers,
-            };
+            let size =
+                wgpu::Extent3d { width: tile[0] * columns, height: tile[1] * rows, depth_or_array_layers: layers };
             gpu.guard(label, || {
                 gpu.device.create_texture(&wgpu::TextureDescriptor {
                     label: Some(label),
@@ -202,16 +229,17 @@ impl DeviceTexels {
                 })
             })
         };
+        let [width, height] = self.tile;
         Ok(Textures {
-            tiles,
-            grid,
+            capacity: count,
+            atlas: Atlas::new([width * columns, height * rows], layers),
             inverse_depths: texture("inverse_depths", self.tile, wgpu::TextureFormat::R32Uint)?,
             pyramids: texture("pyramids", pyramid, wgpu::TextureFormat::R32Uint)?,
             colors: match self.coding {
                 ColorCoding::Codes(_) => texture("colors", self.tile, wgpu::TextureFormat::Rgba8Unorm)?,
                 ColorCoding::Light => texture("colors", self.tile, wgpu::TextureFormat::Rgba16Float)?,
             },
-            // Kernels that ask for materials are given a texture also where there are none.
+            // Kernels with a binding for materials need a texture, also without materials.
             materials: texture(
                 "materials",
                 if self.has_material { self.tile } else { [1, 1] },
@@ -220,41 +248,44 @@ impl DeviceTexels {
         })
     }
 
-    /// Rows of the pyramid of a tile: the power of two that its sides fit into. Level k, of 2ᵏ texels a square, begins
-    /// below the one before it, as many rows before the last as the power of two over 2ᵏ⁻¹.
+    /// Rows of the pyramid of a tile: its larger side rounded up to a power of two, p. Level k, counted from 0, begins at row
+    /// p − p / 2ᵏ, below the level before it.
     pub fn pyramid_rows(&self) -> u32 {
         self.tile[0].max(self.tile[1]).next_power_of_two()
     }
 
     /// Where an image lies.
-    pub fn origin(&self, key: Key) -> Origin {
-        let (Some(textures), Some(held)) = (&self.textures, self.held.get(&key)) else { return Origin::default() };
-        let [columns, rows] = textures.grid;
-        let (layer, within) = (held.tile / (columns * rows), held.tile % (columns * rows));
-        let [column, row] = [within % columns, within / columns].map(|at| at as u32);
+    pub fn origin(&self, id: ImageId) -> Origin {
+        let Some(Resident { tile, .. }) = self.resident.get(&id) else { return Origin::default() };
+        let [column, row] = [0, 1].map(|axis| tile.corner[axis] / self.tile[axis]);
         Origin {
-            texels: [column * self.tile[0], row * self.tile[1]],
+            texels: tile.corner,
             pyramid: [column * self.tile[0].div_ceil(2), row * self.pyramid_rows()],
-            layer: layer as u32,
+            layer: tile.layer,
         }
     }
 
-    fn send(&mut self, gpu: &Gpu, key: Key, texels: &FaceTexels, pyramid: &DepthPyramid) -> Result<u64> {
-        let origin = self.origin(key);
-        let (whole, rows) = (self.whole(), self.pyramid_rows());
-        let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return Ok(0) };
-        if held.stale.len() > MOST_RECTANGLES {
-            held.stale = whole;
+    /// First row of a level of the pyramid of an image.
+    fn level_origin(&self, origin: Origin, level: usize) -> [u32; 3] {
+        let rows = self.pyramid_rows();
+        [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level), origin.layer]
+    }
+
+    /// Sends stale texels that the host keeps; answers the bytes.
+    fn send(&mut self, gpu: &Gpu, image: &Image<'_>) -> Result<u64> {
+        let (origin, whole, texels) = (self.origin(image.id), self.whole(), image.texels);
+        let Some(resident) = self.resident.get_mut(&image.id) else { return Ok(0) };
+        if resident.stale.len() > MOST_RECTANGLES {
+            resident.stale = whole;
         }
-        // What lies on the device is copied there.
-        let stays = |kind: StreamKind| texels.is_on_device() && kind != StreamKind::Material;
-        let stale: Vec<_> = held.stale.extract_if(.., |(kind, _)| !stays(*kind)).collect();
-        if stale.is_empty() {
-            return Ok(0);
-        }
+        // Texels in the backend's buffers are copied instead.
+        let is_in_backend = |kind: StreamKind| texels.is_in_backend() && kind != StreamKind::Material;
+        let stale: Vec<Stale> = resident.stale.extract_if(.., |(kind, _)| !is_in_backend(*kind)).collect();
+        let Some(textures) = self.textures.as_ref().filter(|_| !stale.is_empty()) else { return Ok(0) };
+        let [x, y] = origin.texels;
         gpu.guard("texels", || {
             let mut sent = 0;
-            for (kind, rectangle) in stale {
+            for (kind, rect) in stale {
                 let (texture, bytes) = match kind {
                     StreamKind::Depth => (&textures.inverse_depths, bytemuck::cast_slice(&texels.inverse_depth)),
                     StreamKind::Color => (&textures.colors, color_bytes(&texels.color)),
@@ -263,52 +294,55 @@ impl DeviceTexels {
                     }
                 };
                 if !bytes.is_empty() {
-                    sent += write(gpu, (texture, origin.texels, origin.layer), (bytes, texels.size), rectangle);
+                    let place = Place { texture, origin: [x, y, origin.layer] };
+                    sent += write(gpu, place, TexelBytes { bytes, size: texels.size }, rect);
                 }
-                if kind == StreamKind::Depth {
-                    for level in 0..pyramid.levels() {
-                        let Some((size, values)) = pyramid.level(level) else { continue };
-                        let [column, row] = origin.pyramid;
-                        let place = [column, row + rows - (rows >> level)];
-                        let target = (&textures.pyramids, place, origin.layer);
-                        sent += write(gpu, target, (bytemuck::cast_slice(values), size), above(rectangle, level));
-                    }
+                for level in (0..image.pyramid.levels()).filter(|_| kind == StreamKind::Depth) {
+                    let Some((size, values)) = image.pyramid.level(level) else { continue };
+                    let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
+                    let source = TexelBytes { bytes: bytemuck::cast_slice(values), size };
+                    sent += write(gpu, place, source, above(rect, level));
                 }
             }
             sent
         })
     }
 
-    /// Lists what is to be copied of what the device has decoded of an image.
-    fn list_copies<'u>(&mut self, key: Key, units: &'u DeviceUnits<'_>, copies: &mut Vec<TexelCopy<'u>>) {
-        let (origin, rows) = (self.origin(key), self.pyramid_rows());
-        let (Some(textures), Some(held)) = (&self.textures, self.held.get_mut(&key)) else { return };
-        let Some(planes) = units.planes(key.0) else { return };
-        let [texels, levels @ ..] = planes.levels(key.1) else { return };
-        let [width, height] = texels.size;
+    /// Lists copies of stale texels of an image from the buffers of the backend.
+    fn list_copies<'u>(
+        &'u self,
+        id: ImageId,
+        stale: Vec<Stale>,
+        backend: &'u GpuBackend<'_>,
+        copies: &mut Vec<TexelCopy<'u>>,
+    ) {
+        let (Some(textures), Some(planes)) = (&self.textures, backend.planes(id.probe)) else { return };
+        let [texels, levels @ ..] = planes.levels(id.face) else { return };
+        let origin = self.origin(id);
+        let ([x, y], [width, height]) = (origin.texels, texels.size);
+        let origin_of_texels = [x, y, origin.layer];
         let mut changed = None;
-        for (kind, rectangle) in std::mem::take(&mut held.stale) {
-            let Some(rectangle) = overlap(rectangle, [0, 0, width, height]) else { continue };
+        for (kind, rect) in stale {
+            let Some(rect) = overlap(rect, [0, 0, width, height]) else { continue };
             if kind == StreamKind::Depth {
-                changed = Some(bounds(changed, rectangle));
-                let target = (textures.inverse_depths.clone(), origin.texels, origin.layer);
-                copies.push(TexelCopy::of_plane((planes.buffer(), texels), target, rectangle));
+                changed = Some(bounds(changed, rect));
+                let place = Place { texture: &textures.inverse_depths, origin: origin_of_texels };
+                copies.push(TexelCopy::of_plane(planes.buffer(), texels, place, rect));
             } else {
-                copies.extend(units.cells(key, rectangle).into_iter().map(|cell| TexelCopy {
+                let place = Place { texture: &textures.colors, origin: origin_of_texels };
+                copies.extend(backend.cells(id, rect).into_iter().map(|cell| TexelCopy {
                     buffer: cell.pictures,
                     at: cell.at,
                     pitch: cell.pitch,
-                    texture: textures.colors.clone(),
-                    origin: [origin.texels[0] + cell.rect[0], origin.texels[1] + cell.rect[1], origin.layer],
-                    size: [cell.rect[2], cell.rect[3]],
+                    place,
+                    rect: cell.rect,
                 }));
             }
         }
         let Some(changed) = changed else { return };
         for (level, plane) in levels.iter().enumerate() {
-            let place = [origin.pyramid[0], origin.pyramid[1] + rows - (rows >> level)];
-            let target = (textures.pyramids.clone(), place, origin.layer);
-            copies.push(TexelCopy::of_plane((planes.buffer(), plane), target, above(changed, level)));
+            let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
+            copies.push(TexelCopy::of_plane(planes.buffer(), plane, place, above(changed, level)));
         }
     }
 
@@ -343,60 +377,38 @@ struct TexelCopy<'u> {
     at: u32,
     /// Words from row to row.
     pitch: u32,
-    texture: wgpu::Texture,
-    /// Column, row and layer.
-    origin: [u32; 3],
-    /// Columns and rows.
-    size: [u32; 2],
+    place: Place<'u>,
+    /// Rectangle of the image at the place.
+    rect: Rect,
 }
 
 impl<'u> TexelCopy<'u> {
-    /// A rectangle of a plane, to the same place of an image that begins at a column and a row of a layer.
-    fn of_plane(
-        (buffer, plane): (&'u wgpu::Buffer, &Plane),
-        (texture, [column, row], layer): (wgpu::Texture, [u32; 2], u32),
-        [left, top, width, height]: Rectangle,
-    ) -> TexelCopy<'u> {
-        let at = plane.at + top * plane.pitch + left;
-        TexelCopy {
-            buffer,
-            at,
-            pitch: plane.pitch,
-            texture,
-            origin: [column + left, row + top, layer],
-            size: [width, height],
-        }
+    /// A rectangle of a plane, to the same rectangle of an image.
+    fn of_plane(buffer: &'u wgpu::Buffer, plane: &Plane, place: Place<'u>, rect: Rect) -> TexelCopy<'u> {
+        let [left, top, ..] = rect;
+        TexelCopy { buffer, at: plane.at + top * plane.pitch + left, pitch: plane.pitch, place, rect }
     }
 
     fn encode(&self, encoder: &mut wgpu::CommandEncoder) {
-        let ([x, y, z], [width, height]) = (self.origin, self.size);
+        let [_, _, width, height] = self.rect;
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 4 * u64::from(self.at),
-            // Of one row, which may be the last of its buffer, there is no next.
+            // A single row may be the last of its buffer, with no whole pitch behind it.
             bytes_per_row: (height > 1).then_some(4 * self.pitch),
             rows_per_image: None,
         };
         encoder.copy_buffer_to_texture(
             wgpu::TexelCopyBufferInfo { buffer: self.buffer, layout },
-            wgpu::TexelCopyTextureInfo {
-                texture: &self.texture,
-                mip_level: 0,
-                origin: wgpu::Origin3d { x, y, z },
-                aspect: wgpu::TextureAspect::All,
-            },
+            self.place.copy_target(self.rect),
             wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
         );
     }
 }
 
-/// The squares of a level of a pyramid, counted from 0, that a rectangle of texels lies in.
-pub(super) fn above([left, top, width, height]: Rectangle, level: usize) -> Rectangle {
-    let span = |begin: u32, length: u32| {
-        let first = begin >> (level + 1);
-        [first, ((begin + length - 1) >> (level + 1)) - first + 1]
-    };
-    let ([left, width], [top, height]) = (span(left, width.max(1)), span(top, height.max(1)));
-    [left, top, width, height]
+/// Texels of an image of `size`, row by row.
+struct TexelBytes<'t> {
+    bytes: &'t [u8],
+    size: [u32; 2],
 }
 
 fn color_bytes(texels: &ColorTexels) -> &[u8] {
@@ -406,31 +418,18 @@ fn color_bytes(texels: &ColorTexels) -> &[u8] {
     }
 }
 
-/// Sends a rectangle of an image of `size` texels, which lies in `bytes` row by row; answers how many bytes it has.
-fn write(
-    gpu: &Gpu,
-    (texture, [column, row], layer): (&wgpu::Texture, [u32; 2], u32),
-    (bytes, size): (&[u8], [u32; 2]),
-    [left, top, width, height]: Rectangle,
-) -> u64 {
-    // A rectangle may be that of a tile, and larger than the image.
-    let [width, height] = [(left, width, size[0]), (top, height, size[1])]
-        .map(|(from, length, size)| length.min(size.saturating_sub(from)));
-    if width == 0 || height == 0 {
-        return 0;
-    }
+/// Sends a rectangle of an image; answers its bytes.
+fn write(gpu: &Gpu, place: Place<'_>, TexelBytes { bytes, size }: TexelBytes<'_>, rect: Rect) -> u64 {
+    // The rectangle may be that of a tile, and larger than the image.
+    let Some(rect) = overlap(rect, [0, 0, size[0], size[1]]) else { return 0 };
+    let [left, top, width, height] = rect;
     let texel = bytes.len() as u64 / (u64::from(size[0]) * u64::from(size[1]));
-    let target = wgpu::TexelCopyTextureInfo {
-        texture,
-        mip_level: 0,
-        origin: wgpu::Origin3d { x: column + left, y: row + top, z: layer },
-        aspect: wgpu::TextureAspect::All,
-    };
     let layout = wgpu::TexelCopyBufferLayout {
         offset: (u64::from(top) * u64::from(size[0]) + u64::from(left)) * texel,
         bytes_per_row: Some(size[0] * texel as u32),
         rows_per_image: None,
     };
-    gpu.queue.write_texture(target, bytes, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
+    let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    gpu.queue.write_texture(place.copy_target(rect), bytes, layout, extent);
     u64::from(width) * u64::from(height) * texel
 }

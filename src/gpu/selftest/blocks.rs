@@ -4,7 +4,7 @@ use crate::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, 
 use crate::effort::Effort;
 use crate::gpu::harness::Case;
 use crate::gpu::pictures::{pack_bytes, pack_halves};
-use crate::gpu::random::Random;
+use crate::math::random::Random;
 
 /// Random blocks of each mode.
 const EACH: usize = 2000;

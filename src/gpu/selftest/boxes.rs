@@ -10,7 +10,7 @@ use crate::gpu::harness::Case;
 use crate::gpu::layout::{BoxRow, Job, Record, Unit, words_of};
 use crate::gpu::pictures::{code_stride, pack_bytes, pack_codes};
 use crate::gpu::prepare::{self, Parts, Prepared};
-use crate::gpu::random::Random;
+use crate::math::random::Random;
 
 /// A pixel that boxes hold.
 pub trait BoxTexel: Texel {

@@ -9,7 +9,7 @@ use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit, words_of};
 use crate::gpu::pictures::{pack_bytes, pack_halves};
 use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::random::Random;
+use crate::math::random::Random;
 
 /// A sample that cells hold.
 pub trait CellSample: Sample {

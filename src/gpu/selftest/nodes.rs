@@ -6,7 +6,7 @@ use crate::depth::runtime::{LEVELS, Runtime};
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Job, Record, Unit, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::gpu::random::Random;
+use crate::math::random::Random;
 
 /// Units of one dispatch, gathered.
 #[derive(Default)]

@@ -6,7 +6,6 @@ use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
 use crate::dataset::stream::DepthKind;
-use crate::depth::DepthRange;
 use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::device::Gpu;
@@ -14,9 +13,9 @@ use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
 use crate::gpu::selftest::KernelReport;
+use crate::image::ImageProjection;
 use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};
-use crate::image::{ImageProjection, TexelMap};
 use crate::march::active_views::ActiveViews;
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render};
@@ -26,8 +25,8 @@ use crate::math::camera::Lens;
 use crate::monitor::Silent;
 use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, capture_view};
 use crate::scene::{DemoKind, DemoScene, SceneAtTime};
-use crate::streams::convert::material_codes;
-use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, UNKNOWN, View};
+use crate::views::from_images::{FaceImages, from_images};
+use crate::views::light_field::{ColorCoding, LightField, UNKNOWN, View};
 
 /// Pixels along a side of a captured image.
 const FACE: u32 = 48;
@@ -230,7 +229,6 @@ impl Captured {
         let samples = SamplePattern::new(1)?;
         let passes = [Pass::Color, Pass::Depth, Pass::Material];
         let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Planar, far_m: f64::INFINITY };
-        let (mut near, mut far) = (f32::INFINITY, 0f32);
         let mut entry = ProbeEntry {
             name: format!("{at}"),
             position: position.to_array(),
@@ -248,35 +246,10 @@ impl Captured {
             if let ImageProjection::Pinhole { intrinsics, .. } = projection {
                 entry.intrinsics = intrinsics;
             }
-            let finite = depth.data().iter().filter(|metres| metres.is_finite());
-            (near, far) = finite.fold((near, far), |(near, far), &metres| (near.min(metres), far.max(metres)));
             let material = image.material.filter(|_| self.has_material);
-            images.push((face, color, depth, material));
+            images.push(FaceImages { face, color, depth, kind: DepthKind::Planar, material });
         }
-        let range = if near < far { DepthRange::new(near, far)? } else { DepthRange::empty() };
-        let mut view = View::new(at, &entry, range)?;
-        for (face, color, depth, material) in images {
-            let size = [color.width(), color.height()];
-            let mut texels = FaceTexels::unknown(size, TexelMap::of_face(face, size, entry.intrinsics), coding);
-            // The inverse of what is infinitely far is that of a background.
-            texels.inverse_depth = depth.data().iter().map(|&metres| BACKGROUND.max(1.0 / metres)).collect();
-            texels.color = match coding {
-                ColorCoding::Codes(tone) => {
-                    let code = |value: half::f16| tone.code(value.to_f32());
-                    ColorTexels::Codes(color.data().iter().map(|&[r, g, b]| [code(r), code(g), code(b), 0]).collect())
-                }
-                ColorCoding::Light => {
-                    ColorTexels::Light(color.data().iter().map(|&[r, g, b]| [r, g, b, half::f16::ZERO]).collect())
-                }
-            };
-            if let Some(material) = material {
-                let codes = material_codes(&material)?;
-                texels.material = Some(codes.data().iter().map(|&[a, b, c]| [a, b, c, 0]).collect());
-                texels.material_changed();
-            }
-            view.faces[face as usize] = Some(texels);
-        }
-        Ok(view)
+        from_images(at, &entry, &images, coding)
     }
 }
 

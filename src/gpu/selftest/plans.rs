@@ -6,7 +6,7 @@ use crate::depth::record_table;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, words_of};
 use crate::gpu::prepare::{self, Prepared};
-use crate::gpu::random::Random;
+use crate::math::random::Random;
 
 /// What a plan reads, and what must come of it.
 #[derive(Default)]

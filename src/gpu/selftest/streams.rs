@@ -23,15 +23,15 @@ use crate::depth::records::Values;
 use crate::depth::settings::TemporalSettings;
 use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::error::Result;
-use crate::gpu::decode::{GpuDecoder, Wanted};
+use crate::gpu::decode::{GpuDecoder, UnitFrame};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::Family;
-use crate::gpu::random::Random;
 use crate::gpu::selftest::boxes::{BoxTexel, RandomLayout, random_picture};
 use crate::gpu::selftest::cells::{CellSample, push_random_keyframe};
 use crate::gpu::selftest::nodes::random_nodes;
 use crate::gpu::verify::Verification;
 use crate::image::transfer::{ToneMap, Transfer};
+use crate::math::random::Random;
 use crate::monitor::Monitor;
 use crate::streams::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,
@@ -106,7 +106,7 @@ fn compare(
         let now: Vec<usize> = (0..streams.len()).filter(|_| !random.one_in(5)).collect();
         let units_of = |stream: usize| (0..streams[stream].entry.unit_count()).map(move |unit| (stream, unit));
         let units = now.iter().flat_map(|&stream| units_of(stream));
-        let wanted = units.map(|(stream, unit)| Wanted { stream, unit, frame: frames[stream] });
+        let wanted = units.map(|(stream, unit)| UnitFrame { stream, unit, frame: frames[stream] });
         on_gpu.decode_units(&wanted.collect::<Vec<_>>())?;
         let pictures = on_gpu.read()?;
         for at in now {

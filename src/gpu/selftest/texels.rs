@@ -5,11 +5,12 @@ use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Words, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
-use crate::gpu::random::Random;
 use crate::image::TexelMap;
 use crate::image::transfer::ToneMap;
 use crate::march::pyramid::DepthPyramid;
-use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, InverseDepth, UNKNOWN};
+use crate::math::random::Random;
+use crate::views::inverse_depth::InverseDepth;
+use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN};
 
 /// A list: the sum of all work and the count, then the rows.
 fn listed<T: Words>(jobs: &[T], total: u32) -> Vec<u32> {

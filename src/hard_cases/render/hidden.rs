@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
-use crate::hard_cases::{Bound, Family, HardCase, Measured, Shelf};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::RenderSettings;
@@ -35,8 +35,8 @@ const RED: [u8; 3] = [200, 0, 0];
 
 pub(super) fn cases() -> Vec<HardCase> {
     let none = Bound::AtMost(0.0);
-    let shelf = |pipeline: &str, unit| Shelf::new(Family::Render, pipeline, unit);
-    let hidden = shelf("parts that a rectangle hides from all probes", "wrong pixels");
+    let group = |pipeline: &str, unit| Group::new(Family::Render, pipeline, unit);
+    let hidden = group("parts that a rectangle hides from all probes", "wrong pixels");
     vec![
         hidden.case("holes blank", none, || wrong(HoleFill::Blank)),
         hidden.case("holes filled", none, || wrong(HoleFill::Nearest)),

@@ -22,10 +22,11 @@ use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::math::Camera;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
+use crate::views::backend::{CpuBackend, TexelBackend};
+use crate::views::catalogue::ProbeChoice;
 use crate::views::light_field::LightField;
-use crate::views::player::{Change, Player, ProbeChoice, ShowCounts, Wanted};
-use crate::views::units_on_device::UnitsOnDevice;
-use crate::views::visible_set::SightLines;
+use crate::views::player::{Change, Player, ShowCounts, UnitRequest};
+use crate::views::visible_set::VisibleSets;
 
 /// Which units of the active views are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -122,8 +123,8 @@ pub trait Renderer {
     /// Whether its mirrors and glass send rays on, which decides what is decoded.
     fn effects(&self) -> EffectMode;
 
-    /// What decodes depth and colour, where the player is not to; always the same.
-    fn units(&mut self) -> Option<&mut dyn UnitsOnDevice> {
+    /// What decodes and keeps depth and colour, unless the CPU does; always the same.
+    fn backend(&mut self) -> Option<&mut dyn TexelBackend> {
         None
     }
 
@@ -206,7 +207,8 @@ pub struct PlaybackSummary {
 #[derive(Debug)]
 pub struct Playback<'a> {
     player: Player<'a>,
-    sight_lines: SightLines<'a>,
+    cpu: CpuBackend,
+    visible_sets: VisibleSets<'a>,
     selector: ViewSelector,
     options: PlaybackOptions,
     summary: PlaybackSummary,
@@ -222,7 +224,8 @@ impl<'a> Playback<'a> {
     pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
         Ok(Playback {
             player: Player::new(decoder, &options.probes)?,
-            sight_lines: SightLines::new(decoder),
+            cpu: CpuBackend,
+            visible_sets: VisibleSets::new(decoder),
             selector: ViewSelector::new(options.selection),
             options,
             summary: PlaybackSummary::default(),
@@ -256,14 +259,16 @@ impl<'a> Playback<'a> {
         let eye = shot.cameras.iter().map(Camera::eye).sum::<DVec3>() / shot.cameras.len() as f64;
         let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
         let views = selection.views();
-        let secondary = renderer.effects() != EffectMode::None && self.player.has_material();
-        let wanted = if self.options.decode == DecodeScope::All {
-            Wanted { filter: &AllUnits, effects: false }
+        let secondary_rays = renderer.effects() != EffectMode::None && self.player.has_material();
+        let request = if self.options.decode == DecodeScope::All {
+            UnitRequest { visible: &AllUnits, secondary_rays: false }
         } else {
             let streams = self.player.streams_of(shot.frame, &views);
-            Wanted { filter: self.sight_lines.seen(&streams, &shot.cameras), effects: secondary }
+            let visible = self.visible_sets.find(&streams, &shot.cameras);
+            UnitRequest { visible, secondary_rays }
         };
-        let counts = self.player.show_on(shot.frame, &views, wanted, renderer.units())?;
+        let backend = renderer.backend().unwrap_or(&mut self.cpu);
+        let counts = self.player.show_on(shot.frame, &views, request, backend)?;
         let changes = self.player.take_changes();
         let stage = Stage { field: self.player.field(), views: &views };
         renderer.update(&stage, &changes)?;

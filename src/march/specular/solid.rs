@@ -231,7 +231,7 @@ mod tests {
         ];
         for face in views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
             face.material = Some(vec![[0, 255, 64, 0]; face.inverse_depth.len()]);
-            face.material_changed();
+            face.update_specular();
         }
         field(views, coding)
     }

@@ -25,7 +25,7 @@ use crate::march::specular::solid::Ball;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::streams::convert::IOR_RANGE;
-use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN, View, sends_on};
+use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN, View, has_specular_weight};
 
 /// A ball is fitted to at least so many texels that are connected in an image.
 pub const LEAST_TEXELS: usize = 32;
@@ -147,7 +147,7 @@ pub fn in_sight(views: &ActiveViews<'_>, camera: &Camera) -> bool {
     faces(views).into_par_iter().any(|(active, face, texels)| {
         let scale = f64::from(texels.map.scale[0].abs().min(texels.map.scale[1].abs()));
         texels.material.as_ref().is_some_and(|material| {
-            (0..material.len()).filter(|&at| sends_on(&material[at])).any(|at| {
+            (0..material.len()).filter(|&at| has_specular_weight(&material[at])).any(|at| {
                 let margin_m = || MARGIN_TEXELS / (f64::from(texels.inverse_depth[at]) * scale);
                 texel_point(active, face, texels, at).is_some_and(|point| near_picture(point, margin_m()))
             })
@@ -162,7 +162,7 @@ pub(crate) fn faces<'a>(views: &'a ActiveViews<'a>) -> Vec<(&'a ActiveView<'a>, 
         faces.filter_map(move |(face, texels)| texels.as_ref().map(|texels| (active, face, texels)))
     };
     let all = views.views.iter().flat_map(of_view);
-    all.filter(|(_, _, texels)| texels.calls_for_effects && !texels.is_on_device()).collect()
+    all.filter(|(_, _, texels)| texels.is_specular && !texels.is_in_backend()).collect()
 }
 
 /// The distance of the steps by which what is around a ball is looked for: some texels of `size` a face wide.
@@ -393,7 +393,7 @@ mod tests {
         for texels in view.faces.iter_mut().flatten() {
             let glass = |&inverse: &f32| if inverse == BACKGROUND { [0; 4] } else { [0, 255, 64, 0] };
             texels.material = Some(texels.inverse_depth.iter().map(glass).collect());
-            texels.material_changed();
+            texels.update_specular();
         }
         view
     }

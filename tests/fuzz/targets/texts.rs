@@ -9,7 +9,7 @@ use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, FrameRange, Pattern};
 use lightfold::report::tradeoff::store::{FILE_NAME, Store};
-use lightfold::views::seen_units::SeenUnits;
+use lightfold::views::camera_units::CameraUnits;
 use tempfile::TempDir;
 
 use super::{Judged, Verdict, judge, refused};
@@ -52,7 +52,7 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
     let seen = SEEN.with(|decoder| {
         let all = decoder.streams().iter().map(|stream| StreamFrames { stream, frames: stream.frames });
         let chosen: Vec<_> = all.collect();
-        SeenUnits::find(decoder, &chosen, &cameras).counts()
+        CameraUnits::find(decoder, &chosen, &cameras).counts()
     });
     if seen.visible_units > seen.units {
         Err(format!("more is seen than there is: {seen:?}"))

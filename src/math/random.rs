@@ -1,4 +1,4 @@
-//! Seeded random numbers for inputs of tests: the same on every machine.
+//! Seeded random numbers for test inputs: the same on every machine.
 //!
 //! Based on: Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014 (SplitMix64).
 
@@ -31,12 +31,12 @@ impl Random {
         ((u64::from(self.word()) * u64::from(end)) >> 32) as u32
     }
 
-    /// Whether a chance of one in `n` came true.
+    /// True with probability 1 in `n`.
     pub fn one_in(&mut self, n: u32) -> bool {
         self.below(n) == 0
     }
 
-    /// One of some things; the first of none is the caller's mistake, and so `None`.
+    /// One of some values; none of an empty slice.
     pub fn pick<T: Copy>(&mut self, of: &[T]) -> Option<T> {
         of.get(self.below(of.len() as u32) as usize).copied()
     }

@@ -1,9 +1,9 @@
-//! Tiles and cells of a playback on a device: they are decoded there, and become texels there (CALF 6.2; GDC 5).
+//! Depth and colour of a playback, decoded and kept on a device (CALF 6.2; GDC 5).
 //!
-//! Enters: which units show which frame, and which of their texels are known. Leaves: buffers that textures are copied of. What
-//! goes to the device is chunks, as they are stored but for LZMA2, and lists of work; nothing comes back.
+//! Enters: units to decode, and parts of depths to write. Leaves: buffers that textures are copied from. Chunks go to the device
+//! as they are stored, LZMA2 undone, with lists of jobs; nothing is read back.
 //!
-//! Each probe that is shown has decoders of its own, one for each family of its streams, so that it comes and goes as one.
+//! Each loaded probe has its own decoders, one per family of its streams, so that it is loaded and unloaded as one.
 
 use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
@@ -11,23 +11,24 @@ use std::time::{Duration, Instant};
 use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
-use crate::gpu::decode::{self, GpuDecoder, Wanted};
+use crate::gpu::decode::{self, GpuDecoder, UnitFrame};
 use crate::gpu::device::Gpu;
 use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TileParts};
+use crate::gpu::render::depth_planes::{self, DepthImage, DepthPlanes, ROW_WORDS, TilePart, TileParts};
+use crate::gpu::render::scene::ImageId;
 use crate::streams::CodecHeader;
-use crate::views::face_cache::units_under;
+use crate::views::backend::{FaceUpdate, NewFace, TexelBackend};
+use crate::views::face_cache::{CachedUnit, DepthPart, FaceChanges, UnitId, units_under};
 use crate::views::rects::{Rect, overlap};
-use crate::views::units_on_device::{FaceParts, NewFace, UnitId, UnitsOnDevice};
 
-/// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
+/// Words of chunks that a decoder keeps beside those that the frame needs.
 const KEPT_WORDS: usize = 16 << 20;
-/// Depths in metres whose inverse is a number that devices multiply without loss.
+/// Depths in metres whose inverses stay normal floats when multiplied by a ray length.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
 
-/// What decoding on the device has cost so far. Times are of waiting only where [`DeviceUnits::wait_for_parts`] was asked for;
-/// else the device works on while they are taken.
+/// Cost of decoding on the device. Times cover the device's work after [`GpuBackend::wait_for_parts`]; without it, only the
+/// host's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct UnitCost {
     /// Stored bytes that were read.
@@ -57,26 +58,32 @@ pub struct CellPart<'p> {
     pub rect: Rect,
 }
 
-/// Units of all probes that are shown.
+/// Units of all loaded probes.
 #[derive(Debug)]
-pub struct DeviceUnits<'a> {
+pub struct GpuBackend<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
     probes: HashMap<usize, ProbeUnits<'a>>,
-    /// What probes have cost that were given up, and all but decoding.
+    /// The cost of unloaded probes, and of all but decoding.
     cost: UnitCost,
     waits: bool,
-    /// Words of chunks that a decoder keeps from frame to frame, beside those that the frame needs.
+    /// See [`KEPT_WORDS`].
     kept_words: usize,
+}
+
+/// Parts of a face whose depths are to be written.
+struct FaceParts {
+    face: usize,
+    parts: Vec<DepthPart>,
 }
 
 /// Units of a probe.
 #[derive(Debug)]
 struct ProbeUnits<'a> {
     decoders: Vec<GpuDecoder<'a>>,
-    /// Of streams by their index, the decoder and the position there.
+    /// By stream index: the decoder, and the position there.
     places: HashMap<u32, [usize; 2]>,
-    /// Of faces by their number, the streams of depth and of colour.
+    /// By face number: the depth and colour streams.
     streams: HashMap<usize, [u32; 2]>,
     planes: DepthPlanes,
 }
@@ -96,9 +103,9 @@ impl ProbeUnits<'_> {
         self.decoders.iter().fold(UnitCost::default(), add)
     }
 
-    fn find(&self, unit: UnitId, frame: u32) -> Option<(usize, Wanted)> {
+    fn find(&self, unit: UnitId, frame: u32) -> Option<(usize, UnitFrame)> {
         let [decoder, stream] = *self.places.get(&unit.stream)?;
-        Some((decoder, Wanted { stream, unit: unit.unit, frame }))
+        Some((decoder, UnitFrame { stream, unit: unit.unit, frame }))
     }
 
     /// A unit of a stream as it lies in its buffer.
@@ -122,9 +129,8 @@ fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s S
     families.into_iter().map(|(_, streams)| streams).collect()
 }
 
-/// Whether a device can decode the depth and colour of a container for rendering, where a buffer takes at most `most_bytes`
-/// bytes: what each probe takes fits, colours are 8-bit codes, and depths that are multiplied are numbers that it multiplies as
-/// the CPU does.
+/// Whether a device whose buffers hold at most `most_bytes` can decode the depth and colour of a container for rendering: every
+/// probe fits, colours are 8-bit codes, and products of inverse depths and ray lengths are those of the CPU.
 pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
     let is_apt = |stream: &StreamInfo| match stream.header {
         CodecHeader::Depth(header) => {
@@ -137,7 +143,7 @@ pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
 }
 
-/// Bytes of the largest buffer that any probe of a container takes, where depth and colour of all its faces are shown.
+/// Bytes of the largest buffer for any probe of a container, with depth and colour of all its faces.
 pub fn buffer_bytes(decoder: &Decoder) -> u64 {
     let is_decoded = |stream: &StreamInfo| stream.kind != StreamKind::Material;
     let mut probes: BTreeMap<usize, Vec<&StreamInfo>> = BTreeMap::new();
@@ -149,7 +155,8 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
             .iter()
             .filter_map(|stream| match stream.header {
                 CodecHeader::Depth(header) => {
-                    Some(([stream.entry.width, stream.entry.height], (header.range, header.kind)))
+                    let size = [stream.entry.width, stream.entry.height];
+                    Some(DepthImage { size, range: header.range, kind: header.kind })
                 }
                 _ => None,
             })
@@ -159,42 +166,42 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
         words.fold(depth_planes::buffer_words(&faces), u64::max)
     };
     let words = probes.values().map(of_probe).max().unwrap_or(0);
-    // What lies between two chunks of colour takes both.
+    // A blend across two chunks of colour needs both.
     let chunks = decoder.reader().index().chunks.iter();
     let chunks = chunks.filter(|chunk| decoder.streams().get(chunk.key.stream as usize).is_some_and(is_decoded));
     let chunk_bytes = chunks.map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0);
     words.saturating_mul(4).max(2 * chunk_bytes)
 }
 
-impl<'a> DeviceUnits<'a> {
+impl<'a> GpuBackend<'a> {
     /// No units yet, of a container that [`can_decode`] allows.
-    pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> DeviceUnits<'a> {
+    pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> GpuBackend<'a> {
         let (probes, cost) = (HashMap::new(), UnitCost::default());
-        DeviceUnits { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
+        GpuBackend { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
     }
 
-    /// From now on the device is waited for after each part of the work, so that times are those of the parts.
+    /// Waits for the device after each part of the work, so that times are those of the parts.
     pub fn wait_for_parts(&mut self) {
         self.waits = true;
     }
 
-    /// Decoders of probes that begin from now on keep so many words of chunks: for tests of what then happens.
+    /// Sets the words of chunks that decoders of probes loaded later keep: for tests.
     pub fn limit_kept(&mut self, words: usize) {
         self.kept_words = words;
     }
 
-    /// What it has cost so far.
+    /// Cost so far.
     pub fn cost(&self) -> UnitCost {
         self.probes.values().map(ProbeUnits::cost).fold(self.cost, UnitCost::plus)
     }
 
-    /// Planes of a probe; none of one that is not shown.
+    /// Planes of a loaded probe.
     pub fn planes(&self, probe: usize) -> Option<&DepthPlanes> {
         self.probes.get(&probe).map(|units| &units.planes)
     }
 
-    /// The cells that a rectangle of a face lies in, each with what they have in common.
-    pub fn cells(&self, (probe, face): (usize, usize), rect: Rect) -> Vec<CellPart<'_>> {
+    /// The cells that overlap a rectangle of a face, each cut to the overlap.
+    pub fn cells(&self, ImageId { probe, face }: ImageId, rect: Rect) -> Vec<CellPart<'_>> {
         let Some(units) = self.probes.get(&probe) else { return Vec::new() };
         let Some([_, color]) = units.streams.get(&face) else { return Vec::new() };
         let entry = &self.decoder.streams()[*color as usize].entry;
@@ -231,9 +238,9 @@ impl UnitCost {
     }
 }
 
-impl<'a> DeviceUnits<'a> {
-    /// The units of a probe that comes to be shown, and the bytes that were sent for them.
-    fn units_of(&self, faces: &[NewFace<'_>]) -> Result<(ProbeUnits<'a>, u64)> {
+impl<'a> GpuBackend<'a> {
+    /// The units of a probe that is loaded, and the bytes that were sent for them.
+    fn probe_units(&self, faces: &[NewFace<'_>]) -> Result<(ProbeUnits<'a>, u64)> {
         let streams = faces.iter().flat_map(|face| [face.depth, face.color]);
         let streams = streams.map(|stream| &self.decoder.streams()[stream as usize]);
         let (mut decoders, mut places) = (Vec::new(), HashMap::new());
@@ -251,11 +258,15 @@ impl<'a> DeviceUnits<'a> {
     }
 }
 
-impl UnitsOnDevice for DeviceUnits<'_> {
-    fn begin(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
-        let made = self.units_of(faces);
+impl TexelBackend for GpuBackend<'_> {
+    fn keeps_texels(&self) -> bool {
+        true
+    }
+
+    fn load(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()> {
+        let made = self.probe_units(faces);
         if made.is_err() {
-            // What is given up next is free at once where no work needs it any more.
+            // Buffers that are dropped next are freed at once where no work uses them any more.
             self.gpu.wait()?;
         }
         let (units, sent) = made?;
@@ -265,25 +276,25 @@ impl UnitsOnDevice for DeviceUnits<'_> {
     }
 
     fn bytes(&self, probe: usize) -> u64 {
-        let of =
+        let bytes =
             |units: &ProbeUnits<'_>| units.decoders.iter().map(GpuDecoder::bytes).sum::<u64>() + units.planes.bytes();
-        self.probes.get(&probe).map_or(0, of)
+        self.probes.get(&probe).map_or(0, bytes)
     }
 
-    fn give_up(&mut self, probe: usize) {
+    fn unload(&mut self, probe: usize) {
         if let Some(units) = self.probes.remove(&probe) {
             self.cost = self.cost.plus(units.cost());
         }
     }
 
-    fn decode(&mut self, frame: u32, units: &[UnitId]) -> Result<Vec<u64>> {
-        let mut calls: BTreeMap<(usize, usize), Vec<(usize, Wanted)>> = BTreeMap::new();
+    fn decode(&mut self, frame: u32, mut units: Vec<&mut CachedUnit<'_>>) -> Result<()> {
+        let mut calls: BTreeMap<(usize, usize), Vec<(usize, UnitFrame)>> = BTreeMap::new();
         for (at, unit) in units.iter().enumerate() {
-            let found = self.probes.get(&unit.probe).and_then(|probe| probe.find(*unit, frame));
-            let (decoder, wanted) = found.ok_or_else(|| Error::invalid("a unit of a probe that is not shown"))?;
-            calls.entry((unit.probe, decoder)).or_default().push((at, wanted));
+            let probe = unit.id().probe;
+            let found = self.probes.get(&probe).and_then(|probe| probe.find(unit.id(), frame));
+            let (decoder, wanted) = found.ok_or_else(|| Error::invalid("a unit of a probe that is not loaded"))?;
+            calls.entry((probe, decoder)).or_default().push((at, wanted));
         }
-        let mut written = vec![0; units.len()];
         for ((probe, decoder), wanted) in calls {
             let Some(decoder) = self.probes.get_mut(&probe).and_then(|units| units.decoders.get_mut(decoder)) else {
                 continue;
@@ -292,27 +303,34 @@ impl UnitsOnDevice for DeviceUnits<'_> {
             if self.waits {
                 decoder.wait()?;
             }
-            wanted.iter().for_each(|(at, wanted)| written[*at] = decoder.written(*wanted));
-        }
-        Ok(written)
-    }
-
-    fn shows(&self, unit: UnitId, frame: u32) -> bool {
-        let Some(probe) = self.probes.get(&unit.probe) else { return false };
-        probe.find(unit, frame).is_some_and(|(decoder, wanted)| probe.decoders[decoder].shows(wanted))
-    }
-
-    fn write_depths(&mut self, faces: &[FaceParts]) -> Result<()> {
-        let mut by_probe: BTreeMap<usize, Vec<&FaceParts>> = BTreeMap::new();
-        faces.iter().for_each(|face| by_probe.entry(face.probe).or_default().push(face));
-        for (probe, faces) in by_probe {
-            // Taken out for as long as it is written.
-            let Some(mut units) = self.probes.remove(&probe) else { continue };
-            let done = self.write_probe(&mut units, &faces);
-            self.probes.insert(probe, units);
-            done?;
+            wanted.iter().for_each(|(at, wanted)| units[*at].set_decoded(decoder.written(*wanted)));
         }
         Ok(())
+    }
+
+    fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool {
+        let Some(probe) = self.probes.get(&unit.id().probe) else { return false };
+        probe.find(unit.id(), frame).is_some_and(|(decoder, wanted)| probe.decoders[decoder].shows(wanted))
+    }
+
+    fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>> {
+        let mut by_probe: BTreeMap<usize, Vec<FaceParts>> = BTreeMap::new();
+        let mut changes = Vec::new();
+        for face in faces {
+            let parts = face.cache.depth_parts();
+            changes.push(face.cache.update_in_backend(&parts, face.texels));
+            if !parts.is_empty() {
+                by_probe.entry(face.probe).or_default().push(FaceParts { face: face.face, parts });
+            }
+        }
+        for (probe, faces) in by_probe {
+            // Taken out while it is written.
+            let Some(mut units) = self.probes.remove(&probe) else { continue };
+            let written = self.write_probe(&mut units, &faces);
+            self.probes.insert(probe, units);
+            written?;
+        }
+        Ok(changes)
     }
 
     fn bytes_read(&self) -> u64 {
@@ -320,20 +338,20 @@ impl UnitsOnDevice for DeviceUnits<'_> {
     }
 }
 
-impl DeviceUnits<'_> {
-    fn write_probe(&mut self, probe: &mut ProbeUnits<'_>, faces: &[&FaceParts]) -> Result<()> {
+impl GpuBackend<'_> {
+    fn write_probe(&mut self, probe: &mut ProbeUnits<'_>, faces: &[FaceParts]) -> Result<()> {
         let ProbeUnits { decoders, places, streams, planes } = probe;
         let mut tiles: Vec<TileParts<'_>> =
             decoders.iter().map(|decoder| TileParts { pictures: decoder.pictures(), parts: Vec::new() }).collect();
-        for face in faces {
-            let Some([depth, _]) = streams.get(&face.face) else { continue };
+        for FaceParts { face, parts } in faces {
+            let Some([depth, _]) = streams.get(face) else { continue };
             let Some(&[decoder, position]) = places.get(depth) else { continue };
             let stream = decoders[decoder].streams()[position];
             debug_assert_eq!(stream.kind, StreamKind::Depth);
-            for part in &face.parts {
+            for part in parts {
                 let [left, top, ..] = stream.entry.unit_rect(part.unit);
                 let unit = *decoders[decoder].unit(position, part.unit);
-                tiles[decoder].parts.push((face.face, *part, unit, [left, top]));
+                tiles[decoder].parts.push(TilePart { face: *face, part: *part, unit, corner: [left, top] });
             }
         }
         let (mut start, mut took) = (Instant::now(), Vec::new());

@@ -17,7 +17,7 @@ use crate::views::visibility::{UnitGrid, cull};
 
 /// What finding them came to.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct SeenCounts {
+pub struct CameraUnitCounts {
     /// Cameras.
     pub cameras: u64,
     /// Units of the streams that were asked for.
@@ -32,7 +32,7 @@ pub struct SeenCounts {
 
 /// What cameras see of a container, as a report in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct SeenReport {
+pub struct CameraUnitsReport {
     cameras: u64,
     units: u64,
     visible_units: u64,
@@ -49,10 +49,10 @@ struct FrustumTests {
     hierarchical: u64,
 }
 
-impl SeenCounts {
+impl CameraUnitCounts {
     /// The report; all units have `bytes_total` stored bytes.
-    pub fn report(&self, bytes_total: u64) -> SeenReport {
-        SeenReport {
+    pub fn report(&self, bytes_total: u64) -> CameraUnitsReport {
+        CameraUnitsReport {
             cameras: self.cameras,
             units: self.units,
             visible_units: self.visible_units,
@@ -65,19 +65,19 @@ impl SeenCounts {
 
 /// The units that cameras see, of some streams; of the others all.
 #[derive(Debug, Clone, Default)]
-pub struct SeenUnits {
+pub struct CameraUnits {
     /// Of streams by their number, for each unit the frames in which it is seen: ranges in order, with gaps between.
     streams: HashMap<u32, Vec<Vec<FrameRange>>>,
-    counts: SeenCounts,
+    counts: CameraUnitCounts,
 }
 
-impl SeenUnits {
+impl CameraUnits {
     /// What `cameras` see of what was chosen.
     ///
     /// Near and far are those of the depth stream of the same probe and face; where there is none, or none of all the
     /// frames, a unit is seen where anything in its directions could be. Images of which no directions are known are
     /// seen always.
-    pub fn find(decoder: &Decoder, chosen: &[StreamFrames<'_>], cameras: &[TimedCamera]) -> SeenUnits {
+    pub fn find(decoder: &Decoder, chosen: &[StreamFrames<'_>], cameras: &[TimedCamera]) -> CameraUnits {
         let groups = groups(cameras);
         let spans = depth_spans(decoder);
         let of_stream = |&StreamFrames { stream, frames }: &StreamFrames<'_>| {
@@ -88,7 +88,7 @@ impl SeenUnits {
             let entry = &stream.entry;
             let size = [entry.width, entry.height];
             let units = u64::from(entry.unit_count());
-            let mut counts = SeenCounts { units, ..SeenCounts::default() };
+            let mut counts = CameraUnitCounts { units, ..CameraUnitCounts::default() };
             let seen = match FaceImage::new(decoder.probe(stream), stream.face, size, span) {
                 None => vec![vec![frames]; units as usize],
                 Some(image) => {
@@ -110,7 +110,7 @@ impl SeenUnits {
             counts.visible_units = seen.iter().filter(|frames| !frames.is_empty()).count() as u64;
             (stream.index, seen, counts)
         };
-        let mut all = SeenUnits::default();
+        let mut all = CameraUnits::default();
         all.counts.cameras = cameras.len() as u64;
         for (stream, seen, counts) in chosen.par_iter().map(of_stream).collect::<Vec<_>>() {
             all.counts.units += counts.units;
@@ -123,12 +123,12 @@ impl SeenUnits {
     }
 
     /// What finding them came to.
-    pub fn counts(&self) -> SeenCounts {
+    pub fn counts(&self) -> CameraUnitCounts {
         self.counts
     }
 }
 
-impl UnitFilter for SeenUnits {
+impl UnitFilter for CameraUnits {
     fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool {
         let Some(seen) = self.streams.get(&stream.index).and_then(|units| units.get(unit as usize)) else {
             return true;

@@ -1,0 +1,215 @@
+//! Allocation of rectangles in the layers of a texture array.
+//!
+//! Shelf packing: a layer is cut into shelves from the top down, a shelf into spans from left to right. A rectangle goes to the
+//! shelf that wastes the least height; freed spans are joined and used again. Rectangles of one size leave no gaps.
+
+/// Largest texture array of a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TextureLimits {
+    /// Texels of a side.
+    pub side: u32,
+    /// Layers.
+    pub layers: u32,
+}
+
+/// Tiles of one size in the layers of a texture array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TileGrid {
+    /// Tiles in a row.
+    pub columns: u32,
+    /// Tiles in a column.
+    pub rows: u32,
+    /// Layers.
+    pub layers: u32,
+}
+
+impl TileGrid {
+    /// A grid for `count` tiles with as few tiles per layer as the limits allow; none if there are too many.
+    pub fn new(tile: [u32; 2], count: u32, limits: TextureLimits) -> Option<TileGrid> {
+        let [most_columns, most_rows] = tile.map(|side| limits.side / side.max(1));
+        let per_layer = count.max(1).div_ceil(limits.layers.max(1));
+        let columns = per_layer.min(most_columns).max(1);
+        let rows = per_layer.div_ceil(columns);
+        let fits = most_columns > 0 && rows <= most_rows;
+        fits.then(|| TileGrid { columns, rows, layers: count.max(1).div_ceil(columns * rows) })
+    }
+
+    /// Most tiles that fit into one texture array.
+    pub fn most(tile: [u32; 2], limits: TextureLimits) -> u64 {
+        tile.map(|side| u64::from(limits.side / side.max(1))).iter().product::<u64>() * u64::from(limits.layers)
+    }
+}
+
+/// A rectangle of a layer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Allocation {
+    /// The layer.
+    pub layer: u32,
+    /// Its left column and top row.
+    pub corner: [u32; 2],
+    /// Width and height.
+    pub size: [u32; 2],
+}
+
+/// Free columns of a shelf.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    left: u32,
+    width: u32,
+}
+
+#[derive(Debug, Clone)]
+struct Shelf {
+    layer: u32,
+    top: u32,
+    height: u32,
+    /// In order, no two of them adjacent.
+    free: Vec<Span>,
+}
+
+/// Rectangles in the layers of a texture array.
+#[derive(Debug, Clone)]
+pub struct Atlas {
+    size: [u32; 2],
+    /// Rows of each layer that have shelves.
+    used_rows: Vec<u32>,
+    shelves: Vec<Shelf>,
+}
+
+impl Atlas {
+    /// An empty atlas of layers of `size` (width, height) texels.
+    pub fn new(size: [u32; 2], layers: u32) -> Atlas {
+        Atlas { size, used_rows: vec![0; layers as usize], shelves: Vec::new() }
+    }
+
+    /// A free rectangle of `size` (width, height), none if there is no room.
+    pub fn allocate(&mut self, size: [u32; 2]) -> Option<Allocation> {
+        let [width, height] = size;
+        let room = |shelf: &Shelf| shelf.free.iter().position(|span| span.width >= width);
+        let fitting = self.shelves.iter().enumerate().filter(|(_, shelf)| shelf.height >= height);
+        let best = fitting.filter_map(|(at, shelf)| Some((shelf.height - height, at, room(shelf)?))).min();
+        let new = || {
+            let fits = |used: &u32| width <= self.size[0] && used.saturating_add(height) <= self.size[1];
+            self.used_rows.iter().position(fits)
+        };
+        let (shelf, span) = match (best, new()) {
+            (Some((waste, at, span)), layer) if waste == 0 || layer.is_none() => (at, span),
+            (_, Some(layer)) => {
+                let (top, free) = (self.used_rows[layer], vec![Span { left: 0, width: self.size[0] }]);
+                self.used_rows[layer] += height;
+                self.shelves.push(Shelf { layer: layer as u32, top, height, free });
+                (self.shelves.len() - 1, 0)
+            }
+            _ => return None,
+        };
+        let shelf = &mut self.shelves[shelf];
+        let Span { left, width: free } = shelf.free[span];
+        match free - width {
+            0 => {
+                shelf.free.remove(span);
+            }
+            rest => shelf.free[span] = Span { left: left + width, width: rest },
+        }
+        Some(Allocation { layer: shelf.layer, corner: [left, shelf.top], size })
+    }
+
+    /// Frees a rectangle that was allocated here.
+    pub fn free(&mut self, allocation: Allocation) {
+        let Allocation { layer, corner: [left, top], size: [width, _] } = allocation;
+        let Some(shelf) = self.shelves.iter_mut().find(|shelf| shelf.layer == layer && shelf.top == top) else {
+            return;
+        };
+        let at = shelf.free.partition_point(|span| span.left < left);
+        shelf.free.insert(at, Span { left, width });
+        shelf.free.dedup_by(|next, span| {
+            let joins = span.left + span.width == next.left;
+            span.width += if joins { next.width } else { 0 };
+            joins
+        });
+        let whole = self.size[0];
+        // Empty shelves at the lower end of a layer make room for shelves of other heights.
+        while let Some(at) = self.shelves.iter().position(|shelf| {
+            let is_last = shelf.top + shelf.height == self.used_rows[shelf.layer as usize];
+            is_last && shelf.free.first().is_some_and(|span| span.width == whole)
+        }) {
+            let Shelf { layer, top, .. } = self.shelves.swap_remove(at);
+            self.used_rows[layer as usize] = top;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: TextureLimits = TextureLimits { side: 100, layers: 4 };
+
+    fn overlap(a: &Allocation, b: &Allocation) -> bool {
+        let meets = |axis: usize| {
+            a.corner[axis] < b.corner[axis] + b.size[axis] && b.corner[axis] < a.corner[axis] + a.size[axis]
+        };
+        a.layer == b.layer && meets(0) && meets(1)
+    }
+
+    #[test]
+    fn grids_take_layers_first() {
+        let grid = |columns, rows, layers| Some(TileGrid { columns, rows, layers });
+        assert_eq!(TileGrid::new([30, 20], 0, LIMITS), grid(1, 1, 1));
+        assert_eq!(TileGrid::new([30, 20], 4, LIMITS), grid(1, 1, 4));
+        assert_eq!(TileGrid::new([30, 20], 5, LIMITS), grid(2, 1, 3));
+        assert_eq!(TileGrid::new([30, 20], 60, LIMITS), grid(3, 5, 4));
+        assert_eq!(TileGrid::new([30, 20], 61, LIMITS), None);
+        assert_eq!(TileGrid::new([101, 20], 1, LIMITS), None);
+        assert_eq!(TileGrid::most([30, 20], LIMITS), 60);
+    }
+
+    #[test]
+    fn tiles_fill_a_grid_and_freed_ones_come_back() {
+        let tile = [30, 20];
+        let mut atlas = Atlas::new([90, 100], 2);
+        let mut tiles: Vec<_> = std::iter::from_fn(|| atlas.allocate(tile)).collect();
+        assert_eq!(tiles.len(), 30);
+        for (at, a) in tiles.iter().enumerate() {
+            assert!(a.corner[0].is_multiple_of(30) && a.corner[1].is_multiple_of(20));
+            assert!(tiles[..at].iter().all(|b| !overlap(a, b)));
+        }
+        for at in [29, 13, 7, 8, 0] {
+            let freed = tiles.swap_remove(at);
+            atlas.free(freed);
+            assert_eq!(atlas.allocate(tile), Some(freed));
+            tiles.push(freed);
+        }
+        assert_eq!(atlas.allocate(tile), None);
+        tiles.into_iter().for_each(|tile| atlas.free(tile));
+        assert!(atlas.allocate([90, 100]).is_some() && atlas.allocate([90, 100]).is_some());
+    }
+
+    #[test]
+    fn rectangles_of_any_size_never_overlap() {
+        let mut atlas = Atlas::new([64, 64], 2);
+        let mut held: Vec<Allocation> = Vec::new();
+        let mut number = 1u32;
+        let mut below = |end: u32| {
+            number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (number >> 8) % end
+        };
+        let mut refused = 0;
+        for _ in 0..3000 {
+            if below(3) == 0 && !held.is_empty() {
+                atlas.free(held.swap_remove(below(held.len() as u32) as usize));
+                continue;
+            }
+            match atlas.allocate([1 + below(24), 1 + below(24)]) {
+                None => refused += 1,
+                Some(new) => {
+                    assert!((0..2).all(|axis| new.corner[axis] + new.size[axis] <= 64), "{new:?}");
+                    assert!(held.iter().all(|other| !overlap(&new, other)), "{new:?}");
+                    held.push(new);
+                }
+            }
+        }
+        assert!(refused > 0 && refused < 2500, "{refused}");
+        held.into_iter().for_each(|rect| atlas.free(rect));
+        assert!(atlas.allocate([64, 64]).is_some());
+    }
+}

@@ -1,0 +1,80 @@
+//! Paths through the frames of a stream.
+
+use crate::decode::Picture;
+use crate::error::{Error, Result};
+use crate::gpu::pictures::mismatched_words;
+use crate::hard_cases::case::Measured;
+use crate::hard_cases::clip::{Clip, open};
+use crate::math::random::Random;
+
+/// Random paths, and the pictures of each.
+const RANDOM_PATHS: u32 = 12;
+const RANDOM_PICTURES: u32 = 40;
+
+/// Enters at every frame and takes one step of every legal length, then random paths; counts pictures that differ from those
+/// of decoding in order.
+///
+/// A legal path has steps of 1 to W frames. If a decoder's state is its picture alone, single steps prove all paths; random
+/// paths with a fresh decoder each, steps and jumps, test whether it is.
+pub(super) fn paths(clip: &Clip) -> Result<Measured> {
+    let (window, count) = (clip.window(), clip.frame_count);
+    let mut shown = Vec::new();
+    clip.show(|_, picture| {
+        shown.push(picture.clone());
+        Ok(())
+    })?;
+    let decoder = open(std::slice::from_ref(clip))?;
+    let stream = decoder.streams().first().ok_or_else(|| Error::invalid("a container without its stream"))?;
+    let mut face = decoder.face(stream);
+    let (mut looked, mut wrong, mut first) = (0u64, 0, None);
+    let mut look = |frame: u32, picture: &Picture, way: &dyn Fn() -> String| {
+        looked += 1;
+        if mismatched_words(picture, &shown[frame as usize]) > 0 {
+            wrong += 1;
+            first.get_or_insert_with(|| format!("frame {frame}, {}", way()));
+        }
+    };
+    for start in 0..count {
+        // One step more than a decoder may take at once: it has to take two.
+        for step in 1..=window + 1 {
+            for frame in [start, start + step].into_iter().filter(|&frame| frame < count) {
+                look(frame, &face.decode(frame)?, &|| format!("entered at {start}, step {step}"));
+            }
+            if start + step >= count {
+                break;
+            }
+        }
+    }
+    let mut random = Random::new(u64::from(count) << 8 | u64::from(window));
+    for path in 0..RANDOM_PATHS {
+        let mut face = decoder.face(stream);
+        let mut frame = random.below(count);
+        for at in 0..RANDOM_PICTURES {
+            look(frame, &face.decode(frame)?, &|| format!("picture {at} of random path {path}"));
+            let next = frame + 1 + random.below(window + 1);
+            frame = if random.one_in(8) || next >= count { random.below(count) } else { next };
+        }
+    }
+    Ok(Measured::count(wrong, first).with_note(format!("{looked} pictures")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::settings::TemporalSettings;
+    use crate::hard_cases::clip::Sequence;
+
+    fn clip() -> Clip {
+        let source = Sequence::new([9, 6], 20, |frame, x, y| (100 * frame + x + y) as u16);
+        Clip::codes(&source, TemporalSettings { window: 3, ..TemporalSettings::default() }).unwrap()
+    }
+
+    #[test]
+    fn paths_enter_at_every_frame() {
+        // From each frame but the last four, W + 1 = 4 steps of two pictures; then 3, 2, 1 of them, and what is left
+        // of each before it ends: the frame entered at.
+        let pairs = 16 * 8 + (6 + 1) + (4 + 1) + (2 + 1) + 1;
+        let random = RANDOM_PATHS * RANDOM_PICTURES;
+        assert_eq!(paths(&clip()).unwrap().note, Some(format!("{} pictures", pairs + random)));
+    }
+}

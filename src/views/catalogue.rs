@@ -1,0 +1,153 @@
+//! The probes of a container that can be rendered: their streams, poses and memory, without decoding anything.
+
+use crate::dataset::stream::StreamKind;
+use crate::decode::{Decoder, StreamInfo};
+use crate::depth::quantise::DepthRange;
+use crate::error::{Error, Result};
+use crate::streams::{CodecHeader, ColorFormat, ColorHeader};
+use crate::views::face_cache::FaceStreams;
+use crate::views::light_field::{ColorCoding, LightField, View};
+
+/// Which probes of a container are loaded; by default all.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct ProbeChoice {
+    /// Names of the only probes to load; empty: all.
+    pub only: Vec<String>,
+    /// Names of probes to leave out.
+    pub without: Vec<String>,
+}
+
+impl ProbeChoice {
+    /// Whether a probe is chosen.
+    pub fn takes(&self, name: &str) -> bool {
+        let named = |names: &[String]| names.iter().any(|other| other == name);
+        !named(&self.without) && (self.only.is_empty() || named(&self.only))
+    }
+
+    fn check(&self, decoder: &Decoder) -> Result<()> {
+        let probes = &decoder.reader().index().probes;
+        match self.only.iter().chain(&self.without).find(|name| probes.iter().all(|probe| probe.name != **name)) {
+            None => Ok(()),
+            Some(name) => {
+                let names: Vec<&str> = probes.iter().take(20).map(|probe| probe.name.as_str()).collect();
+                let more = if probes.len() > names.len() { ", ..." } else { "" };
+                Err(Error::Usage(format!(
+                    "{}: there is no probe '{name}'; its probes are {}{more}",
+                    decoder.reader().path().display(),
+                    names.join(", ")
+                )))
+            }
+        }
+    }
+}
+
+/// The streams of a view.
+#[derive(Debug, Default)]
+pub struct ViewStreams<'a> {
+    /// Its faces with both depth and colour.
+    pub faces: Vec<FaceStreams<'a>>,
+    /// Most bytes that it takes when loaded.
+    pub bytes: u64,
+}
+
+/// Probes with a face that has both depth and colour.
+#[derive(Debug)]
+pub struct Catalogue<'a> {
+    /// The light field, without faces.
+    pub field: LightField,
+    /// Streams of its views.
+    pub streams: Vec<ViewStreams<'a>>,
+}
+
+impl<'a> Catalogue<'a> {
+    /// The chosen probes of a container.
+    ///
+    /// # Errors
+    /// When a name is not one of a probe, no probe is left, images of a face differ in size, or colours are coded in more than
+    /// one way.
+    pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Catalogue<'a>> {
+        probes.check(decoder)?;
+        let all = decoder.streams();
+        let same_face = |like: &StreamInfo, kind| {
+            all.iter().find(|other| other.probe == like.probe && other.face == like.face && other.kind == kind)
+        };
+        let (mut views, mut streams, mut coding) = (Vec::<View>::new(), Vec::<ViewStreams<'_>>::new(), None);
+        for depth in all.iter().filter(|stream| stream.kind == StreamKind::Depth) {
+            let entry = decoder.probe(depth);
+            let chosen = probes.takes(&entry.name);
+            let Some(color) = same_face(depth, StreamKind::Color).filter(|_| chosen) else { continue };
+            let CodecHeader::Depth(header) = depth.header else { continue };
+            let coded = coding_of(color);
+            if *coding.get_or_insert(coded) != coded {
+                return Err(Error::unsupported(
+                    "colours of one light field are coded in more than one way: encode them alike",
+                ));
+            }
+            let face = FaceStreams { depth, header, color, material: same_face(depth, StreamKind::Material) };
+            check_sizes(&entry.name, &face)?;
+            let at = match views.iter().position(|view| view.probe == depth.probe) {
+                Some(at) => at,
+                None => {
+                    let Some(range) = range_of(all, depth.probe) else { continue };
+                    views.push(View::new(depth.probe, entry, range)?);
+                    streams.push(ViewStreams::default());
+                    views.len() - 1
+                }
+            };
+            streams[at].bytes += bytes_of(decoder, &face, coded);
+            streams[at].faces.push(face);
+        }
+        let coding = coding.ok_or_else(|| {
+            Error::Usage("no probe of this container has both colour and depth, which rendering takes".into())
+        })?;
+        Ok(Catalogue { field: LightField { views, coding }, streams })
+    }
+}
+
+/// Near and far over all faces of a probe.
+fn range_of(streams: &[StreamInfo], probe: usize) -> Option<DepthRange> {
+    let ranges = streams.iter().filter(|stream| stream.probe == probe).filter_map(|stream| match stream.header {
+        CodecHeader::Depth(header) => Some([header.range.near_m(), header.range.far_m()]),
+        _ => None,
+    });
+    let [near, far] = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+    DepthRange::new(near, far).ok()
+}
+
+fn coding_of(color: &StreamInfo) -> ColorCoding {
+    match color.header {
+        CodecHeader::Color(ColorHeader { format: ColorFormat::EightBit(tone), .. }) => ColorCoding::Codes(tone),
+        _ => ColorCoding::Light,
+    }
+}
+
+fn check_sizes(probe: &str, streams: &FaceStreams<'_>) -> Result<()> {
+    let size = |stream: &StreamInfo| [stream.entry.width, stream.entry.height];
+    let depth = size(streams.depth);
+    match streams.all().find(|stream| size(stream) != depth) {
+        None => Ok(()),
+        Some(other) => Err(Error::unsupported(format!(
+            "probe {probe}, face {}: {} has {}x{} pixels and depth {}x{}: rendering takes images of one size",
+            other.face.name(),
+            other.kind.name(),
+            other.entry.width,
+            other.entry.height,
+            depth[0],
+            depth[1]
+        ))),
+    }
+}
+
+/// Most bytes that a face takes: texels, and the state of its decoders.
+fn bytes_of(decoder: &Decoder, streams: &FaceStreams<'_>, coding: ColorCoding) -> u64 {
+    let pixels = u64::from(streams.depth.entry.width) * u64::from(streams.depth.entry.height);
+    let color = match coding {
+        ColorCoding::Codes(_) => 4,
+        ColorCoding::Light => 8,
+    };
+    // The levels of a pyramid above its texels have a third of its pixels, and a little more where sides are odd.
+    let pyramid = 2;
+    let texel = 4 + pyramid + color + if streams.material.is_some() { 4 } else { 0 };
+    let index = decoder.reader().index();
+    streams.all().map(|stream| stream.memory_bytes(index)).fold(pixels * texel, u64::saturating_add)
+}

@@ -1,0 +1,63 @@
+//! Depth codes to the inverse planar depths of texels.
+
+use rayon::prelude::*;
+
+use crate::dataset::stream::DepthKind;
+use crate::depth::quantise::DepthRange;
+use crate::views::light_field::FaceTexels;
+
+/// Inverse depths of the codes of a stream.
+#[derive(Debug, Clone)]
+pub struct InverseDepth {
+    /// By code, in 1/m.
+    of_code: Vec<f32>,
+    range: DepthRange,
+    kind: DepthKind,
+}
+
+impl InverseDepth {
+    /// The table of a stream's range.
+    pub fn new(range: DepthRange, kind: DepthKind) -> InverseDepth {
+        let codes = (0..=u16::MAX).into_par_iter();
+        InverseDepth { of_code: codes.map(|code| 1.0 / range.metres(code)).collect(), range, kind }
+    }
+
+    /// By code, in 1/m.
+    pub fn of_codes(&self) -> &[f32] {
+        &self.of_code
+    }
+
+    /// The range of its stream.
+    pub fn range(&self) -> DepthRange {
+        self.range
+    }
+
+    /// Whether codes stand for planar depth or distance.
+    pub fn kind(&self) -> DepthKind {
+        self.kind
+    }
+
+    /// Inverse planar depth of a texel that shows `code`.
+    pub fn of(&self, code: u16, face: &FaceTexels, column: u32, row: u32) -> f32 {
+        let inverse = self.of_code[usize::from(code)];
+        match self.kind {
+            DepthKind::Planar => inverse,
+            DepthKind::Distance => inverse * face.map.ray_length_factor(column, row),
+        }
+    }
+
+    /// Writes texels of `codes` into a row from a column on, which they must fit into; answers the first and last that changed.
+    pub fn write_row(&self, codes: &[u16], face: &mut FaceTexels, [column, row]: [u32; 2]) -> Option<[u32; 2]> {
+        let start = row as usize * face.size[0] as usize + column as usize;
+        let mut differ = None;
+        for (at, &code) in (0u32..).zip(codes) {
+            let inverse_depth = self.of(code, face, column + at, row);
+            let texel = &mut face.inverse_depth[start + at as usize];
+            if *texel != inverse_depth {
+                *texel = inverse_depth;
+                differ = Some([differ.map_or(at, |[first, _]: [u32; 2]| first), at]);
+            }
+        }
+        differ
+    }
+}
