@@ -1,12 +1,12 @@
 //! `lightfold bc4w SEQ`: depth as plain BC4w blocks, and how close they and the other functions come.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::cli::encode::{self, Unfinished};
-use crate::cli::options::{DepthUnitArgs, DomainArgs, EffortArgs, FrameArgs, MemoryArgs, OutputArgs, SequenceArgs};
+use crate::cli::encode;
+use crate::cli::options::{DepthUnitArgs, DomainArgs, SequenceInputArgs, StoreArgs, Target, Unfinished};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
@@ -23,48 +23,32 @@ const BAR_COLUMNS: u64 = 8;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
+#[command(mut_arg("lzma2", |lzma2| lzma2.requires("output")), after_help = "Examples:\n  lightfold bc4w depth.%04d.exr -o depth.lfold\n  \
     lightfold bc4w depth.0000.exr --effort fast -o depth.lfold\n  \
     lightfold bc4w depth.%04d.exr --stats\n\n\
-    Each 8x8 pixels become 32 bytes: a quarter of 16-bit codes, without a bound on the error; the background is exact. \
-    --stats fits each tile with BC4w, a platelet and a biquadratic, takes the best of the latter two and of all, and tells \
-    the PSNR of the tiles (peak 65535). A tile without any error counts in the mean as 114.39 dB, the PSNR of the least error that it \
-    could have, and as inf elsewhere; one that a function cannot model, background beside a surface, as 0 dB.")]
+    Each 8x8 pixels become 32 bytes, a quarter of their 16-bit codes, without an error bound; the background is exact. \
+    --stats fits each tile with BC4w, a platelet and a biquadratic, and reports their PSNR (peak 65535) and that of the best \
+    of the last two and of all three. A tile without error counts as 114.39 dB in the mean, the PSNR of the least possible \
+    error, and as inf elsewhere. A tile that a function cannot model, with background beside a surface, counts as 0 dB.")]
 pub struct Args {
-    /// The sequence: a pattern such as depth.%04d.exr or depth.####.exr, a folder, or one file
-    #[arg(value_name = "SEQ")]
-    pub input: String,
     /// The container to write, - for standard output
     #[arg(long, short, value_name = "OUT.lfold")]
     pub output: Option<PathBuf>,
     /// Measure the PSNR of each tile with each modelling function
     #[arg(long)]
     pub stats: bool,
-    /// Compress chunks with LZMA2 at a level of 0 (fast) to 9 (small), 6 where none is given
-    #[arg(long, value_name = "LEVEL", num_args = 0..=1, require_equals = true, default_missing_value = "6",
-        requires = "output", value_parser = clap::value_parser!(u32).range(0..=9))]
-    pub lzma2: Option<u32>,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
-    /// Frames.
+    /// Chunks.
     #[command(flatten)]
-    pub frames: FrameArgs,
+    pub store: StoreArgs,
     /// Sequence.
     #[command(flatten)]
-    pub sequence: SequenceArgs,
+    pub input: SequenceInputArgs,
     /// Domain.
     #[command(flatten)]
     pub domain: DomainArgs,
     /// Units.
     #[command(flatten)]
     pub units: DepthUnitArgs,
-    /// Effort.
-    #[command(flatten)]
-    pub effort: EffortArgs,
-    /// Memory.
-    #[command(flatten)]
-    pub memory: MemoryArgs,
 }
 
 /// The JSON report of `--stats`.
@@ -76,38 +60,29 @@ struct Document {
     encode: Option<EncodeReport>,
 }
 
-/// Encodes a sequence as blocks, measures it, or both.
+/// Encodes the sequence, measures it, or both.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
     args.domain.apply(&mut settings);
     args.units.apply(&mut options, &mut settings);
-    args.effort.apply(&mut settings);
-    options.frames = args.frames.frames;
+    args.input.apply(&mut options, &mut settings);
+    args.store.apply(&mut settings);
     settings.depth.codec = DepthCodec::Blocks;
-    settings.lzma2 = args.lzma2;
-    settings.memory = args.memory.get();
-    let output = args.output.as_ref().map(|path| OutputArgs {
-        path: path.clone(),
-        lzma2: args.lzma2,
-        json: args.json,
-        memory: args.memory,
-    });
-    match output {
-        None if !args.stats => Err(Error::Usage(
-            "nothing to do: name the container to write with -o, or measure the tiles with --stats".into(),
-        )),
-        Some(output) if !args.stats => {
-            let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-            encode::encode_to(&source, &settings, (&output, Unfinished::Discard), global)
-        }
-        output => {
-            if args.output.as_ref().is_some_and(|path| path.as_os_str() == "-") {
-                return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
-            }
-            let source = args.sequence.open(StreamKind::Depth, &args.input, options)?;
-            let encoded = output
-                .map(|output| encode::encode_file(&source, &settings, (&output.path, Unfinished::Discard), global))
-                .transpose()?;
+    let output = args.output.as_deref();
+    if output.is_none() && !args.stats {
+        return Err(Error::Usage(
+            "nothing to do: name a container to write with -o, or measure the tiles with --stats".into(),
+        ));
+    }
+    if output == Some(Path::new("-")) && args.stats {
+        return Err(Error::Usage("--stats and -o - would both write to standard output; name a file".into()));
+    }
+    let source = args.input.open(StreamKind::Depth, options)?;
+    let target = output.map(|path| Target { path, unfinished: Unfinished::Discard, json: args.store.json });
+    match target {
+        Some(target) if !args.stats => encode::encode_to(&source, &settings, &target, global),
+        target => {
+            let encoded = target.map(|target| encode::encode_file(&source, &settings, &target, global)).transpose()?;
             measure(args, &source, &settings, encoded, global)
         }
     }
@@ -125,7 +100,7 @@ fn measure(
     let found = tile_quality::measure(source, settings, &progress)?;
     drop(progress);
     let seconds = start.elapsed().as_secs_f64();
-    if args.json {
+    if args.store.json {
         output::print_report(&Document { quality: TileQualityReport::new(&found, seconds), encode: encoded })?;
     } else {
         if let (Some(encoded), Some(path), false) = (encoded, &args.output, global.quiet) {

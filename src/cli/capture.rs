@@ -1,14 +1,11 @@
 //! `lightfold capture SCENE -o DIR`: a scene becomes a dataset.
 
+mod args;
 mod options;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
-use glam::DVec3;
-use serde_json::json;
-
-use crate::cli::options::{FrameArgs, parse_point};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
@@ -16,96 +13,11 @@ use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::error::{Error, Result};
 use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
+use crate::scene::capture::CaptureReport;
 use crate::scene::capture::write::UNFINISHED;
 use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Play, Scene};
 
-use options::{AovArg, DepthArg, ProjectionArg, parse_fps, parse_metres};
-
-pub use options::parse_size;
-
-/// Arguments.
-#[derive(Debug, clap::Args)]
-#[command(
-    group(clap::ArgGroup::new("from").required(true).args(["cameras", "position"])),
-    after_help = "Examples:\n  lightfold capture sponza.glb --cameras cameras.json --size 256 -o cap\n  \
-    lightfold capture mirrors --position 0,1.5,0 --frames 0-23 --samples 4 --aov depth,material -o cap\n  \
-    lightfold capture scene.gltf --cameras old/lightfield.json --aov depth,normal,material -o cap\n  \
-    lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
-    lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
-    lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
-    lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
-    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
-    --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
-    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\" and \"frames\" ([first, last]); \
-    the probes of a lightfield.json; or viewers as of `decode --camera`, from which perspective images are captured: the \
-    truth to compare with what is made of a light field.\n\n\
-    A scene that brings no light is lit by a sun, 51 degrees high towards (0.5, 0.78, 0.38), of radiance 1.75, 1.6, 1.35 (of a \
-    white surface that faces it), and by light from everywhere, 0.3, 0.36, 0.46. Behind all scenes from files is a sky of \
-    0.5, 0.66, 0.86 at the horizon and 0.16, 0.32, 0.68 straight up.\n\n\
-    Colour is the mean of a pixel's samples; all else is what one ray through its centre meets, and is never filtered. \
-    The same scene and options write the same bytes on any number of threads.\n\n\
-    A capture that is stopped keeps its images beside DIR: the same command with --resume goes on with them and ends in \
-    the same bytes. A dataset in DIR is replaced only by one that has all of its images."
-)]
-pub struct Args {
-    /// A file (glTF, GLB, OBJ), or the name of a scene that is built in
-    #[arg(value_name = "SCENE")]
-    pub scene: String,
-    /// Folder to write the dataset into
-    #[arg(long, short, value_name = "DIR")]
-    pub output: PathBuf,
-    /// Where to capture from: a file of cameras, a lightfield.json, or - for standard input
-    #[arg(long, value_name = "FILE")]
-    pub cameras: Option<PathBuf>,
-    /// Capture from here, in metres; may be given more than once
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
-    pub position: Vec<DVec3>,
-    /// Take perspective pictures from each --position towards this point in metres, with +Y up; --fov says how wide
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
-    pub look_at: Option<DVec3>,
-    /// Which animation of the file is shown, by its name [default: the first]
-    #[arg(long, value_name = "NAME")]
-    pub animation: Option<String>,
-    /// Frames; without them, all of the animation, or frame 0 where nothing moves.
-    #[command(flatten)]
-    pub frames: FrameArgs,
-    /// Frames per second of the scene's time
-    #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
-    pub fps: f64,
-    /// Pixels: the side of a cube face, the width of a panorama, the height of a perspective image; or both sides
-    /// [default: 512, for panoramas 2048]
-    #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
-    pub size: Option<(u32, Option<u32>)>,
-    /// What an image shows [default: cube; perspective where the cameras are viewers, and with --look-at]
-    #[arg(long, value_enum)]
-    pub projection: Option<ProjectionArg>,
-    /// Vertical field of view in degrees, for cameras of perspective captures that have none of their own
-    #[arg(long, value_name = "DEGREES")]
-    pub fov: Option<f64>,
-    /// Samples of colour in each pixel: squares lie on a grid, other numbers on Hammersley's points
-    #[arg(long, value_name = "N", default_value_t = 16,
-        value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
-    pub samples: u32,
-    /// What to capture besides colour: depth, normal, material, or none
-    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', default_value = "depth")]
-    pub aov: Vec<AovArg>,
-    /// Leave colour out
-    #[arg(long)]
-    pub no_color: bool,
-    /// What depth measures
-    #[arg(long, value_enum, default_value_t = DepthArg::Distance)]
-    pub depth: DepthArg,
-    /// Metres: surfaces farther away are background, but for their colour [default: none is too far]
-    #[arg(long, value_name = "M", value_parser = parse_metres)]
-    pub far: Option<f64>,
-    /// Go on with a capture into this folder that was stopped; the options must be the same. Where there is none, begin at
-    /// the start
-    #[arg(long)]
-    pub resume: bool,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
-}
+pub use args::{Args, parse_size};
 
 /// Captures.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -132,13 +44,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let work = Work { plan: &plan, scene: &scene, args, global, progress: &progress };
     let summary = work.capture(PartialFolder::open(&args.output, UNFINISHED)?)?;
     drop(progress);
-    let times = [loaded.as_secs_f64(), start.elapsed().as_secs_f64()];
+    let report = summary.report(&plan, loaded.as_secs_f64(), start.elapsed().as_secs_f64());
     if args.json {
-        let mut report = json_report(&plan, &summary, times);
-        output::add_peak_memory(&mut report);
-        output::print_json(&report)?;
+        output::print_report(&report)?;
     } else if !global.quiet {
-        output::note(text_report(&args.output, &plan, &summary, times));
+        output::note(text(&args.output, &plan, &summary, &report));
     }
     Ok(ExitStatus::Passed)
 }
@@ -246,30 +156,7 @@ impl Work<'_> {
     }
 }
 
-/// Rays and seconds of the capture proper, without opening the scene.
-fn rays_per_second(summary: &CaptureSummary, [loaded, all]: [f64; 2]) -> f64 {
-    summary.rays as f64 / (all - loaded).max(1e-9)
-}
-
-fn json_report(plan: &CapturePlan, summary: &CaptureSummary, times: [f64; 2]) -> serde_json::Value {
-    let [near_m, far_m] = summary.depth_range_m;
-    let range = near_m <= far_m;
-    json!({
-        "seconds": times[1],
-        "loading_seconds": times[0],
-        "frames": plan.frames.count(),
-        "probes": plan.cameras.cameras.len(),
-        "images": summary.images,
-        "resumed_images": summary.kept_images,
-        "rays": summary.rays,
-        "rays_per_second": rays_per_second(summary, times),
-        "bytes": summary.bytes,
-        "near_m": range.then_some(near_m),
-        "far_m": range.then_some(far_m),
-    })
-}
-
-fn text_report(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, times: [f64; 2]) -> String {
+fn text(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, report: &CaptureReport) -> String {
     let [near_m, far_m] = summary.depth_range_m;
     let range = if near_m <= far_m {
         format!(", depths of {near_m:.3} to {far_m:.3} m")
@@ -292,7 +179,7 @@ fn text_report(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, times:
         of(summary.images, "image"),
         human_bytes(summary.bytes),
         summary.rays as f64 / 1e6,
-        rays_per_second(summary, times) / 1e6,
-        times[1],
+        report.rays_per_second / 1e6,
+        report.seconds,
     )
 }

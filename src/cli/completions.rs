@@ -13,9 +13,9 @@ pub struct Args {
 }
 
 /// Prints the script.
-pub fn run(args: &Args) -> Result<ExitStatus> {
+pub fn run(args: &Args, mut root: clap::Command) -> Result<ExitStatus> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut super::command(), "lightfold", &mut script);
+    clap_complete::generate(args.shell, &mut root, "lightfold", &mut script);
     output::print_text(&String::from_utf8_lossy(&script))?;
     Ok(ExitStatus::Passed)
 }

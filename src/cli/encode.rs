@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use crate::cli::options::{self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs};
+use crate::cli::options::{
+    self, ColorArgs, DepthArgs, EffortArgs, FrameArgs, MaterialArgs, OutputArgs, ResumeArgs, Target, Unfinished,
+};
 use crate::cli::output::{self, human_bytes};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
@@ -75,8 +77,7 @@ impl Args {
         options.channel = self.depth_channel.clone();
         options.color_channel = self.color_channel.clone();
         self.effort.apply(&mut settings);
-        settings.lzma2 = self.output.lzma2;
-        settings.memory = self.output.memory.get();
+        self.output.store.apply(&mut settings);
         if !self.stream.is_empty() {
             settings.kinds = self.stream.clone();
         }
@@ -87,9 +88,9 @@ impl Args {
 /// Encodes a dataset.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let (options, settings) = args.settings()?;
-    if !options::is_dataset(&args.input) {
+    if !manifest::is_dataset(&args.input) {
         return Err(Error::Usage(format!(
-            "{}: neither a lightfield.json nor a folder that holds one; a lone sequence is encoded with encode-depth or \
+            "{}: neither a lightfield.json nor a folder that holds one; encode an image sequence with encode-depth or \
              encode-color",
             args.input.display()
         )));
@@ -106,44 +107,30 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     {
         return Err(Error::Usage(format!("--frames {asked}: the dataset has the frames {there}")));
     }
-    encode_to(&source, &settings, (&args.output, args.resume.into()), global)
-}
-
-/// What becomes of an encode that does not come to its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unfinished {
-    /// Nothing is left of it.
-    Discard,
-    /// Complete chunks are kept; those of an earlier one are not gone on with.
-    Keep,
-    /// Complete chunks are kept; those of an earlier one are gone on with.
-    Resume,
-}
-
-impl From<ResumeArgs> for Unfinished {
-    fn from(args: ResumeArgs) -> Unfinished {
-        if args.resume { Unfinished::Resume } else { Unfinished::Keep }
-    }
+    encode_to(&source, &settings, &args.output.target(args.resume), global)
 }
 
 /// Encodes a source into a file and reports what came of it.
 pub fn encode_to(
     source: &Source,
     settings: &EncodeSettings,
-    (output, unfinished): (&OutputArgs, Unfinished),
+    target: &Target<'_>,
     global: &GlobalArgs,
 ) -> Result<ExitStatus> {
-    output.check()?;
-    if unfinished == Unfinished::Resume && output.path == Path::new("-") {
+    let is_stdout = target.path == Path::new("-");
+    if target.json && is_stdout {
+        return Err(options::both_to_stdout());
+    }
+    if target.unfinished == Unfinished::Resume && is_stdout {
         return Err(Error::Usage(
             "--resume and -o -: what went into a pipe cannot be gone on with; name a file".into(),
         ));
     }
-    let done = encode_file(source, settings, (&output.path, unfinished), global)?;
-    if output.json {
+    let done = encode_file(source, settings, target, global)?;
+    if target.json {
         output::print_report(&done)?;
     } else if !global.quiet {
-        output::note(text(&output.path, &done));
+        output::note(text(target.path, &done));
     }
     Ok(ExitStatus::Passed)
 }
@@ -152,9 +139,10 @@ pub fn encode_to(
 pub fn encode_file(
     source: &Source,
     settings: &EncodeSettings,
-    (path, unfinished): (&Path, Unfinished),
+    target: &Target<'_>,
     global: &GlobalArgs,
 ) -> Result<EncodeReport> {
+    let Target { path, unfinished, .. } = *target;
     if is_input(source, settings, path) {
         return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
     }

@@ -20,9 +20,8 @@ pub struct Page {
     pub text: Vec<u8>,
 }
 
-/// All pages, made from the definitions of the command line.
-pub fn pages() -> Result<Vec<Page>> {
-    let mut root = super::command();
+/// One page for the program and one for each visible command.
+pub fn pages(mut root: clap::Command) -> Result<Vec<Page>> {
     root.build();
     let mut pages = vec![page("lightfold".to_owned(), root.clone())?];
     for command in root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help") {
@@ -42,9 +41,9 @@ fn page(title: String, command: clap::Command) -> Result<Page> {
 }
 
 /// Writes the pages.
-pub fn run(args: &Args) -> Result<ExitStatus> {
+pub fn run(args: &Args, root: clap::Command) -> Result<ExitStatus> {
     std::fs::create_dir_all(&args.folder).map_err(|error| Error::io(&args.folder, error))?;
-    for page in pages()? {
+    for page in pages(root)? {
         let path = args.folder.join(&page.name);
         std::fs::write(&path, &page.text).map_err(|error| Error::io(&path, error))?;
     }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
+use crate::cli::with_option_names;
 use crate::error::{Error, Result};
 use crate::report::machine;
 
@@ -45,7 +46,7 @@ pub fn add_peak_memory(report: &mut serde_json::Value) {
 
 /// Prints a line on standard error, ignoring errors.
 pub fn note(line: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stderr().lock(), "{}", super::with_option_names(&line.to_string()));
+    let _ = writeln!(std::io::stderr().lock(), "{}", with_option_names(&line.to_string()));
 }
 
 /// Prints text on standard output.

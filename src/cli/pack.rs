@@ -55,7 +55,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     args.output.check()?;
     let start = std::time::Instant::now();
     let inputs = args.inputs.iter().map(Reader::open).collect::<Result<Vec<_>>>()?;
-    let repack = match args.output.lzma2 {
+    let repack = match args.output.store.lzma2 {
         Some(level) => Repack::Lzma2(level),
         None if args.no_lzma2 => Repack::Raw,
         None => Repack::Keep,
@@ -68,7 +68,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         effort: args.effort.get(),
         min_children: args.model.min_children,
     });
-    let settings = PackSettings { repack, flatten, memory: args.output.memory.get() };
+    let settings = PackSettings { repack, flatten, memory: args.output.store.memory.get() };
     let chunks = inputs.iter().map(|reader| reader.index().chunks.len() as u64).sum();
     let progress = Progress::start(global, "packing", chunks)?;
     let path = &args.output.path;
@@ -78,7 +78,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     file.commit()?;
     drop(progress);
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();
-    if args.output.json {
+    if args.output.store.json {
         output::print_report(&PackReport { summary, input_bytes, seconds: start.elapsed().as_secs_f64() })?;
     } else if !global.quiet {
         let (from, to) = (human_bytes(input_bytes), human_bytes(summary.bytes));

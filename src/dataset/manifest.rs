@@ -304,6 +304,11 @@ pub fn intrinsics_of(fov_y_deg: f64, size: [u32; 2]) -> [f64; 4] {
     [focal, focal, width / 2.0, height / 2.0]
 }
 
+/// Whether a path names a dataset: a manifest, or a folder that holds one.
+pub fn is_dataset(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "json") || path.join(MANIFEST_NAME).is_file()
+}
+
 /// The manifest's file, given itself or its folder.
 pub fn manifest_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(MANIFEST_NAME) } else { path.to_path_buf() }

@@ -16,6 +16,7 @@ pub mod coverage;
 pub mod greedy;
 pub mod objective;
 pub mod region;
+pub mod report;
 pub mod sampled_scene;
 pub mod search;
 pub mod sequence;

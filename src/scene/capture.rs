@@ -17,7 +17,7 @@ use crate::monitor::Silent;
 pub use plan::{CapturePlan, Take, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
 pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, capture_view};
-pub use write::{CaptureSummary, Kept};
+pub use write::{CaptureReport, CaptureSummary, Kept};
 
 /// Default samples of a pixel's colour.
 pub const COLOR_SAMPLES: u32 = 16;

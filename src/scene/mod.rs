@@ -16,6 +16,7 @@ pub mod procedural;
 pub mod raycast;
 pub mod shading;
 mod shadow_grid;
+mod summary;
 mod surface;
 pub mod trace;
 
@@ -31,4 +32,5 @@ pub use primitive::{Fence, Quad, Shape, Sphere, TurnedBox};
 pub use procedural::{DemoKind, DemoScene};
 pub use raycast::{FirstHit, HitSurface, SceneAtTime};
 pub use shading::OPAQUE;
+pub use summary::{AnimationSummary, SceneSummary};
 pub use trace::{Hit, trace};

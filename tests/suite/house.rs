@@ -20,7 +20,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn read(path: impl AsRef<Path>) -> String {
+pub(crate) fn read(path: impl AsRef<Path>) -> String {
     let path = root().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
@@ -44,12 +44,12 @@ fn files_below(folder: &str) -> Vec<PathBuf> {
     found
 }
 
-fn sources() -> Vec<PathBuf> {
+pub(crate) fn sources() -> Vec<PathBuf> {
     files_below("src").into_iter().filter(|path| path.extension().is_some_and(|extension| extension == "rs")).collect()
 }
 
 /// A source without its comments, and without what follows `#[cfg(test)]`, line by line with line numbers.
-fn product_lines(text: &str) -> Vec<(usize, &str)> {
+pub(crate) fn product_lines(text: &str) -> Vec<(usize, &str)> {
     let end = text.find("\n#[cfg(test)]\nmod ").unwrap_or(text.len());
     text[..end]
         .lines()
@@ -165,7 +165,7 @@ fn rooms_are_found_in_imports() {
 #[test]
 fn man_pages_are_fresh() {
     let again = "make them again: cargo run -- man man";
-    let pages = cli::man::pages().unwrap();
+    let pages = cli::man::pages(cli::command()).unwrap();
     for page in &pages {
         let path = root().join("man").join(&page.name);
         let kept = fs::read(&path).unwrap_or_else(|error| panic!("man/{}: {error}; {again}", page.name));

@@ -18,6 +18,7 @@ mod exr_files;
 mod footage;
 mod hard_cases;
 mod house;
+mod imports;
 mod input;
 mod inspect;
 mod interrupted;

@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use clap::ValueEnum;
 use glam::DVec3;
 
-use super::Args;
-use crate::cli::options;
+use super::args::{AovArg, Args, DepthArg, ProjectionArg};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
@@ -18,59 +16,6 @@ use crate::scene::{CapturePlan, Pass, Scene};
 
 /// Side of a cube face where none is given; panoramas that become such faces are four times as wide.
 const DEFAULT_SIDE: u32 = 512;
-
-/// `--projection`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ProjectionArg {
-    /// Six faces of an OpenGL cube map
-    Cube,
-    /// All directions in one image: longitude across, latitude down
-    Equirect,
-    /// A pinhole camera that looks along -Z with +Y up, before its orientation
-    Perspective,
-}
-
-/// `--aov`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum AovArg {
-    /// Metres to the surface
-    Depth,
-    /// Shading normals in world axes
-    Normal,
-    /// Weights of reflection and refraction, index of refraction
-    Material,
-    /// Nothing: colour alone
-    None,
-}
-
-/// `--depth`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum DepthArg {
-    /// From the camera along the ray
-    Distance,
-    /// Along the viewing axis
-    Planar,
-}
-
-/// Parses `256` or `640x480`.
-pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
-    let side = |text: &str| text.parse::<u32>().ok().filter(|side| *side > 0);
-    let size = match text.split_once('x') {
-        Some((width, height)) => side(width).zip(side(height)).map(|(width, height)| (width, Some(height))),
-        None => side(text).map(|side| (side, None)),
-    };
-    size.ok_or_else(|| format!("'{text}' is neither a number of pixels such as 256 nor WxH such as 640x480"))
-}
-
-/// Parses a number of frames per second.
-pub fn parse_fps(text: &str) -> Result<f64, String> {
-    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of frames per second above 0"))
-}
-
-/// Parses a distance.
-pub fn parse_metres(text: &str) -> Result<f64, String> {
-    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of metres above 0"))
-}
 
 /// What a file of cameras has to say besides where they are.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,19 +184,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_and_numbers_are_parsed() {
-        assert_eq!(parse_size("256"), Ok((256, None)));
-        assert_eq!(parse_size("640x480"), Ok((640, Some(480))));
-        for text in ["", "0", "-1", "4x", "4x0", "x4", "4x4x4", "99999999999", "a"] {
-            assert!(parse_size(text).unwrap_err().contains("640x480"), "{text}");
-        }
-        assert_eq!(parse_fps("29.97"), Ok(29.97));
-        for text in ["", "0", "-1", "inf", "nan", "x"] {
-            assert!(parse_fps(text).is_err() && parse_metres(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
     fn frames_are_those_that_cameras_ask_for() {
         let all = FrameRange { first: 0, last: 6 };
         let at = |frames| PlacedCamera { frames, ..PlacedCamera::at([0.0; 3]) };
@@ -268,21 +200,6 @@ mod tests {
         let endless = || Err(Error::Usage("endless".into()));
         assert_eq!(wanted_frames(&said, endless).unwrap().last, 5);
         assert!(wanted_frames(&CameraSet::new(vec![at(None)]), endless).is_err());
-    }
-
-    /// The help has the figures of the light that scenes without any get.
-    #[test]
-    fn the_light_of_scenes_without_any_is_told() {
-        use clap::Args as _;
-        let help = super::Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
-        let light = crate::scene::Light::default();
-        let sun = light.suns[0];
-        let elevation = format!("{:.0} degrees", sun.direction.y.asin().to_degrees());
-        assert!(help.contains(&elevation), "{elevation}");
-        for figures in [sun.radiance, light.sky.horizon, light.sky.zenith, light.sky.ambient] {
-            let figures = figures.to_array().map(|value| value.to_string()).join(", ");
-            assert!(help.contains(&figures), "{figures}");
-        }
     }
 
     #[test]

@@ -5,12 +5,11 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::Args;
-use crate::cli::options::is_dataset;
+use super::args::Args;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, output, with_option_names};
 use crate::convention::{self, Choice, MAX_PROBES, Report, Verdict};
-use crate::dataset::Source;
+use crate::dataset::{Source, manifest};
 use crate::error::{Error, Result};
 use crate::report::table::{Column, Table};
 
@@ -29,7 +28,7 @@ struct Document<'a> {
 
 /// Checks, reports, and answers [`ExitStatus::Failed`] where something is suspected.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    if !is_dataset(&args.input) {
+    if !manifest::is_dataset(&args.input) {
         let message = "--check compares a lightfield.json, or the folder that holds one, with its files".to_owned();
         return Err(Error::Usage(format!("{}: {message}", args.input.display())));
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::{Args, Report};
+use super::args::{Args, Report};
 use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
 use crate::compare::side;

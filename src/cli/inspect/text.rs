@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::Report;
+use super::args::Report;
 use crate::cli::damage;
 use crate::cli::output::human_bytes;
 use crate::container::header::{VERSION_MAJOR, VERSION_MINOR};

@@ -1,15 +1,16 @@
-//! Options of lone sequences: what their images show, and how.
+//! Options of image sequences: contents and layout of the images.
 
 use clap::{Args, ValueEnum};
 
-use crate::cli::options::parse_face;
+use super::{EffortArgs, FrameArgs, parse_face};
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
+use crate::encode::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::image::cube::Face;
 use crate::image::png::ColorSpace;
 
-/// `--color-space` of a lone sequence.
+/// `--color-space`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorSpaceArg {
     /// Scene-referred light
@@ -27,22 +28,30 @@ impl From<ColorSpaceArg> for ColorSpace {
     }
 }
 
-/// What a lone sequence shows.
+/// An image sequence to encode.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Sequence")]
-pub struct SequenceArgs {
+pub struct SequenceInputArgs {
+    /// The sequence: a pattern such as name.%04d.exr or name.####.exr, a folder, or one file
+    #[arg(value_name = "SEQ")]
+    pub input: String,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
     /// Name of the probe
-    #[arg(long, value_name = "NAME", default_value = "00")]
+    #[arg(long, value_name = "NAME", default_value = "00", help_heading = "Sequence")]
     pub probe: String,
     /// The face that single images show: px, nx, py, ny, pz, nz, or view for a perspective image
-    #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face)]
+    #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face, help_heading = "Sequence")]
     pub face: Face,
     /// Images.
     #[command(flatten)]
     pub images: ImageArgs,
+    /// Effort.
+    #[command(flatten)]
+    pub effort: EffortArgs,
 }
 
-/// How the images of a lone sequence show what they show.
+/// Layout of the images of a sequence.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub struct ImageArgs {
@@ -73,17 +82,23 @@ pub enum LayoutArg {
     Equirect,
 }
 
-impl SequenceArgs {
-    /// Opens the sequence `spec` as a source of one kind of stream.
-    pub fn open(&self, kind: StreamKind, spec: &str, mut options: SourceOptions) -> Result<Source> {
-        options.channel = self.images.channel.clone();
-        options.face_size = self.images.face_size;
+impl SequenceInputArgs {
+    /// Puts the options where the reader of files and the encoder find them; after those of depth and colour.
+    pub fn apply(&self, source: &mut SourceOptions, settings: &mut EncodeSettings) {
+        source.frames = self.frames.frames;
+        source.channel = self.images.channel.clone();
+        source.face_size = self.images.face_size;
+        self.effort.apply(settings);
+    }
+
+    /// Opens the sequence as a source of one kind of stream.
+    pub fn open(&self, kind: StreamKind, options: SourceOptions) -> Result<Source> {
         let layout = SequenceLayout {
             arrangement: self.images.arrangement(self.face),
             probe: self.probe.clone(),
             intrinsics: self.images.intrinsics()?,
         };
-        Source::from_sequence(kind, spec, &layout, &options)
+        Source::from_sequence(kind, &self.input, &layout, &options)
     }
 }
 

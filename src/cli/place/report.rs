@@ -1,97 +1,59 @@
-//! What `place` says: a table, JSON, CSV, and what charts are drawn from.
+//! Reports of `place`: table, JSON, CSV, curves.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::Serialize;
-use serde_json::{Value, json};
 
-use super::Args;
+use super::args::Args;
 use crate::dataset::cameras::CameraSet;
 use crate::error::Result;
-use crate::placement::{Figures, Lighting, Placed, Placement, Search};
+use crate::placement::report::{DecayPlacement, PlacementReport};
+use crate::placement::{Figures, Lighting, Placement, Search};
 use crate::report::anatomy::counted;
 use crate::report::placement::Curve;
 use crate::report::{Column, Table, csv};
 
-/// Part of the surface below which a region is taken to be in the wrong place.
+/// Below this visible fraction of the surface the region is probably misplaced.
 const HARDLY_ANYTHING: f64 = 0.01;
 
-/// Everything that is told.
+/// The JSON report.
+#[derive(Serialize)]
+pub struct Document<'a> {
+    #[serde(flatten)]
+    placement: PlacementReport<'a>,
+    seconds: f64,
+    files: &'a [PathBuf],
+}
+
+/// Results of a run.
 pub struct Report<'a> {
     /// The command line.
     pub args: &'a Args,
     /// The search.
     pub search: &'a Search<'a>,
-    /// What it found.
+    /// The placement asked for.
     pub placement: &'a Placement,
-    /// What it found for the other lighting, where that was asked for.
+    /// The same for the other lighting, with --plot or --csv.
     pub comparison: Option<Placement>,
-    /// What it found for each k of `--compare-k`.
-    pub decays: Vec<(f64, Placement)>,
+    /// The same for each K of --compare-k.
+    pub decays: Vec<DecayPlacement>,
     /// The cameras as they are written.
     pub set: &'a CameraSet,
     /// First and last frame that cameras serve.
     pub range: [u32; 2],
-    /// Those that were looked at.
+    /// Frames in which surfaces were sampled.
     pub frames: Vec<u32>,
-    /// Of reading, searching and placing.
+    /// Time for reading, searching and placing.
     pub seconds: f64,
-}
-
-/// θ, where there is one.
-pub fn theta_deg(lighting: Lighting) -> Option<f64> {
-    match lighting {
-        Lighting::Diffuse => None,
-        Lighting::Specular { theta_deg } => Some(theta_deg),
-    }
-}
-
-/// A camera in CSV.
-#[derive(Debug, Serialize)]
-struct Row {
-    lighting: &'static str,
-    camera: usize,
-    started: bool,
-    x: f64,
-    y: f64,
-    z: f64,
-    gain: f64,
-    coverage: f64,
-    seen: f64,
-    weighted: f64,
-    within: f64,
-    k_per_m: f64,
-}
-
-fn rows(placement: &Placement, k_per_m: f64) -> impl Iterator<Item = Row> + '_ {
-    placement.cameras.iter().enumerate().map(move |(at, placed)| {
-        let [x, y, z] = placed.position.to_array();
-        let Figures { coverage, seen, weighted, within } = placed.figures;
-        let lighting = placement.lighting.name();
-        Row {
-            lighting,
-            camera: at,
-            started: at < placement.started,
-            x,
-            y,
-            z,
-            gain: placed.gain,
-            coverage,
-            seen,
-            weighted,
-            within,
-            k_per_m,
-        }
-    })
 }
 
 fn percent(share: f64) -> String {
     format!("{:.2}", 100.0 * share)
 }
 
-/// A number as people write it: with a power of ten only where it is very small or very large.
+/// A number with a power of ten only if very small or very large.
 fn plain(value: f64) -> String {
     if value == 0.0 {
         "0".to_owned()
@@ -103,7 +65,7 @@ fn plain(value: f64) -> String {
     }
 }
 
-/// A length with as many digits as tell candidates apart.
+/// A length with enough digits to distinguish candidates.
 fn metres(value: f64, diagonal_m: f64) -> String {
     let digits = (3.0 - diagonal_m.max(1e-300).log10()).ceil().clamp(0.0, 12.0) as usize;
     format!("{value:.digits$}")
@@ -120,14 +82,14 @@ impl Report<'_> {
         name.map_or_else(|| self.args.scene.clone(), |name| name.to_string_lossy().into_owned())
     }
 
-    /// The curves of all lightings that were placed for, the one that was asked for first.
+    /// A curve for each lighting, the one asked for first.
     pub fn curves(&self) -> Vec<Curve> {
         self.placements().map(|placement| self.curve(placement, self.search.problem().rate_per_m())).collect()
     }
 
     /// The curves of `--compare-k`.
     pub fn decays(&self) -> Vec<Curve> {
-        self.decays.iter().map(|(k, placement)| self.curve(placement, *k)).collect()
+        self.decays.iter().map(|decay| self.curve(&decay.placement, decay.rate_per_m)).collect()
     }
 
     fn curve(&self, placement: &Placement, rate_per_m: f64) -> Curve {
@@ -140,21 +102,19 @@ impl Report<'_> {
         }
     }
 
-    /// What a user may not expect, a sentence each.
+    /// Surprises, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let (found, bounds, region) = (self.placement, self.search.surface_bounds(), self.search.region().bounds());
         let mut notes = Vec::new();
         if self.args.stop().cameras == Some(found.cameras.len() - found.started) && self.args.is_endless() {
             let count = found.cameras.len() - found.started;
-            notes.push(format!("stopped after {count} cameras; say by --cameras how many more there may be"));
+            notes.push(format!("stopped after {count} cameras; --cameras allows more"));
         }
         if let Some(wanted) = self.args.uniform.map(|count| count as usize)
             && found.cameras.len() - found.started < wanted
         {
             let count = counted((found.cameras.len() - found.started) as u64, "camera");
-            notes.push(format!(
-                "there is room for {count} only, if none is to be much closer to another than on a grid"
-            ));
+            notes.push(format!("{count} placed: more would be much closer to each other than on a grid"));
         }
         let away = (bounds.min - region.max).max(region.min - bounds.max).max(DVec3::ZERO).length();
         let across = (bounds.max - bounds.min).length();
@@ -163,8 +123,7 @@ impl Report<'_> {
             let digits = across + (bounds.min.abs().max(bounds.max.abs())).max_element();
             let corner = |at: DVec3| at.to_array().map(|value| metres(value, digits)).join(", ");
             notes.push(format!(
-                "from the region {}% of the surface can be seen, and it is {} m away from the scene, which reaches from {} to {}; \
-                 see whether it lies where viewers are to be",
+                "{}% of the surface is visible from the region, which is {} m from the scene ({} to {}): check --region",
                 percent(found.reachable.seen),
                 plain(away),
                 corner(bounds.min),
@@ -180,12 +139,12 @@ impl Report<'_> {
     /// When it cannot be written as CSV.
     pub fn csv(&self) -> Result<String> {
         let rate_per_m = self.search.problem().rate_per_m();
-        let asked = self.placements().flat_map(|placement| rows(placement, rate_per_m));
-        let decays = self.decays.iter().flat_map(|(k, placement)| rows(placement, *k));
+        let asked = self.placements().flat_map(|placement| placement.rows(rate_per_m));
+        let decays = self.decays.iter().flat_map(|decay| decay.placement.rows(decay.rate_per_m));
         csv::of_rows(&asked.chain(decays).collect::<Vec<_>>())
     }
 
-    /// The table and what belongs to it.
+    /// The report as text.
     pub fn text(&self, files: &[PathBuf]) -> String {
         let mut text = String::new();
         for placement in self.placements() {
@@ -206,13 +165,11 @@ impl Report<'_> {
         );
         let _ = writeln!(
             text,
-            "What a candidate adds was worked out {}, where trying all each time takes {}, and estimated {}; {} beside the best \
-             {} tried; {:.2} s",
-            counted(placement.objective_calls, "time"),
+            "{} computed ({} by plain greedy search), {} estimated; {} refined; {:.2} s",
+            counted(placement.objective_calls, "gain"),
             placement.plain_objective_calls,
-            counted(placement.bound_calls, "time"),
+            placement.bound_calls,
             counted(placement.refinement_calls, "position"),
-            if placement.refinement_calls == 1 { "was" } else { "were" },
             self.seconds
         );
         files.iter().for_each(|path| {
@@ -239,7 +196,7 @@ impl Report<'_> {
         )
     }
 
-    /// Whether a placement is the one that was asked for.
+    /// Whether a placement is the one that is written.
     fn is_written(&self, placement: &Placement) -> bool {
         std::ptr::eq(placement, self.placement)
     }
@@ -272,73 +229,12 @@ impl Report<'_> {
         table
     }
 
-    /// Everything.
-    pub fn json(&self, files: &[PathBuf]) -> Value {
-        let last = self.placement.cameras.last().map_or(Figures::default(), |placed| placed.figures);
-        let camera = |(at, placed): (usize, &Placed)| {
-            json!({
-                "name": self.set.name_of(at),
-                "position": placed.position.to_array(),
-                "given": at < self.placement.started,
-                "gain": placed.gain,
-                "coverage": placed.figures.coverage,
-                "seen": placed.figures.seen,
-                "weighted": placed.figures.weighted,
-                "within": placed.figures.within,
-            })
-        };
-        let mut all = json!({
-            "cameras": self.placement.cameras.iter().enumerate().map(camera).collect::<Vec<_>>(),
-            "lighting": self.placement.lighting.name(),
-            "theta_deg": theta_deg(self.placement.lighting),
-            "k_per_m": self.search.problem().rate_per_m(),
-            "min_distance_m": self.search.min_distance_m(),
-            "frames": self.range,
-            "frames_looked_at": self.frames,
-            "candidates": self.search.candidate_count(),
-            "surface_samples": self.search.surface_samples(),
-            "facets": self.search.problem().surfels().len(),
-            "objective_calls": self.placement.objective_calls,
-            "bound_calls": self.placement.bound_calls,
-            "plain_objective_calls": self.placement.plain_objective_calls,
-            "refinement_calls": self.placement.refinement_calls,
-            "coverage": last.coverage,
-            "weighted": last.weighted,
-            "within": last.within,
-            "reachable": self.placement.reachable,
-            "coverage_of_reachable": last.coverage / self.placement.reachable.coverage.max(f64::MIN_POSITIVE),
-            "seconds": self.seconds,
-            "files": files,
-        });
-        if self.comparison.is_some() {
-            let curve = |placement: &Placement| {
-                json!({
-                    "lighting": placement.lighting.name(),
-                    "theta_deg": theta_deg(placement.lighting),
-                    "coverage": placement.cameras.iter().map(|placed| placed.figures.coverage).collect::<Vec<_>>(),
-                    "reachable": placement.reachable,
-                    "objective_calls": placement.objective_calls,
-                    "bound_calls": placement.bound_calls,
-                    "plain_objective_calls": placement.plain_objective_calls,
-                })
-            };
-            all["convergence"] = self.placements().map(curve).collect();
-        }
-        if !self.decays.is_empty() {
-            let curve = |(k, placement): &(f64, Placement)| {
-                let each = |value: fn(&Figures) -> f64| {
-                    placement.cameras.iter().map(|placed| value(&placed.figures)).collect::<Vec<f64>>()
-                };
-                json!({
-                    "k_per_m": k,
-                    "seen": each(|figures| figures.seen),
-                    "weighted": each(|figures| figures.weighted),
-                    "within": each(|figures| figures.within),
-                })
-            };
-            all["decay"] = self.decays.iter().map(curve).collect();
-        }
-        all
+    /// The report in JSON, of a run that wrote `files`.
+    pub fn json<'b>(&'b self, files: &'b [PathBuf]) -> Document<'b> {
+        let placement = PlacementReport::new(self.search, self.placement, self.set, self.range);
+        let mut placement = placement.compared(&self.placements().collect::<Vec<_>>(), &self.decays);
+        placement.frames_looked_at = &self.frames;
+        Document { placement, seconds: self.seconds, files }
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::parser::ValueSource;
 use clap::{ArgMatches, CommandFactory, Parser};
 
-use crate::cli::{Cli, Command, GlobalArgs, options};
+use crate::cli::{Cli, Command, GlobalArgs};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
 use crate::dataset::stream::StreamKind;
@@ -61,7 +61,7 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
 
 /// Opens footage; `kinds` are those that were asked for, and `words` the options of all points.
 pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<(Footage, Fixed)> {
-    let form = if options::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
+    let form = if manifest::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
     let subcommand = encoder(form, kinds, path)?;
     let mut fixed = fixed(subcommand, path, words)?;
     if let Some(threads) = global.threads.filter(|_| fixed.knobs.iter().all(|(name, _)| *name != "threads")) {
@@ -84,11 +84,11 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
         }
         Command::EncodeDepth(args) => {
             let (options, settings) = args.settings()?;
-            (args.sequence.open(StreamKind::Depth, &args.input, options)?, settings)
+            (args.input.open(StreamKind::Depth, options)?, settings)
         }
         Command::EncodeColor(args) => {
             let (options, settings) = args.settings()?;
-            (args.sequence.open(StreamKind::Color, &args.input, options)?, settings)
+            (args.input.open(StreamKind::Color, options)?, settings)
         }
         _ => return Err(Error::Usage(format!("{subcommand} encodes nothing"))),
     };

@@ -49,7 +49,45 @@ pub struct CaptureSummary {
     pub depth_range_m: [f32; 2],
 }
 
+/// Figures of a capture in JSON.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct CaptureReport {
+    /// Time of the command.
+    pub seconds: f64,
+    /// Time until the scene was open.
+    pub loading_seconds: f64,
+    frames: u64,
+    probes: usize,
+    images: u64,
+    resumed_images: u64,
+    rays: u64,
+    /// Without the time for opening the scene.
+    pub rays_per_second: f64,
+    bytes: u64,
+    near_m: Option<f64>,
+    far_m: Option<f64>,
+}
+
 impl CaptureSummary {
+    /// The report of a capture of `plan`.
+    pub fn report(&self, plan: &CapturePlan, loading_seconds: f64, seconds: f64) -> CaptureReport {
+        let [near_m, far_m] = self.depth_range_m;
+        let has_depth = near_m <= far_m;
+        CaptureReport {
+            seconds,
+            loading_seconds,
+            frames: plan.frames.count(),
+            probes: plan.cameras.cameras.len(),
+            images: self.images,
+            resumed_images: self.kept_images,
+            rays: self.rays,
+            rays_per_second: self.rays as f64 / (seconds - loading_seconds).max(1e-9),
+            bytes: self.bytes,
+            near_m: has_depth.then_some(near_m.into()),
+            far_m: has_depth.then_some(far_m.into()),
+        }
+    }
+
     const NOTHING: CaptureSummary =
         CaptureSummary { images: 0, kept_images: 0, rays: 0, bytes: 0, depth_range_m: [f32::INFINITY, 0.0] };
 

@@ -1,0 +1,178 @@
+//! Arguments of `capture`.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use glam::DVec3;
+
+use crate::cli::options::{self, FrameArgs, parse_point};
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(
+    group(clap::ArgGroup::new("from").required(true).args(["cameras", "position"])),
+    after_help = "Examples:\n  lightfold capture sponza.glb --cameras cameras.json --size 256 -o cap\n  \
+    lightfold capture mirrors --position 0,1.5,0 --frames 0-23 --samples 4 --aov depth,material -o cap\n  \
+    lightfold capture scene.gltf --cameras old/lightfield.json --aov depth,normal,material -o cap\n  \
+    lightfold capture scene.obj --position 0,1.5,0 --projection equirect --size 2048 -o pano\n  \
+    lightfold capture scene.glb --cameras views.json --size 1280x720 -o truth\n  \
+    lightfold capture scene.glb --position 0,1,3 --look-at 0,1,0 --fov 50 -o view\n  \
+    lightfold capture scene.glb --cameras cameras.json --resume -o cap --json\n\n\
+    SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
+    --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
+    camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\" and \"frames\" ([first, last]); \
+    the probes of a lightfield.json; or viewers as of `decode --camera`, from which perspective images are captured: the \
+    truth to compare with what is made of a light field.\n\n\
+    A scene that brings no light is lit by a sun, 51 degrees high towards (0.5, 0.78, 0.38), of radiance 1.75, 1.6, 1.35 (of a \
+    white surface that faces it), and by light from everywhere, 0.3, 0.36, 0.46. Behind all scenes from files is a sky of \
+    0.5, 0.66, 0.86 at the horizon and 0.16, 0.32, 0.68 straight up.\n\n\
+    Colour is the mean of a pixel's samples; all else is what one ray through its centre meets, and is never filtered. \
+    The same scene and options write the same bytes on any number of threads.\n\n\
+    A capture that is stopped keeps its images beside DIR: the same command with --resume goes on with them and ends in \
+    the same bytes. A dataset in DIR is replaced only by one that has all of its images."
+)]
+pub struct Args {
+    /// A file (glTF, GLB, OBJ), or the name of a scene that is built in
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Folder to write the dataset into
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Where to capture from: a file of cameras, a lightfield.json, or - for standard input
+    #[arg(long, value_name = "FILE")]
+    pub cameras: Option<PathBuf>,
+    /// Capture from here, in metres; may be given more than once
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    pub position: Vec<DVec3>,
+    /// Take perspective pictures from each --position towards this point in metres, with +Y up; --fov says how wide
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
+    pub look_at: Option<DVec3>,
+    /// Which animation of the file is shown, by its name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
+    /// Frames; without them, all of the animation, or frame 0 where nothing moves.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Frames per second of the scene's time
+    #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
+    pub fps: f64,
+    /// Pixels: the side of a cube face, the width of a panorama, the height of a perspective image; or both sides
+    /// [default: 512, for panoramas 2048]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
+    pub size: Option<(u32, Option<u32>)>,
+    /// What an image shows [default: cube; perspective where the cameras are viewers, and with --look-at]
+    #[arg(long, value_enum)]
+    pub projection: Option<ProjectionArg>,
+    /// Vertical field of view in degrees, for cameras of perspective captures that have none of their own
+    #[arg(long, value_name = "DEGREES")]
+    pub fov: Option<f64>,
+    /// Samples of colour in each pixel: squares lie on a grid, other numbers on Hammersley's points
+    #[arg(long, value_name = "N", default_value_t = 16,
+        value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
+    pub samples: u32,
+    /// What to capture besides colour: depth, normal, material, or none
+    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', default_value = "depth")]
+    pub aov: Vec<AovArg>,
+    /// Leave colour out
+    #[arg(long)]
+    pub no_color: bool,
+    /// What depth measures
+    #[arg(long, value_enum, default_value_t = DepthArg::Distance)]
+    pub depth: DepthArg,
+    /// Metres: surfaces farther away are background, but for their colour [default: none is too far]
+    #[arg(long, value_name = "M", value_parser = parse_metres)]
+    pub far: Option<f64>,
+    /// Go on with a capture into this folder that was stopped; the options must be the same. Where there is none, begin at
+    /// the start
+    #[arg(long)]
+    pub resume: bool,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `--projection`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ProjectionArg {
+    /// Six faces of an OpenGL cube map
+    Cube,
+    /// All directions in one image: longitude across, latitude down
+    Equirect,
+    /// A pinhole camera that looks along -Z with +Y up, before its orientation
+    Perspective,
+}
+
+/// `--aov`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum AovArg {
+    /// Metres to the surface
+    Depth,
+    /// Shading normals in world axes
+    Normal,
+    /// Weights of reflection and refraction, index of refraction
+    Material,
+    /// Nothing: colour alone
+    None,
+}
+
+/// `--depth`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DepthArg {
+    /// From the camera along the ray
+    Distance,
+    /// Along the viewing axis
+    Planar,
+}
+
+/// Parses `256` or `640x480`.
+pub fn parse_size(text: &str) -> Result<(u32, Option<u32>), String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| *side > 0);
+    let size = match text.split_once('x') {
+        Some((width, height)) => side(width).zip(side(height)).map(|(width, height)| (width, Some(height))),
+        None => side(text).map(|side| (side, None)),
+    };
+    size.ok_or_else(|| format!("'{text}' is neither a number of pixels such as 256 nor WxH such as 640x480"))
+}
+
+/// Parses a number of frames per second.
+pub fn parse_fps(text: &str) -> Result<f64, String> {
+    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of frames per second above 0"))
+}
+
+/// Parses a distance.
+pub fn parse_metres(text: &str) -> Result<f64, String> {
+    options::parse_positive(text).map_err(|_| format!("'{text}' is no number of metres above 0"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_numbers_are_parsed() {
+        assert_eq!(parse_size("256"), Ok((256, None)));
+        assert_eq!(parse_size("640x480"), Ok((640, Some(480))));
+        for text in ["", "0", "-1", "4x", "4x0", "x4", "4x4x4", "99999999999", "a"] {
+            assert!(parse_size(text).unwrap_err().contains("640x480"), "{text}");
+        }
+        assert_eq!(parse_fps("29.97"), Ok(29.97));
+        for text in ["", "0", "-1", "inf", "nan", "x"] {
+            assert!(parse_fps(text).is_err() && parse_metres(text).is_err(), "{text}");
+        }
+    }
+
+    /// The help has the figures of the light that scenes without any get.
+    #[test]
+    fn the_light_of_scenes_without_any_is_told() {
+        use clap::Args as _;
+        let help = Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
+        let light = crate::scene::Light::default();
+        let sun = light.suns[0];
+        let elevation = format!("{:.0} degrees", sun.direction.y.asin().to_degrees());
+        assert!(help.contains(&elevation), "{elevation}");
+        for figures in [sun.radiance, light.sky.horizon, light.sky.zenith, light.sky.ambient] {
+            let figures = figures.to_array().map(|value| value.to_string()).join(", ");
+            assert!(help.contains(&figures), "{figures}");
+        }
+    }
+}

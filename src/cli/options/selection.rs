@@ -1,0 +1,53 @@
+//! Which streams and frames.
+
+use clap::Args;
+
+use crate::dataset::stream::StreamKind;
+use crate::decode::Selection;
+use crate::error::Error;
+use crate::image::cube::Face;
+use crate::image::sequence::FrameRange;
+
+/// Parses a stream kind.
+pub fn parse_kind(text: &str) -> Result<StreamKind, String> {
+    StreamKind::from_name(text).ok_or_else(|| format!("'{text}' is none of color, depth, material"))
+}
+
+/// Parses a face.
+pub fn parse_face(text: &str) -> Result<Face, String> {
+    Face::from_name(text).ok_or_else(|| format!("'{text}' is none of px, nx, py, ny, pz, nz, view"))
+}
+
+/// Parses `A-B` or `A`.
+pub fn parse_frames(text: &str) -> Result<FrameRange, String> {
+    text.parse::<FrameRange>().map_err(|error: Error| error.to_string())
+}
+
+/// Which frames of the input.
+#[derive(Debug, Clone, Args)]
+pub struct FrameArgs {
+    /// Only these frames, such as 10-99 or 12
+    #[arg(long, value_name = "A-B", value_parser = parse_frames)]
+    pub frames: Option<FrameRange>,
+}
+
+/// Which streams of a container.
+#[derive(Debug, Clone, Args)]
+pub struct SelectionArgs {
+    /// Only these probes
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub probe: Vec<String>,
+    /// Only these faces
+    #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = parse_face)]
+    pub face: Vec<Face>,
+    /// Only streams of these kinds: color, depth, material
+    #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = parse_kind)]
+    pub stream: Vec<StreamKind>,
+}
+
+impl SelectionArgs {
+    /// The selection of these streams and of `frames`.
+    pub fn with(&self, frames: Option<FrameRange>) -> Selection {
+        Selection { probes: self.probe.clone(), faces: self.face.clone(), kinds: self.stream.clone(), frames }
+    }
+}
