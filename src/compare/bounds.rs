@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::compare::comparison::Comparison;
-use crate::compare::difference::Spot;
+use crate::metrics::depth_error::Spot;
 
 /// Bounds that two sides must keep.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,10 +1,11 @@
 //! What comparing two sides has found, stream by stream and in all.
 
-use crate::compare::difference::{BitErrors, DepthErrors, Lowest, SampleErrors, Spot};
+use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::Domain;
 use crate::compare::side::StreamId;
 use crate::image::sequence::FrameRange;
-use crate::metrics::psnr::CodeError;
+use crate::metrics::depth_error::{DepthErrors, Spot};
+use crate::metrics::psnr::SquaredError;
 
 /// Frames of a stream that one side alone has.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -97,7 +98,7 @@ pub struct Comparison {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleTotal {
     /// Squared errors, one for each peak, as 8-bit and half-float streams have different ones.
-    errors: Vec<CodeError>,
+    errors: Vec<SquaredError>,
     /// Index of the stream that has the frame of lowest PSNR, and that frame.
     pub lowest_frame: Option<(usize, Lowest)>,
     /// Index of the stream that has the cell of lowest PSNR, and that cell.

@@ -1,172 +1,14 @@
 //! What is counted pixel by pixel when two images are compared.
 
 use half::f16;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use crate::color::quality::{Pu21, Quality};
-use crate::compare::domain::{DepthPicture, OUTSIDE, Values};
-use crate::depth::quantise::BACKGROUND_CODE;
+use crate::compare::domain::Values;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, Plane};
-use crate::json::{self, Number};
-use crate::metrics::depth_error::DEPTH_CODE_PEAK;
-use crate::metrics::psnr::{CodeError, U8_PEAK};
-
-/// A pixel of a frame of a stream.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct Spot {
-    /// Frame number, of the first side where they differ.
-    pub frame: u32,
-    /// Column.
-    pub x: u32,
-    /// Row.
-    pub y: u32,
-}
-
-impl Spot {
-    fn at(frame: u32, index: usize, width: u32) -> Spot {
-        let width = width.max(1) as usize;
-        Spot { frame, x: (index % width) as u32, y: (index / width) as u32 }
-    }
-}
-
-/// Errors of depth.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct DepthErrors {
-    /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
-    /// code for what it sees.
-    pub max_error_codes: u16,
-    /// Largest error in metres, +inf where one side sees background and the other does not.
-    #[serde(serialize_with = "json::number")]
-    pub max_error_m: f64,
-    /// Squared error in codes.
-    #[serde(rename = "psnr_db", serialize_with = "psnr_db")]
-    pub error: CodeError,
-    /// The first pixel that has the largest error in codes; `None` where all are equal.
-    #[serde(skip)]
-    pub worst: Option<Spot>,
-    /// Pixels whose codes differ.
-    pub differing_pixels: u64,
-    /// Pixels that are background on one side only.
-    pub background_mismatches: u64,
-    /// Pixels that the range of the codes leaves out, on either side.
-    pub outside_pixels: u64,
-}
-
-fn psnr_db<S: Serializer>(error: &CodeError, serializer: S) -> Result<S::Ok, S::Error> {
-    Number(error.psnr_db()).serialize(serializer)
-}
-
-impl Default for DepthErrors {
-    fn default() -> Self {
-        DepthErrors {
-            max_error_codes: 0,
-            max_error_m: 0.0,
-            error: CodeError::empty(DEPTH_CODE_PEAK),
-            worst: None,
-            differing_pixels: 0,
-            background_mismatches: 0,
-            outside_pixels: 0,
-        }
-    }
-}
-
-impl DepthErrors {
-    /// Adds a frame.
-    pub fn add(&mut self, frame: u32, a: &DepthPicture, b: &DepthPicture) {
-        let codes = a.codes.iter().zip(&b.codes);
-        let metres = a.metres.iter().zip(&b.metres);
-        for (index, ((&code_a, &code_b), (&m_a, &m_b))) in codes.zip(metres).enumerate() {
-            self.outside_pixels += u64::from(code_a == OUTSIDE || code_b == OUTSIDE);
-            if code_a == code_b && m_a == m_b {
-                continue;
-            }
-            self.max_error_m = self.max_error_m.max(error_m(m_a, m_b));
-            let found = error_codes(code_a, code_b);
-            let error = found.codes();
-            if error == 0 {
-                continue;
-            }
-            self.differing_pixels += 1;
-            self.background_mismatches += u64::from(found == PixelError::Background);
-            self.error.sum += u128::from(error).pow(2);
-            if error > self.max_error_codes {
-                self.max_error_codes = error;
-                self.worst = Some(Spot::at(frame, index, a.width));
-            }
-        }
-        self.error.samples += a.codes.len() as u64;
-    }
-
-    /// Adds what another stream has; answers whether the worst pixel is now the other's.
-    pub fn merge(&mut self, other: &DepthErrors) -> bool {
-        self.max_error_m = self.max_error_m.max(other.max_error_m);
-        self.error.sum += other.error.sum;
-        self.error.samples += other.error.samples;
-        self.differing_pixels += other.differing_pixels;
-        self.background_mismatches += other.background_mismatches;
-        self.outside_pixels += other.outside_pixels;
-        let worse = other.max_error_codes > self.max_error_codes;
-        if worse {
-            self.max_error_codes = other.max_error_codes;
-            self.worst = other.worst;
-        }
-        worse
-    }
-}
-
-/// The error of one pixel of depth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PixelError {
-    /// So many codes or steps of the metric; 0 where nothing differs.
-    Steps(u32),
-    /// One side has background where the other has a surface.
-    Background,
-    /// A side sees a depth that the range of the codes leaves out.
-    Outside,
-}
-
-impl PixelError {
-    /// The error of depth in codes; what is no matter of codes is the largest.
-    pub fn codes(self) -> u16 {
-        match self {
-            PixelError::Steps(steps) => u16::try_from(steps).unwrap_or(u16::MAX),
-            PixelError::Background | PixelError::Outside => u16::MAX,
-        }
-    }
-}
-
-/// The error between two codes. Codes that are both missing stand for two different depths: where the depths are equal
-/// nobody asks.
-fn error_codes(a: i32, b: i32) -> PixelError {
-    let background = i32::from(BACKGROUND_CODE);
-    if (a == background) != (b == background) {
-        PixelError::Background
-    } else if a == OUTSIDE || b == OUTSIDE {
-        PixelError::Outside
-    } else {
-        PixelError::Steps(a.abs_diff(b))
-    }
-}
-
-/// The error of each pixel, row by row, as [`DepthErrors`] counts it.
-pub fn depth_errors(a: &DepthPicture, b: &DepthPicture) -> Vec<PixelError> {
-    let codes = a.codes.iter().zip(&b.codes);
-    let metres = a.metres.iter().zip(&b.metres);
-    let error = |((&code_a, &code_b), (m_a, m_b))| match code_a == code_b && m_a == m_b {
-        true => PixelError::Steps(0),
-        false => error_codes(code_a, code_b),
-    };
-    codes.zip(metres).map(error).collect()
-}
-
-fn error_m(a: f32, b: f32) -> f64 {
-    match (a.is_finite(), b.is_finite()) {
-        (true, true) => (f64::from(a) - f64::from(b)).abs(),
-        (false, false) => 0.0,
-        _ => f64::INFINITY,
-    }
-}
+use crate::metrics::depth_error::Spot;
+use crate::metrics::psnr::{SquaredError, U8_PEAK};
 
 /// A sample of colour or material, as its metric sees it.
 pub trait Level: Copy + PartialEq {
@@ -219,7 +61,7 @@ pub struct SampleErrors {
     /// Largest error of a sample in the metric's steps: 8-bit codes, or 64ths of PU21.
     pub max_error: u32,
     /// Squared error in steps.
-    pub error: CodeError,
+    pub error: SquaredError,
     /// The first pixel that has the largest error; `None` where all are equal.
     pub worst: Option<Spot>,
     /// Pixels that differ.
@@ -246,7 +88,7 @@ impl SampleErrors {
     pub fn empty(peak: f64) -> SampleErrors {
         SampleErrors {
             max_error: 0,
-            error: CodeError::empty(peak),
+            error: SquaredError::empty(peak),
             worst: None,
             differing_pixels: 0,
             lowest_frame: None,
@@ -265,7 +107,7 @@ impl SampleErrors {
     /// Adds a frame, measured in cells of `cell` pixels.
     pub fn add<T: Level>(&mut self, frame: u32, a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32) {
         let (width, height) = (a.width(), a.height());
-        let [mut total, mut cells] = [CodeError::empty(self.error.peak), CodeError::empty(self.error.peak)];
+        let [mut total, mut cells] = [SquaredError::empty(self.error.peak), SquaredError::empty(self.error.peak)];
         total.samples = a.data().len() as u64 * 3;
         for top in (0..height).step_by(cell.max(1) as usize) {
             let rows = top..height.min(top.saturating_add(cell));
@@ -365,23 +207,6 @@ impl BitErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn depth_errors_name_the_first_worst_pixel() {
-        let picture =
-            |codes: &[i32], metres: &[f32]| DepthPicture { width: 2, codes: codes.to_vec(), metres: metres.to_vec() };
-        let a = picture(&[5, 9, 65535, OUTSIDE], &[1.0, 2.0, f32::INFINITY, 99.0]);
-        let mut errors = DepthErrors::default();
-        errors.add(3, &a, &a);
-        assert_eq!((errors.differing_pixels, errors.outside_pixels, errors.worst), (0, 1, None));
-        errors.add(4, &a, &picture(&[5, 12, 65535, OUTSIDE], &[1.0, 2.5, f32::INFINITY, 99.0]));
-        assert_eq!((errors.max_error_codes, errors.max_error_m), (3, 0.5));
-        assert_eq!(errors.worst, Some(Spot { frame: 4, x: 1, y: 0 }));
-        errors.add(5, &a, &picture(&[5, 9, 65534, OUTSIDE], &[1.0, 2.0, 7.0, 98.0]));
-        assert_eq!((errors.max_error_codes, errors.background_mismatches), (65535, 1));
-        assert_eq!((errors.max_error_m, errors.differing_pixels), (f64::INFINITY, 3));
-        assert_eq!(errors.worst, Some(Spot { frame: 5, x: 0, y: 1 }));
-    }
 
     #[test]
     fn cells_and_frames_have_their_own_psnr() {

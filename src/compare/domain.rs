@@ -5,6 +5,7 @@ use half::f16;
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Picture;
+use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
@@ -13,8 +14,6 @@ use crate::streams::{ColorFormat, convert};
 
 /// Cells where nothing says how large they are.
 const DEFAULT_CELL: u32 = 64;
-/// Stands for a depth that the domain has no code for.
-pub const OUTSIDE: i32 = -1;
 
 /// Where the codes of a comparison come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,17 +56,6 @@ impl Domain {
             StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Chosen }),
         }
     }
-}
-
-/// Depth of one image in the domain.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DepthPicture {
-    /// Width in pixels.
-    pub width: u32,
-    /// Codes, [`OUTSIDE`] where there is none.
-    pub codes: Vec<i32>,
-    /// Metres, as exact as the side knows them; +inf for background.
-    pub metres: Vec<f32>,
 }
 
 /// An image in the domain.

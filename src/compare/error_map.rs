@@ -4,13 +4,14 @@
 //! the two counts, and for colour the PSNR of each cell, which is what its encoder promises.
 
 use crate::color::quality::Pu21;
-use crate::compare::difference::{Level, PixelError, depth_errors, half_levels, half_peak, sample_error};
+use crate::compare::difference::{Level, half_levels, half_peak, sample_error};
 use crate::compare::domain::{Converted, Converter, Domain};
 use crate::compare::side::{Coding, Side, SideReader};
 use crate::compare::streams::Pair;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
-use crate::metrics::psnr::{CodeError, U8_PEAK};
+use crate::metrics::depth_error::{PixelError, depth_errors};
+use crate::metrics::psnr::{SquaredError, U8_PEAK};
 use crate::streams::ColorFormat;
 
 /// The PSNR of a cell in one frame.
@@ -92,7 +93,7 @@ fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -
     let starts = |size: u32| (0..size).step_by(side as usize);
     let measure = |left: u32, top: u32| {
         let (width, height) = (side.min(a.width() - left), side.min(a.height() - top));
-        let mut error = CodeError { samples: 3 * u64::from(width) * u64::from(height), ..CodeError::empty(peak) };
+        let mut error = SquaredError { samples: 3 * u64::from(width) * u64::from(height), ..SquaredError::empty(peak) };
         for y in top..top + height {
             let row = |plane: &Plane<[T; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
             let sums = row(a).iter().zip(&row(b)).map(|(a, b)| u128::from(sample_error(a, b).0)).sum::<u128>();

@@ -7,13 +7,14 @@ use serde::Serialize;
 use crate::color::quality::PU_STEPS;
 use crate::compare::bounds::{Bound, Judgement};
 use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
-use crate::compare::difference::{BitErrors, DepthErrors, SampleErrors, Spot};
+use crate::compare::difference::{BitErrors, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
 use crate::dataset::stream::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
 use crate::json::Number;
+use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::streams::ColorFormat;
 
 /// All of a comparison. Streams come by kind, then probe, then face.

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::color::quality::Pu21;
 use crate::compare::comparison::{Comparison, Measured, Missing, StreamReport};
-use crate::compare::difference::{BitErrors, DepthErrors, SampleErrors, half_levels, half_peak};
+use crate::compare::difference::{BitErrors, SampleErrors, half_levels, half_peak};
 use crate::compare::domain::{Converted, Converter, Domain, Origin, Values};
 use crate::compare::side::{Coding, Image, Side, SideForm, SideReader, SideStream};
 use crate::dataset::stream::StreamKind;
@@ -17,6 +17,7 @@ use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::image::sequence::FrameRange;
 use crate::memory::{Budget, Need};
+use crate::metrics::depth_error::DepthErrors;
 use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;

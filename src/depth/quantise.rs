@@ -5,7 +5,7 @@
 
 use crate::error::{Error, Result};
 
-pub use crate::metrics::depth_error::BACKGROUND_CODE;
+pub use crate::metrics::codes::BACKGROUND_CODE;
 
 /// The code of the far distance, and the number of steps from near to far.
 pub const FAR_CODE: u16 = u16::MAX - 1;

@@ -7,23 +7,23 @@ use crate::evaluate::reference::Truth;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::image::plane::{MaterialPlane, Plane};
 use crate::image::transfer::{EncodeTable, ToneMap};
-use crate::metrics::psnr::{CodeError, U8_PEAK};
-use crate::metrics::ssim_rgb8;
+use crate::metrics::psnr::{SquaredError, U8_PEAK};
+use crate::metrics::{psnr_hvs_m_rgb8, ssim_rgb8};
 use crate::streams::convert::color_codes;
 
 /// How far one picture, or several, are from what they should be, in 8-bit display codes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
     /// All pixels; holes count as what they show.
-    pub all: CodeError,
+    pub all: SquaredError,
     /// Pixels that are no holes.
-    pub seen: CodeError,
+    pub seen: SquaredError,
     /// Pixels whose true material reflects or refracts at all.
-    pub effects: CodeError,
+    pub effects: SquaredError,
     /// Of those, the ones that only reflect: mirrors.
-    pub mirrors: CodeError,
+    pub mirrors: SquaredError,
     /// Of those, the ones that refract: glass.
-    pub glass: CodeError,
+    pub glass: SquaredError,
     /// Whether the truth had material, so that the three are known.
     pub has_material: bool,
     /// Pixels in which no ray ended in anything that a view saw.
@@ -32,6 +32,10 @@ pub struct Similarity {
     pub ssim_images: u64,
     /// Sum of their SSIM.
     pub ssim_sum: f64,
+    /// Pixels of pictures that have a PSNR-HVS-M.
+    pub hvs_pixels: u64,
+    /// Their perceptual squared error over the squared peak, summed over pixels.
+    pub hvs_error: f64,
     /// Sum of the PSNR in dB of each picture that is not exact.
     pub psnr_db_sum: f64,
     /// Pictures that are not exact.
@@ -43,7 +47,7 @@ pub struct Similarity {
 impl Similarity {
     /// Nothing compared yet.
     pub fn empty() -> Similarity {
-        let none = CodeError::empty(U8_PEAK);
+        let none = SquaredError::empty(U8_PEAK);
         Similarity {
             all: none,
             seen: none,
@@ -54,6 +58,8 @@ impl Similarity {
             hole_pixels: 0,
             ssim_images: 0,
             ssim_sum: 0.0,
+            hvs_pixels: 0,
+            hvs_error: 0.0,
             psnr_db_sum: 0.0,
             inexact_images: 0,
             images: 0,
@@ -73,14 +79,18 @@ impl Similarity {
             )));
         }
         let [shown, wanted] = [rendered.codes(tone), truth_codes(truth, tone)];
-        let all = CodeError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
+        let all = SquaredError::of_u8(shown.data().as_flattened(), wanted.data().as_flattened())?;
         let ssim = ssim_rgb8(&shown, &wanted)?;
+        let hvs_db = psnr_hvs_m_rgb8(&wanted, &shown)?;
+        let hvs_pixels = if hvs_db.is_some() { wanted.data().len() as u64 } else { 0 };
         let mut sum = Similarity {
             all,
             has_material: truth.material.is_some(),
             hole_pixels: rendered.alpha.data().iter().filter(|alpha| **alpha <= 0.0).count() as u64,
             ssim_images: u64::from(ssim.is_some()),
             ssim_sum: ssim.unwrap_or(0.0),
+            hvs_pixels,
+            hvs_error: hvs_db.map_or(0.0, |db| hvs_pixels as f64 * 10f64.powf(-db / 10.0)),
             psnr_db_sum: if all.sum > 0 { all.psnr_db() } else { 0.0 },
             inexact_images: u64::from(all.sum > 0),
             images: 1,
@@ -92,7 +102,7 @@ impl Similarity {
         };
         for (at, (shown, wanted)) in shown.data().iter().zip(wanted.data()).enumerate() {
             let squares = shown.iter().zip(wanted).map(|(&a, &b)| u128::from(a.abs_diff(b)).pow(2)).sum::<u128>();
-            let add = |error: &mut CodeError| {
+            let add = |error: &mut SquaredError| {
                 error.sum += squares;
                 error.samples += 3;
             };
@@ -124,6 +134,8 @@ impl Similarity {
         self.hole_pixels += other.hole_pixels;
         self.ssim_images += other.ssim_images;
         self.ssim_sum += other.ssim_sum;
+        self.hvs_pixels += other.hvs_pixels;
+        self.hvs_error += other.hvs_error;
         self.psnr_db_sum += other.psnr_db_sum;
         self.inexact_images += other.inexact_images;
         self.images += other.images;
@@ -141,7 +153,12 @@ impl Similarity {
         (self.ssim_images > 0).then(|| self.ssim_sum / self.ssim_images as f64)
     }
 
-    /// Holes, in parts of a hundred of all pixels.
+    /// PSNR-HVS-M in dB of the luma of all pictures; none where all of them are too small.
+    pub fn psnr_hvs_m_db(&self) -> Option<f64> {
+        (self.hvs_pixels > 0).then(|| -10.0 * (self.hvs_error / self.hvs_pixels as f64).log10())
+    }
+
+    /// Holes, in percent of all pixels.
     pub fn hole_percent(&self) -> f64 {
         100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
     }
@@ -162,7 +179,7 @@ impl Similarity {
     }
 }
 
-fn some_psnr(error: &CodeError) -> Option<f64> {
+fn some_psnr(error: &SquaredError) -> Option<f64> {
     (error.samples > 0).then(|| error.psnr_db())
 }
 
@@ -220,10 +237,12 @@ mod tests {
         assert_eq!((one.effects.sum, one.effects.samples), (312, 9));
         assert!((one.hole_percent() - 300.0 / 144.0).abs() < 1e-12);
         assert!(one.ssim().is_some_and(|ssim| ssim < 1.0));
+        assert!(one.psnr_hvs_m_db().is_some_and(|db| db > 20.0 && db < 60.0));
         let (exact, same) = pair(12, 12, 0, &[]);
         let other = Similarity::of(&exact, &same, LINEAR).unwrap();
         assert_eq!((other.all.psnr_db(), other.ssim()), (f64::INFINITY, Some(1.0)));
         assert_eq!((other.effects_psnr_db(), other.has_material), (None, false));
+        assert_eq!(other.psnr_hvs_m_db(), Some(f64::INFINITY));
         let mut both = one;
         both.merge(&other).unwrap();
         assert_eq!((both.images, both.all.samples, both.has_material), (2, 6 * 144, true));

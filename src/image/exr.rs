@@ -5,7 +5,7 @@
 //! Files are decoded on the calling thread; callers read several at once.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, Write};
+use std::io::{BufRead, BufReader, BufWriter, Read, Seek, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -32,6 +32,8 @@ const PIXEL_FLOOR: u64 = 16 << 20;
 const DISPLAY_FLOOR: u64 = 64 << 20;
 /// First bytes of every OpenEXR file.
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+/// Longer attributes of a header are not passed over in search of its windows.
+const MAX_ATTRIBUTE_BYTES: u64 = 16 << 20;
 /// No side of an image or tile may be longer; keeps all products of sides and sample sizes inside 64 bits.
 const MAX_SIDE: usize = 1 << 24;
 
@@ -123,8 +125,62 @@ fn open(path: &Path) -> Result<(Reader, u64)> {
     if !start.starts_with(&MAGIC) {
         return Err(Error::invalid("this is not an OpenEXR file").in_file(path));
     }
+    if let Some((name, [left, top, right, bottom])) = inverted_window(&mut file) {
+        let message = format!(
+            "the {name} ({left}, {top})-({right}, {bottom}) is inverted: its first corner lies beyond its second"
+        );
+        return Err(Error::invalid(message).in_file(path));
+    }
+    file.rewind().map_err(|error| Error::io(path, error))?;
     let reader = exr::block::read(file, false).map_err(|error| translate(error).in_file(path))?;
     Ok((reader, meta.len()))
+}
+
+/// The first window of the headers whose corners are exchanged, which the `exr` crate would exchange back; None also where the
+/// headers cannot be followed, which that crate reports.
+fn inverted_window(file: &mut impl BufRead) -> Option<(&'static str, [i32; 4])> {
+    let mut start = [0; 8];
+    file.read_exact(&mut start).ok()?;
+    let is_multipart = start[5] & 0x10 != 0;
+    loop {
+        let mut is_empty = true;
+        loop {
+            let name = text(file)?;
+            if name.is_empty() {
+                break;
+            }
+            is_empty = false;
+            let kind = text(file)?;
+            let mut length = [0; 4];
+            file.read_exact(&mut length).ok()?;
+            let length = u64::from(u32::from_le_bytes(length));
+            let window = ["dataWindow", "displayWindow"].into_iter().find(|window| window.as_bytes() == name);
+            match window.filter(|_| kind == b"box2i" && length == 16) {
+                Some(window) => {
+                    let mut corners = [[0; 4]; 4];
+                    file.read_exact(corners.as_flattened_mut()).ok()?;
+                    let corners = corners.map(i32::from_le_bytes);
+                    if corners[0] > corners[2] || corners[1] > corners[3] {
+                        return Some((window, corners));
+                    }
+                }
+                None if length <= MAX_ATTRIBUTE_BYTES => {
+                    std::io::copy(&mut file.take(length), &mut std::io::sink()).ok()?;
+                }
+                None => return None,
+            }
+        }
+        if !is_multipart || is_empty {
+            return None;
+        }
+    }
+}
+
+/// A text of a header up to its final 0, without it.
+fn text(file: &mut impl BufRead) -> Option<Vec<u8>> {
+    let mut text = Vec::new();
+    file.take(256).read_until(0, &mut text).ok()?;
+    (text.pop() == Some(0)).then_some(text)
 }
 
 /// Puts an error of the `exr` crate into our words.

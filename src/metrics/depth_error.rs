@@ -1,106 +1,122 @@
-//! How wrong decoded depth is: in 16-bit codes, in metres, and at which pixel most.
+//! How wrong depth is: in 16-bit codes, in metres, and in which pixel most.
 //!
-//! Enters: a plane of reference codes and a plane of decoded codes, and for metres a table or the original depth.
-//! Leaves: [`DepthErrorStats`], which merge over faces and frames; the caller keeps the labels.
+//! Enters: two images in codes and metres. Leaves: [`DepthErrors`], which merge over faces and frames.
 
-use super::psnr::{CodeError, U16_PEAK};
-use crate::error::{Error, Result};
-use crate::image::{DepthPlane, Plane};
+use serde::{Serialize, Serializer};
 
-/// The code of a pixel that sees nothing.
-pub const BACKGROUND_CODE: u16 = u16::MAX;
-/// Peak of the depth PSNR, in codes.
-pub const DEPTH_CODE_PEAK: f64 = U16_PEAK;
-/// Number of 16-bit codes, the length of a code → metres table.
-const CODE_COUNT: usize = 1 << 16;
+use super::codes::BACKGROUND_CODE;
+use super::psnr::{SquaredError, U16_PEAK};
+use crate::json::{self, Number};
 
-/// Where the metres of a comparison come from.
-#[derive(Debug, Clone, Copy)]
-pub enum DepthMetres<'a> {
-    /// Nowhere: errors are measured in codes alone.
-    CodesOnly,
-    /// Both sides through one table of 65,536 distances in metres: the error of coding, without quantisation.
-    Table(&'a [f32]),
-    /// The reference as it was before quantisation, the decoded side through the table: the whole error.
-    Original {
-        /// Depth in metres, `+inf` (or anything not finite) where there is nothing.
-        reference: &'a DepthPlane,
-        /// 65,536 distances in metres.
-        table: &'a [f32],
-    },
+/// Stands for a depth outside the range of the codes.
+pub const OUTSIDE: i32 = -1;
+
+/// A pixel of a frame of a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Spot {
+    /// Frame number, of the first side where they differ.
+    pub frame: u32,
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
 }
 
-/// Depth error of any number of pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DepthErrorStats {
-    /// Largest |reference − decoded| in codes; 65,535 as soon as a surface was taken for background or the reverse.
+impl Spot {
+    /// The pixel of an index in row order.
+    pub fn at(frame: u32, index: usize, width: u32) -> Spot {
+        let width = width.max(1) as usize;
+        Spot { frame, x: (index % width) as u32, y: (index / width) as u32 }
+    }
+}
+
+/// Depth of one image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthPicture {
+    /// Width in pixels.
+    pub width: u32,
+    /// Codes, [`OUTSIDE`] where there is none.
+    pub codes: Vec<i32>,
+    /// Metres, as exact as the side knows them; +inf for background.
+    pub metres: Vec<f32>,
+}
+
+/// Errors of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DepthErrors {
+    /// Largest error in codes: 65535 where one side sees background and the other does not, or where one side has no
+    /// code for what it sees.
     pub max_error_codes: u16,
-    /// Largest error in metres: `None` when not measured, `+inf` as soon as a surface was taken for background or the
-    /// reverse.
-    pub max_error_m: Option<f32>,
-    /// Pixels that are background on one side only. Each also counts 65,535 codes in `squared_error`.
+    /// Largest error in metres, +inf where one side sees background and the other does not.
+    #[serde(serialize_with = "json::number")]
+    pub max_error_m: f64,
+    /// Squared error in codes.
+    #[serde(rename = "psnr_db", serialize_with = "psnr_db")]
+    pub error: SquaredError,
+    /// The first pixel that has the largest error in codes; `None` where all are equal.
+    #[serde(skip)]
+    pub worst: Option<Spot>,
+    /// Pixels whose codes differ.
+    pub differing_pixels: u64,
+    /// Pixels that are background on one side only.
     pub background_mismatches: u64,
-    /// Squared error in codes, peak 65,535.
-    pub squared_error: CodeError,
-    /// (x, y) of the first pixel in row order that has `max_error_codes`; `None` when all pixels are equal.
-    pub worst: Option<(u32, u32)>,
+    /// Pixels that the range of the codes leaves out, on either side.
+    pub outside_pixels: u64,
 }
 
-impl Default for DepthErrorStats {
+fn psnr_db<S: Serializer>(error: &SquaredError, serializer: S) -> Result<S::Ok, S::Error> {
+    Number(error.psnr_db()).serialize(serializer)
+}
+
+impl Default for DepthErrors {
     fn default() -> Self {
-        DepthErrorStats {
+        DepthErrors {
             max_error_codes: 0,
-            max_error_m: None,
-            background_mismatches: 0,
-            squared_error: CodeError::empty(DEPTH_CODE_PEAK),
+            max_error_m: 0.0,
+            error: SquaredError::empty(U16_PEAK),
             worst: None,
+            differing_pixels: 0,
+            background_mismatches: 0,
+            outside_pixels: 0,
         }
     }
 }
 
-impl DepthErrorStats {
-    /// Compares one plane.
-    ///
-    /// # Errors
-    /// If the planes differ in size or a table has not 65,536 entries.
-    pub fn compare(reference: &Plane<u16>, decoded: &Plane<u16>, metres: DepthMetres<'_>) -> Result<Self> {
-        same_size("decoded depth", (reference.width(), reference.height()), (decoded.width(), decoded.height()))?;
-        let mut stats = DepthErrorStats::default();
-        let mut background_sum = 0;
-        let (codes_a, codes_b) = (reference.data(), decoded.data());
-        for (i, (&a, &b)) in codes_a.iter().zip(codes_b).enumerate() {
-            // Rows of equal codes are the common case; only what differs is looked at.
-            if a == b {
+impl DepthErrors {
+    /// Adds a frame.
+    pub fn add(&mut self, frame: u32, a: &DepthPicture, b: &DepthPicture) {
+        let codes = a.codes.iter().zip(&b.codes);
+        let metres = a.metres.iter().zip(&b.metres);
+        for (index, ((&code_a, &code_b), (&m_a, &m_b))) in codes.zip(metres).enumerate() {
+            self.outside_pixels += u64::from(code_a == OUTSIDE || code_b == OUTSIDE);
+            if code_a == code_b && m_a == m_b {
                 continue;
             }
-            let mut error = a.abs_diff(b);
-            if (a == BACKGROUND_CODE) != (b == BACKGROUND_CODE) {
-                stats.background_mismatches += 1;
-                background_sum += square(BACKGROUND_CODE) - square(error);
-                error = BACKGROUND_CODE;
+            self.max_error_m = self.max_error_m.max(error_m(m_a, m_b));
+            let found = error_codes(code_a, code_b);
+            let error = found.codes();
+            if error == 0 {
+                continue;
             }
-            if error > stats.max_error_codes {
-                stats.max_error_codes = error;
-                let width = reference.width() as usize;
-                stats.worst = Some(((i % width) as u32, (i / width) as u32));
+            self.differing_pixels += 1;
+            self.background_mismatches += u64::from(found == PixelError::Background);
+            self.error.sum += u128::from(error).pow(2);
+            if error > self.max_error_codes {
+                self.max_error_codes = error;
+                self.worst = Some(Spot::at(frame, index, a.width));
             }
         }
-        stats.squared_error = CodeError::of_u16(codes_a, codes_b)?;
-        stats.squared_error.sum += background_sum;
-        stats.max_error_m = max_error_m(reference, decoded, metres)?;
-        Ok(stats)
+        self.error.samples += a.codes.len() as u64;
     }
 
-    /// Adds what another comparison has seen. Returns whether `worst` is now the other's, so that the caller can
-    /// note its frame and face; at equal errors the earlier one stays.
-    pub fn merge(&mut self, other: &DepthErrorStats) -> bool {
-        self.squared_error.sum += other.squared_error.sum;
-        self.squared_error.samples += other.squared_error.samples;
+    /// Adds what another stream has; answers whether the worst pixel is now the other's.
+    pub fn merge(&mut self, other: &DepthErrors) -> bool {
+        self.max_error_m = self.max_error_m.max(other.max_error_m);
+        self.error.sum += other.error.sum;
+        self.error.samples += other.error.samples;
+        self.differing_pixels += other.differing_pixels;
         self.background_mismatches += other.background_mismatches;
-        self.max_error_m = match (self.max_error_m, other.max_error_m) {
-            (Some(a), Some(b)) => Some(a.max(b)),
-            (a, b) => a.or(b),
-        };
+        self.outside_pixels += other.outside_pixels;
         let worse = other.max_error_codes > self.max_error_codes;
         if worse {
             self.max_error_codes = other.max_error_codes;
@@ -108,70 +124,58 @@ impl DepthErrorStats {
         }
         worse
     }
+}
 
-    /// PSNR of the codes with peak 65,535, in dB; `+inf` when all are equal.
-    pub fn psnr_db(&self) -> f64 {
-        self.squared_error.psnr_db()
+/// The error of one pixel of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PixelError {
+    /// So many codes or steps of the metric; 0 where nothing differs.
+    Steps(u32),
+    /// One side has background where the other has a surface.
+    Background,
+    /// A side sees a depth that the range of the codes leaves out.
+    Outside,
+}
+
+impl PixelError {
+    /// The error of depth in codes; what is no matter of codes is the largest.
+    pub fn codes(self) -> u16 {
+        match self {
+            PixelError::Steps(steps) => u16::try_from(steps).unwrap_or(u16::MAX),
+            PixelError::Background | PixelError::Outside => u16::MAX,
+        }
     }
 }
 
-/// The largest distance between the two sides, `None` without metres.
-fn max_error_m(reference: &Plane<u16>, decoded: &Plane<u16>, metres: DepthMetres<'_>) -> Result<Option<f32>> {
-    let pairs = reference.data().iter().zip(decoded.data());
-    let max = match metres {
-        DepthMetres::CodesOnly => return Ok(None),
-        DepthMetres::Table(table) => {
-            check_table(table)?;
-            pairs
-                .filter(|(a, b)| a != b)
-                .map(|(&a, &b)| distance_error_m(metres_of(table, a), metres_of(table, b)))
-                .fold(0.0, f32::max)
-        }
-        DepthMetres::Original { reference: original, table } => {
-            check_table(table)?;
-            let size = (original.width(), original.height());
-            same_size("original depth", (reference.width(), reference.height()), size)?;
-            let sides = original.data().iter().zip(decoded.data());
-            sides.map(|(&a, &b)| distance_error_m(a, metres_of(table, b))).fold(0.0, f32::max)
-        }
+/// The error between two codes. Codes that are both missing stand for two different depths: where the depths are equal
+/// nobody asks.
+fn error_codes(a: i32, b: i32) -> PixelError {
+    let background = i32::from(BACKGROUND_CODE);
+    if (a == background) != (b == background) {
+        PixelError::Background
+    } else if a == OUTSIDE || b == OUTSIDE {
+        PixelError::Outside
+    } else {
+        PixelError::Steps(a.abs_diff(b))
+    }
+}
+
+/// The error of each pixel, row by row, as [`DepthErrors`] counts it.
+pub fn depth_errors(a: &DepthPicture, b: &DepthPicture) -> Vec<PixelError> {
+    let codes = a.codes.iter().zip(&b.codes);
+    let metres = a.metres.iter().zip(&b.metres);
+    let error = |((&code_a, &code_b), (m_a, m_b))| match code_a == code_b && m_a == m_b {
+        true => PixelError::Steps(0),
+        false => error_codes(code_a, code_b),
     };
-    Ok(Some(max))
+    codes.zip(metres).map(error).collect()
 }
 
-/// The table's distance, `+inf` for background whatever the table says there.
-fn metres_of(table: &[f32], code: u16) -> f32 {
-    if code == BACKGROUND_CODE { f32::INFINITY } else { table[usize::from(code)] }
-}
-
-/// |a − b|; anything not finite is background, which is 0 from background and `+inf` from a surface.
-fn distance_error_m(a: f32, b: f32) -> f32 {
+fn error_m(a: f32, b: f32) -> f64 {
     match (a.is_finite(), b.is_finite()) {
-        (true, true) => (a - b).abs(),
+        (true, true) => (f64::from(a) - f64::from(b)).abs(),
         (false, false) => 0.0,
-        _ => f32::INFINITY,
-    }
-}
-
-fn square(error: u16) -> u128 {
-    u128::from(error) * u128::from(error)
-}
-
-fn check_table(table: &[f32]) -> Result<()> {
-    if table.len() == CODE_COUNT {
-        Ok(())
-    } else {
-        Err(Error::invalid(format!("a depth table has {} entries, expected {CODE_COUNT}", table.len())))
-    }
-}
-
-fn same_size(what: &str, expected: (u32, u32), found: (u32, u32)) -> Result<()> {
-    if expected == found {
-        Ok(())
-    } else {
-        Err(Error::invalid(format!(
-            "the {what} has {}x{} pixels, the reference {}x{}",
-            found.0, found.1, expected.0, expected.1
-        )))
+        _ => f64::INFINITY,
     }
 }
 
@@ -179,88 +183,20 @@ fn same_size(what: &str, expected: (u32, u32), found: (u32, u32)) -> Result<()> 
 mod tests {
     use super::*;
 
-    /// Code c lies at c millimetres.
-    fn millimetres() -> Vec<f32> {
-        (0..=u16::MAX).map(|code| f32::from(code) / 1000.0).collect()
-    }
-
-    fn codes(width: u32, data: &[u16]) -> Plane<u16> {
-        Plane::new(width, data.len() as u32 / width, data.to_vec()).unwrap()
-    }
-
     #[test]
-    fn codes_metres_and_worst_pixel() {
-        let reference = codes(3, &[10, 20, 30, 40, 50, BACKGROUND_CODE]);
-        let decoded = codes(3, &[10, 22, 30, 40, 45, BACKGROUND_CODE]);
-        let table = millimetres();
-        let stats = DepthErrorStats::compare(&reference, &decoded, DepthMetres::Table(&table)).unwrap();
-        assert_eq!(stats.max_error_codes, 5);
-        assert!((stats.max_error_m.unwrap() - 0.005).abs() < 1e-6);
-        assert_eq!(stats.worst, Some((1, 1)));
-        assert_eq!(stats.background_mismatches, 0);
-        assert_eq!((stats.squared_error.sum, stats.squared_error.samples), (29, 6));
-        let expected = 10.0 * (65_535.0_f64 * 65_535.0 * 6.0 / 29.0).log10();
-        assert!((stats.psnr_db() - expected).abs() < 1e-9);
-    }
-
-    #[test]
-    fn background_mismatch_is_the_worst_error() {
-        let reference = codes(2, &[65_534, BACKGROUND_CODE, 7, 100]);
-        let decoded = codes(2, &[BACKGROUND_CODE, 3, 7, 130]);
-        let table = millimetres();
-        let stats = DepthErrorStats::compare(&reference, &decoded, DepthMetres::Table(&table)).unwrap();
-        // One code apart, and yet as wrong as can be.
-        assert_eq!(stats.max_error_codes, 65_535);
-        assert_eq!(stats.worst, Some((0, 0)));
-        assert_eq!(stats.background_mismatches, 2);
-        assert_eq!(stats.max_error_m, Some(f32::INFINITY));
-        assert_eq!(stats.squared_error.sum, 2 * 65_535 * 65_535 + 900);
-    }
-
-    #[test]
-    fn equal_planes() {
-        let plane = codes(2, &[1, 2, BACKGROUND_CODE, 4]);
-        let table = millimetres();
-        let stats = DepthErrorStats::compare(&plane, &plane, DepthMetres::Table(&table)).unwrap();
-        assert_eq!((stats.max_error_codes, stats.max_error_m, stats.worst), (0, Some(0.0), None));
-        assert_eq!(stats.psnr_db(), f64::INFINITY);
-        let bare = DepthErrorStats::compare(&plane, &plane, DepthMetres::CodesOnly).unwrap();
-        assert_eq!(bare.max_error_m, None);
-    }
-
-    #[test]
-    fn original_depth_includes_quantisation() {
-        let reference = codes(3, &[10, 20, BACKGROUND_CODE]);
-        let table = millimetres();
-        let original = Plane::new(3, 1, vec![0.0104, 0.0197, f32::INFINITY]).unwrap();
-        let metres = DepthMetres::Original { reference: &original, table: &table };
-        let stats = DepthErrorStats::compare(&reference, &reference, metres).unwrap();
-        assert_eq!(stats.max_error_codes, 0);
-        assert!((stats.max_error_m.unwrap() - 0.0004).abs() < 1e-6);
-        let lost = codes(3, &[10, 20, 21]);
-        assert_eq!(DepthErrorStats::compare(&reference, &lost, metres).unwrap().max_error_m, Some(f32::INFINITY));
-    }
-
-    #[test]
-    fn merge_tells_whose_pixel_is_worst() {
-        let a = DepthErrorStats::compare(&codes(1, &[5, 9]), &codes(1, &[5, 12]), DepthMetres::CodesOnly).unwrap();
-        let b = DepthErrorStats::compare(&codes(1, &[5, 9]), &codes(1, &[9, 9]), DepthMetres::CodesOnly).unwrap();
-        let mut all = DepthErrorStats::default();
-        assert!(all.merge(&a));
-        assert!(all.merge(&b));
-        assert!(!all.merge(&a));
-        assert!(!all.merge(&b));
-        assert_eq!((all.max_error_codes, all.worst), (4, Some((0, 0))));
-        assert_eq!((all.squared_error.sum, all.squared_error.samples), (2 * (9 + 16), 8));
-    }
-
-    #[test]
-    fn sizes_are_checked() {
-        let (a, b) = (codes(2, &[1, 2]), codes(1, &[1, 2]));
-        assert!(DepthErrorStats::compare(&a, &b, DepthMetres::CodesOnly).is_err());
-        assert!(DepthErrorStats::compare(&a, &a, DepthMetres::Table(&[0.0; 10])).is_err());
-        let (table, original) = (millimetres(), Plane::filled(1, 1, 1.0_f32));
-        let metres = DepthMetres::Original { reference: &original, table: &table };
-        assert!(DepthErrorStats::compare(&a, &a, metres).is_err());
+    fn depth_errors_name_the_first_worst_pixel() {
+        let picture =
+            |codes: &[i32], metres: &[f32]| DepthPicture { width: 2, codes: codes.to_vec(), metres: metres.to_vec() };
+        let a = picture(&[5, 9, 65535, OUTSIDE], &[1.0, 2.0, f32::INFINITY, 99.0]);
+        let mut errors = DepthErrors::default();
+        errors.add(3, &a, &a);
+        assert_eq!((errors.differing_pixels, errors.outside_pixels, errors.worst), (0, 1, None));
+        errors.add(4, &a, &picture(&[5, 12, 65535, OUTSIDE], &[1.0, 2.5, f32::INFINITY, 99.0]));
+        assert_eq!((errors.max_error_codes, errors.max_error_m), (3, 0.5));
+        assert_eq!(errors.worst, Some(Spot { frame: 4, x: 1, y: 0 }));
+        errors.add(5, &a, &picture(&[5, 9, 65534, OUTSIDE], &[1.0, 2.0, 7.0, 98.0]));
+        assert_eq!((errors.max_error_codes, errors.background_mismatches), (65535, 1));
+        assert_eq!((errors.max_error_m, errors.differing_pixels), (f64::INFINITY, 3));
+        assert_eq!(errors.worst, Some(Spot { frame: 5, x: 0, y: 1 }));
     }
 }

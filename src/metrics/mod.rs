@@ -1,14 +1,23 @@
-//! How far a decoded image is from its reference: PSNR, SSIM, an HDR PSNR, depth error in codes and metres.
+//! Every measure of pictures and depth, one of each: PSNR, PSNR-HVS-M, SSIM, PU21 codes, depth error in codes and metres.
 //!
-//! Enters: two images of one size. Leaves: accumulators that merge over faces, frames and probes. Every sum is either
-//! an exact integer or an f64 taken in a fixed order, so no number here depends on the thread count.
+//! Sums are exact integers, so no figure depends on the thread count.
 
+pub mod codes;
+#[cfg(feature = "encode")]
 pub mod depth_error;
 pub mod psnr;
+#[cfg(feature = "encode")]
+pub mod psnr_hvs_m;
 pub mod pu21;
+#[cfg(feature = "encode")]
 pub mod ssim;
 
-pub use depth_error::{BACKGROUND_CODE, DEPTH_CODE_PEAK, DepthErrorStats, DepthMetres};
-pub use psnr::{CodeError, ErrorSum, RealError, SquaredError, U8_PEAK, U16_PEAK, psnr_to_max_sse};
+pub use codes::BACKGROUND_CODE;
+#[cfg(feature = "encode")]
+pub use depth_error::DepthErrors;
+pub use psnr::{SquaredError, U8_PEAK, U16_PEAK, psnr_to_max_sse};
+#[cfg(feature = "encode")]
+pub use psnr_hvs_m::{HVS_BLOCK, psnr_hvs_m_rgb8};
 pub use pu21::{DEFAULT_WHITE_CD_M2, PU21_PEAK, PuTable, pu21_encode};
+#[cfg(feature = "encode")]
 pub use ssim::{SSIM_WINDOW, ssim_rgb8};

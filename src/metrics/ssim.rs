@@ -17,24 +17,29 @@ pub const SSIM_WINDOW: u32 = 11;
 /// # Errors
 /// If the sizes differ.
 pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
-    if (a.width(), a.height()) != (b.width(), b.height()) {
-        return Err(Error::invalid(format!(
-            "images of {}x{} and {}x{} pixels cannot be compared",
-            a.width(),
-            a.height(),
-            b.width(),
-            b.height()
-        )));
+    let Some([a, b]) = iqa_images([a, b], SSIM_WINDOW)? else { return Ok(None) };
+    let options = iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged };
+    iqa::ssim(&a, &b, options).map(Some).map_err(|error| Error::invalid(format!("SSIM: {error}")))
+}
+
+/// Two images of one size for `iqa`; None when a side is shorter than `least`.
+///
+/// # Errors
+/// If the sizes differ.
+pub(super) fn iqa_images(planes: [&Plane<[u8; 3]>; 2], least: u32) -> Result<Option<[iqa::Image<iqa::Srgb8>; 2]>> {
+    let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
+    if size != other {
+        let message = format!("images of {size:?} and {other:?} pixels cannot be compared");
+        return Err(Error::invalid(message));
     }
-    if a.width().min(a.height()) < SSIM_WINDOW {
+    if size[0].min(size[1]) < least {
         return Ok(None);
     }
     let image = |plane: &Plane<[u8; 3]>| {
-        iqa::Image::srgb8(plane.width(), plane.height(), plane.data().as_flattened().to_vec())
-            .map_err(|error| Error::invalid(format!("SSIM: {error}")))
+        iqa::Image::srgb8(size[0], size[1], plane.data().as_flattened().to_vec())
+            .map_err(|error| Error::invalid(format!("image measures: {error}")))
     };
-    let options = iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged };
-    iqa::ssim(&image(a)?, &image(b)?, options).map(Some).map_err(|error| Error::invalid(format!("SSIM: {error}")))
+    Ok(Some([image(planes[0])?, image(planes[1])?]))
 }
 
 #[cfg(test)]

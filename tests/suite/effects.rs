@@ -18,7 +18,7 @@ use lightfold::march::specular::normal::patch;
 use lightfold::march::specular::sphere_fit::GlassBalls;
 use lightfold::march::synthetic::Made;
 use lightfold::math::{Camera, Lens};
-use lightfold::metrics::psnr::CodeError;
+use lightfold::metrics::psnr::SquaredError;
 use lightfold::monitor::Silent;
 use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, capture_view};
 use lightfold::scene::procedural::{DemoKind, DemoScene};
@@ -132,7 +132,7 @@ fn psnr(rendered: &Rendered, truth: &Images, wanted: impl Fn([f32; 3]) -> bool) 
             b.extend(found.get(size - 1 - x, y));
         }
     }
-    CodeError::of_u8(&a, &b).unwrap().psnr_db()
+    SquaredError::of_u8(&a, &b).unwrap().psnr_db()
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn the_fast_form_is_the_plain_one() {
     let fast = render(&views, &camera, &settings, &Silent).unwrap();
     let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
     assert!(plain.counters.secondary_rays > 0);
-    let found = CodeError::of_u8(
+    let found = SquaredError::of_u8(
         fast.image.codes(ToneMap::default()).data().as_flattened(),
         plain.image.codes(ToneMap::default()).data().as_flattened(),
     );

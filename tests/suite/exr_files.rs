@@ -258,6 +258,26 @@ fn damaged_pixels_do_not_panic() {
 }
 
 #[test]
+fn inverted_windows_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("inverted.exr");
+    ours::write_depth(&path, &ramp(32, 32)).unwrap();
+    let bytes = std::fs::read(&path).unwrap();
+    for name in ["dataWindow", "displayWindow"] {
+        let head = format!("{name}\0box2i\0");
+        let at = bytes.windows(head.len()).position(|window| window == head.as_bytes()).unwrap() + head.len() + 4;
+        let mut inverted = bytes.clone();
+        for (corner, value) in [31i32, 31, 0, 0].into_iter().enumerate() {
+            inverted[at + 4 * corner..][..4].copy_from_slice(&value.to_le_bytes());
+        }
+        std::fs::write(&path, &inverted).unwrap();
+        let words = format!("{name} (31, 31)-(0, 0) is inverted");
+        assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["inverted.exr", &words]);
+        assert_says(&message(ours::read_size(&path, &limits())), &[&words]);
+    }
+}
+
+#[test]
 fn claims_beyond_the_file_are_refused() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("big.exr");

@@ -14,7 +14,7 @@ use lightfold::depth::TemporalSettings;
 use lightfold::effort::Effort;
 use lightfold::encode::{ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, MaterialSettings, encode};
 use lightfold::image::transfer::{EncodeTable, ToneMap};
-use lightfold::metrics::psnr::CodeError;
+use lightfold::metrics::psnr::SquaredError;
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, FootagePlan};
 use lightfold::streams::{CodecHeader, ColorBlocks, convert};
@@ -117,7 +117,7 @@ fn distance(source: &Source, container: &[u8]) -> (u16, f64) {
                 }
                 Picture::Color8(shown) => {
                     let (wanted, _) = convert::color_codes(&source.read_color(group, frame).unwrap()[at], &table);
-                    let error = CodeError::of_u8(wanted.data().as_flattened(), shown.data().as_flattened()).unwrap();
+                    let error = SquaredError::of_u8(wanted.data().as_flattened(), shown.data().as_flattened()).unwrap();
                     lowest = lowest.min(error.psnr_db());
                 }
                 Picture::Material(codes) => {

@@ -205,6 +205,7 @@ fn figures(similarity: &Similarity) -> Value {
         "hole_percent": similarity.hole_percent(),
     });
     let effects = [
+        ("psnr_hvs_m_db", similarity.psnr_hvs_m_db()),
         ("psnr_db_effects", similarity.effects_psnr_db()),
         ("psnr_db_mirrors", similarity.mirrors_psnr_db()),
         ("psnr_db_glass", similarity.glass_psnr_db()),

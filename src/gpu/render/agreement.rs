@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::evaluate::similarity::difference;
 use crate::image::transfer::ToneMap;
 use crate::march::render::Rendered;
-use crate::metrics::psnr::CodeError;
+use crate::metrics::psnr::SquaredError;
 use crate::metrics::ssim_rgb8;
 
 /// Codes by which the channels of a pixel may differ.
@@ -45,7 +45,7 @@ impl Agreement {
     /// When the pictures differ in size.
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
         let [found, expected] = [on_device, on_cpu].map(|picture| picture.image.codes(ToneMap::default()));
-        let error = CodeError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
+        let error = SquaredError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
         let differences = difference(&found, &expected)?;
         let alphas = on_device.image.alpha.data().iter().zip(on_cpu.image.alpha.data());
         let steps = [on_device, on_cpu].map(|picture| picture.counters.march_steps as f64);

@@ -6,7 +6,7 @@ use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
-use crate::compare::difference::PixelError;
+use crate::metrics::depth_error::PixelError;
 use crate::compare::error_map::ErrorMap;
 use crate::compare::side::Coding;
 use crate::error::Result;
