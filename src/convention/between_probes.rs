@@ -1,45 +1,45 @@
-//! Kind and scale of depth, positions and orientations, from what probes see of each other's surfaces.
+//! Checks kind and scale of depth, positions and orientations by reprojection between probes.
 //!
-//! A surface of one probe may be hidden from another, but the other cannot see through it. Under a true reading hardly any
-//! sample contradicts; under a false one many do, or hardly any agrees because all is hidden.
+//! A surface of one probe may be hidden from another, but not seen through. Under a true hypothesis hardly any sample
+//! contradicts; under a false one many do, or hardly any agrees because all are hidden.
 
 use rayon::prelude::*;
 
 use super::finding::{Finding, Verdict, listed, percent};
-use super::readings::{Change, Extent, Subject, changes};
-use super::reproject::{Pose, Reading, Tally, look_up, look_up_all};
-use super::views::View;
+use super::hypotheses::{Alternative, Extent, Hypothesis, Pose, Subject, alternatives};
+use super::reproject::{Tally, look_up, look_up_all};
+use super::probe_samples::ProbeSamples;
 use crate::dataset::{DepthKind, Projection};
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// Name of the finding about planar depth or distance.
+/// Finding about planar depth or distance.
 pub const KIND: &str = "depth.kind";
-/// Fewer samples that can be compared say nothing.
+/// Fewer compared samples are inconclusive.
 const MIN_TESTED: u64 = 200;
-/// A reading under which so large a share is seen through is doubtful: ten times what true readings of renderings show.
+/// A hypothesis with this share of contradictions is doubtful: ten times that of true ones on rendered datasets.
 const DOUBTFUL: f64 = 0.02;
 /// The same for the pairs of a single probe.
 const DOUBTFUL_PROBE: f64 = 0.04;
-/// A reading under which no larger share agrees is doubtful, too: everything hides everything.
+/// So is one with less agreement: everything hides everything.
 const AGREES_TOO_LITTLE: f64 = 0.02;
-/// Where nothing is seen through but little agrees, as between probes around an object, which see different sides of it,
-/// another reading must make so much agree to be preferred: any that brings surfaces together makes some agree by chance.
+/// Where nothing contradicts but little agrees, as between probes around an object, another hypothesis must reach this
+/// agreement to be preferred: any that brings surfaces together makes some agree by chance.
 const FAIR_SHARE: f64 = 0.2;
-/// By so much a reading must be better than another to be preferred.
+/// Ratio of misfits from which a hypothesis is preferred.
 pub const DECISIVE: f64 = 3.0;
-/// Readings that are no worse than this fit as well as the best one.
+/// Hypothesiss that are no worse than this fit as well as the best one.
 const AS_GOOD: f64 = 1.3;
-/// Share that is taken for chance.
+/// Share attributed to chance.
 const CHANCE: f64 = 0.005;
-/// More mistakes at once are not looked for.
-const MAX_CHANGES: usize = 3;
-/// With at most so many probes, each is compared with each.
+/// Limit of simultaneous mistakes.
+const MAX_MISTAKES: usize = 3;
+/// Up to this many probes, all pairs are compared.
 const ALL_PAIRS: usize = 6;
-/// Else, each with so many near ones.
+/// Beyond, each probe with this many nearest ones.
 const NEIGHBOURS: usize = 4;
 
-/// How badly a reading fits: seen through against agreeing. Around 0.01 where it is true.
+/// Ratio of contradiction to agreement: about 0.01 for a true hypothesis.
 pub fn misfit(tally: &Tally) -> f64 {
     (tally.contradiction() + CHANCE) / (tally.agreement() + CHANCE / 10.0)
 }
@@ -48,43 +48,43 @@ fn doubtful(tally: &Tally) -> bool {
     tally.contradiction() >= DOUBTFUL || tally.agreement() < AGREES_TOO_LITTLE
 }
 
-/// The work of comparing probes.
+/// Probes and the pairs to compare.
 struct Comparison<'a> {
-    views: &'a [View],
+    probes: &'a [ProbeSamples],
     pairs: Vec<[usize; 2]>,
     names: Vec<String>,
     projection: Projection,
     monitor: &'a dyn Monitor,
 }
 
-/// Compares all views under the stated kind of depth.
+/// Compares all probes under the declared kind of depth.
 ///
 /// # Errors
 /// When the monitor is interrupted.
-pub fn check(views: &[View], kind: DepthKind, projection: Projection, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
-    let pairs = pairs_of(views);
+pub fn check(probes: &[ProbeSamples], kind: DepthKind, projection: Projection, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
+    let pairs = pairs_of(probes);
     if pairs.is_empty() {
-        let says = if views.len() < 2 {
-            "one probe alone shows nothing of scale and positions"
+        let says = if probes.len() < 2 {
+            "scale and positions need two probes"
         } else {
             "no two probes have depth in the same frame"
         };
         return Ok(vec![Finding::new("probes", Verdict::CannotTell, says)]);
     }
-    let poses = views.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
-    let base = Reading { kind, scale: 1.0, poses };
-    let names = views.iter().map(|view| view.name.clone()).collect();
-    Comparison { views, pairs, names, projection, monitor }.judge(&base)
+    let poses = probes.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
+    let base = Hypothesis { kind, scale: 1.0, poses };
+    let names = probes.iter().map(|view| view.name.clone()).collect();
+    Comparison { probes, pairs, names, projection, monitor }.judge(&base)
 }
 
-/// Which probe is looked up in which: all in all where there are few, else in those that stand nearest.
-fn pairs_of(views: &[View]) -> Vec<[usize; 2]> {
+/// Ordered pairs of probes of one frame.
+fn pairs_of(probes: &[ProbeSamples]) -> Vec<[usize; 2]> {
     let mut pairs = Vec::new();
-    for a in 0..views.len() {
+    for a in 0..probes.len() {
         let mut others: Vec<usize> =
-            (0..views.len()).filter(|b| *b != a && views[*b].frame == views[a].frame).collect();
-        if views.len() > ALL_PAIRS {
-            let distance = |b: &usize| views[*b].position.distance(views[a].position);
+            (0..probes.len()).filter(|b| *b != a && probes[*b].frame == probes[a].frame).collect();
+        if probes.len() > ALL_PAIRS {
+            let distance = |b: &usize| probes[*b].position.distance(probes[a].position);
             others.sort_by(|x, y| distance(x).total_cmp(&distance(y)).then(x.cmp(y)));
             others.truncate(NEIGHBOURS);
         }
@@ -96,20 +96,20 @@ fn pairs_of(views: &[View]) -> Vec<[usize; 2]> {
 }
 
 impl Comparison<'_> {
-    fn tally(&self, reading: &Reading) -> Tally {
-        self.pairs.iter().map(|pair| look_up(self.views, *pair, reading)).sum()
+    fn tally(&self, hypothesis: &Hypothesis) -> Tally {
+        self.pairs.iter().map(|pair| look_up(self.probes, *pair, hypothesis)).sum()
     }
 
-    /// A tally of each reading.
-    fn tallies(&self, changes: &[Change]) -> Result<Vec<Tally>> {
+    /// The tally of each alternative.
+    fn tallies(&self, alternatives: &[Alternative]) -> Result<Vec<Tally>> {
         self.monitor.check()?;
-        let tallies = changes.par_iter().map(|change| self.tally(&change.reading)).collect();
+        let tallies = alternatives.par_iter().map(|alternative| self.tally(&alternative.hypothesis)).collect();
         self.monitor.check()?;
         Ok(tallies)
     }
 
-    fn judge(&self, base: &Reading) -> Result<Vec<Finding>> {
-        let own = look_up_all(self.views, &self.pairs, base);
+    fn judge(&self, base: &Hypothesis) -> Result<Vec<Finding>> {
+        let own = look_up_all(self.probes, &self.pairs, base);
         let all: Tally = own.iter().copied().sum();
         let figures = [
             ("agree", all.agreement()),
@@ -118,21 +118,21 @@ impl Comparison<'_> {
             ("pairs", self.pairs.len() as f64),
         ];
         if all.tested() < MIN_TESTED {
-            let says = format!("only {} points of one probe lie in sight of another", all.tested());
+            let says = format!("only {} samples of one probe are visible from another", all.tested());
             return Ok(vec![Finding::new("probes", Verdict::CannotTell, says).with(&figures)]);
         }
         let of_probe = |probe: usize| -> Tally {
             self.pairs.iter().zip(&own).filter(|(pair, _)| pair.contains(&probe)).map(|(_, tally)| *tally).sum()
         };
         let alone = |tally: &Tally| tally.tested() >= MIN_TESTED && tally.contradiction() >= DOUBTFUL_PROBE;
-        if doubtful(&all) || (0..self.views.len()).any(|probe| alone(&of_probe(probe))) {
+        if doubtful(&all) || (0..self.probes.len()).any(|probe| alone(&of_probe(probe))) {
             return self.explain(base, &own, &figures);
         }
-        let changes = changes(base, &self.names, self.projection, Extent::Usual);
-        let tallies = self.tallies(&changes)?;
+        let alternatives = alternatives(base, &self.names, self.projection, Extent::Common);
+        let tallies = self.tallies(&alternatives)?;
         let mut findings = Vec::new();
         for subject in [Subject::Kind, Subject::Scale, Subject::Positions, Subject::Orientations] {
-            let of = changes.iter().zip(&tallies).filter(|(change, _)| change.subject == subject);
+            let of = alternatives.iter().zip(&tallies).filter(|(other, _)| other.subject == subject);
             findings.extend(self.confirm(subject, &all, of.collect()));
         }
         if let Some(first) = findings.first_mut() {
@@ -141,8 +141,8 @@ impl Comparison<'_> {
         Ok(findings)
     }
 
-    /// What is to be said of a reading that nothing contradicts: whether others would be contradicted.
-    fn confirm(&self, subject: Subject, own: &Tally, others: Vec<(&Change, &Tally)>) -> Option<Finding> {
+    /// The finding about a subject that nothing contradicts: fine where all alternatives would be contradicted.
+    fn confirm(&self, subject: Subject, own: &Tally, others: Vec<(&Alternative, &Tally)>) -> Option<Finding> {
         let (next, tally) = others.into_iter().min_by(|a, b| misfit(a.1).total_cmp(&misfit(b.1)))?;
         let margin = misfit(tally) / misfit(own);
         let figures =
@@ -150,58 +150,58 @@ impl Comparison<'_> {
         let check = name_of(subject);
         let finding = if margin >= DECISIVE {
             let says = format!(
-                "{} of what probes could see of each other agrees and {} is seen through; {} it would be {} and {}",
+                "{} of the samples of other probes agree and {} are seen through; with {}: {} and {}",
                 percent(own.agreement()),
                 percent(own.contradiction()),
                 next.words,
                 percent(tally.agreement()),
                 percent(tally.contradiction()),
             );
-            Finding::new(check, Verdict::Fine, says.replace("; ", "; reading "))
+            Finding::new(check, Verdict::Fine, says)
         } else {
             let says =
-                format!("nothing contradicts what is declared, but reading {} would fit nearly as well", next.words);
+                format!("nothing contradicts the manifest, but {} would fit nearly as well", next.words);
             Finding::new(check, Verdict::CannotTell, says)
         };
         Some(finding.with(&figures))
     }
 
-    /// Looks for what is wrong where probes contradict each other.
-    fn explain(&self, base: &Reading, own: &[Tally], figures: &[(&'static str, f64)]) -> Result<Vec<Finding>> {
+    /// Searches for the mistake where probes contradict each other.
+    fn explain(&self, base: &Hypothesis, own: &[Tally], figures: &[(&'static str, f64)]) -> Result<Vec<Finding>> {
         let all: Tally = own.iter().copied().sum();
         let what = format!(
-            "{} of what one probe shows is seen through by another and {} agrees",
+            "{} of the samples of one probe are seen through by another and {} agree",
             percent(all.contradiction()),
             percent(all.agreement())
         );
-        let (mut reading, mut tally) = (base.clone(), all);
+        let (mut hypothesis, mut tally) = (base.clone(), all);
         let mut steps: Vec<(Subject, String)> = Vec::new();
         let odd = self.odd_one_out(own, misfit(&all));
-        while steps.len() < MAX_CHANGES && doubtful(&tally) {
-            let changes = changes(&reading, &self.names, self.projection, Extent::All);
-            let tallies = self.tallies(&changes)?;
+        while steps.len() < MAX_MISTAKES && doubtful(&tally) {
+            let alternatives = alternatives(&hypothesis, &self.names, self.projection, Extent::All);
+            let tallies = self.tallies(&alternatives)?;
             let best = tallies.iter().map(misfit).fold(f64::INFINITY, f64::min);
             if best * DECISIVE > misfit(&tally) {
                 break;
             }
-            // A single probe that stands wrong is the better explanation where all others agree better than with that.
+            // A single misplaced probe explains it better where all others agree better than under the best alternative.
             if steps.is_empty() && odd.as_ref().is_some_and(|(_, misfit)| *misfit * AS_GOOD <= best) {
                 break;
             }
-            let good: Vec<usize> = (0..changes.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
+            let good: Vec<usize> = (0..alternatives.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
             let Some(&first) = good.first() else { break };
-            // Of scales that fit as well, the usual one.
-            let most = if changes[first].subject == Subject::Scale { 1 } else { 3 };
-            let words: Vec<String> = good.iter().take(most).map(|at| changes[*at].words.clone()).collect();
-            steps.push((changes[first].subject, listed(&words, "or")));
-            (reading, tally) = (changes[first].reading.clone(), tallies[first]);
+            // Of equally good scales, the most common.
+            let most = if alternatives[first].subject == Subject::Scale { 1 } else { 3 };
+            let words: Vec<String> = good.iter().take(most).map(|at| alternatives[*at].words.clone()).collect();
+            steps.push((alternatives[first].subject, listed(&words, "or")));
+            (hypothesis, tally) = (alternatives[first].hypothesis.clone(), tallies[first]);
         }
         let mut figures = figures.to_vec();
         if !steps.is_empty() && all.contradiction() < DOUBTFUL && tally.agreement() < FAIR_SHARE {
             figures.extend([("next_agree", tally.agreement()), ("next_seen_through", tally.contradiction())]);
             let words: Vec<&str> = steps.iter().map(|(_, words)| words.as_str()).collect();
             let says = format!(
-                "{what}, too little to tell; reading {} it would be {} and {}, hardly more",
+                "{what}, which is inconclusive; with {}: {} and {}, hardly more",
                 words.join(" together with "),
                 percent(tally.contradiction()),
                 percent(tally.agreement())
@@ -213,7 +213,7 @@ impl Comparison<'_> {
                 Some((probe, misfit_without)) => {
                     figures.push(("margin", misfit(&all) / misfit_without));
                     let says = format!(
-                        "probe {} contradicts the others, which agree with each other: look at its position, orientation \
+                        "probe {} contradicts the others, which agree with each other: check its position, orientation \
                          and files",
                         self.names[probe]
                     );
@@ -241,7 +241,7 @@ impl Comparison<'_> {
             let also =
                 if others.is_empty() { String::new() } else { format!(", together with {}", others.join(" and ")) };
             let says = format!(
-                "{what}; reading {words}{also} it would be {} and {}",
+                "{what}; with {words}{also}: {} and {}",
                 percent(tally.contradiction()),
                 percent(tally.agreement())
             );
@@ -250,15 +250,15 @@ impl Comparison<'_> {
         Ok(findings.collect())
     }
 
-    /// The probe without which all others agree, and how badly those fit.
+    /// The probe without which the others agree, and their misfit.
     fn odd_one_out(&self, own: &[Tally], misfit_of_all: f64) -> Option<(usize, f64)> {
-        if self.views.len() < 3 {
+        if self.probes.len() < 3 {
             return None;
         }
         let without = |probe: usize| -> Tally {
             self.pairs.iter().zip(own).filter(|(pair, _)| !pair.contains(&probe)).map(|(_, tally)| *tally).sum()
         };
-        let (probe, tally) = (0..self.views.len())
+        let (probe, tally) = (0..self.probes.len())
             .map(|probe| (probe, without(probe)))
             .min_by(|a, b| misfit(&a.1).total_cmp(&misfit(&b.1)))?;
         let enough = tally.tested() >= MIN_TESTED && !doubtful(&tally) && misfit(&tally) * 2.0 <= misfit_of_all;

@@ -1,4 +1,4 @@
-//! The borders of cube faces, and how well any two of them continue each other.
+//! Borders of cube faces, and the mismatch of any two of them.
 
 use crate::image::Face;
 use crate::image::cube::{FacePoint, direction_to_face};
@@ -6,10 +6,10 @@ use crate::image::cube::{FacePoint, direction_to_face};
 /// Longest border, in samples.
 const MAX_SAMPLES: u32 = 256;
 
-/// One of the four sides of an image: its first row, its last row, its first column, its last column.
+/// Sides of an image: first row, last row, first column, last column.
 pub const SIDES: usize = 4;
 
-/// The values along the four sides of one face; NaN where nothing is known.
+/// Values along the four sides of a face; NaN where unknown.
 #[derive(Debug, Clone)]
 pub struct Borders {
     /// Top and bottom from left to right, left and right from top to bottom.
@@ -17,7 +17,7 @@ pub struct Borders {
 }
 
 impl Borders {
-    /// Takes the borders of an image of `side`×`side` pixels, thinned if it is large.
+    /// The borders of an image of `side`×`side` pixels, subsampled if it is large.
     pub fn new(side: u32, value: impl Fn(u32, u32) -> f32) -> Borders {
         let step = side.div_ceil(MAX_SAMPLES).max(1);
         // Symmetric about the middle, so that a side read backwards meets the same pixels.
@@ -36,10 +36,10 @@ impl Borders {
     }
 }
 
-/// What two sides differ by.
+/// The mismatch of two sides.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Mismatch {
-    /// Sum over samples of 0 (the same) to 1 (nothing alike).
+    /// Sum over samples of 0 (the same) to 1 (unlike).
     pub cost: f64,
     /// Samples where at least one side shows a surface.
     pub samples: u64,
@@ -52,8 +52,8 @@ impl Mismatch {
     }
 }
 
-/// Compares two sides, one of them read backwards if `reversed`. Values that differ by the factor e^`cap` are nothing alike;
-/// +inf is the background.
+/// Compares two sides, one of them reversed if `reversed`. Values that differ by the factor e^`cap` are unlike; +inf is the
+/// background.
 pub fn mismatch(a: &[f32], b: &[f32], reversed: bool, cap: f64) -> Mismatch {
     let mut found = Mismatch::default();
     let count = a.len().min(b.len());
@@ -79,7 +79,7 @@ pub struct Edge {
     pub a: (usize, usize),
     /// The other face and its side.
     pub b: (usize, usize),
-    /// Whether one side runs against the other.
+    /// Whether the sides run in opposite directions.
     pub reversed: bool,
 }
 
@@ -104,7 +104,7 @@ pub fn edges() -> Vec<Edge> {
     for face in Face::CUBE {
         let [forward, right, down] = face.axes();
         for side in 0..SIDES {
-            // A little beyond the edge, nearer to one end of it than to the other.
+            // Slightly beyond the edge, nearer to one end of it.
             let [u, v] = side_point(side, 0.5);
             let beyond = |at: f64| if at.abs() == 1.0 { at * 1.001 } else { at };
             let FacePoint { face: next, plane: [nu, nv] } =

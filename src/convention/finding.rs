@@ -1,18 +1,18 @@
-//! What a check answers.
+//! Results of checks.
 
 use serde::{Serialize, Serializer};
 
 use crate::json::Number;
 
-/// How a check ended.
+/// Verdict of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The pictures are as declared, and would not be if they were declared otherwise.
+    /// The data fit the manifest, and would fit no other.
     Fine,
-    /// Another reading fits the pictures far better, or they contradict each other.
+    /// Another hypothesis fits far better, or the data contradict themselves.
     Suspect,
-    /// The pictures say nothing about it.
+    /// The data are inconclusive.
     CannotTell,
 }
 
@@ -27,16 +27,15 @@ impl Verdict {
     }
 }
 
-/// The answer of one check.
+/// Result of one check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What was checked, such as `depth.kind`.
+    /// Name of the check, such as `depth.kind`.
     pub check: &'static str,
-    /// How it ended.
     pub verdict: Verdict,
     /// One sentence.
     pub says: String,
-    /// What was measured, by name.
+    /// Measured values by name.
     #[serde(serialize_with = "by_name")]
     pub figures: Vec<(&'static str, f64)>,
 }
@@ -59,7 +58,7 @@ impl Finding {
     }
 }
 
-/// A share as people read it.
+/// A share in percent.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent == 0.0 || percent >= 10.0 { format!("{percent:.0}%") } else { format!("{percent:.2}%") }

@@ -1,28 +1,27 @@
-//! Planar depth or distance, from one probe alone: what is straight in the world.
+//! Tells planar depth from distance by the planes in one probe.
 //!
-//! Along a row or a column of an image, 1/Z of a plane is linear, where Z is planar depth. Where distance is taken for Z, or
-//! Z for distance, it is not. So among three samples in a row, many are in line under the true reading and few under
-//! the other. A dome around the probe and a wall at right angles to the view cannot be told apart, nor are they where the
-//! probe stands beside the middle of the dome, or the wall is a little aslant. So only what changes fast has a vote.
+//! Along a row or a column of an image, 1/Z of a plane is linear, where Z is planar depth. Where distance is mistaken for Z,
+//! or Z for distance, it is not. So of triples of samples, many are collinear under the true kind and few under the
+//! other. A dome around the probe and a wall at right angles to the view are indistinguishable, also off-centre or slightly
+//! slanted. So only triples of steep change have a vote.
 
 use rayon::prelude::*;
 
 use super::between_probes::DECISIVE;
 use super::finding::{Finding, Verdict, percent};
-use super::views::{Samples, View};
+use super::probe_samples::{FaceSamples, ProbeSamples};
 use crate::dataset::DepthKind;
 
-/// Distances between the samples of a triple, on the plane at distance 1: short ones for what is small, long ones for
-/// what is noisy.
+/// Distances between the samples of a triple in u or v: short for small surfaces, long for noisy depth.
 const SPANS: [f64; 2] = [0.125, 0.25];
-/// A triple is in line where 1/Z in its middle is that close to the mean of both ends, times the square of the span. Between
-/// the two readings lie up to 0.5.
+/// A triple is collinear where 1/Z in its middle is this close to the mean of both ends, times the square of the span. The
+/// two kinds differ by up to 0.5.
 const STRAIGHT: f64 = 0.05;
-/// Least change of 1/stored over a triple, as a share of it and for each unit of the plane at distance 1. Inside a sphere of
-/// radius r, at e from its middle, distance changes by at most e / sqrt(r² - e²), and where it does it hardly bends: up to
-/// e = 0.44 r a dome has no vote. A plane changes so fast from 27 degrees on.
+/// Least relative change of 1/stored over a triple, per unit of u or v. Inside a sphere of radius r, at e from its centre,
+/// distance changes by at most e / sqrt(r² - e²), and there it hardly bends: up to e = 0.44 r a dome has no vote. A plane
+/// changes this fast from a slant of 27 degrees.
 const SLOPE: f64 = 0.5;
-/// Fewer triples that are in line under one reading only say nothing.
+/// Fewer triples that are collinear under one kind only are inconclusive.
 const MIN_TRIPLES: u64 = 400;
 /// The same as a share of all triples.
 const MIN_SHARE: f64 = 0.02;
@@ -30,11 +29,11 @@ const MIN_SHARE: f64 = 0.02;
 /// Triples of samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Triples {
-    /// All whose three samples show a surface that comes nearer fast.
+    /// All of steep change.
     pub all: u64,
-    /// In line as distance only.
+    /// Collinear as distance only.
     pub distance: u64,
-    /// In line as planar depth only.
+    /// Collinear as planar depth only.
     pub planar: u64,
 }
 
@@ -49,9 +48,9 @@ impl Triples {
 }
 
 /// Counts the triples of a face, along rows and columns.
-pub fn count(samples: &Samples) -> Triples {
+pub fn count(samples: &FaceSamples) -> Triples {
     let (width, height) = (samples.stored.width(), samples.stored.height());
-    // 1/Z if stored depth is a distance, and if it is planar.
+    // 1/Z if stored depth is distance, and if it is planar.
     let values = |x: u32, y: u32| -> Option<[f64; 2]> {
         let stored = f64::from(samples.stored.get(x, y));
         let factor = samples.to_distance(DepthKind::Planar, x, y);
@@ -69,9 +68,9 @@ pub fn count(samples: &Samples) -> Triples {
                     if (after[1] - before[1]).abs() / 2.0 < SLOPE * span * middle[1] {
                         continue;
                     }
-                    let straight = |reading: usize| {
-                        let bend = (before[reading] + after[reading]) / 2.0 - middle[reading];
-                        bend.abs() <= STRAIGHT * span * span * middle[reading]
+                    let straight = |kind: usize| {
+                        let bend = (before[kind] + after[kind]) / 2.0 - middle[kind];
+                        bend.abs() <= STRAIGHT * span * span * middle[kind]
                     };
                     found.all += 1;
                     match (straight(0), straight(1)) {
@@ -86,9 +85,9 @@ pub fn count(samples: &Samples) -> Triples {
     found
 }
 
-/// Compares what is flat under both readings, over all views.
-pub fn check(views: &[View], kind: DepthKind) -> Finding {
-    let faces: Vec<&Samples> = views.iter().flat_map(|view| &view.faces).collect();
+/// Compares the triples that are collinear under either kind, over all probes.
+pub fn check(views: &[ProbeSamples], kind: DepthKind) -> Finding {
+    let faces: Vec<&FaceSamples> = views.iter().flat_map(|view| &view.faces).collect();
     let counts: Vec<Triples> = faces.into_par_iter().map(count).collect();
     let found = counts.into_iter().fold(Triples::default(), Triples::add);
     let (declared, other) = match kind {
@@ -112,7 +111,7 @@ pub fn check(views: &[View], kind: DepthKind) -> Finding {
     } else if enough(other) && other > declared && margin >= DECISIVE {
         (Verdict::Suspect, format!("{shares}: depth looks like {other_name}"))
     } else {
-        (Verdict::CannotTell, format!("{shares}, which does not decide"))
+        (Verdict::CannotTell, format!("{shares}, which is inconclusive"))
     };
     Finding::new("depth.kind.flatness", verdict, says).with(&[
         ("straight_as_declared", share(declared)),
@@ -122,10 +121,9 @@ pub fn check(views: &[View], kind: DepthKind) -> Finding {
     ])
 }
 
-/// A suspicion where probes, which see each other's surfaces, confirm what is declared: straight lines are few, and
-/// curved surfaces may look so.
+/// The finding where reprojection between probes confirms the declared kind: curved surfaces may look straight.
 pub fn overruled(suspicion: Finding) -> Finding {
-    let says = format!("{}, but what probes see of each other fits what is declared", suspicion.says);
+    let says = format!("{}, but reprojection between probes fits the declared kind", suspicion.says);
     Finding { verdict: Verdict::CannotTell, says, ..suspicion }
 }
 
@@ -140,7 +138,7 @@ mod tests {
     const SIDE: u32 = 64;
 
     /// A probe at the origin that sees a surface at so many metres along each direction.
-    fn probe(distance: impl Fn(DVec3) -> f64, kind: DepthKind) -> View {
+    fn probe(distance: impl Fn(DVec3) -> f64, kind: DepthKind) -> ProbeSamples {
         let face = |face: Face| {
             let plane = Plane::from_fn(SIDE, SIDE, |x, y| {
                 let [u, v] = [x, y].map(|at| (f64::from(at) + 0.5) / f64::from(SIDE) * 2.0 - 1.0);
@@ -148,14 +146,14 @@ mod tests {
                 let planar = metres / (1.0 + u * u + v * v).sqrt();
                 (if kind == DepthKind::Planar { planar } else { metres }) as f32
             });
-            Samples::new(face, &plane, ImageProjection::cube_face(face, SIDE))
+            FaceSamples::new(face, &plane, ImageProjection::cube_face(face, SIDE))
         };
         let (position, turn) = (DVec3::ZERO, DQuat::IDENTITY);
-        View { name: "0".into(), frame: 0, position, turn, faces: Face::CUBE.map(face).to_vec() }
+        ProbeSamples { name: "0".into(), frame: 0, position, turn, faces: Face::CUBE.map(face).to_vec() }
     }
 
     /// From inside a dome of 10 m, at `offset` of its middle.
-    fn dome(offset: DVec3) -> View {
+    fn dome(offset: DVec3) -> ProbeSamples {
         let distance = move |direction: DVec3| {
             let along = direction.dot(offset);
             -along + (along * along + 100.0 - offset.length_squared()).sqrt()
@@ -164,7 +162,7 @@ mod tests {
     }
 
     /// From inside a box, not in its middle.
-    fn room(kind: DepthKind) -> View {
+    fn room(kind: DepthKind) -> ProbeSamples {
         let (low, high) = (DVec3::new(-3.5, -1.5, -3.0), DVec3::new(2.5, 1.25, 4.0));
         let distance = move |direction: DVec3| {
             let walls = [0, 1, 2].map(|axis| {

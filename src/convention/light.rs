@@ -1,18 +1,18 @@
-//! Colour: light or codes, and faces where nothing was rendered.
+//! Tells linear light from sRGB codes.
 
 use half::f16;
 
 use super::finding::{Finding, Verdict, percent};
 use crate::image::{ColorPlane, ColorSpace};
 
-/// Fewer pixels say nothing of how values are spread.
+/// Fewer pixels are inconclusive.
 const MIN_PIXELS: u64 = 1000;
-/// Share of values above 1 that is no chance, where codes end at 1.
+/// Share of values above 1, where codes end, that is no accident.
 const ABOVE_SHARE: f64 = 1e-4;
-/// Of values that are spread evenly, no more than half are as near to a 255th as half floats allow.
+/// Share of values that are 255ths from which they are codes; of evenly distributed half floats at most half are.
 const CODES_SHARE: f64 = 0.999;
 
-/// What files of colour hold.
+/// Sample type of colour files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Files {
     /// Whole numbers up to 255 or 65535: PNG.
@@ -21,7 +21,7 @@ pub enum Files {
     Floats,
 }
 
-/// What was counted of colour. All values are linear light, as read.
+/// Statistics of colour, as linear light.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ColorValues {
     /// All pixels.
@@ -30,9 +30,9 @@ pub struct ColorValues {
     pub values: u64,
     /// Components above 1.
     pub above_one: u64,
-    /// Components in 0.02 to 0.25, where half floats are much finer than 255ths.
+    /// Components from 0.02 to 0.25, where half floats are much finer than 255ths.
     pub dim: u64,
-    /// Of those, the ones that are a 255th as exactly as a half float can be.
+    /// Of those, the half floats nearest to a 255th.
     pub codes: u64,
 }
 
@@ -65,7 +65,7 @@ impl ColorValues {
     }
 }
 
-/// Whether values can be what they are said to be. `space` is what is said of the files.
+/// Compares values with the declared colour space.
 pub fn check(values: &ColorValues, space: ColorSpace, files: Files) -> Finding {
     let check = "color.space";
     let above = values.above_one as f64 / values.values.max(1) as f64;

@@ -1,22 +1,33 @@
-//! Whether a dataset is what its manifest says.
+//! Checks a dataset against its manifest; changes nothing.
 //!
-//! Enters: an open [`Source`]. Leaves: [`Finding`]s about the order and orientation of cube faces (`seams`), planar depth
-//! or distance (`flatness`, `between_probes`), scale, positions and orientations (`between_probes`), near, far and background
-//! (`values`), light or codes (`light`), images twice (`copies`). Nothing is changed; a suspicion is a figure and a sentence, for a person to judge.
+//! Enters: an open [`Source`]. Leaves: [`Finding`]s, each a verdict, figures and a sentence for a person to judge.
+//!
+//! 1. `seams`: neighbouring faces of a cube show the same along their edge. The permutation and turns of the faces with the
+//!    least mismatch is compared with the declared one. The whole cube may be turned or mirrored without any edge noticing;
+//!    of the 48 ways the one nearest to the declared permutation is reported. Depth and colour are checked apart.
+//! 2. `flatness`: 1/Z of a plane is linear along rows and columns where Z is planar depth. Collinear samples under one kind of
+//!    depth and not under the other are a vote. One probe is enough, but a dome around it looks planar: where
+//!    `between_probes` confirms the declared kind, a suspicion of this check becomes inconclusive.
+//! 3. `between_probes`: a surface of one probe may be hidden from another, but not seen through. `hypotheses` lists common
+//!    mistakes; up to three are undone one after the other, the best first. Planar depth and distance agree along seams;
+//!    here they do not.
+//! 4. `values` and `light`: values that are neither surface nor background, an undeclared background, near and far, depth in
+//!    integers, codes declared as light.
+//! 5. `duplicate_images`: images with equal pixels. Equal depth alone is no duplicate: walls look alike.
 
-mod arrangement;
 mod between_probes;
 mod borders;
-mod copies;
+mod duplicate_images;
+mod face_permutation;
 mod finding;
 mod flatness;
+mod hypotheses;
 mod light;
+mod probe_samples;
 mod read;
-mod readings;
 mod reproject;
 mod seams;
 mod values;
-mod views;
 
 use crate::dataset::manifest::Manifest;
 use crate::dataset::{Projection, Source, StreamKind};
@@ -27,17 +38,17 @@ use crate::monitor::Monitor;
 pub use finding::{Finding, Verdict};
 pub use read::Choice;
 
-/// Probes that are looked at where nobody says which: enough to tell, few enough to wait for.
+/// Default limit of probes to check.
 pub const MAX_PROBES: usize = 16;
 
-/// What was looked at, and what was found.
+/// The result of all checks.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Report {
-    /// Probes that were looked at.
+    /// Probes checked.
     pub probes: usize,
-    /// Of so many.
+    /// Probes of the dataset.
     pub all_probes: usize,
-    /// Images of faces that were read.
+    /// Face images read.
     pub images: u64,
     /// One for each check.
     #[serde(rename = "checks")]
@@ -45,13 +56,13 @@ pub struct Report {
 }
 
 impl Report {
-    /// Whether anything is suspected.
+    /// Whether any finding is a suspicion.
     pub fn suspects(&self) -> bool {
         self.findings.iter().any(|finding| finding.verdict == Verdict::Suspect)
     }
 }
 
-/// Files that [`check`] reads, each a step of its monitor.
+/// Files that [`check`] reads: the steps of its monitor.
 ///
 /// # Errors
 /// When no probe has the frame asked for, or one is not there.
@@ -59,7 +70,7 @@ pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
     Ok(read::jobs(source, choice)?.len() as u64)
 }
 
-/// Looks for wrong conventions. The result does not depend on the number of threads.
+/// Runs all checks. The result does not depend on the number of threads.
 ///
 /// # Errors
 /// When a file cannot be read, no probe has the frame asked for, or the monitor is interrupted.
@@ -73,7 +84,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     let footage = read::read(source, choice, &stated, monitor)?;
     let projection = manifest.map_or(Projection::Cubemap, |manifest| manifest.projection);
     let mut findings = Vec::new();
-    // Faces that are cut from panoramas, crosses and strips are where they should be, or all of them are not.
+    // Faces cut from panoramas, crosses and strips have a fixed order.
     let own_faces = manifest.is_none_or(Manifest::has_face_files);
     if own_faces && !footage.depth_borders.is_empty() {
         let stream = seams::Stream { check: "seams.depth", cap: seams::DEPTH_CAP };
@@ -86,7 +97,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
     if let Some(values) = &footage.depth {
         let kind = source.depth_kind();
         if footage.views.is_empty() {
-            let says = "the lens of the perspective views is not known";
+            let says = "the intrinsics of the perspective views are unknown";
             findings.push(Finding::new("depth.kind.flatness", Verdict::CannotTell, says));
         } else {
             let between = between_probes::check(&footage.views, kind, projection, monitor)?;
@@ -112,7 +123,7 @@ pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<
         });
         findings.push(light::check(values, space, files));
     }
-    findings.extend(copies::check(&footage, source.depth_kind()));
+    findings.extend(duplicate_images::check(&footage, source.depth_kind()));
     let probes = read::chosen_probes(source, choice)?.len();
     Ok(Report { probes, all_probes: source.probes().len(), images: footage.images, findings })
 }

@@ -1,6 +1,6 @@
-//! Reads one frame of each probe, and keeps of every image what the checks need: thinned depth, borders, counts.
+//! Reads one frame of each probe; keeps of each image subsampled depth, borders, statistics and a hash.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::DQuat;
@@ -10,14 +10,14 @@ use super::borders::Borders;
 use super::light::ColorValues;
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
-use super::views::{Samples, View};
+use super::probe_samples::{FaceSamples, ProbeSamples};
 use crate::dataset::{ProbeInfo, Source, SourceGroup, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
-/// Light below this is black where faces are compared.
+/// Added to light, so that the ratio of two dark values is near 1.
 const DARK: f32 = 1e-3;
 
 /// Which images are read.
@@ -25,82 +25,76 @@ const DARK: f32 = 1e-3;
 pub struct Choice {
     /// Only these probes; all where empty.
     pub probes: Vec<String>,
-    /// At most so many of them, evenly spread.
+    /// At most this many of them, evenly spaced.
     pub max_probes: usize,
     /// Only this frame; where `None`, each probe's first.
     pub frame: Option<u32>,
 }
 
-/// What an image shows, by the depth of its face.
+/// Content of an image by the depth of its face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shows {
     /// Surfaces at more than one depth.
     Surfaces,
-    /// Nothing, or surfaces at one depth only, such as a sky, which looks the same from everywhere.
+    /// Background, or surfaces at one depth, such as a sky dome, which looks the same from everywhere.
     Background,
     /// The face has no depth.
     Unknown,
 }
 
-/// An image that is not of one value, and a mark of its pixels.
+/// An image of more than one value, and a hash of its pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Marked {
+pub struct HashedImage {
     /// `color 00/px`.
     pub name: String,
-    /// Its probe's name.
+    /// Name of its probe.
     pub probe: String,
-    /// Its face.
     pub face: Face,
-    /// What its values are.
     pub kind: StreamKind,
-    /// Equal for equal pixels.
-    pub mark: u64,
-    /// What is to be seen.
+    pub hash: u64,
     pub shows: Shows,
 }
 
-/// What was read.
+/// Data of all images read.
 #[derive(Debug, Default)]
 pub struct Footage {
     /// Probes with depth.
-    pub views: Vec<View>,
+    pub views: Vec<ProbeSamples>,
     /// Borders of depth of each probe's cube.
     pub depth_borders: Vec<(String, CubeBorders)>,
     /// Borders of colour of each probe's cube.
     pub color_borders: Vec<(String, CubeBorders)>,
-    /// All values of depth.
     pub depth: Option<DepthValues>,
-    /// All values of colour.
     pub color: Option<ColorValues>,
     /// Images of more than one value.
-    pub marked: Vec<Marked>,
+    pub hashes: Vec<HashedImage>,
     /// Colour images of one value, whose depth has more.
     pub blank: Vec<String>,
-    /// Images that were read.
+    /// Number of images.
     pub images: u64,
 }
 
-/// What is kept of one image.
+/// Data of one image.
 enum Kept {
     Depth(DepthFace),
     Color(ColorFace),
 }
 
 struct DepthFace {
-    samples: Samples,
+    samples: FaceSamples,
     borders: Borders,
     values: DepthValues,
-    mark: Option<u64>,
+    hash: Option<u64>,
 }
 
 struct ColorFace {
     face: Face,
     borders: Borders,
     values: ColorValues,
-    mark: Option<u64>,
+    hash: Option<u64>,
 }
 
-/// The probes that are looked at, by index.
+/// The probes to check, by index.
 ///
 /// # Errors
 /// When a name is none of the dataset's.
@@ -164,42 +158,42 @@ pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Mon
 
 fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
     let mut footage = Footage::default();
-    // Whether depth of a (probe, face) has more than one value, and what it shows.
-    let mut varied = Vec::new();
-    let mut blank = Vec::new();
-    let mut shown = HashMap::new();
-    let mut marked = Vec::new();
+    // Faces whose depth has more than one value, their content, and colour images of one value.
+    let (mut varied, mut shown, mut blank) = (HashSet::new(), HashMap::new(), Vec::new());
     for (index, frame, faces) in kept {
         let probe = &source.probes()[index];
         for kept in faces {
             footage.images += 1;
-            let (face, mark, kind) = match &kept {
-                Kept::Depth(kept) => (kept.samples.face, kept.mark, StreamKind::Depth),
-                Kept::Color(kept) => (kept.face, kept.mark, StreamKind::Color),
+            let (face, hash, kind) = match &kept {
+                Kept::Depth(kept) => (kept.samples.face, kept.hash, StreamKind::Depth),
+                Kept::Color(kept) => (kept.face, kept.hash, StreamKind::Color),
             };
             let name = format!("{} {}/{}", kind.name(), probe.name, face.name());
-            match (mark, kind) {
-                (Some(mark), _) => marked.push((index, (face, kind), name, mark)),
-                (None, StreamKind::Color) => blank.push((index, face, name)),
-                (None, _) => {}
+            match hash {
+                Some(hash) => {
+                    let (probe, shows) = (probe.name.clone(), Shows::Unknown);
+                    footage.hashes.push(HashedImage { name, probe, face, kind, hash, shows });
+                }
+                None if kind == StreamKind::Color => blank.push((&probe.name, face, name)),
+                None => {}
             }
             match kept {
                 Kept::Depth(kept) => {
                     let surfaces = kept.values.surfaces > 0 && kept.values.min < kept.values.max;
-                    shown.insert((index, face), if surfaces { Shows::Surfaces } else { Shows::Background });
-                    if kept.mark.is_some() {
-                        varied.push((index, face));
+                    let shows = if surfaces { Shows::Surfaces } else { Shows::Background };
+                    shown.insert((probe.name.clone(), face), shows);
+                    if kept.hash.is_some() {
+                        varied.insert((&probe.name, face));
                     }
-                    let all = footage.depth.unwrap_or_default();
-                    footage.depth = Some(all.add(kept.values));
+                    footage.depth = Some(footage.depth.unwrap_or_default().add(kept.values));
                     put_borders(&mut footage.depth_borders, &probe.name, face, kept.borders);
-                    // A perspective view through an unknown lens shows nothing in space.
+                    // Without intrinsics, the samples of a perspective view have no direction.
                     if face == Face::View && probe.intrinsics.is_none() {
                         continue;
                     }
                     match footage.views.last_mut().filter(|view| view.name == probe.name) {
                         Some(view) => view.faces.push(kept.samples),
-                        None => footage.views.push(View {
+                        None => footage.views.push(ProbeSamples {
                             name: probe.name.clone(),
                             frame,
                             position: probe.position.into(),
@@ -215,15 +209,11 @@ fn gather(source: &Source, kept: Vec<(usize, u32, Vec<Kept>)>) -> Footage {
             }
         }
     }
-    let of_varied = |(index, face, _): &(usize, Face, String)| varied.contains(&(*index, *face));
-    footage.marked = marked
-        .into_iter()
-        .map(|(index, (face, kind), name, mark)| {
-            let shows = shown.get(&(index, face)).copied().unwrap_or(Shows::Unknown);
-            Marked { name, probe: source.probes()[index].name.clone(), face, kind, mark, shows }
-        })
-        .collect();
-    footage.blank = blank.into_iter().filter(of_varied).map(|(_, _, name)| name).collect();
+    for image in &mut footage.hashes {
+        image.shows = shown.get(&(image.probe.clone(), image.face)).copied().unwrap_or(Shows::Unknown);
+    }
+    blank.retain(|(probe, face, _)| varied.contains(&(*probe, *face)));
+    footage.blank = blank.into_iter().map(|(_, _, name)| name).collect();
     footage
 }
 
@@ -241,7 +231,7 @@ fn put_borders(all: &mut Vec<(String, CubeBorders)>, probe: &str, face: Face, bo
 
 fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated: &Stated) -> DepthFace {
     let values = DepthValues::count(plane, stated);
-    let mark = mark_of(plane, |value| value.to_bits());
+    let hash = hash_of(plane, |value| value.to_bits());
     let metres = plane.map(|&value| {
         if value == f32::INFINITY || value == stated.background {
             f32::INFINITY
@@ -255,12 +245,12 @@ fn depth_face(face: Face, plane: &DepthPlane, probe: Option<&ProbeInfo>, stated:
     let size = [metres.width(), metres.height()];
     let known = probe.and_then(|probe| probe.projection(face, size));
     let projection = known.unwrap_or(ImageProjection::CubeFace { face, size });
-    DepthFace { samples: Samples::new(face, &metres, projection), borders, values, mark }
+    DepthFace { samples: FaceSamples::new(face, &metres, projection), borders, values, hash }
 }
 
 fn color_face(face: Face, plane: &ColorPlane) -> ColorFace {
     let light = |x, y| plane.get(x, y).map(f16::to_f32).iter().sum::<f32>() / 3.0;
-    // Columns and rows of three pixels: renderings are noisy.
+    // Means of 3×3 pixels: renderings are noisy.
     let (width, height) = (plane.width(), plane.height());
     let side = width.min(height);
     let smooth = |x: u32, y: u32| {
@@ -274,12 +264,12 @@ fn color_face(face: Face, plane: &ColorPlane) -> ColorFace {
         }
         (sum / count as f32).max(0.0) + DARK
     };
-    let mark = mark_of(plane, |value| value.map(f16::to_bits));
-    ColorFace { face, borders: Borders::new(side, smooth), values: ColorValues::count(plane), mark }
+    let hash = hash_of(plane, |value| value.map(f16::to_bits));
+    ColorFace { face, borders: Borders::new(side, smooth), values: ColorValues::count(plane), hash }
 }
 
-/// A mark of the pixels of an image, unless all are the same.
-fn mark_of<T: Copy, B: Hash + PartialEq>(plane: &Plane<T>, bits: impl Fn(T) -> B) -> Option<u64> {
+/// A hash of the pixels of an image, unless all are equal.
+fn hash_of<T: Copy, B: Hash + PartialEq>(plane: &Plane<T>, bits: impl Fn(T) -> B) -> Option<u64> {
     let first = bits(*plane.data().first()?);
     if plane.data().iter().all(|value| bits(*value) == first) {
         return None;

@@ -1,31 +1,31 @@
-//! Order and orientation of cube faces: where two faces meet, they show the same.
+//! Checks order and orientation of cube faces: neighbours show the same along their common edge.
 //!
-//! Planar depth and distance are alike there, and so is a world that is turned or mirrored as a whole.
+//! Edges tell neither planar depth from distance nor the world from one that is turned or mirrored as a whole.
 
-use super::arrangement::{self, Arrangement, CostTable, Turn};
+use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
 use super::borders::{Borders, Mismatch, mismatch};
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::image::Face;
 
-/// Depths that differ by the factor e^0.1 are nothing alike.
+/// Depths that differ by the factor e^0.1 are unlike.
 pub const DEPTH_CAP: f64 = 0.1;
 /// The same for light.
 pub const COLOR_CAP: f64 = 0.7;
-/// By so much an arrangement must fit better than what is declared.
+/// A permutation is preferred to the declared one where its cost is this many times lower.
 const DECISIVE: f64 = 3.0;
-/// And by so large a share of the samples.
+/// And its mismatch lower by this share of the samples.
 const MIN_GAIN: f64 = 0.1;
-/// Fewer samples say nothing.
+/// Fewer samples are inconclusive.
 const MIN_SAMPLES: u64 = 32;
-/// A face is sure where any other way up costs so many samples more.
+/// A face's orientation is certain where any other costs this many samples more.
 const SURE: f64 = 8.0;
-/// Arrangements that cost no more than this factor are as good.
+/// Permutations within this factor of the least cost are equally good.
 const AS_GOOD: f64 = 1.2;
 
 /// Borders of one probe's faces, by face.
 pub type CubeBorders = [Option<Borders>; 6];
 
-/// Which stream the borders are of.
+/// The stream that borders belong to.
 #[derive(Debug, Clone, Copy)]
 pub struct Stream {
     /// Name of the finding.
@@ -38,13 +38,13 @@ pub struct Stream {
 pub fn check(stream: Stream, probes: &[(String, CubeBorders)]) -> Vec<Finding> {
     let present: [bool; 6] = std::array::from_fn(|face| probes.iter().any(|(_, borders)| borders[face].is_some()));
     if present.iter().filter(|present| **present).count() < 2 {
-        return vec![Finding::new(stream.check, Verdict::CannotTell, "there are no two faces that could meet")];
+        return vec![Finding::new(stream.check, Verdict::CannotTell, "fewer than two faces are present")];
     }
     let all = judge(stream, probes, present);
     if all.verdict != Verdict::Fine || probes.len() == 1 {
         return vec![all];
     }
-    // What is wrong in one probe of many is lost in the sum.
+    // An error of one probe among many is lost in the sum.
     let mut findings: Vec<Finding> = probes
         .iter()
         .map(|probe| (probe, judge(stream, std::slice::from_ref(probe), present)))
@@ -67,10 +67,10 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
     };
     let table = CostTable::new(|a, b, reversed| pair(a, b, reversed).cost);
     let samples: u64 = super::borders::edges().iter().map(|edge| pair(edge.a, edge.b, edge.reversed).samples).sum();
-    let declared = arrangement::declared(present);
+    let declared = face_permutation::declared(present);
     let own = table.total(&declared);
     let share = |cost: f64| cost / samples.max(1) as f64;
-    let (best, least) = table.best(present);
+    let Fit { permutation: best, cost: least } = table.best(present);
     let figures = [
         ("mismatch", share(own)),
         ("best_mismatch", share(least)),
@@ -78,7 +78,7 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
         ("samples", samples as f64),
     ];
     let finding = if samples < MIN_SAMPLES {
-        Finding::new(stream.check, Verdict::CannotTell, "hardly a surface reaches the edge of a face")
+        Finding::new(stream.check, Verdict::CannotTell, "hardly any surface reaches an edge of a face")
     } else if own >= DECISIVE * least && share(own - least) >= MIN_GAIN {
         Finding::new(stream.check, Verdict::Suspect, explain(&table, &best, least, present, share(own)))
     } else {
@@ -87,14 +87,14 @@ fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -
     finding.with(&figures)
 }
 
-/// What is to be said where nothing fits much better than what is declared.
+/// The finding where nothing fits much better than the declared permutation.
 fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> Finding {
-    let declared = arrangement::declared(present);
+    let declared = face_permutation::declared(present);
     let own = table.total(&declared);
     let sure = |face: &usize| {
         Turn::all().filter(|turn| *turn != Turn::NONE).all(|turn| {
             let mut other = declared;
-            other[*face] = Some((*face, turn));
+            other[*face] = Some(PlacedFile::new(*face, turn));
             table.total(&other) - own >= SURE.max(own * 0.05)
         })
     };
@@ -102,17 +102,17 @@ fn settle(stream: Stream, table: &CostTable, present: [bool; 6], least: f64) -> 
     let unsure: Vec<usize> = there.iter().copied().filter(|face| !sure(face)).collect();
     let differ = "faces continue each other as declared".to_owned();
     if own > AS_GOOD * least + SURE {
-        let says = "another order of the faces would fit a little better, but not by enough";
+        let says = "another order of the faces fits slightly better, which is inconclusive";
         return Finding::new(stream.check, Verdict::CannotTell, says);
     }
     if unsure.len() == there.len() {
-        let says = format!("{differ}, and would in other ways, too");
+        let says = format!("{differ}, and would in other orientations, too");
         return Finding::new(stream.check, Verdict::CannotTell, says);
     }
     let says = if unsure.is_empty() {
-        format!("{differ}, and not in any other way up")
+        format!("{differ}, and in no other orientation")
     } else {
-        format!("{differ}; which way up {} cannot be told", is_or_are(&names(&unsure)))
+        format!("{differ}; the orientation of {} is unknown", listed(&names(&unsure), "and"))
     };
     Finding::new(stream.check, Verdict::Fine, says)
 }
@@ -121,48 +121,44 @@ fn names(faces: &[usize]) -> Vec<String> {
     faces.iter().map(|face| Face::CUBE[*face].name().to_owned()).collect()
 }
 
-fn is_or_are(names: &[String]) -> String {
-    format!("{} {}", listed(names, "and"), if names.len() == 1 { "is" } else { "are" })
-}
-
-/// What the edges say should be: the simplest of the arrangements that fit as well as the best one.
-fn explain(table: &CostTable, best: &Arrangement, least: f64, present: [bool; 6], mismatch: f64) -> String {
-    let as_good = |arrangement: &Arrangement| table.total(arrangement) <= least * AS_GOOD + 1e-6;
+/// The simplest of the permutations that fit as well as the best one, in words.
+fn explain(table: &CostTable, best: &FacePermutation, least: f64, present: [bool; 6], mismatch: f64) -> String {
+    let as_good = |permutation: &FacePermutation| table.total(permutation) <= least * AS_GOOD + 1e-6;
     let whole = present.iter().all(|present| *present);
     let mut candidates = few_changes(present);
     if whole {
-        candidates.extend(arrangement::symmetric(best));
+        candidates.extend(face_permutation::symmetric(best));
     }
     candidates.retain(as_good);
-    let effort = |candidate: &&Arrangement| {
-        let turned = candidate.iter().flatten().filter(|(_, turn)| *turn != Turn::NONE).count();
-        (arrangement::changed(candidate).len(), turned)
+    let effort = |candidate: &&FacePermutation| {
+        let turned = candidate.iter().flatten().filter(|placed| placed.turn != Turn::NONE).count();
+        (face_permutation::changed(candidate).len(), turned)
     };
     let simplest = candidates.iter().min_by_key(effort).unwrap_or(best);
     let mut words = vec![in_words(simplest)];
-    let mirrored = Turn::all().skip(1).map(|turn| (turn, arrangement::all_turned(present, turn)));
+    let mirrored = Turn::all().skip(1).map(|turn| (turn, face_permutation::all_turned(present, turn)));
     for (turn, all) in mirrored.filter(|(_, all)| as_good(all) && all != simplest) {
-        if whole && arrangement::changed(&all).len() > arrangement::changed(simplest).len() {
+        if whole && face_permutation::changed(&all).len() > face_permutation::changed(simplest).len() {
             words.push(format!("every face is {}", turn.words()));
         }
     }
     words.truncate(3);
     format!(
-        "faces do not fit where they meet ({} of what is nothing alike): {}",
+        "faces do not match along their edges ({} of the samples differ): {}",
         percent(mismatch),
         listed(&words, "or")
     )
 }
 
-/// Arrangements where one file is turned, or two are exchanged and turned.
-fn few_changes(present: [bool; 6]) -> Vec<Arrangement> {
-    let declared = arrangement::declared(present);
+/// Permutations where one file is turned, or two are exchanged and turned.
+fn few_changes(present: [bool; 6]) -> Vec<FacePermutation> {
+    let declared = face_permutation::declared(present);
     let there: Vec<usize> = (0..6).filter(|face| present[*face]).collect();
     let mut found = Vec::new();
     for &face in &there {
         for turn in Turn::all() {
             let mut other = declared;
-            other[face] = Some((face, turn));
+            other[face] = Some(PlacedFile::new(face, turn));
             found.push(other);
         }
     }
@@ -170,8 +166,8 @@ fn few_changes(present: [bool; 6]) -> Vec<Arrangement> {
         for &b in &there[at + 1..] {
             for (turn_a, turn_b) in Turn::all().flat_map(|x| Turn::all().map(move |y| (x, y))) {
                 let mut other = declared;
-                other[a] = Some((b, turn_a));
-                other[b] = Some((a, turn_b));
+                other[a] = Some(PlacedFile::new(b, turn_a));
+                other[b] = Some(PlacedFile::new(a, turn_b));
                 found.push(other);
             }
         }
@@ -180,19 +176,19 @@ fn few_changes(present: [bool; 6]) -> Vec<Arrangement> {
 }
 
 /// `files of px and nx are exchanged, py is turned by 180 degrees`.
-fn in_words(arrangement: &Arrangement) -> String {
+fn in_words(permutation: &FacePermutation) -> String {
     let mut words = Vec::new();
-    let mut left = arrangement::changed(arrangement);
+    let mut left = face_permutation::changed(permutation);
     while let Some(face) = left.first().copied() {
         left.remove(0);
-        let Some((file, turn)) = arrangement[face] else { continue };
+        let Some(PlacedFile { file, turn }) = permutation[face] else { continue };
         let name = |face: usize| Face::CUBE[face].name();
         if file == face {
             words.push(format!("{} is {}", name(face), turn.words()));
             continue;
         }
-        match arrangement[file] {
-            Some((back, other)) if back == face => {
+        match permutation[file] {
+            Some(PlacedFile { file: back, turn: other }) if back == face => {
                 left.retain(|other| *other != file);
                 let turned = match (turn, other) {
                     (Turn::NONE, Turn::NONE) => String::new(),

@@ -1,15 +1,15 @@
-//! Single values of depth: what is none, what looks like a background that nobody declared, and near and far.
+//! Checks values of depth: invalid ones, an undeclared background, near and far.
 
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::dataset::InvalidDepth;
 use crate::dataset::manifest::DepthInfo;
 use crate::image::DepthPlane;
 
-/// The farthest value is a background where so large a share of all pixels has exactly it.
+/// The farthest value is a background where at least this share of all pixels has exactly it,
 const BACKGROUND_SHARE: f64 = 0.002;
-/// And nothing else is farther than this share of it.
+/// and all others lie below this share of it,
 const BACKGROUND_GAP: f32 = 0.1;
-/// Or it is one of the numbers that programs write.
+/// or it is a common background value.
 const USUAL_BACKGROUNDS: [f32; 18] = [
     100.0,
     1000.0,
@@ -30,22 +30,21 @@ const USUAL_BACKGROUNDS: [f32; 18] = [
     4_294_967_295.0,
     f32::MAX,
 ];
-/// Fewer pixels that are neither surface nor background are flaws of single pixels, and no value with a meaning: one in
-/// ten thousand.
+/// A smaller share of invalid pixels is taken for single flaws, not for a background value.
 const INVALID_SHARE: f64 = 1e-4;
-/// A share of pixels outside near and far that is no chance.
+/// Share of surfaces outside near and far that is no accident.
 const OUTSIDE_SHARE: f64 = 0.001;
-/// Whole numbers of metres as far as this are no metres.
+/// Integer depths that reach this many metres are in a smaller unit.
 const WHOLE_METRES: f64 = 100.0;
 /// Scales between the usual units.
 const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
 
-/// What was counted of stored depth. All values are as in the files.
+/// Statistics of stored depth, in the unit of the files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthValues {
     /// All pixels.
     pub pixels: u64,
-    /// Pixels that are the background as declared, or +inf.
+    /// Pixels of the declared background, or +inf.
     pub background: u64,
     /// NaN.
     pub not_a_number: u64,
@@ -88,21 +87,21 @@ impl Default for DepthValues {
     }
 }
 
-/// What the manifest says of values.
+/// What the manifest declares of depth values.
 #[derive(Debug, Clone, Copy)]
 pub struct Stated {
     /// Besides +inf.
     pub background: f32,
     /// Metres per unit.
     pub scale: f64,
-    /// Nearest and farthest depth in metres; 0 and +inf where not stated.
+    /// Near and far in metres; 0 and +inf where not declared.
     pub range_m: [f64; 2],
-    /// What becomes of what is neither a surface nor the background.
+    /// Treatment of pixels that are neither surface nor background.
     pub invalid: InvalidDepth,
 }
 
 impl Stated {
-    /// From the manifest's keys and what else the caller says; invalid depth is refused.
+    /// From the manifest and the caller; invalid depth is refused.
     pub fn new(depth: Option<&DepthInfo>, background: f32, scale: f64) -> Stated {
         let near = depth.and_then(|depth| depth.near).unwrap_or(0.0);
         let far = depth.and_then(|depth| depth.far).unwrap_or(f64::INFINITY);

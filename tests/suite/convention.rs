@@ -294,7 +294,7 @@ fn values_and_near_and_far() {
 fn copies_of_images_are_found() {
     let set = Set::new();
     std::fs::copy(set.depth_file(1, Face::Ny), set.depth_file(2, Face::Ny)).unwrap();
-    assert_suspects(&set.check(), "images", "depth 01/ny and depth 02/ny are the same picture");
+    assert_suspects(&set.check(), "images", "depth 01/ny and depth 02/ny have the same pixels");
 }
 
 #[test]
@@ -310,7 +310,7 @@ fn walls_that_are_alike_are_no_copies() {
         |x, y, distance: f64| (distance * ImageProjection::cube_face(Face::Px, SIDE).ray_length_factor(x, y)) as f32;
     set.rewrite(0..1, |_, _| Plane::from_fn(SIDE, SIDE, |x, y| wall(x, y, 2.0)));
     let one = |manifest: &mut Manifest| manifest.probes.truncate(1);
-    assert_eq!(verdict(&set.check_as(one), "are the same picture, as walls"), Verdict::CannotTell);
+    assert_eq!(verdict(&set.check_as(one), "have the same pixels, as similar walls"), Verdict::CannotTell);
     let color = |face: Face| set.depth_file(0, face).with_file_name("color.0000.exr");
     std::fs::copy(color(Face::Pz), color(Face::Nx)).unwrap();
     assert_eq!(verdict(&set.check_as(one), "color 00/nx and color 00/pz are the same"), Verdict::Suspect);
@@ -345,12 +345,12 @@ fn the_same_sky_from_everywhere_is_no_copy() {
         _ => plane,
     });
     let report = set.check();
-    assert_suspects(&report, "images", "color 01/py and color 02/py are the same picture");
+    assert_suspects(&report, "images", "color 01/py and color 02/py have the same pixels");
     set.rewrite(1..3, |face, plane| if face == Face::Py { plane.map(|_| f32::INFINITY) } else { plane });
     let found = set.check();
     let images = finding(&found, "images");
     assert_eq!(images.verdict, Verdict::Fine, "{found:#?}");
-    assert!(images.says.contains("color 01/py and color 02/py are"), "{}", images.says);
+    assert!(images.says.contains("color 01/py and color 02/py have"), "{}", images.says);
     // Without depth nobody knows what is seen.
     let report = set.check_as(|manifest| {
         manifest.files.depth = None;
@@ -402,7 +402,7 @@ fn probes_in_a_dome_raise_no_doubt() {
         });
         assert_clean(&report);
         // Far from the middle a dome looks straight here and there, but probes that see the same know better.
-        let overruled = finding(&report, "depth.kind.flatness").says.contains("but what probes see of each other");
+        let overruled = finding(&report, "depth.kind.flatness").says.contains("but reprojection between probes");
         assert_eq!(overruled, share > 0.5, "{report:#?}");
     }
 }

@@ -1,41 +1,40 @@
-//! What the checks look at: depth as files have it, thinned, with the directions that pixels look along.
+//! Subsampled depth of probes, as stored, with the directions of its samples.
 
 use glam::{DQuat, DVec3};
 
 use crate::dataset::DepthKind;
 use crate::image::{DepthPlane, Face, ImageProjection, Plane};
 
-/// Longest side, in samples, of a face that is reprojected; larger ones are thinned.
+/// Longest side of a face in samples.
 const MAX_SIDE: u32 = 256;
-/// Where the largest distance around a sample is so many times the smallest, there is an edge, and nothing to compare.
+/// A sample lies at an edge, and is not compared, where distances around it differ by this factor.
 const EDGE_RATIO: f32 = 1.15;
 
 /// Depth of one face: every `step`th pixel of every `step`th row.
 #[derive(Debug, Clone)]
-pub struct Samples {
-    /// Which face.
+pub struct FaceSamples {
     pub face: Face,
     /// Of the whole face.
     projection: ImageProjection,
     step: u32,
-    /// As the file has it, times the stated metres per unit: +inf for the background, NaN where nothing is known.
+    /// As stored, times the declared metres per unit: +inf for the background, NaN where unknown.
     pub stored: DepthPlane,
-    /// Nearest and farthest distance of the samples around each, if the file holds distances.
+    /// Nearest and farthest distance around each sample, if the file holds distances.
     distance: Plane<[f32; 2]>,
     /// The same if the file holds planar depth.
     planar: Plane<[f32; 2]>,
 }
 
-impl Samples {
-    /// Thins a face.
-    pub fn new(face: Face, stored: &DepthPlane, projection: ImageProjection) -> Samples {
+impl FaceSamples {
+    /// Subsamples a face.
+    pub fn new(face: Face, stored: &DepthPlane, projection: ImageProjection) -> FaceSamples {
         let size = projection.size();
         let step = size[0].max(size[1]).div_ceil(MAX_SIDE).max(1);
         let offset = step / 2;
         let count = |side: u32| (side.saturating_sub(offset)).div_ceil(step).max(1);
         let at = |index: u32, side: u32| (offset + index * step).min(side - 1);
         let thin = Plane::from_fn(count(size[0]), count(size[1]), |x, y| stored.get(at(x, size[0]), at(y, size[1])));
-        let mut samples = Samples {
+        let mut samples = FaceSamples {
             face,
             projection,
             step,
@@ -48,18 +47,18 @@ impl Samples {
         samples
     }
 
-    /// Where the ray of a sample meets the plane at distance 1.
+    /// (u, v) of a sample.
     pub fn plane_point(&self, x: u32, y: u32) -> [f64; 2] {
         self.projection.plane([x, y].map(|index| f64::from(self.step / 2 + index * self.step) + 0.5))
     }
 
-    /// Distance between neighbouring samples on the plane at distance 1.
+    /// Distance between neighbouring samples in u and v.
     pub fn spacing(&self) -> [f64; 2] {
         let (first, next) = (self.projection.plane([0.0; 2]), self.projection.plane([f64::from(self.step); 2]));
         [next[0] - first[0], next[1] - first[1]]
     }
 
-    /// What turns stored depth into distance at a sample.
+    /// Factor from stored depth to distance at a sample.
     pub fn to_distance(&self, kind: DepthKind, x: u32, y: u32) -> f64 {
         let [u, v] = self.plane_point(x, y);
         match kind {
@@ -68,7 +67,7 @@ impl Samples {
         }
     }
 
-    /// The point that a sample shows, seen from the probe along its own axes; `None` where there is no surface.
+    /// The surface point of a sample in the probe's axes; `None` where there is no surface.
     pub fn point(&self, kind: DepthKind, x: u32, y: u32) -> Option<DVec3> {
         let stored = self.stored.get(x, y);
         if !stored.is_finite() {
@@ -105,7 +104,7 @@ impl Samples {
         })
     }
 
-    /// Nearest and farthest distance around a position of the image; `None` where nothing is known, and at edges.
+    /// Nearest and farthest distance around a position; `None` where unknown, and at edges.
     fn range_at(&self, kind: DepthKind, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let index = |at: f64, count: u32| {
             let index = (at - 0.5 - f64::from(self.step / 2)) / f64::from(self.step);
@@ -122,23 +121,20 @@ impl Samples {
 
 /// One probe in one frame.
 #[derive(Debug, Clone)]
-pub struct View {
-    /// Name.
+pub struct ProbeSamples {
     pub name: String,
-    /// The frame that was read.
     pub frame: u32,
     /// Centre, metres.
     pub position: DVec3,
     /// Turns the probe's axes into the world's.
     pub turn: DQuat,
-    /// What it sees.
-    pub faces: Vec<Samples>,
+    pub faces: Vec<FaceSamples>,
 }
 
-impl View {
+impl ProbeSamples {
     /// Nearest and farthest distance around a direction along the probe's own axes.
     pub fn range_towards(&self, kind: DepthKind, direction: DVec3) -> Option<[f64; 2]> {
-        let shown = |samples: &Samples| samples.projection.project(direction);
+        let shown = |samples: &FaceSamples| samples.projection.project(direction);
         let (samples, at) = self.faces.iter().find_map(|samples| Some((samples, shown(samples)?)))?;
         samples.range_at(kind, at)
     }

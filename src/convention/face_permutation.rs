@@ -1,4 +1,4 @@
-//! Which image is which face of a cube, and which way up: what is declared, and what fits best.
+//! Assigns images to the faces of a cube, and turns them: as declared, and as neighbouring edges fit best.
 
 use glam::{DMat3, DVec3};
 
@@ -6,7 +6,6 @@ use super::borders::{Edge, SIDES, edges, side_of, side_point};
 use crate::image::Face;
 use crate::image::cube::{FacePoint, direction_to_face};
 
-/// A cube has six faces.
 const FACES: usize = 6;
 
 /// A way to turn and mirror an image: exchange rows and columns or not, then mirror across, then upside down.
@@ -14,21 +13,19 @@ const FACES: usize = 6;
 pub struct Turn(u8);
 
 impl Turn {
-    /// As it is.
     pub const NONE: Turn = Turn(0);
 
-    /// All eight.
     pub fn all() -> impl Iterator<Item = Turn> {
         (0..8).map(Turn)
     }
 
-    /// The point of the image as it is in the file that is shown at a point of the turned one, both in −1..1.
+    /// The point of the file's image that a point of the turned image shows, both in −1..1.
     pub fn in_file(self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [u, v] = if self.0 & 4 != 0 { [v, u] } else { [u, v] };
         [if self.0 & 1 != 0 { -u } else { u }, if self.0 & 2 != 0 { -v } else { v }]
     }
 
-    /// What has been done to the file's image: as a sentence goes on after "is".
+    /// Continues a sentence after "is".
     pub fn words(self) -> &'static str {
         match self.0 {
             0 => "as it should be",
@@ -42,30 +39,51 @@ impl Turn {
         }
     }
 
-    /// The turn that shows in its upper right quarter the point that is given in the file.
+    /// The turn under which point `probe` shows point `file`.
     fn that_shows(probe: [f64; 2], file: [f64; 2]) -> Option<Turn> {
         let near = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-6;
         Turn::all().find(|turn| near(turn.in_file(probe), file))
     }
 }
 
-/// For each face, the file that should be it and how it is to be turned; `None` where there is none.
-pub type Arrangement = [Option<(usize, Turn)>; FACES];
+/// For each face its file and the turn of that; `None` where there is none.
+pub type FacePermutation = [Option<PlacedFile>; FACES];
 
-/// Every face from its own file, as it is.
-pub fn declared(present: [bool; FACES]) -> Arrangement {
-    std::array::from_fn(|face| present[face].then_some((face, Turn::NONE)))
+/// A file as a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlacedFile {
+    /// Index of the face that it is declared to be.
+    pub file: usize,
+    pub turn: Turn,
 }
 
-/// What any two sides of different files differ by.
+impl PlacedFile {
+    pub fn new(file: usize, turn: Turn) -> PlacedFile {
+        PlacedFile { file, turn }
+    }
+}
+
+/// Every face from its own file, as it is.
+pub fn declared(present: [bool; FACES]) -> FacePermutation {
+    std::array::from_fn(|face| present[face].then_some(PlacedFile::new(face, Turn::NONE)))
+}
+
+/// The mismatch of any two sides of different files.
 #[derive(Debug, Clone)]
 pub struct CostTable {
     costs: Vec<f64>,
     edges: Vec<Edge>,
 }
 
+/// A permutation and its cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fit {
+    pub permutation: FacePermutation,
+    pub cost: f64,
+}
+
 impl CostTable {
-    /// Asks for the cost of (file, side) against (file, side), one of them reversed or not.
+    /// `cost` compares (file, side) with (file, side), one of them reversed or not.
     pub fn new(cost: impl Fn((usize, usize), (usize, usize), bool) -> f64) -> CostTable {
         let mut costs = vec![0.0; (FACES * SIDES) * (FACES * SIDES) * 2];
         for a in 0..FACES * SIDES {
@@ -82,10 +100,10 @@ impl CostTable {
         (a * FACES * SIDES + b) * 2 + usize::from(reversed)
     }
 
-    /// Cost of an edge under an arrangement; 0 where one of its faces is not there.
-    fn edge(&self, edge: &Edge, arrangement: &Arrangement) -> f64 {
+    /// Cost of an edge; 0 where one of its faces is missing.
+    fn edge(&self, edge: &Edge, permutation: &FacePermutation) -> f64 {
         let place = |(face, side): (usize, usize)| {
-            let (file, turn) = arrangement[face]?;
+            let PlacedFile { file, turn } = permutation[face]?;
             let (side, along) = side_of(turn.in_file(side_point(side, 0.5)));
             Some((file * SIDES + side, along < 0.0))
         };
@@ -97,29 +115,25 @@ impl CostTable {
         }
     }
 
-    /// Cost of an arrangement.
-    pub fn total(&self, arrangement: &Arrangement) -> f64 {
-        self.edges.iter().map(|edge| self.edge(edge, arrangement)).sum()
+    pub fn total(&self, permutation: &FacePermutation) -> f64 {
+        self.edges.iter().map(|edge| self.edge(edge, permutation)).sum()
     }
 
-    /// Cost of the edges of one face.
-    pub fn of_face(&self, face: usize, arrangement: &Arrangement) -> f64 {
+    pub fn of_face(&self, face: usize, permutation: &FacePermutation) -> f64 {
         let own = |edge: &&Edge| edge.a.0 == face || edge.b.0 == face;
-        self.edges.iter().filter(own).map(|edge| self.edge(edge, arrangement)).sum()
+        self.edges.iter().filter(own).map(|edge| self.edge(edge, permutation)).sum()
     }
 
-    /// The arrangement of least cost: files exchanged among the faces that are there, and turned. Of six faces the first
-    /// stays where it is, because a cube may be turned and mirrored as a whole without any edge noticing.
-    ///
-    /// Branch and bound: costs only grow as files are placed.
-    pub fn best(&self, present: [bool; FACES]) -> (Arrangement, f64) {
+    /// The permutation of least cost, by branch and bound: costs only grow as files are placed. Of six faces the first stays
+    /// where it is, since turning and mirroring the whole cube changes no edge.
+    pub fn best(&self, present: [bool; FACES]) -> Fit {
         let start = declared(present);
-        let mut best = (start, self.total(&start));
+        let mut best = Fit { permutation: start, cost: self.total(&start) };
         let mut place = [None; FACES];
         let mut free: Vec<usize> = (0..FACES).filter(|face| present[*face]).collect();
         let positions = free.clone();
         if positions.len() == FACES {
-            place[0] = Some((0, Turn::NONE));
+            place[0] = Some(PlacedFile::new(0, Turn::NONE));
             free.remove(0);
             self.descend(&positions[1..], &mut free, &mut place, 0.0, &mut best);
         } else {
@@ -132,23 +146,23 @@ impl CostTable {
         &self,
         positions: &[usize],
         free: &mut Vec<usize>,
-        place: &mut Arrangement,
+        place: &mut FacePermutation,
         cost: f64,
-        best: &mut (Arrangement, f64),
+        best: &mut Fit,
     ) {
         let [face, rest @ ..] = positions else {
-            // What rounding alone makes better is not better.
-            if cost < best.1 - 1e-6 {
-                *best = (*place, cost);
+            // Not better by rounding alone.
+            if cost < best.cost - 1e-6 {
+                *best = Fit { permutation: *place, cost };
             }
             return;
         };
         for at in 0..free.len() {
             let file = free.remove(at);
             for turn in Turn::all() {
-                place[*face] = Some((file, turn));
+                place[*face] = Some(PlacedFile { file, turn });
                 let cost = cost + self.of_face(*face, place);
-                if cost < best.1 {
+                if cost < best.cost {
                     self.descend(rest, free, place, cost, best);
                 }
             }
@@ -158,20 +172,20 @@ impl CostTable {
     }
 }
 
-/// The same arrangement of six faces with the whole cube turned and mirrored, in all 48 ways.
-pub fn symmetric(arrangement: &Arrangement) -> Vec<Arrangement> {
+/// A permutation of six faces under the 48 symmetries of the cube.
+pub fn symmetric(permutation: &FacePermutation) -> Vec<FacePermutation> {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let mut found = Vec::new();
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]] {
         for signs in 0..8u8 {
             let column = |at: usize| axes[order[at]] * if signs >> at & 1 == 1 { -1.0 } else { 1.0 };
-            found.extend(turned(arrangement, DMat3::from_cols(column(0), column(1), column(2))));
+            found.extend(turned(permutation, DMat3::from_cols(column(0), column(1), column(2))));
         }
     }
     found
 }
 
-fn turned(arrangement: &Arrangement, turn: DMat3) -> Option<Arrangement> {
+fn turned(permutation: &FacePermutation, turn: DMat3) -> Option<FacePermutation> {
     let mut placed = [None; FACES];
     for face in Face::CUBE {
         let [forward, right, down] = face.axes();
@@ -179,21 +193,22 @@ fn turned(arrangement: &Arrangement, turn: DMat3) -> Option<Arrangement> {
         let probe = [0.6, -0.3];
         let FacePoint { face: other, plane: [u, v] } =
             direction_to_face(turn * (forward + probe[0] * right + probe[1] * down));
-        let (file, inner) = arrangement[other as usize]?;
-        placed[face as usize] = Some((file, Turn::that_shows(probe, inner.in_file([u, v]))?));
+        let PlacedFile { file, turn: inner } = permutation[other as usize]?;
+        let turn = Turn::that_shows(probe, inner.in_file([u, v]))?;
+        placed[face as usize] = Some(PlacedFile { file, turn });
     }
     Some(placed)
 }
 
-/// The faces whose file or turn is not what is declared.
-pub fn changed(arrangement: &Arrangement) -> Vec<usize> {
-    let differs = |face: &usize| arrangement[*face].is_some_and(|place| place != (*face, Turn::NONE));
+/// The faces whose file or turn is not the declared one.
+pub fn changed(permutation: &FacePermutation) -> Vec<usize> {
+    let differs = |face: &usize| permutation[*face].is_some_and(|place| place != PlacedFile::new(*face, Turn::NONE));
     (0..FACES).filter(differs).collect()
 }
 
 /// Every face from its own file, each turned in the same way.
-pub fn all_turned(present: [bool; FACES], turn: Turn) -> Arrangement {
-    std::array::from_fn(|face| present[face].then_some((face, turn)))
+pub fn all_turned(present: [bool; FACES], turn: Turn) -> FacePermutation {
+    std::array::from_fn(|face| present[face].then_some(PlacedFile::new(face, turn)))
 }
 
 #[cfg(test)]
@@ -203,12 +218,12 @@ mod tests {
     const ALL: [bool; FACES] = [true; FACES];
 
     /// Costs 0 where two sides belong together under `truth`, else 1.
-    fn table(truth: &Arrangement) -> CostTable {
+    fn table(truth: &FacePermutation) -> CostTable {
         let belongs: Vec<_> = edges()
             .iter()
             .map(|edge| {
                 let place = |(face, side): (usize, usize)| {
-                    let (file, turn) = truth[face].unwrap();
+                    let PlacedFile { file, turn } = truth[face].unwrap();
                     let (side, along) = side_of(turn.in_file(side_point(side, 0.5)));
                     ((file, side), along < 0.0)
                 };
@@ -223,25 +238,25 @@ mod tests {
     }
 
     #[test]
-    fn the_best_arrangement_is_the_true_one_up_to_the_whole_cube() {
+    fn the_best_permutation_is_the_true_one_up_to_the_whole_cube() {
         let mut truth = declared(ALL);
-        truth[1] = Some((4, Turn(5)));
-        truth[4] = Some((1, Turn(2)));
-        truth[3] = Some((3, Turn(7)));
+        truth[1] = Some(PlacedFile::new(4, Turn(5)));
+        truth[4] = Some(PlacedFile::new(1, Turn(2)));
+        truth[3] = Some(PlacedFile::new(3, Turn(7)));
         let table = table(&truth);
         assert_eq!(table.total(&truth), 0.0);
-        let (best, cost) = table.best(ALL);
+        let Fit { permutation: best, cost } = table.best(ALL);
         assert_eq!(cost, 0.0);
         let equal = symmetric(&best);
         assert_eq!(equal.len(), 48);
         assert!(equal.contains(&truth));
-        assert!(equal.iter().all(|arrangement| table.total(arrangement) == 0.0));
+        assert!(equal.iter().all(|permutation| table.total(permutation) == 0.0));
     }
 
     #[test]
     fn what_is_declared_stays_where_it_fits() {
         let table = table(&declared(ALL));
-        assert_eq!(table.best(ALL), (declared(ALL), 0.0));
+        assert_eq!(table.best(ALL), Fit { permutation: declared(ALL), cost: 0.0 });
         let least = symmetric(&declared(ALL)).iter().map(|equal| changed(equal).len()).min();
         assert_eq!(least, Some(0));
     }

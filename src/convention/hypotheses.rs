@@ -1,52 +1,67 @@
-//! The ways in which depth, positions and orientations of a dataset are commonly mistaken for one another.
+//! Hypotheses about a dataset: common mistakes in kind and scale of depth, positions and orientations.
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::reproject::{Pose, Reading};
 use crate::dataset::{DepthKind, Projection};
 
-/// Scales by which units are mixed up: metres with milli- and centimetres, feet, and decades.
+/// Ratios of units that are mistaken for one another: milli- and centimetres, feet, decades.
 const UNITS: [f64; 9] = [0.001, 0.01, 0.1, 0.3048, 1.0 / 0.3048, 10.0, 100.0, 1000.0, 1.0];
-/// Ratio of neighbouring scales where none of the usual ones is known to be right.
+/// Ratio of neighbouring scales of the full search.
 const SCALE_STEP: f64 = 1.08;
 /// Steps to either side of 1.
 const SCALE_STEPS: i32 = 36;
 
-/// What a reading changes.
+/// Position and orientation of a probe under a hypothesis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    /// Centre, metres.
+    pub position: DVec3,
+    /// Turns the probe's axes into the world's.
+    pub turn: DQuat,
+}
+
+/// An interpretation of a dataset.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// Planar depth or distance.
+    pub kind: DepthKind,
+    /// Factor on depth; 1 as declared.
+    pub scale: f64,
+    /// Of each probe.
+    pub poses: Vec<Pose>,
+}
+
+/// What a hypothesis changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
     /// Planar depth or distance.
     Kind,
-    /// Metres per unit.
     Scale,
-    /// Where probes stand.
     Positions,
-    /// How they are turned.
     Orientations,
 }
 
-/// A reading that differs from another in one thing.
+/// A hypothesis that differs from another in one subject.
 #[derive(Debug, Clone)]
-pub struct Change {
-    /// In what.
+pub struct Alternative {
+    /// Of what.
     pub subject: Subject,
-    /// As a sentence goes on after "reading ".
+    /// Continues a sentence after "with ".
     pub words: String,
-    /// The whole of it.
-    pub reading: Reading,
+    pub hypothesis: Hypothesis,
 }
 
-/// How many readings are tried.
+/// Which hypotheses are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// The usual ones, to know whether the pictures could tell.
-    Usual,
-    /// All, to find what is wrong.
+    /// Common ones, to test whether the data can tell them apart.
+    Common,
+    /// All, to find the mistake.
     All,
 }
 
-/// All readings that differ from `base` in one thing; common mistakes first.
-pub fn changes(base: &Reading, names: &[String], projection: Projection, extent: Extent) -> Vec<Change> {
+/// All hypotheses that differ from `base` in one subject; common mistakes first.
+pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection, extent: Extent) -> Vec<Alternative> {
     let mut all = Vec::new();
     // A panorama has no planar depth.
     if projection != Projection::Equirect {
@@ -54,13 +69,13 @@ pub fn changes(base: &Reading, names: &[String], projection: Projection, extent:
             DepthKind::Distance => (DepthKind::Planar, "depth as planar"),
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),
         };
-        all.push(Change { subject: Subject::Kind, words: words.into(), reading: Reading { kind, ..base.clone() } });
+        all.push(Alternative { subject: Subject::Kind, words: words.into(), hypothesis: Hypothesis { kind, ..base.clone() } });
         // Each alone may not look better than neither.
         if extent == Extent::All {
-            all.extend(UNITS.into_iter().filter(|factor| *factor != 1.0).map(|factor| Change {
+            all.extend(UNITS.into_iter().filter(|factor| *factor != 1.0).map(|factor| Alternative {
                 subject: Subject::Kind,
                 words: format!("{words} and {} as large", times(factor)),
-                reading: Reading { kind, scale: base.scale * factor, ..base.clone() },
+                hypothesis: Hypothesis { kind, scale: base.scale * factor, ..base.clone() },
             }));
         }
     }
@@ -70,16 +85,16 @@ pub fn changes(base: &Reading, names: &[String], projection: Projection, extent:
     all
 }
 
-fn scales(base: &Reading, extent: Extent, all: &mut Vec<Change>) {
+fn scales(base: &Hypothesis, extent: Extent, all: &mut Vec<Alternative>) {
     let mut factors: Vec<f64> = UNITS.into_iter().filter(|factor| *factor != 1.0).collect();
     if extent == Extent::All {
         factors.extend((1..=SCALE_STEPS).flat_map(|step| [SCALE_STEP.powi(step), SCALE_STEP.powi(-step)]));
     }
     for factor in factors {
-        all.push(Change {
+        all.push(Alternative {
             subject: Subject::Scale,
             words: format!("depth {} as large", times(factor)),
-            reading: Reading { scale: base.scale * factor, ..base.clone() },
+            hypothesis: Hypothesis { scale: base.scale * factor, ..base.clone() },
         });
     }
 }
@@ -89,11 +104,11 @@ fn times(factor: f64) -> String {
     if (0.01..100.0).contains(&factor) { format!("{factor:.3} times") } else { format!("{factor} times") }
 }
 
-fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Change>) {
+fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<Alternative>) {
     let moved = |words: String, place: &dyn Fn(usize) -> DVec3| {
         let pose = |(index, pose): (usize, &Pose)| Pose { position: place(index), ..*pose };
         let poses = base.poses.iter().enumerate().map(pose).collect();
-        Change { subject: Subject::Positions, words, reading: Reading { poses, ..base.clone() } }
+        Alternative { subject: Subject::Positions, words, hypothesis: Hypothesis { poses, ..base.clone() } }
     };
     let before = all.len();
     if extent == Extent::All {
@@ -116,18 +131,17 @@ fn positions(base: &Reading, names: &[String], extent: Extent, all: &mut Vec<Cha
     for (words, axes) in axis_orders() {
         all.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
     }
-    // Where probes stand relative to each other is all that counts.
-    let offsets = |reading: &Reading| -> Vec<DVec3> {
-        reading.poses.iter().map(|pose| pose.position - reading.poses[0].position).collect()
+    // Only relative positions count.
+    let offsets = |of: &Hypothesis| -> Vec<DVec3> {
+        of.poses.iter().map(|pose| pose.position - of.poses[0].position).collect()
     };
     let own = offsets(base);
-    let same = |reading: &Reading| offsets(reading).iter().zip(&own).all(|(a, b)| a.distance(*b) < 1e-9);
-    let kept: Vec<Change> = all.drain(before..).filter(|change| !same(&change.reading)).collect();
+    let same = |other: &Hypothesis| offsets(other).iter().zip(&own).all(|(a, b)| a.distance(*b) < 1e-9);
+    let kept: Vec<Alternative> = all.drain(before..).filter(|alternative| !same(&alternative.hypothesis)).collect();
     all.extend(kept);
 }
 
-/// All ways to take the axes of positions for one another, but not as they are: `(x, -y, z)` and what multiplies a
-/// position. One axis reversed first, two exchanged next.
+/// All signed permutations of the axes but the identity, such as `(x, -y, z)`, as matrices; fewest changes first.
 fn axis_orders() -> Vec<(String, DMat3)> {
     let mut found = Vec::new();
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [2, 1, 0], [1, 2, 0], [2, 0, 1]] {
@@ -146,10 +160,10 @@ fn axis_orders() -> Vec<(String, DMat3)> {
     found.into_iter().filter(|(changed, _, _)| *changed > 0).map(|(_, words, axes)| (words, axes)).collect()
 }
 
-/// Words, and what they make of a pose.
+/// Words, and the pose that they make of another.
 type Way<'a> = (&'a str, &'a dyn Fn(&Pose) -> Pose);
 
-fn orientations(base: &Reading, all: &mut Vec<Change>) {
+fn orientations(base: &Hypothesis, all: &mut Vec<Alternative>) {
     if base.poses.iter().all(|pose| pose.turn.angle_between(DQuat::IDENTITY) < 1e-6) {
         return;
     }
@@ -171,10 +185,10 @@ fn orientations(base: &Reading, all: &mut Vec<Change>) {
         }),
     ];
     for (words, way) in ways {
-        all.push(Change {
+        all.push(Alternative {
             subject: Subject::Orientations,
             words: words.into(),
-            reading: Reading { poses: base.poses.iter().map(way).collect(), ..base.clone() },
+            hypothesis: Hypothesis { poses: base.poses.iter().map(way).collect(), ..base.clone() },
         });
     }
 }

@@ -1,0 +1,121 @@
+//! Finds duplicate images, and blank ones.
+//!
+//! Similar walls have equal depth from their middle, and a floor has it all along. So equal depth is a duplicate only where
+//! colour is equal, too, or where the surfaces of one image do not lie where the other has them.
+
+use std::collections::BTreeMap;
+
+use super::finding::{Finding, Verdict};
+use super::read::{Footage, HashedImage, Shows};
+use super::hypotheses::{Hypothesis, Pose};
+use super::reproject::{Tally, look_up};
+use super::probe_samples::ProbeSamples;
+use crate::dataset::{DepthKind, StreamKind};
+
+/// Fewer samples of one face visible from the other are inconclusive.
+const MIN_TESTED: u64 = 50;
+/// Two probes that see one surface agree on at least this share of the samples.
+const IS_ONE_SURFACE: f64 = 0.5;
+
+/// Finds duplicate and blank images; `kind` is the declared kind of depth.
+pub fn check(footage: &Footage, kind: DepthKind) -> Vec<Finding> {
+    let groups = equal_images(footage, Shows::Surfaces);
+    let (alike, duplicates): (Vec<_>, Vec<_>) = groups.into_iter().partition(|group| are_alike(footage, group, kind));
+    let mut findings = vec![match duplicates.first() {
+        Some(group) => {
+            let says = format!("{} have the same pixels", names(group));
+            let figures = [("copies", duplicates.len() as f64), ("alike", alike.len() as f64)];
+            Finding::new("images", Verdict::Suspect, says).with(&figures)
+        }
+        None => no_duplicates(footage, &alike),
+    }];
+    if let Some(name) = footage.blank.first() {
+        // A wall or a dome may have one colour, too.
+        let says = format!("{name} has one colour, but its depth varies: was it rendered?");
+        findings.push(Finding::new("images", Verdict::CannotTell, says).with(&[("blank", footage.blank.len() as f64)]));
+    }
+    findings
+}
+
+/// Groups of images with equal pixels, among those that show `shows`.
+fn equal_images(footage: &Footage, shows: Shows) -> Vec<Vec<&HashedImage>> {
+    let mut by_hash: BTreeMap<u64, Vec<&HashedImage>> = BTreeMap::new();
+    for image in footage.hashes.iter().filter(|image| image.shows == shows) {
+        by_hash.entry(image.hash).or_default().push(image);
+    }
+    let mut groups: Vec<Vec<&HashedImage>> = by_hash.into_values().filter(|group| group.len() > 1).collect();
+    groups.sort_unstable_by(|a, b| a[0].name.cmp(&b[0].name));
+    groups
+}
+
+fn names(group: &[&HashedImage]) -> String {
+    let two: Vec<&str> = group.iter().take(2).map(|image| image.name.as_str()).collect();
+    two.join(" and ")
+}
+
+/// Whether all images of a group may show similar surfaces.
+fn are_alike(footage: &Footage, group: &[&HashedImage], kind: DepthKind) -> bool {
+    group.iter().enumerate().all(|(at, a)| group[at + 1..].iter().all(|b| may_be_alike(footage, a, b, kind)))
+}
+
+fn may_be_alike(footage: &Footage, a: &HashedImage, b: &HashedImage, kind: DepthKind) -> bool {
+    if a.kind != StreamKind::Depth || b.kind != StreamKind::Depth {
+        return false;
+    }
+    let color = |of: &HashedImage| {
+        let is_it =
+            |image: &&HashedImage| image.kind == StreamKind::Color && image.probe == of.probe && image.face == of.face;
+        footage.hashes.iter().find(is_it).map(|image| image.hash)
+    };
+    if color(a).is_some_and(|hash| color(b) == Some(hash)) {
+        return false;
+    }
+    // Faces of one probe share no point: the seams check those.
+    if a.probe == b.probe {
+        return true;
+    }
+    let (Some(from), Some(to)) = (alone(footage, a), alone(footage, b)) else { return false };
+    let views = [from, to];
+    let poses = views.iter().map(|view| Pose { position: view.position, turn: view.turn }).collect();
+    let hypothesis = Hypothesis { kind, scale: 1.0, poses };
+    let tally: Tally = [[0, 1], [1, 0]].into_iter().map(|pair| look_up(&views, pair, &hypothesis)).sum();
+    tally.tested() < MIN_TESTED || tally.agreement() >= IS_ONE_SURFACE
+}
+
+/// The samples of an image's probe, of its face alone.
+fn alone(footage: &Footage, image: &HashedImage) -> Option<ProbeSamples> {
+    let view = footage.views.iter().find(|view| view.name == image.probe)?;
+    let face = view.faces.iter().find(|samples| samples.face == image.face)?;
+    Some(ProbeSamples { faces: vec![face.clone()], name: view.name.clone(), ..*view })
+}
+
+/// The finding where no surface is duplicated: the sky looks the same from everywhere.
+fn no_duplicates(footage: &Footage, alike: &[Vec<&HashedImage>]) -> Finding {
+    let skies = equal_images(footage, Shows::Background);
+    let unknown = equal_images(footage, Shows::Unknown);
+    let figures = [
+        ("copies", 0.0),
+        ("alike", alike.len() as f64),
+        ("equal_backgrounds", skies.len() as f64),
+        ("equal_unknown", unknown.len() as f64),
+    ];
+    let finding = if let Some(group) = alike.first() {
+        let says = format!(
+            "{} have the same pixels, as similar walls may where colour differs",
+            names(group)
+        );
+        Finding::new("images", Verdict::CannotTell, says)
+    } else if let Some(group) = unknown.first() {
+        let says = format!("{} have the same pixels, as images of the sky alone may", names(group));
+        Finding::new("images", Verdict::CannotTell, says)
+    } else if let Some(group) = skies.first() {
+        let says = format!(
+            "no two images of surfaces have the same pixels; {} have, without varying depth, as a sky",
+            names(group)
+        );
+        Finding::new("images", Verdict::Fine, says)
+    } else {
+        Finding::new("images", Verdict::Fine, "no two images have the same pixels")
+    };
+    finding.with(&figures)
+}
