@@ -313,7 +313,7 @@ fn walls_that_are_alike_are_no_copies() {
     assert_eq!(verdict(&set.check_as(one), "have the same pixels, as similar walls"), Verdict::CannotTell);
     let color = |face: Face| set.depth_file(0, face).with_file_name("color.0000.exr");
     std::fs::copy(color(Face::Pz), color(Face::Nx)).unwrap();
-    assert_eq!(verdict(&set.check_as(one), "color 00/nx and color 00/pz are the same"), Verdict::Suspect);
+    assert_eq!(verdict(&set.check_as(one), "color 00/nx and color 00/pz have the same"), Verdict::Suspect);
     // A floor without end, seen from one height and said to be seen from two.
     set.rewrite(1..3, |face, _| {
         Plane::from_fn(SIDE, SIDE, |x, y| match face {
@@ -327,7 +327,7 @@ fn walls_that_are_alike_are_no_copies() {
             (manifest.probes[0].position[1], manifest.probes[1].position[1]) = (1.5, height);
         })
     };
-    assert_eq!(verdict(&two(1.5), "as walls that are alike"), Verdict::CannotTell);
+    assert_eq!(verdict(&two(1.5), "as similar walls"), Verdict::CannotTell);
     assert_eq!(verdict(&two(1.9), "depth 01/ny and depth 02/ny"), Verdict::Suspect);
 }
 
