@@ -19,8 +19,8 @@ use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
-use crate::evaluate::camera_file::TimedCamera;
-use crate::evaluate::path::{self, Shot};
+use crate::evaluate::camera_path::TimedCamera;
+use crate::evaluate::frame_requests::{self, FrameRequest};
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::files::OutputFile;
 use crate::gpu::Gpu;
@@ -46,7 +46,7 @@ use truth::TruthArgs;
 /// Height of pictures where none is given.
 const DEFAULT_SIZE: u32 = 512;
 
-/// Bytes of each pixel of a shot, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
+/// Bytes of each pixel of a request, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
 /// as codes or channels of a file. Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
 /// Bytes of each ray that a thread holds: its direction and what it brought.
@@ -147,10 +147,10 @@ pub struct Args {
     pub cameras: CameraArgs,
 }
 
-/// A shot, and what its pictures are called.
+/// A request, and what its pictures are called.
 pub struct Take {
     /// Frame and cameras.
-    pub shot: Shot,
+    pub request: FrameRequest,
     /// A name for each picture; with two eyes one for both.
     pub names: Vec<PictureName>,
     /// Width and height of each picture.
@@ -201,8 +201,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     )?;
     args.check_outputs(&takes, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
-    let count = takes.iter().map(|take| take.shot.cameras.len() as u64).sum();
-    let rows = takes.iter().map(|take| take.shot.cameras.len() as u64 * u64::from(take.size[1])).sum();
+    let count = takes.iter().map(|take| take.request.cameras.len() as u64).sum();
+    let rows = takes.iter().map(|take| take.request.cameras.len() as u64 * u64::from(take.size[1])).sum();
     let progress = Progress::start(global, "rendering rows", rows)?;
     let gpu = args.open_device(global)?;
     let start = Instant::now();
@@ -211,7 +211,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     takes.iter().try_for_each(|take| args.check_far(&playback, take))?;
     for take in &takes {
         let renderer = method.prepare(take, &mut truth)?;
-        let shown = playback.show(&take.shot, renderer, &progress).map_err(named)?;
+        let shown = playback.show(&take.request, renderer, &progress).map_err(named)?;
         let images: Vec<RenderedImage> = shown.pictures.into_iter().map(|picture| picture.image).collect();
         if let Some(truth) = &mut truth {
             truth.compare(take, &images, coding.tone())?;
@@ -236,11 +236,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if let Some(mut file) = trace {
         file.commit()?;
     }
-    let cameras = || takes.iter().flat_map(|take| &take.shot.cameras);
+    let cameras = || takes.iter().flat_map(|take| &take.request.cameras);
     let report = report::Report {
         args,
         summary: playback.summary(),
-        pixels: takes.iter().map(|take| take.shot.cameras.len() as u64 * pixels(take.size)).sum(),
+        pixels: takes.iter().map(|take| take.request.cameras.len() as u64 * pixels(take.size)).sum(),
         pictures: count,
         frames: &frames,
         is_cut_off: args.march.far.is_some() || cameras().any(Camera::has_range),
@@ -350,7 +350,7 @@ impl Args {
     fn bytes_beside_views(&self, takes: &[Take], decoder: &Decoder) -> Result<u64> {
         let reference = if self.truth.reference.is_some() { REFERENCE_BYTES } else { 0 };
         let of_take = |take: &Take| {
-            let pixels = pixels(take.size).saturating_mul(take.shot.cameras.len() as u64);
+            let pixels = pixels(take.size).saturating_mul(take.request.cameras.len() as u64);
             pixels.saturating_mul(PICTURE_BYTES + reference)
         };
         let sheet = if self.contact_sheet.is_some() { takes.len() as u64 * SHEET_BYTES } else { 0 };
@@ -432,7 +432,7 @@ impl Args {
 
     /// Refuses a --far before which the default --near already ends: rays would have nowhere to go.
     fn check_far(&self, playback: &Playback<'_>, take: &Take) -> Result<()> {
-        let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, take.shot.cameras.first()) else {
+        let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, take.request.cameras.first()) else {
             return Ok(());
         };
         let field = playback.player().field();
@@ -512,7 +512,7 @@ impl Args {
         if asked.is_none() && available.count() > 1 && cameras.iter().all(|timed| timed.frames.is_none()) {
             output::note(format_args!("frame {} of {available}; --frames shows others", available.first));
         }
-        match path::missing_frames(cameras, asked, available) {
+        match frame_requests::missing_frames(cameras, asked, available) {
             0 => {}
             1 => output::note(format_args!("a frame that a camera looks in is passed over: there are {available}")),
             missing => output::note(format_args!(
@@ -525,27 +525,27 @@ impl Args {
     fn takes(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Take>> {
         let cameras = self.cameras.cameras()?;
         let available = playback.player().frames();
-        let shots = path::shots(&cameras, self.frames.frames, available)?;
+        let requests = frame_requests::frame_requests(&cameras, self.frames.frames, available)?;
         if !global.quiet {
             self.note_what_is_passed_over(&cameras, available);
         }
-        let mut frames: Vec<u32> = shots.iter().map(|shot| shot.frame).collect();
+        let mut frames: Vec<u32> = requests.iter().map(|request| request.frame).collect();
         frames.sort_unstable();
         frames.dedup();
         // Frames number the files, unless several cameras look in one.
-        let by_frame = frames.len() == shots.len();
-        let take = |(at, shot): (u32, Shot)| {
-            let camera = shot.cameras.first().copied();
+        let by_frame = frames.len() == requests.len();
+        let take = |(at, request): (u32, FrameRequest)| {
+            let camera = request.cameras.first().copied();
             let (size, camera) = sized(camera, self.size)?;
             let cameras = match self.stereo {
                 None => vec![camera],
                 Some(apart) => [-0.5, 0.5].map(|side| camera.moved_right(side * apart)).to_vec(),
             };
-            let number = if by_frame { shot.frame } else { at };
+            let number = if by_frame { request.frame } else { at };
             let names = vec![PictureName { number, subject: "view".to_owned() }];
-            Ok(Take { shot: Shot { cameras, ..shot }, names, size, references: Vec::new() })
+            Ok(Take { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
         };
-        (0..).zip(shots).map(take).collect()
+        (0..).zip(requests).map(take).collect()
     }
 }
 

@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::error::{Error, Result};
-use crate::evaluate::key_poses::{self, KeyPose};
+use crate::evaluate::camera_path::{self, KeyPose, TimedCamera};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
-/// Larger files are refused before they are parsed.
+/// Larger files are refused.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
 
 /// The whole file. Unknown keys are errors.
@@ -28,7 +28,7 @@ pub struct CameraFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
-    /// Where it stands: x, y, z in metres.
+    /// Position: x, y, z in metres.
     pub eye: [f64; 3],
     /// A point that it looks at; this or `orientation`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -36,7 +36,7 @@ pub struct CameraEntry {
     /// Unit quaternion x, y, z, w that turns a camera that looks along −Z with +Y up; this or `look_at`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub orientation: Option<[f64; 4]>,
-    /// The direction that is up in its picture, with `look_at`; +Y when absent.
+    /// Up direction, with `look_at`; +Y when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f64; 3]>,
     /// Vertical field of view in degrees, above 0 and below 180.
@@ -44,35 +44,26 @@ pub struct CameraEntry {
     /// Width of its picture over the height; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aspect: Option<f64>,
-    /// Where it begins to see surfaces, in metres along its axis; 0 when absent.
+    /// Near plane in metres along its axis; 0 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub near_m: Option<f64>,
-    /// Where it ceases to see surfaces, in metres along its axis; never when absent.
+    /// Far plane in metres along its axis; none when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub far_m: Option<f64>,
     /// First and last frame in which it looks; all when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// The frame in which a camera that moves has come here, instead of `frames`: all entries have one, each a greater one
-    /// than the entry before. In between the camera goes straight and turns evenly.
+    /// Key frame of a moving camera, instead of `frames`: all entries have one, in increasing order. Between them position is
+    /// interpolated linearly, orientation by slerp.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
-}
-
-/// A camera, and the frames in which it looks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimedCamera {
-    /// The camera.
-    pub camera: Camera,
-    /// The frames, all where there is no range.
-    pub frames: Option<FrameRange>,
 }
 
 impl CameraFile {
     /// The cameras of a file, `-` for standard input.
     ///
     /// # Errors
-    /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or has a camera that sees nothing.
+    /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or has an invalid camera.
     pub fn read(path: &Path) -> Result<Vec<TimedCamera>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
@@ -81,23 +72,23 @@ impl CameraFile {
         let mut text = Vec::new();
         source.take(MAX_CAMERA_FILE_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;
         if text.len() as u64 > MAX_CAMERA_FILE_BYTES {
-            let message = format!("a file of cameras has at most {MAX_CAMERA_FILE_BYTES} bytes, this one has more");
+            let message = format!("a camera file has at most {MAX_CAMERA_FILE_BYTES} bytes");
             return Err(Error::invalid(message).in_file(path));
         }
         Self::parse(&text).map_err(|error| error.in_file(path))
     }
 
-    /// The cameras of a file's bytes as probes that stand where they look from, in perspective, to capture what they should
-    /// see; and the width of their pictures over the height, where they state one. Near and far are left out.
+    /// The cameras of a file's bytes as perspective probes, to capture their reference images; and their common aspect, if any
+    /// states one. Near and far are ignored.
     ///
     /// # Errors
     /// As for [`CameraFile::read`], and when two of them state different aspects.
     pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
         let cameras = Self::parse(text)?;
         let file: CameraFile =
-            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))?;
         if file.cameras.iter().any(|entry| entry.frame.is_some()) {
-            return Err(Error::invalid("poses with a \"frame\" are of a camera that moves, and a probe stands still"));
+            return Err(Error::invalid("key poses (\"frame\") describe a moving camera, and a probe stands still"));
         }
         let probe = |(timed, entry): (&TimedCamera, &CameraEntry)| PlacedCamera {
             orientation: timed.camera.orientation(),
@@ -122,7 +113,7 @@ impl CameraFile {
     /// As for [`CameraFile::read`].
     pub fn parse(text: &[u8]) -> Result<Vec<TimedCamera>> {
         let file: CameraFile =
-            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a file of cameras: {error}")))?;
+            serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))?;
         if file.cameras.is_empty() {
             return Err(Error::invalid("\"cameras\" is empty: at least one was expected"));
         }
@@ -140,7 +131,7 @@ impl CameraFile {
             Ok(KeyPose { frame, camera: timed.camera, lens: entry.lens() })
         };
         let poses = file.cameras.iter().zip(&cameras).map(pose).collect::<Result<Vec<_>>>()?;
-        key_poses::path(&poses)
+        camera_path::interpolate(&poses)
     }
 }
 
@@ -170,7 +161,7 @@ impl CameraEntry {
         };
         let frames = match self.frames {
             Some([first, last]) if first > last => {
-                return Err(Error::invalid(format!("\"frames\" is [{first}, {last}]: the first comes first")));
+                return Err(Error::invalid(format!("\"frames\" is [{first}, {last}]: the first frame must not come after the last")));
             }
             frames => frames.map(|[first, last]| FrameRange { first, last }),
         };

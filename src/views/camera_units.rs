@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::decode::{Decoder, StreamFrames, StreamInfo, UnitFilter};
-use crate::evaluate::camera_file::TimedCamera;
+use crate::evaluate::camera_path::TimedCamera;
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 use crate::math::Viewer;

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
 use lightfold::dataset::stream::StreamKind;
 use lightfold::decode::{Decoder, StreamInfo};
-use lightfold::evaluate::path::Shot;
+use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
@@ -250,10 +250,10 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     let frames = playbacks[0].player().frames();
     let mut updates = [Updates::default(), Updates::default()];
     for (at, frame) in (frames.first..=frames.last).cycle().take(1 + TURNS).enumerate() {
-        let shot = Shot { frame, cameras: vec![camera] };
+        let request = FrameRequest { frame, cameras: vec![camera] };
         for (turn, renderer) in [&mut sends, &mut decodes].into_iter().enumerate() {
             let before = renderer.cost();
-            let shown = playbacks[turn].show(&shot, renderer, &Silent)?;
+            let shown = playbacks[turn].show(&request, renderer, &Silent)?;
             if at > 0 {
                 updates[turn].add(shown.trace.update_ms, [&before, &renderer.cost()]);
             }
@@ -284,7 +284,7 @@ fn measure_pictures(gpu: &Gpu, path: &str) -> Result<()> {
         let frames = playback.player().frames();
         for (at, frame) in (frames.first..=frames.last).cycle().take(FRAMES).enumerate() {
             let before = renderer.cost();
-            let shown = playback.show(&Shot { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;
+            let shown = playback.show(&FrameRequest { frame, cameras: vec![camera] }, &mut renderer, &Silent)?;
             let after = renderer.cost();
             marched = shown.pictures.iter().map(|picture| picture.counters.march_steps).sum();
             // The first picture compiles the kernel.

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 use libtest_mimic::Failed;
 use lightfold::decode::{AllUnits, Decoder};
-use lightfold::evaluate::path::Shot;
+use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::render::backend::{GpuBackend, buffer_bytes};
 use lightfold::gpu::render::depth_planes::ROW_WORDS;
 use lightfold::gpu::render::scene::{ImageId, Origin};
@@ -94,19 +94,19 @@ fn differing(
 }
 
 /// Where a walk goes on: from a place, in a direction, in a frame.
-fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<Shot>> {
+fn walk(playback: &Playback<'_>, count: u32) -> Result<Vec<FrameRequest>> {
     let views = &playback.player().field().views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
     let frames = playback.player().frames();
-    let shot = |at: u32| {
+    let request = |at: u32| {
         let (turn, part) = (1.1 * f64::from(at), f64::from(at) / f64::from(count) - 0.5);
         let eye = middle + part * DVec3::new(0.6, 0.2, 0.4);
         let camera = Camera::look_at(eye, eye + DVec3::new(turn.cos(), -0.2, turn.sin()), DVec3::Y, Lens::new(60.0))?;
         // Forwards by one or two, and back to the start.
         let frame = frames.first + (at + at / 3) % frames.count() as u32;
-        Ok(Shot { frame, cameras: vec![camera] })
+        Ok(FrameRequest { frame, cameras: vec![camera] })
     };
-    (0..count).map(shot).collect()
+    (0..count).map(request).collect()
 }
 
 /// What came of a walk.
@@ -164,29 +164,29 @@ fn compare_walk(
     let mut is_sent = DeviceRenderer::new(gpu, options.clone());
     let mut on_cpu = CpuRenderer::new(options);
     let mut all = Walked::default();
-    for (at, shot) in walk(&playbacks[0], count).map_err(said)?.iter().enumerate() {
+    for (at, request) in walk(&playbacks[0], count).map_err(said)?.iter().enumerate() {
         let [first, second, third] = &mut playbacks[..] else { return Err("three playbacks".into()) };
-        let on_device = first.show(shot, &mut decodes, &Silent).map_err(said)?;
-        let sent = second.show(shot, &mut is_sent, &Silent).map_err(said)?;
-        let shown = third.show(shot, &mut on_cpu, &Silent).map_err(said)?;
+        let on_device = first.show(request, &mut decodes, &Silent).map_err(said)?;
+        let sent = second.show(request, &mut is_sent, &Silent).map_err(said)?;
+        let shown = third.show(request, &mut on_cpu, &Silent).map_err(said)?;
         let field = third.player().field();
         let names: Vec<&String> = shown.trace.active.iter().map(|active| &active.probe).collect();
         let active: Vec<usize> =
             field.views.iter().filter(|view| names.contains(&&view.name)).map(|view| view.probe).collect();
         let walked = compare(gpu, &decodes, field, &active)
-            .map_err(|wrong| format!("shot {at}: {}", wrong.message().unwrap_or_default()))?;
+            .map_err(|wrong| format!("request {at}: {}", wrong.message().unwrap_or_default()))?;
         all.images += walked.images;
         all.known += walked.known;
         all.unknown += walked.unknown;
         // The same texels and the same kernel.
         if on_device.pictures != sent.pictures {
-            return Err(format!("shot {at}: pictures differ").into());
+            return Err(format!("request {at}: pictures differ").into());
         }
         let counts = |of: &lightfold::views::player::ShowCounts| {
             [of.cells_decoded, of.cells_unchanged, of.cells_unseen, of.bytes_all]
         };
         if counts(&on_device.counts) != counts(&shown.counts) {
-            return Err(format!("shot {at}: {:?} and not {:?}", on_device.counts, shown.counts).into());
+            return Err(format!("request {at}: {:?} and not {:?}", on_device.counts, shown.counts).into());
         }
     }
     Ok(all)
@@ -256,8 +256,8 @@ fn stays_on_the_cpu(gpu: &Gpu, manifest: &str, container: &str, options: &[&str]
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).map_err(said)?;
     let picture = PictureOptions { size: [16, 16], steps: 16, ..PictureOptions::default() };
     let mut renderer = DeviceRenderer::new(gpu, picture).decoding(&decoder, playback.player().field().coding);
-    let shots = walk(&playback, 1).map_err(said)?;
-    let shown = playback.show(&shots[0], &mut renderer, &Silent).map_err(said)?;
+    let requests = walk(&playback, 1).map_err(said)?;
+    let shown = playback.show(&requests[0], &mut renderer, &Silent).map_err(said)?;
     match renderer.decodes() || shown.pictures[0].image.color.data().iter().all(|color| *color == [0.0; 3]) {
         false => Ok(()),
         true => Err(format!("{manifest} {options:?}: black, or decoded on the device").into()),
@@ -327,8 +327,8 @@ pub fn buffers_of_any_size() -> Result<(), Failed> {
             if renderer.decodes() != decodes {
                 return Err(format!("{size}, cells of {cell}: {needed} bytes needed, {most} allowed").into());
             }
-            for shot in walk(&playback, 3).map_err(said)? {
-                pictures.push(playback.show(&shot, &mut renderer, &Silent).map_err(said)?.pictures);
+            for request in walk(&playback, 3).map_err(said)? {
+                pictures.push(playback.show(&request, &mut renderer, &Silent).map_err(said)?.pictures);
             }
         }
         if pictures[..3] != pictures[3..] {
@@ -350,16 +350,16 @@ pub fn after_errors() -> Result<(), Failed> {
         let mut playback = Playback::new(&decoder, settings.clone()).map_err(said)?;
         let coding = playback.player().field().coding;
         let mut renderer = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
-        let shots = walk(&playback, 3).map_err(said)?;
-        playback.show(&shots[0], &mut renderer, &Silent).map_err(said)?;
+        let requests = walk(&playback, 3).map_err(said)?;
+        playback.show(&requests[0], &mut renderer, &Silent).map_err(said)?;
         // Another renderer of the same playback knows of no probe that has begun.
         let mut other = DeviceRenderer::new(gpu, options.clone()).decoding(&decoder, coding);
-        if playback.show(&shots[1], &mut other, &Silent).is_ok() {
+        if playback.show(&requests[1], &mut other, &Silent).is_ok() {
             return Err("units of a probe that is not shown were decoded".into());
         }
         let mut fresh = Playback::new(&decoder, settings).map_err(said)?;
-        let expected = fresh.show(&shots[2], &mut DeviceRenderer::new(gpu, options), &Silent).map_err(said)?;
-        let found = playback.show(&shots[2], &mut other, &Silent).map_err(said)?;
+        let expected = fresh.show(&requests[2], &mut DeviceRenderer::new(gpu, options), &Silent).map_err(said)?;
+        let found = playback.show(&requests[2], &mut other, &Silent).map_err(said)?;
         match found.pictures == expected.pictures {
             true => Ok(()),
             false => Err("pictures after an error differ".into()),

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 use libtest_mimic::Failed;
 use lightfold::decode::Decoder;
-use lightfold::evaluate::path::Shot;
+use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::kernels::KERNELS;
 use lightfold::gpu::render::agreement::Agreement;
 use lightfold::gpu::selftest::pictures;
@@ -47,22 +47,22 @@ impl Renderer for Both<'_> {
 }
 
 /// A walk from the middle of the probes along a diagonal while the camera turns, one frame after the other.
-fn walk(playback: &Playback<'_>, shots: u32, stride_m: f64) -> Result<Vec<Shot>> {
+fn walk(playback: &Playback<'_>, requests: u32, stride_m: f64) -> Result<Vec<FrameRequest>> {
     let views = &playback.player().field().views;
     let middle = views.iter().map(|view| view.position).sum::<DVec3>() / views.len() as f64;
     let frames = playback.player().frames();
-    let shot = |at: u32| {
-        let (turn, part) = (0.9 * f64::from(at), f64::from(at) / f64::from(shots) - 0.5);
+    let request = |at: u32| {
+        let (turn, part) = (0.9 * f64::from(at), f64::from(at) / f64::from(requests) - 0.5);
         let eye = middle + part * stride_m * DVec3::new(1.0, 0.3, 0.7);
         let target = eye + DVec3::new(turn.cos(), -0.1, turn.sin());
         let camera = Camera::look_at(eye, target, DVec3::Y, Lens::new(75.0))?;
-        Ok(Shot { frame: frames.first + at % frames.count() as u32, cameras: vec![camera] })
+        Ok(FrameRequest { frame: frames.first + at % frames.count() as u32, cameras: vec![camera] })
     };
-    (0..shots).map(shot).collect()
+    (0..requests).map(request).collect()
 }
 
-/// Renders a walk through a container on both; answers the bytes that went to the device for each shot.
-fn compare(gpu: &Gpu, container: &str, shots: u32, most: Option<usize>) -> Result<Vec<u64>, Failed> {
+/// Renders a walk through a container on both; answers the bytes that went to the device for each request.
+fn compare(gpu: &Gpu, container: &str, requests: u32, most: Option<usize>) -> Result<Vec<u64>, Failed> {
     let said = |error: Error| error.to_string();
     let decoder = Decoder::open(container).map_err(said)?;
     let mut sent = Vec::new();
@@ -75,19 +75,19 @@ fn compare(gpu: &Gpu, container: &str, shots: u32, most: Option<usize>) -> Resul
         let on_cpu = CpuRenderer::new(options.clone());
         let mut both = Both { on_device: DeviceRenderer::new(gpu, options), on_cpu, found: Vec::new() };
         let mut before = 0;
-        for shot in walk(&playback, shots, 0.5).map_err(said)? {
-            playback.show(&shot, &mut both, &Silent).map_err(said)?;
+        for request in walk(&playback, requests, 0.5).map_err(said)? {
+            playback.show(&request, &mut both, &Silent).map_err(said)?;
             let all = both.on_device.cost().bytes_sent;
             sent.push(all - before);
             before = all;
         }
         for (at, agreement) in both.found.iter().enumerate() {
-            println!("{container}, {acceleration:?}, shot {at} on {}: {agreement:?}", gpu.info.name);
+            println!("{container}, {acceleration:?}, request {at} on {}: {agreement:?}", gpu.info.name);
             if agreement.mismatches() > 0 {
-                return Err(format!("{container}, {acceleration:?}, shot {at}: {agreement:?}").into());
+                return Err(format!("{container}, {acceleration:?}, request {at}: {agreement:?}").into());
             }
         }
-        if both.found.len() != shots as usize {
+        if both.found.len() != requests as usize {
             return Err(format!("{} pictures", both.found.len()).into());
         }
     }

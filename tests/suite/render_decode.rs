@@ -7,7 +7,7 @@ use glam::DVec3;
 use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
-use lightfold::evaluate::path::Shot;
+use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};
@@ -41,8 +41,8 @@ fn camera(eye: [f64; 3], look_at: [f64; 3], fov_y_deg: f64) -> Camera {
     Camera::look_at(eye.into(), look_at.into(), DVec3::Y, Lens::new(fov_y_deg)).unwrap()
 }
 
-fn shot(frame: u32, camera: Camera) -> Shot {
-    Shot { frame, cameras: vec![camera] }
+fn request(frame: u32, camera: Camera) -> FrameRequest {
+    FrameRequest { frame, cameras: vec![camera] }
 }
 
 /// Renders pictures of few pixels, where pictures do not matter.
@@ -152,12 +152,12 @@ fn texels_that_are_known_are_those_of_decoding_everything_and_changes_tell_all()
 }
 
 /// Pictures of some places with all units and with those in sight are the same; answers the bytes that they took.
-fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 2] {
+fn both(decoder: &Decoder, requests: &[FrameRequest], acceleration: Acceleration) -> [u64; 2] {
     let options = PictureOptions { size: [21, 16], steps: 48, refine: 4, acceleration, ..PictureOptions::default() };
     let show = |decode| -> (Vec<Shown>, u64) {
         let mut playback = Playback::new(decoder, PlaybackOptions { decode, ..PlaybackOptions::default() }).unwrap();
         let mut renderer = CpuRenderer::new(options.clone());
-        let shown = shots.iter().map(|shot| playback.show(shot, &mut renderer, &Silent).unwrap()).collect();
+        let shown = requests.iter().map(|request| playback.show(request, &mut renderer, &Silent).unwrap()).collect();
         (shown, playback.summary().counts.bytes_read)
     };
     let ((seen, seen_bytes), (all, all_bytes)) = (show(DecodeScope::Seen), show(DecodeScope::All));
@@ -170,7 +170,7 @@ fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 
             assert_eq!(seen.counters, all.counters);
         }
     }
-    assert!(2 * with_something >= shots.len(), "{with_something} of {}", shots.len());
+    assert!(2 * with_something >= requests.len(), "{with_something} of {}", requests.len());
     [seen_bytes, all_bytes]
 }
 
@@ -178,7 +178,7 @@ fn both(decoder: &Decoder, shots: &[Shot], acceleration: Acceleration) -> [u64; 
 fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
-    let mut shots = Vec::new();
+    let mut requests = Vec::new();
     // Between the probes, at one, in the ground, outside, far off; narrow and wide; along axes of the faces and not.
     let eyes = [[0.1, 1.5, 0.1], [0.0, 1.5, 0.0], [0.3, -0.5, 0.3], [4.0, 2.0, -3.0], [-30.0, 9.0, 40.0]];
     let ways = [[1.0, 0.0, 0.0], [0.7, -0.7, 0.1], [-0.3, 0.1, -1.0], [0.01, -1.0, 0.0]];
@@ -186,18 +186,18 @@ fn pictures_do_not_depend_on_what_is_decoded_beyond_what_is_seen() {
         for (turn, way) in ways.into_iter().enumerate() {
             let fov_y_deg = [20.0, 90.0, 140.0][(at + turn) % 3];
             let camera = camera(eye, (DVec3::from(eye) + DVec3::from(way)).to_array(), fov_y_deg);
-            shots.push(shot(((at + turn) % 3) as u32, camera));
+            requests.push(request(((at + turn) % 3) as u32, camera));
         }
     }
-    both(&decoder, &shots, Acceleration::None);
-    both(&decoder, &shots, Acceleration::Pyramid);
+    both(&decoder, &requests, Acceleration::None);
+    both(&decoder, &requests, Acceleration::Pyramid);
     // A narrow look takes few bytes.
-    let narrow = shot(0, camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 30.0));
+    let narrow = request(0, camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 30.0));
     let [seen, all] = both(&decoder, &[narrow], Acceleration::None);
     assert!(2 * seen < all, "{seen} of {all} bytes");
     // Two eyes.
     let eyes = [-0.03, 0.03].map(|x| camera([x, 1.5, 0.1], [x + 0.5, 1.5, 2.0], 50.0)).to_vec();
-    both(&decoder, &[Shot { frame: 0, cameras: eyes }], Acceleration::None);
+    both(&decoder, &[FrameRequest { frame: 0, cameras: eyes }], Acceleration::None);
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn a_view_of_90_degrees_reads_at_most_half_of_the_bytes() {
     fine("encode cap --color-cell 8 -o a.lfold", at);
     let decoder = Decoder::open(at.join("a.lfold")).unwrap();
     for look_at in [[2.0, 1.5, 0.3], [-1.0, 1.4, 2.0], [0.1, 1.2, -2.0], [1.0, 0.5, 1.0]] {
-        let wide = shot(0, camera([0.1, 1.5, 0.1], look_at, 90.0));
+        let wide = request(0, camera([0.1, 1.5, 0.1], look_at, 90.0));
         let [seen, all] = both(&decoder, &[wide], Acceleration::Pyramid);
         assert!(0 < seen && 2 * seen <= all, "{seen} of {all} bytes towards {look_at:?}");
     }
@@ -224,21 +224,21 @@ fn what_did_not_change_is_not_done_again() {
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
     let mut renderer = little(EffectMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.0, -3.0], 100.0);
-    let first = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
+    let first = playback.show(&request(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(first.cells_decoded > 0 && first.texels_updated > 0 && first.bytes_read > 0);
     assert!(first.cells_unseen > first.cells_decoded && first.cells_unchanged == 0);
     assert!(first.bytes_all > first.bytes_read, "{first:?}");
-    let again = playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap().counts;
+    let again = playback.show(&request(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert_eq!((again.cells_decoded, again.texels_updated, again.bytes_read, again.bytes_all), (0, 0, 0, 0));
     assert_eq!((again.cells_unchanged, again.cells_unseen), (first.cells_decoded, first.cells_unseen));
     // In the next frame little moves.
-    let next = playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap().counts;
+    let next = playback.show(&request(1, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(next.cells_decoded > 0 && next.cells_unchanged > next.cells_decoded, "{next:?}");
     assert_eq!(next.cells_decoded + next.cells_unchanged, first.cells_decoded);
     // Looking elsewhere in the same frame keeps what is behind.
     let behind = camera([0.1, 1.5, 0.1], [-2.0, 1.5, 0.3], 60.0);
-    playback.show(&shot(1, behind), &mut renderer, &Silent).unwrap();
-    let back = playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap().counts;
+    playback.show(&request(1, behind), &mut renderer, &Silent).unwrap();
+    let back = playback.show(&request(1, looking), &mut renderer, &Silent).unwrap().counts;
     assert_eq!((back.cells_decoded, back.texels_updated, back.bytes_read), (0, 0, 0), "{back:?}");
     let sum = playback.summary();
     assert_eq!(sum.shots, 5);
@@ -253,7 +253,7 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     fine(capture, folder.path());
     fine("encode cap --color-cell 8 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
-    let looking = shot(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
+    let looking = request(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
     let unseen = |effects| {
         let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
         let mut renderer = little(effects);
@@ -277,8 +277,8 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
         let options = PlaybackOptions { decode, ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, options).unwrap();
         let mut renderer = little(effects);
-        playback.show(&shot(0, looking), &mut renderer, &Silent).unwrap();
-        playback.show(&shot(1, looking), &mut renderer, &Silent).unwrap()
+        playback.show(&request(0, looking), &mut renderer, &Silent).unwrap();
+        playback.show(&request(1, looking), &mut renderer, &Silent).unwrap()
     };
     let none = shown(DecodeScope::Seen, EffectMode::None);
     let all = shown(DecodeScope::All, EffectMode::Auto);
@@ -310,7 +310,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
     let mut renderer = little(EffectMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
     for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
-        let shown = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap();
+        let shown = playback.show(&request(frame, looking), &mut renderer, &Silent).unwrap();
         let mut active: Vec<&str> = shown.trace.active.iter().map(|active| active.probe.as_str()).collect();
         active.sort_unstable();
         assert_eq!(active.concat(), probes, "frame {frame}");
@@ -321,7 +321,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
         }
     }
     for frame in [3, 9] {
-        let said = playback.show(&shot(frame, looking), &mut renderer, &Silent).unwrap_err().to_string();
+        let said = playback.show(&request(frame, looking), &mut renderer, &Silent).unwrap_err().to_string();
         assert!(said.contains(&format!("frame {frame}")) && said.contains("0-5"), "{said}");
     }
 }
@@ -479,7 +479,7 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
     let mut renderer = little(EffectMode::Auto);
     let shown =
-        playback.show(&shot(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
+        playback.show(&request(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
     let (active, culled) = (&shown.trace.active, &shown.trace.culled);
     assert_eq!((active.len(), active[0].probe.as_str(), active[0].slot), (2, "01", 0));
     assert_eq!((culled.len(), culled[0].probe.as_str(), culled[0].why), (1, "02", "limit"));

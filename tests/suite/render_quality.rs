@@ -12,7 +12,7 @@ use lightfold::dataset::cameras::{CameraSet, PlacedCamera};
 use lightfold::dataset::source::{Source, SourceOptions};
 use lightfold::decode::Decoder;
 use lightfold::encode::{EncodeSettings, encode};
-use lightfold::evaluate::path::Shot;
+use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::evaluate::reference::{Reference, ReferenceImage};
 use lightfold::evaluate::similarity::Similarity;
 use lightfold::image::plane::DepthPlane;
@@ -86,8 +86,8 @@ fn encoded_with(folder: &Path, settings: &EncodeSettings) -> Decoder {
 }
 
 fn picture(playback: &mut Playback<'_>, image: &ReferenceImage, renderer: &mut dyn Renderer) -> Rendered {
-    let shot = Shot { frame: 0, cameras: vec![image.camera] };
-    playback.show(&shot, renderer, &Silent).unwrap().pictures.remove(0)
+    let request = FrameRequest { frame: 0, cameras: vec![image.camera] };
+    playback.show(&request, renderer, &Silent).unwrap().pictures.remove(0)
 }
 
 fn measure(set: &str, folder: &Path, probe: &str) -> Vec<Row> {
@@ -257,7 +257,7 @@ fn a_view_of_90_degrees_of_real_footage_reads_at_most_half_of_the_bytes() {
         let eye = DVec3::new(-0.5, 1.75, -0.35);
         let camera = Camera::look_at(eye, eye + way, DVec3::Y, Lens::new(90.0)).unwrap();
         let options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
-        playback.show(&Shot { frame: 0, cameras: vec![camera] }, &mut CpuRenderer::new(options), &Silent).unwrap();
+        playback.show(&FrameRequest { frame: 0, cameras: vec![camera] }, &mut CpuRenderer::new(options), &Silent).unwrap();
         let counts = playback.summary().counts;
         println!("{} of {} bytes towards {way}", counts.bytes_read, counts.bytes_all);
         counts.bytes_read as f64 / counts.bytes_all as f64

@@ -9,7 +9,7 @@ use crate::cli::output::{self, human_bytes};
 use crate::decode::{self, AllUnits, DecodeSummary, Decoder, StreamFrames, UnitFilter};
 use crate::error::Result;
 use crate::evaluate::camera_file::CameraFile;
-use crate::evaluate::camera_file::TimedCamera;
+use crate::evaluate::camera_path::TimedCamera;
 use crate::math::{Camera, Lens};
 use crate::views::camera_units::{CameraUnitCounts, CameraUnits, CameraUnitsReport};
 

@@ -12,7 +12,7 @@ use super::pictures::PictureName;
 use crate::cli::GlobalArgs;
 use crate::cli::output;
 use crate::error::{Error, Result};
-use crate::evaluate::path::Shot;
+use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::reference::Reference;
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::evaluate::similarity::{Similarity, difference, truth_codes};
@@ -102,16 +102,16 @@ impl TruthRun {
                 let name = PictureName { number: frame, subject: format!("{}_{}", image.probe, image.face.name()) };
                 let same = |take: &&mut Take| {
                     let other = take.references.first().and_then(|&other| self.reference.images().get(other));
-                    take.shot.frame == frame && take.size == image.size && other.is_some_and(|o| o.probe == image.probe)
+                    take.request.frame == frame && take.size == image.size && other.is_some_and(|o| o.probe == image.probe)
                 };
                 match takes.iter_mut().find(same) {
                     Some(take) => {
-                        take.shot.cameras.push(image.camera);
+                        take.request.cameras.push(image.camera);
                         take.names.push(name);
                         take.references.push(at);
                     }
                     None => takes.push(Take {
-                        shot: Shot { frame, cameras: vec![image.camera] },
+                        request: FrameRequest { frame, cameras: vec![image.camera] },
                         names: vec![name],
                         size: image.size,
                         references: vec![at],
@@ -134,7 +134,7 @@ impl TruthRun {
     /// When the reference has none, or they cannot be read.
     pub fn distances(&mut self, take: &Take) -> Result<VecDeque<DepthPlane>> {
         let of = |&image: &usize| {
-            let distance_m = self.reference.distance_m(image, take.shot.frame)?;
+            let distance_m = self.reference.distance_m(image, take.request.frame)?;
             distance_m.ok_or_else(|| {
                 Error::Usage(format!("{}: has no depth, which --method reproject takes", self.path.display()))
             })
@@ -148,14 +148,14 @@ impl TruthRun {
     /// When an image cannot be read or a map not be written.
     pub fn compare(&mut self, take: &Take, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
         for ((&image, name), rendered) in take.references.iter().zip(&take.names).zip(pictures) {
-            let truth = self.reference.truth(image, take.shot.frame)?;
+            let truth = self.reference.truth(image, take.request.frame)?;
             let similarity = Similarity::of(rendered, &truth, tone)?;
             self.all.merge(&similarity)?;
             let about = &self.reference.images()[image];
             let mut entry = figures(&similarity);
             entry["probe"] = json!(about.probe);
             entry["face"] = json!(about.face.name());
-            entry["frame"] = json!(take.shot.frame);
+            entry["frame"] = json!(take.request.frame);
             self.images.push(entry);
             if let Some(maps) = &self.maps {
                 let shown = rendered.codes(tone);

@@ -1,6 +1,6 @@
 //! Shows frames one after the other: which views, which units of them, what changed, pictures, and how long it took.
 //!
-//! Enters: an open container, shots ([`crate::evaluate::path`]), and what makes pictures. Leaves: pictures, a trace, figures.
+//! Enters: an open container, requests ([`crate::evaluate::frame_requests`]), and what makes pictures. Leaves: pictures, a trace, figures.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::decode::{AllUnits, Decoder};
 use crate::error::{Error, Result};
-use crate::evaluate::path::Shot;
+use crate::evaluate::frame_requests::FrameRequest;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
@@ -128,7 +128,7 @@ pub trait Renderer {
         None
     }
 
-    /// Takes over what changed since it was called last, at first everything. Called once for each shot, before its pictures.
+    /// Takes over what changed since it was called last, at first everything. Called once for each request, before its pictures.
     ///
     /// # Errors
     /// When the renderer has no room for it.
@@ -177,7 +177,7 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// What came of a shot.
+/// What came of a request.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     /// A picture for each camera.
@@ -188,7 +188,7 @@ pub struct Shown {
     pub trace: FrameTrace,
 }
 
-/// What came of all shots.
+/// What came of all requests.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlaybackSummary {
     /// Shots.
@@ -245,43 +245,43 @@ impl<'a> Playback<'a> {
         &self.player
     }
 
-    /// Shows a shot and makes its pictures.
+    /// Shows a request and makes its pictures.
     ///
     /// # Errors
-    /// When the shot has no camera, no probe has the frame, a chunk is damaged, the renderer fails, or the monitor says to
+    /// When the request has no camera, no probe has the frame, a chunk is damaged, the renderer fails, or the monitor says to
     /// stop.
-    pub fn show(&mut self, shot: &Shot, renderer: &mut dyn Renderer, monitor: &dyn Monitor) -> Result<Shown> {
+    pub fn show(&mut self, request: &FrameRequest, renderer: &mut dyn Renderer, monitor: &dyn Monitor) -> Result<Shown> {
         monitor.check()?;
         let start = Instant::now();
-        if shot.cameras.is_empty() {
-            return Err(Error::Usage("a shot needs at least one camera".into()));
+        if request.cameras.is_empty() {
+            return Err(Error::Usage("a frame request needs at least one camera".into()));
         }
-        let eye = shot.cameras.iter().map(Camera::eye).sum::<DVec3>() / shot.cameras.len() as f64;
-        let selection = self.selector.select(&self.player.candidates(shot.frame), eye);
+        let eye = request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len() as f64;
+        let selection = self.selector.select(&self.player.candidates(request.frame), eye);
         let views = selection.views();
         let secondary_rays = renderer.effects() != EffectMode::None && self.player.has_material();
-        let request = if self.options.decode == DecodeScope::All {
+        let units = if self.options.decode == DecodeScope::All {
             UnitRequest { visible: &AllUnits, secondary_rays: false }
         } else {
-            let streams = self.player.streams_of(shot.frame, &views);
-            let visible = self.visible_sets.find(&streams, &shot.cameras);
+            let streams = self.player.streams_of(request.frame, &views);
+            let visible = self.visible_sets.find(&streams, &request.cameras);
             UnitRequest { visible, secondary_rays }
         };
         let backend = renderer.backend().unwrap_or(&mut self.cpu);
-        let counts = self.player.show_on(shot.frame, &views, request, backend)?;
+        let counts = self.player.show_on(request.frame, &views, units, backend)?;
         let changes = self.player.take_changes();
         let stage = Stage { field: self.player.field(), views: &views };
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
         let pictures =
-            shot.cameras.iter().map(|camera| renderer.render(&stage, camera, monitor)).collect::<Result<Vec<_>>>()?;
+            request.cameras.iter().map(|camera| renderer.render(&stage, camera, monitor)).collect::<Result<Vec<_>>>()?;
         let render_ms = start.elapsed().as_secs_f64() * 1e3;
         self.selector.measured(update_ms + render_ms, views.len());
         let (active, culled) = trace::name(&selection, self.player.field());
         let trace = FrameTrace {
             shot: self.summary.shots,
-            frame: shot.frame,
+            frame: request.frame,
             eye: eye.to_array(),
             active,
             culled,
@@ -300,7 +300,7 @@ impl<'a> Playback<'a> {
         Ok(Shown { pictures, counts, trace })
     }
 
-    /// What came of all shots so far.
+    /// What came of all requests so far.
     pub fn summary(&self) -> PlaybackSummary {
         let frame_ms: Vec<f64> = self.update_ms.iter().zip(&self.render_ms).map(|(a, b)| a + b).collect();
         let pacing = FramePacing {

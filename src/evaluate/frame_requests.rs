@@ -1,43 +1,42 @@
-//! A path of cameras: which cameras look at which frame, in which order.
+//! Which cameras look at which frame, in which order.
 
 use crate::error::{Error, Result};
-use crate::evaluate::camera_file::TimedCamera;
+use crate::evaluate::camera_path::TimedCamera;
 use crate::image::FrameRange;
 use crate::math::Camera;
 
-/// What is shown at once: a frame, as one or more cameras see it.
+/// A frame, and the cameras that render it together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shot {
+pub struct FrameRequest {
     /// The frame.
     pub frame: u32,
     /// The cameras, at least one: two of them for two eyes, six for a cube map.
     pub cameras: Vec<Camera>,
 }
 
-/// The shots of a path.
+/// The frame requests of a path.
 ///
-/// - One camera that states no frames shows all of `frames`.
-/// - Cameras that state frames show them, each of its own, one camera after the other; of these those in `frames`.
-/// - More cameras that state no frames are poses of one camera, frame by frame: the first camera shows the first of `frames`,
-///   and so on. There are as many shots as cameras; a range of one frame stands still in time.
+/// - One camera without frames renders all of `frames`.
+/// - Cameras with frames render those that are in `frames`, one camera after the other.
+/// - Several cameras without frames are poses of one camera: the first renders the first of `frames`, and so on. A range
+///   of one frame is rendered by all of them.
 ///
-/// Where no frames were asked for, they are all that the light field has (`available`) for cameras that state theirs, and its
-/// first for the others.
+/// `frames` defaults to `available` for cameras that state theirs, and to the first available one for others.
 ///
 /// # Errors
-/// When some cameras state frames and others do not, when there are neither as many frames as cameras nor one, and when
-/// nothing is left to show.
-pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> Result<Vec<Shot>> {
+/// When only some cameras state frames, when the number of frames is neither that of the cameras nor one, and when no frame
+/// is left.
+pub fn frame_requests(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> Result<Vec<FrameRequest>> {
     let stated = cameras.iter().filter(|timed| timed.frames.is_some()).count();
     let first = FrameRange { first: available.first, last: available.first };
     let frames = frames.unwrap_or(if stated == 0 { first } else { available });
-    let shot = |frame: u32, timed: &TimedCamera| Shot { frame, cameras: vec![timed.camera] };
-    let shots: Vec<Shot> = match (cameras, stated) {
+    let request = |frame: u32, timed: &TimedCamera| FrameRequest { frame, cameras: vec![timed.camera] };
+    let requests: Vec<FrameRequest> = match (cameras, stated) {
         ([], _) => return Err(Error::Usage("a path needs at least one camera".into())),
-        ([only], 0) => frames.iter().map(|frame| shot(frame, only)).collect(),
-        (_, 0) if frames.count() == 1 => cameras.iter().map(|timed| shot(frames.first, timed)).collect(),
+        ([only], 0) => frames.iter().map(|frame| request(frame, only)).collect(),
+        (_, 0) if frames.count() == 1 => cameras.iter().map(|timed| request(frames.first, timed)).collect(),
         (_, 0) if frames.count() == cameras.len() as u64 => {
-            frames.iter().zip(cameras).map(|(frame, timed)| shot(frame, timed)).collect()
+            frames.iter().zip(cameras).map(|(frame, timed)| request(frame, timed)).collect()
         }
         (_, 0) => {
             return Err(Error::Usage(format!(
@@ -50,7 +49,7 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
             let of = |timed: &TimedCamera| timed.frames.and_then(|own| own.intersect(frames));
             cameras
                 .iter()
-                .flat_map(|timed| of(timed).into_iter().flat_map(FrameRange::iter).map(|at| shot(at, timed)))
+                .flat_map(|timed| of(timed).into_iter().flat_map(FrameRange::iter).map(|at| request(at, timed)))
                 .collect()
         }
         _ => {
@@ -61,14 +60,13 @@ pub fn shots(cameras: &[TimedCamera], frames: Option<FrameRange>, available: Fra
             ));
         }
     };
-    if shots.is_empty() {
+    if requests.is_empty() {
         return Err(Error::Usage(format!("no camera looks in the frames {frames}")));
     }
-    Ok(shots)
+    Ok(requests)
 }
 
-/// How many of the frames that cameras state, and that are asked for, are not among those that there are (`available`):
-/// a path passes over them.
+/// Number of frames that cameras state and `frames` asks for, but that are not `available`.
 pub fn missing_frames(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> u64 {
     let missing = |own: FrameRange| {
         let asked = frames.map_or(Some(own), |frames| own.intersect(frames));
@@ -97,14 +95,14 @@ mod tests {
         frames.iter().enumerate().map(camera).collect()
     }
 
-    /// Frame and camera of each shot.
+    /// Frame and camera of each request.
     fn of(frames: &[Option<FrameRange>], asked: Option<FrameRange>) -> Vec<(u32, u32)> {
-        let shots = shots(&cameras(frames), asked, range(3, 9)).unwrap();
-        shots.iter().map(|shot| (shot.frame, shot.cameras[0].eye().x as u32)).collect()
+        let requests = frame_requests(&cameras(frames), asked, range(3, 9)).unwrap();
+        requests.iter().map(|request| (request.frame, request.cameras[0].eye().x as u32)).collect()
     }
 
     #[test]
-    fn shots_follow_the_cameras() {
+    fn requests_follow_the_cameras() {
         let none = None;
         assert_eq!(of(&[none], None), [(3, 0)]);
         assert_eq!(of(&[none], Some(range(4, 6))), [(4, 0), (5, 0), (6, 0)]);
@@ -130,7 +128,7 @@ mod tests {
     #[test]
     fn paths_that_are_not_clear_are_refused() {
         let said =
-            |frames: &[Option<FrameRange>], asked| shots(&cameras(frames), asked, range(3, 9)).unwrap_err().to_string();
+            |frames: &[Option<FrameRange>], asked| frame_requests(&cameras(frames), asked, range(3, 9)).unwrap_err().to_string();
         assert!(said(&[], None).contains("at least one"));
         assert!(said(&[None, None], Some(range(3, 5))).contains("2 cameras and 3 frames"));
         assert!(said(&[None, Some(range(3, 3))], None).contains("none"));

@@ -1,16 +1,24 @@
-//! The way of a camera between poses that it has in some frames.
+//! Interpolates a moving camera between key poses.
 
 use glam::DQuat;
 
 use crate::error::{Error, Result};
-use crate::evaluate::camera_file::TimedCamera;
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
-/// A path through more frames is refused.
+/// Limit of frames of a path.
 pub const MAX_PATH_FRAMES: u32 = 100_000;
 
-/// Where a camera is in a frame.
+/// A camera, and the frames in which it looks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimedCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// The frames; all where there is no range.
+    pub frames: Option<FrameRange>,
+}
+
+/// A camera of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyPose {
     /// The frame.
@@ -21,25 +29,25 @@ pub struct KeyPose {
     pub lens: Lens,
 }
 
-/// A camera for each frame from the first pose to the last: the eye goes straight from pose to pose, the camera turns evenly by
-/// the shorter way, and field of view and aspect change evenly. Near and far are those of the pose before.
+/// A camera for each frame from the first pose to the last: position, field of view and aspect are interpolated linearly,
+/// orientation by slerp. Near and far are those of the pose before.
 ///
 /// # Errors
 /// When frames do not rise, or are more than [`MAX_PATH_FRAMES`].
-pub fn path(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
+pub fn interpolate(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
     let timed =
         |frame: u32, camera: Camera| TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) };
     let mut cameras = Vec::new();
     if let [first, .., last] = poses
         && last.frame.saturating_sub(first.frame) >= MAX_PATH_FRAMES
     {
-        return Err(Error::invalid(format!("a camera may move through at most {MAX_PATH_FRAMES} frames")));
+        return Err(Error::invalid(format!("a camera path has at most {MAX_PATH_FRAMES} frames")));
     }
     for pair in poses.windows(2) {
         let [a, b] = [pair[0], pair[1]];
         if b.frame <= a.frame {
             return Err(Error::invalid(format!(
-                "the pose of frame {} follows that of frame {}: each was expected to be of a greater frame",
+                "the pose of frame {} follows that of frame {}: frames must increase",
                 b.frame, a.frame
             )));
         }
@@ -78,9 +86,9 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_turns_evenly_by_the_shorter_way() {
+    fn orientation_is_interpolated_by_slerp() {
         let poses = [pose(2, [0.0; 3], [1.0, 0.0, 0.0], 40.0), pose(5, [3.0, 0.0, 6.0], [0.0, 0.0, 1.0], 70.0)];
-        let cameras = path(&poses).unwrap();
+        let cameras = interpolate(&poses).unwrap();
         assert_eq!(cameras.len(), 4);
         for (at, timed) in (0u32..).zip(&cameras) {
             let angle = (f64::from(at) * 30.0).to_radians();
@@ -93,8 +101,8 @@ mod tests {
         // The tangent of half a field of view of 50 degrees, at the right edge.
         let right = cameras[1].camera.direction([1.0, 0.5]).dot(cameras[1].camera.axes()[1]);
         assert!((right - 25f64.to_radians().sin()).abs() < 1e-12);
-        assert_eq!(path(&poses[..1]).unwrap().len(), 1);
-        assert!(path(&[poses[1], poses[0]]).is_err());
-        assert!(path(&[poses[0], KeyPose { frame: u32::MAX, ..poses[1] }]).is_err());
+        assert_eq!(interpolate(&poses[..1]).unwrap().len(), 1);
+        assert!(interpolate(&[poses[1], poses[0]]).is_err());
+        assert!(interpolate(&[poses[0], KeyPose { frame: u32::MAX, ..poses[1] }]).is_err());
     }
 }
