@@ -4,6 +4,7 @@
 
 mod decoding;
 mod pictures;
+mod projection;
 
 use std::path::Path;
 use std::process::Command;
@@ -345,6 +346,7 @@ fn main() {
         Trial::test("pictures::larger_images", pictures::larger_images),
         Trial::test("pictures::refusals", pictures::refusals),
         Trial::test("pictures::no_effects", pictures::no_effects),
+        Trial::test("projection::agrees_with_the_model", || with_gpu(projection::agrees_with_the_model)),
     ];
     // Ignored, and not passed, where LIGHTFOLD_DATA of CONTRIBUTING.md leads nowhere.
     let footage = [Trial::test("footage", footage), Trial::test("pictures::footage", pictures::footage)]

@@ -497,6 +497,16 @@ mod tests {
                 let points = Points { x: axis(0), y: axis(1), z: axis(2) };
                 let way = view.local(&points);
                 let places = view.places(&way);
+                for lane in 0..4 {
+                    // The model in single precision, bit for bit.
+                    let expected = active.view.project(Vec3::new(way.x[lane], way.y[lane], way.z[lane]));
+                    assert_eq!(places.exist >> lane & 1 == 1, expected.is_some());
+                    if let Some(expected) = expected {
+                        assert_eq!(places.face.of(lane), expected.face);
+                        assert_eq!(places.at.map(|at| at[lane]), expected.at);
+                        assert_eq!(places.inverse_depth[lane], expected.inverse_depth);
+                    }
+                }
                 for mut face in 0..6 {
                     if let Some(guessed) = view.guessed(&points, face) {
                         assert_eq!((guessed.exist, guessed.face), (places.exist, places.face));
