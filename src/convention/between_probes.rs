@@ -58,9 +58,6 @@ struct Comparison<'a> {
 }
 
 /// Compares all probes under the declared kind of depth.
-///
-/// # Errors
-/// When the monitor is interrupted.
 pub fn check(probes: &[ProbeSamples], kind: DepthKind, projection: Projection, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
     let pairs = pairs_of(probes);
     if pairs.is_empty() {

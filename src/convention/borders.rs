@@ -46,7 +46,6 @@ pub struct Mismatch {
 }
 
 impl Mismatch {
-    /// Both together.
     pub fn add(self, other: Mismatch) -> Mismatch {
         Mismatch { cost: self.cost + other.cost, samples: self.samples + other.samples }
     }

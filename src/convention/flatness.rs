@@ -26,7 +26,6 @@ const MIN_TRIPLES: u64 = 400;
 /// The same as a share of all triples.
 const MIN_SHARE: f64 = 0.02;
 
-/// Triples of samples.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Triples {
     /// All of steep change.

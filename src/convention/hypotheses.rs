@@ -23,18 +23,14 @@ pub struct Pose {
 /// An interpretation of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hypothesis {
-    /// Planar depth or distance.
     pub kind: DepthKind,
     /// Factor on depth; 1 as declared.
     pub scale: f64,
-    /// Of each probe.
     pub poses: Vec<Pose>,
 }
 
-/// What a hypothesis changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Subject {
-    /// Planar depth or distance.
     Kind,
     Scale,
     Positions,
@@ -44,7 +40,6 @@ pub enum Subject {
 /// A hypothesis that differs from another in one subject.
 #[derive(Debug, Clone)]
 pub struct Alternative {
-    /// Of what.
     pub subject: Subject,
     /// Continues a sentence after "with ".
     pub words: String,

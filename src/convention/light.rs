@@ -17,18 +17,14 @@ const CODES_SHARE: f64 = 0.999;
 pub enum Files {
     /// Whole numbers up to 255 or 65535: PNG.
     Integers,
-    /// Half or single floats: EXR.
     Floats,
 }
 
 /// Statistics of colour, as linear light.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ColorValues {
-    /// All pixels.
     pub pixels: u64,
-    /// Components.
     pub values: u64,
-    /// Components above 1.
     pub above_one: u64,
     /// Components from 0.02 to 0.25, where half floats are much finer than 255ths.
     pub dim: u64,
@@ -37,7 +33,6 @@ pub struct ColorValues {
 }
 
 impl ColorValues {
-    /// Counts an image.
     pub fn count(plane: &ColorPlane) -> ColorValues {
         let mut found = ColorValues { pixels: plane.data().len() as u64, ..ColorValues::default() };
         for component in plane.data().as_flattened() {
@@ -53,7 +48,6 @@ impl ColorValues {
         found
     }
 
-    /// Both together.
     pub fn add(self, other: ColorValues) -> ColorValues {
         ColorValues {
             pixels: self.pixels + other.pixels,

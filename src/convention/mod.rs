@@ -63,17 +63,11 @@ impl Report {
 }
 
 /// Files that [`check`] reads: the steps of its monitor.
-///
-/// # Errors
-/// When no probe has the frame asked for, or one is not there.
 pub fn steps(source: &Source, choice: &Choice) -> Result<u64> {
     Ok(read::jobs(source, choice)?.len() as u64)
 }
 
 /// Runs all checks. The result does not depend on the number of threads.
-///
-/// # Errors
-/// When a file cannot be read, no probe has the frame asked for, or the monitor is interrupted.
 pub fn check(source: &Source, choice: &Choice, monitor: &dyn Monitor) -> Result<Report> {
     let manifest = source.manifest();
     let depth = manifest.and_then(|manifest| manifest.depth.as_ref());

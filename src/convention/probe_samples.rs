@@ -14,7 +14,6 @@ const EDGE_RATIO: f32 = 1.15;
 #[derive(Debug, Clone)]
 pub struct FaceSamples {
     pub face: Face,
-    /// Of the whole face.
     projection: ImageProjection,
     step: u32,
     /// As stored, times the declared metres per unit: +inf for the background, NaN where unknown.
@@ -26,7 +25,6 @@ pub struct FaceSamples {
 }
 
 impl FaceSamples {
-    /// Subsamples a face.
     pub fn new(face: Face, stored: &DepthPlane, projection: ImageProjection) -> FaceSamples {
         let size = projection.size();
         let step = size[0].max(size[1]).div_ceil(MAX_SIDE).max(1);
@@ -119,7 +117,6 @@ impl FaceSamples {
     }
 }
 
-/// One probe in one frame.
 #[derive(Debug, Clone)]
 pub struct ProbeSamples {
     pub name: String,

@@ -20,7 +20,6 @@ use crate::ordered::try_map_ordered;
 /// Added to light, so that the ratio of two dark values is near 1.
 const DARK: f32 = 1e-3;
 
-/// Which images are read.
 #[derive(Debug, Clone, Default)]
 pub struct Choice {
     /// Only these probes; all where empty.
@@ -47,7 +46,6 @@ pub enum Shows {
 pub struct HashedImage {
     /// `color 00/px`.
     pub name: String,
-    /// Name of its probe.
     pub probe: String,
     pub face: Face,
     pub kind: StreamKind,
@@ -55,14 +53,10 @@ pub struct HashedImage {
     pub shows: Shows,
 }
 
-/// Data of all images read.
 #[derive(Debug, Default)]
 pub struct Footage {
-    /// Probes with depth.
     pub views: Vec<ProbeSamples>,
-    /// Borders of depth of each probe's cube.
     pub depth_borders: Vec<(String, CubeBorders)>,
-    /// Borders of colour of each probe's cube.
     pub color_borders: Vec<(String, CubeBorders)>,
     pub depth: Option<DepthValues>,
     pub color: Option<ColorValues>,
@@ -70,11 +64,9 @@ pub struct Footage {
     pub hashes: Vec<HashedImage>,
     /// Colour images of one value, whose depth has more.
     pub blank: Vec<String>,
-    /// Number of images.
     pub images: u64,
 }
 
-/// Data of one image.
 enum Kept {
     Depth(DepthFace),
     Color(ColorFace),
@@ -95,9 +87,6 @@ struct ColorFace {
 }
 
 /// The probes to check, by index.
-///
-/// # Errors
-/// When a name is none of the dataset's.
 pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
     let probes = source.probes();
     if let Some(name) = choice.probes.iter().find(|name| probes.iter().all(|probe| probe.name != **name)) {
@@ -113,7 +102,6 @@ pub fn chosen_probes(source: &Source, choice: &Choice) -> Result<Vec<usize>> {
     Ok((0..most).map(|at| all[at * all.len() / most]).collect())
 }
 
-/// The images that [`read`] opens.
 pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>> {
     let probes = chosen_probes(source, choice)?;
     let wanted = |group: &&SourceGroup| group.kind != StreamKind::Material && probes.contains(&group.probe);
@@ -130,9 +118,6 @@ pub fn jobs(source: &Source, choice: &Choice) -> Result<Vec<(SourceGroup, u32)>>
 }
 
 /// Reads; the monitor advances by one for each file.
-///
-/// # Errors
-/// When a file cannot be read, or the monitor is interrupted.
 pub fn read(source: &Source, choice: &Choice, stated: &Stated, monitor: &dyn Monitor) -> Result<Footage> {
     let jobs = jobs(source, choice)?;
     let kept = try_map_ordered(jobs, |(group, frame)| {

@@ -22,7 +22,6 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Samples compared.
     pub fn tested(&self) -> u64 {
         self.agree + self.in_front + self.hidden
     }

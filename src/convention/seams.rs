@@ -25,10 +25,8 @@ const AS_GOOD: f64 = 1.2;
 /// Borders of one probe's faces, by face.
 pub type CubeBorders = [Option<Borders>; 6];
 
-/// The stream that borders belong to.
 #[derive(Debug, Clone, Copy)]
 pub struct Stream {
-    /// Name of the finding.
     pub check: &'static str,
     /// [`DEPTH_CAP`] or [`COLOR_CAP`].
     pub cap: f64,

@@ -39,26 +39,19 @@ const WHOLE_METRES: f64 = 100.0;
 /// Scales between the usual units.
 const SCALES: [f64; 6] = [0.001, 0.01, 0.1, 10.0, 100.0, 1000.0];
 
-/// Statistics of stored depth, in the unit of the files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthValues {
-    /// All pixels.
     pub pixels: u64,
     /// Pixels of the declared background, or +inf.
     pub background: u64,
-    /// NaN.
     pub not_a_number: u64,
-    /// Exactly zero, and not the background.
     pub zero: u64,
-    /// Below zero, and not the background.
     pub negative: u64,
     /// Surfaces: finite values above zero.
     pub surfaces: u64,
     /// Surfaces whose value is a whole number.
     pub whole: u64,
-    /// The nearest surface.
     pub min: f32,
-    /// The farthest surface.
     pub max: f32,
     /// Surfaces that have exactly the value `max`.
     pub at_max: u64,
@@ -114,7 +107,6 @@ impl Stated {
 }
 
 impl DepthValues {
-    /// Counts an image.
     pub fn count(stored: &DepthPlane, stated: &Stated) -> DepthValues {
         let mut found = DepthValues { pixels: stored.data().len() as u64, ..DepthValues::default() };
         for &value in stored.data() {
@@ -136,7 +128,6 @@ impl DepthValues {
         found
     }
 
-    /// Both together.
     pub fn add(self, other: DepthValues) -> DepthValues {
         let (high, low) = if self.max >= other.max { (self, other) } else { (other, self) };
         let equal = high.max == low.max;
@@ -157,7 +148,6 @@ impl DepthValues {
     }
 }
 
-/// All findings about values.
 pub fn check(values: &DepthValues, stated: &Stated) -> Vec<Finding> {
     vec![invalid(values, stated.invalid), background(values, stated), near_far(values, stated)]
 }

@@ -9,9 +9,6 @@ use crate::image::{ColorSpace, DepthPlane};
 impl Source {
     /// Depth of a frame without regard to background, unit and kind: the numbers that the file holds, one plane for each
     /// face of the group. They may be anything, also NaN.
-    ///
-    /// # Errors
-    /// As for [`Source::read_depth`], but not for the values.
     pub fn read_depth_as_stored(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let path = self.file(group, frame)?;
         let planes = self.depth_file(&path).and_then(|plane| self.faces_of(plane, group, resample_depth));

@@ -77,17 +77,11 @@ impl CameraSet {
     }
 
     /// Reads a set, `-` for standard input. A `lightfield.json` is taken for the set of its probes.
-    ///
-    /// # Errors
-    /// When it cannot be read, is larger than 16 MiB, is neither, or contradicts itself.
     pub fn read(path: &Path) -> Result<CameraSet> {
         Self::from_json(&Self::read_text(path)?).map_err(|error| error.in_file(path))
     }
 
     /// The bytes of a file of cameras of any kind, `-` for standard input.
-    ///
-    /// # Errors
-    /// When it cannot be read or is larger than 16 MiB.
     pub fn read_text(path: &Path) -> Result<Vec<u8>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
@@ -106,9 +100,6 @@ impl CameraSet {
     }
 
     /// Parses and validates the text of a set, or of a manifest.
-    ///
-    /// # Errors
-    /// As for [`CameraSet::read`].
     pub fn from_json(text: &[u8]) -> Result<CameraSet> {
         let value: serde_json::Value =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("this is not JSON: {error}")))?;
@@ -138,9 +129,6 @@ impl CameraSet {
     }
 
     /// The text of the file, indented, with a newline at its end.
-    ///
-    /// # Errors
-    /// When the set does not validate.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
         let mut text = serde_json::to_string_pretty(self)

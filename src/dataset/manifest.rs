@@ -40,9 +40,7 @@ enum DepthKindName {
 pub struct Manifest {
     /// Version of the schema, 1.
     pub lightfield: u32,
-    /// Name of the dataset.
     pub name: String,
-    /// Frames per second, above 0.
     pub fps: f64,
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
@@ -57,18 +55,14 @@ pub struct Manifest {
     /// Names of the faces that there are; all six when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces_present: Option<Vec<String>>,
-    /// What depth values mean.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<DepthInfo>,
-    /// What colour values mean.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color: Option<ColorInfo>,
     /// Channel names of material files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<MaterialInfo>,
-    /// Where the files are.
     pub files: Files,
-    /// The probes, in order.
     pub probes: Vec<Probe>,
     /// Anything else; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -90,16 +84,12 @@ pub enum FaceFiles {
     Strip,
 }
 
-/// Unit of depth values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Unit {
-    /// Metres.
     #[default]
     M,
-    /// Centimetres.
     Cm,
-    /// Millimetres.
     Mm,
 }
 
@@ -114,7 +104,6 @@ impl Unit {
     }
 }
 
-/// What depth values mean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
@@ -163,7 +152,6 @@ impl DepthInfo {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Background {
-    /// A finite value.
     Value(f64),
     /// `inf`; any other word is refused.
     Word(String),
@@ -185,7 +173,6 @@ impl Background {
     }
 }
 
-/// What colour values mean.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColorInfo {
@@ -197,9 +184,7 @@ pub struct ColorInfo {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ManifestColorSpace {
-    /// Linear light.
     LinearRec709,
-    /// sRGB codes.
     Srgb,
 }
 
@@ -212,11 +197,9 @@ impl From<ManifestColorSpace> for ColorSpace {
     }
 }
 
-/// Material files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaterialInfo {
-    /// Names of the three channels.
     pub channels: MaterialChannels,
 }
 
@@ -242,13 +225,10 @@ impl Default for MaterialChannels {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
-    /// Colour files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub color: Option<String>,
-    /// Depth files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth: Option<String>,
-    /// Material files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub material: Option<String>,
 }
@@ -264,7 +244,6 @@ impl Files {
     }
 }
 
-/// One point of capture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Probe {
@@ -316,9 +295,6 @@ pub fn manifest_path(path: &Path) -> PathBuf {
 
 impl Manifest {
     /// Reads and validates a manifest; `path` is the file or the folder that holds `lightfield.json`.
-    ///
-    /// # Errors
-    /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or contradicts itself.
     pub fn read(path: &Path) -> Result<Manifest> {
         let path = manifest_path(path);
         let file = crate::image::open_regular(&path)?;
@@ -332,9 +308,6 @@ impl Manifest {
     }
 
     /// Parses and validates the text of a manifest.
-    ///
-    /// # Errors
-    /// As for [`Manifest::read`].
     pub fn from_json(text: &[u8]) -> Result<Manifest> {
         let manifest: Manifest = serde_json::from_slice(text)
             .map_err(|error| Error::invalid(format!("this is not a lightfield manifest: {error}")))?;
@@ -343,9 +316,6 @@ impl Manifest {
     }
 
     /// The text of the manifest, indented, with a newline at its end.
-    ///
-    /// # Errors
-    /// When the manifest does not validate; a text that this program would refuse is not written.
     pub fn to_json(&self) -> Result<String> {
         self.validate()?;
         let mut text = serde_json::to_string_pretty(self)
@@ -376,15 +346,11 @@ impl Manifest {
         Face::CUBE.into_iter().filter(named).collect()
     }
 
-    /// Whether each face has its own file.
     pub fn has_face_files(&self) -> bool {
         self.projection == Projection::Cubemap && self.face_files() == FaceFiles::Six
     }
 
     /// Pattern of the files of a stream, below the manifest's folder; `None` where the dataset has no such stream.
-    ///
-    /// # Errors
-    /// When the pattern is not one ([`Pattern::parse`]).
     pub fn pattern(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Pattern>> {
         let Some(text) = self.files.get(kind) else { return Ok(None) };
         let text = text.replace("{probe}", probe).replace("{face}", face.name());
@@ -392,9 +358,6 @@ impl Manifest {
     }
 
     /// Checks everything that the types do not: see the sentences of the errors.
-    ///
-    /// # Errors
-    /// One sentence about the first thing that is wrong.
     pub fn validate(&self) -> Result<()> {
         let wrong = |message: String| Err(Error::invalid(message));
         if self.lightfield != MANIFEST_VERSION {

@@ -66,7 +66,6 @@ pub struct SourceOptions {
     pub invalid_depth: InvalidDepth,
     /// What becomes of invalid colour and material.
     pub invalid_color: InvalidColor,
-    /// Only these frames.
     pub frames: Option<FrameRange>,
     /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
     /// quarter of the width.
@@ -84,7 +83,6 @@ pub enum Arrangement {
     Cross,
     /// All six faces in a strip ([`FaceLayout::Strip`]).
     Strip,
-    /// An equirectangular image.
     Equirect,
 }
 
@@ -105,10 +103,8 @@ impl Default for SequenceLayout {
     }
 }
 
-/// One point of capture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeInfo {
-    /// Name.
     pub name: String,
     /// Centre in metres.
     pub position: [f64; 3],
@@ -189,9 +185,6 @@ pub struct Source {
 
 impl Source {
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
-    ///
-    /// # Errors
-    /// When the manifest is wrong, options contradict it, a file is missing, or no frame is left.
     pub fn open(path: &Path, options: &SourceOptions) -> Result<Source> {
         let manifest = Manifest::read(path)?;
         let file = manifest_path(path);
@@ -278,9 +271,6 @@ impl Source {
     /// Opens a single sequence: `spec` is a pattern, a folder or a file ([`Sequence::find`]).
     ///
     /// The size is that of the first image.
-    ///
-    /// # Errors
-    /// When files are missing, the first image cannot be read, or the arrangement does not fit its shape.
     pub fn from_sequence(
         kind: StreamKind,
         spec: &str,
@@ -429,7 +419,6 @@ impl Source {
         &self.name
     }
 
-    /// Frames per second, above 0.
     pub fn fps(&self) -> f64 {
         self.fps
     }
@@ -470,9 +459,6 @@ impl Source {
     }
 
     /// Linear Rec. 709 colour of a frame, one plane for each face of the group, every value finite.
-    ///
-    /// # Errors
-    /// Names the file and the frame: it cannot be read, has another size than the rest, or a NaN.
     pub fn read_color(&self, group: &SourceGroup, frame: u32) -> Result<Vec<ColorPlane>> {
         let path = self.path(StreamKind::Color, group, frame)?;
         self.color_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
@@ -480,27 +466,18 @@ impl Source {
 
     /// Depth of a frame in metres, one plane for each face of the group: +inf exactly where nothing is, 0.0 where
     /// [`InvalidDepth::Near`] applied, every other value finite and above 0.
-    ///
-    /// # Errors
-    /// As for [`Source::read_color`]; also for depth that is NaN, zero or negative.
     pub fn read_depth(&self, group: &SourceGroup, frame: u32) -> Result<Vec<DepthPlane>> {
         let path = self.path(StreamKind::Depth, group, frame)?;
         self.depth_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     /// Material of a frame, one plane for each face of the group, every value finite.
-    ///
-    /// # Errors
-    /// As for [`Source::read_color`].
     pub fn read_material(&self, group: &SourceGroup, frame: u32) -> Result<Vec<MaterialPlane>> {
         let path = self.path(StreamKind::Material, group, frame)?;
         self.material_of(&path, group).map_err(|error| error.in_file(&path).context(format!("frame {frame}")))
     }
 
     /// The file that a frame of a group is read from.
-    ///
-    /// # Errors
-    /// When the group is not one of this source or the frame lies outside it.
     pub fn file(&self, group: &SourceGroup, frame: u32) -> Result<PathBuf> {
         self.path(group.kind, group, frame)
     }

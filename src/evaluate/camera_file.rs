@@ -13,22 +13,18 @@ use crate::evaluate::camera_path::{self, KeyPose, TimedCamera};
 use crate::image::FrameRange;
 use crate::math::{Camera, Lens};
 
-/// Larger files are refused.
 pub const MAX_CAMERA_FILE_BYTES: u64 = 16 << 20;
 
 /// The whole file. Unknown keys are errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraFile {
-    /// The cameras, at least one.
     pub cameras: Vec<CameraEntry>,
 }
 
-/// One camera.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CameraEntry {
-    /// Position: x, y, z in metres.
     pub eye: [f64; 3],
     /// A point that it looks at; this or `orientation`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -61,9 +57,6 @@ pub struct CameraEntry {
 
 impl CameraFile {
     /// The cameras of a file, `-` for standard input.
-    ///
-    /// # Errors
-    /// When it cannot be read, is larger than 16 MiB, is not JSON of this schema, or has an invalid camera.
     pub fn read(path: &Path) -> Result<Vec<TimedCamera>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
@@ -80,9 +73,6 @@ impl CameraFile {
 
     /// The cameras of a file's bytes as perspective probes, to capture their reference images; and their common aspect, if any
     /// states one. Near and far are ignored.
-    ///
-    /// # Errors
-    /// As for [`CameraFile::read`], and when two of them state different aspects.
     pub fn as_probes(text: &[u8]) -> Result<(CameraSet, Option<f64>)> {
         let cameras = Self::parse(text)?;
         let file: CameraFile =
@@ -108,9 +98,6 @@ impl CameraFile {
     }
 
     /// The cameras of a file's bytes.
-    ///
-    /// # Errors
-    /// As for [`CameraFile::read`].
     pub fn parse(text: &[u8]) -> Result<Vec<TimedCamera>> {
         let file: CameraFile =
             serde_json::from_slice(text).map_err(|error| Error::invalid(format!("not a camera file: {error}")))?;

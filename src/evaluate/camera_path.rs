@@ -12,7 +12,6 @@ pub const MAX_PATH_FRAMES: u32 = 100_000;
 /// A camera, and the frames in which it looks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimedCamera {
-    /// The camera.
     pub camera: Camera,
     /// The frames; all where there is no range.
     pub frames: Option<FrameRange>,
@@ -21,19 +20,13 @@ pub struct TimedCamera {
 /// A camera of one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyPose {
-    /// The frame.
     pub frame: u32,
-    /// The camera.
     pub camera: Camera,
-    /// Its lens.
     pub lens: Lens,
 }
 
 /// A camera for each frame from the first pose to the last: position, field of view and aspect are interpolated linearly,
 /// orientation by slerp. Near and far are those of the pose before.
-///
-/// # Errors
-/// When frames do not rise, or are more than [`MAX_PATH_FRAMES`].
 pub fn interpolate(poses: &[KeyPose]) -> Result<Vec<TimedCamera>> {
     let timed =
         |frame: u32, camera: Camera| TimedCamera { camera, frames: Some(FrameRange { first: frame, last: frame }) };

@@ -8,7 +8,6 @@ use crate::math::Camera;
 /// A frame, and the cameras that render it together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameRequest {
-    /// The frame.
     pub frame: u32,
     /// The cameras, at least one: two of them for two eyes, six for a cube map.
     pub cameras: Vec<Camera>,
@@ -22,10 +21,6 @@ pub struct FrameRequest {
 ///   of one frame is rendered by all of them.
 ///
 /// `frames` defaults to `available` for cameras that state theirs, and to the first available one for others.
-///
-/// # Errors
-/// When only some cameras state frames, when the number of frames is neither that of the cameras nor one, and when no frame
-/// is left.
 pub fn frame_requests(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> Result<Vec<FrameRequest>> {
     let stated = cameras.iter().filter(|timed| timed.frames.is_some()).count();
     let first = FrameRange { first: available.first, last: available.first };

@@ -21,13 +21,10 @@ const CENTRE_TOLERANCE: f64 = 0.01;
 /// An image of a dataset, as a camera sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceImage {
-    /// Name of its probe.
     pub probe: String,
-    /// Its face.
     pub face: Face,
     /// What it was seen by; the axes of a cube face are mirrored, as its image is.
     pub camera: Camera,
-    /// Width and height in pixels.
     pub size: [u32; 2],
     /// Frames that there are of it.
     pub frames: FrameRange,
@@ -38,7 +35,6 @@ pub struct ReferenceImage {
 /// What there is to see in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
-    /// Linear light.
     pub color: ColorPlane,
     /// Weights of reflection and refraction and index of refraction; none where the dataset has no material.
     pub material: Option<MaterialPlane>,
@@ -60,17 +56,11 @@ pub struct Reference {
 
 impl Reference {
     /// Opens a dataset by its manifest, or the folder that holds `lightfield.json`.
-    ///
-    /// # Errors
-    /// As for [`Source::open`]; also when it has no colour, or no probe whose camera is known.
     pub fn open(path: &Path) -> Result<Reference> {
         Reference::new(Source::open(path, &SourceOptions::default())?).map_err(|error| error.in_file(path))
     }
 
     /// The images of a source.
-    ///
-    /// # Errors
-    /// When it has no colour, or a perspective probe has no intrinsics.
     pub fn new(source: Source) -> Result<Reference> {
         let mut images = Vec::new();
         for (at, group) in source.groups().iter().enumerate().filter(|(_, group)| group.kind == StreamKind::Color) {
@@ -101,9 +91,6 @@ impl Reference {
 
     /// How far from the camera what an image shows is in a frame, in metres, `+inf` where there is nothing; none where the
     /// dataset has no depth.
-    ///
-    /// # Errors
-    /// When there is no such image or frame, or a file cannot be read.
     pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
         let Some(ReferenceImage { groups: [_, depth, _], .. }) = self.images.get(image) else {
             return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
@@ -112,9 +99,6 @@ impl Reference {
     }
 
     /// What image number `image` shows in a frame.
-    ///
-    /// # Errors
-    /// When there is no such image or frame, or a file cannot be read.
     pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
         let Some(ReferenceImage { groups, .. }) = self.images.get(image) else {
             return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));

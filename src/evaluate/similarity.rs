@@ -14,9 +14,7 @@ use crate::streams::convert::color_codes;
 /// How far one picture, or several, are from what they should be, in 8-bit display codes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
-    /// All pixels; holes count as what they show.
     pub all: SquaredError,
-    /// Pixels that are no holes.
     pub seen: SquaredError,
     /// Pixels whose true material reflects or refracts at all.
     pub effects: SquaredError,
@@ -40,12 +38,10 @@ pub struct Similarity {
     pub psnr_db_sum: f64,
     /// Pictures that are not exact.
     pub inexact_images: u64,
-    /// Pictures.
     pub images: u64,
 }
 
 impl Similarity {
-    /// Nothing compared yet.
     pub fn empty() -> Similarity {
         let none = SquaredError::empty(U8_PEAK);
         Similarity {
@@ -67,9 +63,6 @@ impl Similarity {
     }
 
     /// Compares a picture with what should be there, both as codes of `tone`.
-    ///
-    /// # Errors
-    /// When they differ in size.
     pub fn of(rendered: &RenderedImage, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
         let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
         if sizes[0] != sizes[1] {
@@ -121,9 +114,6 @@ impl Similarity {
     }
 
     /// Adds other pictures; in a fixed order, for the last bits to be the same on every run.
-    ///
-    /// # Errors
-    /// None that pictures of this module can cause: peaks are all 255.
     pub fn merge(&mut self, other: &Similarity) -> Result<()> {
         self.all.merge(&other.all)?;
         self.seen.merge(&other.seen)?;
@@ -189,9 +179,6 @@ pub fn truth_codes(truth: &Truth, tone: ToneMap) -> Plane<[u8; 3]> {
 }
 
 /// The largest difference of the three samples of each pixel, in display codes.
-///
-/// # Errors
-/// When the two differ in size.
 pub fn difference(shown: &Plane<[u8; 3]>, wanted: &Plane<[u8; 3]>) -> Result<Plane<u8>> {
     let largest = |(a, b): (&[u8; 3], &[u8; 3])| (0..3).map(|at| a[at].abs_diff(b[at])).fold(0, u8::max);
     if (shown.width(), shown.height()) != (wanted.width(), wanted.height()) {

@@ -77,9 +77,7 @@ impl From<Option<String>> for ChannelSelect {
 pub(crate) struct ChannelName {
     /// Name of the layer (part) it is in; empty where the file gives none.
     pub layer: String,
-    /// Number of that layer.
     pub part: usize,
-    /// Name of the channel inside the layer.
     pub name: String,
 }
 
@@ -166,7 +164,6 @@ fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     })
 }
 
-/// Index of the depth channel.
 pub(crate) fn find_depth(names: &[ChannelName], select: &ChannelSelect) -> Result<usize> {
     if let ChannelSelect::Named(wanted) = select {
         return find_named(names, wanted);

@@ -21,9 +21,6 @@ pub const MAX_FACE_SIDE: u32 = 8192;
 /// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the image it is cut from.
 ///
 /// A quarter of the width keeps the resolution of the equator; beyond half, four pixels and more would show one.
-///
-/// # Errors
-/// When the side is larger than one of the two.
 pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     if size > MAX_FACE_SIDE {
         return Err(Error::unsupported(format!(
@@ -56,7 +53,6 @@ pub struct FaceMap {
     nearest: OnceLock<Vec<Vec<u32>>>,
 }
 
-/// The filters of one row of pixels.
 #[derive(Debug, Clone)]
 struct FilterRow {
     /// One past the last tap of each pixel.
@@ -67,10 +63,6 @@ struct FilterRow {
 
 impl FaceMap {
     /// Plans a face of `size`×`size` pixels cut from images of `width`×`height`.
-    ///
-    /// # Errors
-    /// When a side is 0, the image is so large that a plan cannot address its pixels, or the face is too large for it
-    /// ([`check_face_size`]).
     pub fn new(face: Face, size: u32, width: u32, height: u32) -> Result<FaceMap> {
         if size == 0 || width == 0 || height == 0 {
             return Err(Error::invalid("an image without pixels cannot be resampled"));
@@ -82,7 +74,6 @@ impl FaceMap {
         Ok(FaceMap { face, size, width, height, filters: OnceLock::new(), nearest: OnceLock::new() })
     }
 
-    /// The face that is cut out.
     pub fn face(&self) -> Face {
         self.face
     }
@@ -183,9 +174,6 @@ fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
 }
 
 /// Filtered colour of a face: 4×4 bilinear lookups a pixel, weighted equally.
-///
-/// # Errors
-/// When the image is not of the size that the map was made for.
 pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     map.check(image.width(), image.height())?;
     let data = image.data();
@@ -207,17 +195,11 @@ pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
 }
 
 /// Depth of a face: the sample nearest to the direction of each pixel's centre, so that two surfaces never mix.
-///
-/// # Errors
-/// As for [`resample_color`].
 pub fn resample_depth(image: &DepthPlane, map: &FaceMap) -> Result<DepthPlane> {
     resample_nearest(image, map)
 }
 
 /// Any other pixels, by nearest sample.
-///
-/// # Errors
-/// As for [`resample_color`].
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())

@@ -38,17 +38,11 @@ const MAX_ATTRIBUTE_BYTES: u64 = 16 << 20;
 const MAX_SIDE: usize = 1 << 24;
 
 /// Colour of a file, rounded to half floats to nearest, ties to even. A single luminance channel is read as gray.
-///
-/// # Errors
-/// When the file cannot be read, is damaged, claims more than `limits` allow, or has no such channels.
 pub fn read_color(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<ColorPlane> {
     read_planes(path, limits, f16::ZERO, |names| find_color(names, select))
 }
 
 /// Depth of a file as it is stored, in whatever unit and kind the file has; `+inf` outside the data window.
-///
-/// # Errors
-/// As for [`read_color`].
 pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> Result<DepthPlane> {
     let plane = read_planes(path, limits, f32::INFINITY, |names| find_depth(names, select).map(|index| [index]))?;
     let (width, height) = (plane.width(), plane.height());
@@ -56,9 +50,6 @@ pub fn read_depth(path: &Path, select: &ChannelSelect, limits: &ReadLimits) -> R
 }
 
 /// Reflection weight, refraction weight and index of refraction from the channels of the three `names`.
-///
-/// # Errors
-/// As for [`read_color`].
 pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Result<MaterialPlane> {
     read_planes(path, limits, 0.0, |all| {
         let [a, b, c] = names;
@@ -67,9 +58,6 @@ pub fn read_material(path: &Path, names: [&str; 3], limits: &ReadLimits) -> Resu
 }
 
 /// Width and height of a file's display window, in pixels.
-///
-/// # Errors
-/// When the file cannot be read, is damaged or claims more than `limits` allow.
 pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     let (reader, file_len) = open(path)?;
     guard(reader.headers(), 1, limits, file_len).map_err(|error| error.in_file(path))?;
@@ -402,9 +390,6 @@ fn convert<T: Sample, const N: usize>(bytes: &[u8], channel: &Wanted, target: &m
 }
 
 /// Writes channels R, G, B as halves, ZIP compressed. The bytes depend on the pixels alone.
-///
-/// # Errors
-/// When the file cannot be written or the plane has no pixels.
 pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
     let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
     write(path, plane.width(), plane.height(), vec![("R", component(0)), ("G", component(1)), ("B", component(2))])
@@ -412,9 +397,6 @@ pub fn write_color(path: &Path, plane: &ColorPlane) -> Result<()> {
 
 /// Writes channels R, G, B and A as halves, ZIP compressed; colour is multiplied by alpha already, as the format has it.
 /// The bytes depend on the pixels alone.
-///
-/// # Errors
-/// As for [`write_color`].
 pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
     let component = |index: usize| FlatSamples::F16(plane.data().iter().map(|pixel| pixel[index]).collect());
     let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(|(index, name)| (name, component(index)));
@@ -422,17 +404,11 @@ pub fn write_rgba(path: &Path, plane: &Plane<[f16; 4]>) -> Result<()> {
 }
 
 /// Writes channel Z as 32-bit floats, ZIP compressed. The bytes depend on the pixels alone.
-///
-/// # Errors
-/// As for [`write_color`].
 pub fn write_depth(path: &Path, plane: &DepthPlane) -> Result<()> {
     write(path, plane.width(), plane.height(), vec![("Z", FlatSamples::F32(plane.data().to_vec()))])
 }
 
 /// Writes three channels of the given names as halves (rounded to nearest), ZIP compressed.
-///
-/// # Errors
-/// As for [`write_color`]; also when two names are equal or one is empty.
 pub fn write_material(path: &Path, plane: &MaterialPlane, names: [&str; 3]) -> Result<()> {
     let [a, b, c] = names;
     if a == b || a == c || b == c || names.contains(&"") {

@@ -71,9 +71,6 @@ fn cells(layout: FaceLayout, width: u32, height: u32) -> Cells {
 }
 
 /// Side in pixels of the faces in an image of that shape.
-///
-/// # Errors
-/// When the shape is not that of the layout.
 pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
     let (_, columns, rows) = cells(layout, width, height);
     let size = width / columns;
@@ -91,9 +88,6 @@ pub fn face_size(layout: FaceLayout, width: u32, height: u32) -> Result<u32> {
 }
 
 /// Cuts the six faces out, in the order of [`Face::CUBE`].
-///
-/// # Errors
-/// When the image does not have the shape of the layout.
 pub fn cut_faces<T: Copy>(image: &Plane<T>, layout: FaceLayout) -> Result<Vec<Plane<T>>> {
     let size = face_size(layout, image.width(), image.height())?;
     let (places, ..) = cells(layout, image.width(), image.height());

@@ -40,12 +40,10 @@ impl<T> Plane<T> {
         Plane { width, height, data }
     }
 
-    /// Width in pixels.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -55,12 +53,10 @@ impl<T> Plane<T> {
         &self.data
     }
 
-    /// All values, row-major, to be written.
     pub fn data_mut(&mut self) -> &mut [T] {
         &mut self.data
     }
 
-    /// The values alone.
     pub fn into_data(self) -> Vec<T> {
         self.data
     }
@@ -90,7 +86,6 @@ impl<T> Plane<T> {
 }
 
 impl<T: Clone> Plane<T> {
-    /// A plane of one value.
     pub fn filled(width: u32, height: u32, value: T) -> Self {
         Plane { width, height, data: vec![value; width as usize * height as usize] }
     }

@@ -26,9 +26,6 @@ pub enum ColorSpace {
 }
 
 /// Colour as linear light. Gray is repeated in all three components; alpha is ignored.
-///
-/// # Errors
-/// When the file cannot be read, is damaged or claims more than `limits` allow.
 pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result<ColorPlane> {
     let transfer = match space {
         ColorSpace::LinearRec709 => Transfer::Linear,
@@ -53,9 +50,6 @@ pub fn read_color(path: &Path, space: ColorSpace, limits: &ReadLimits) -> Result
 
 /// Depth from a gray image of 8 or 16 bits: code × `scale` (metres per unit), so that code 0 is 0.0. What 0 means is
 /// up to the caller.
-///
-/// # Errors
-/// As for [`read_color`]; also when the image has colours or alpha.
 pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthPlane> {
     let image = decode(path, limits)?;
     let (width, height) = (image.width(), image.height());
@@ -71,50 +65,31 @@ pub fn read_depth(path: &Path, scale: f64, limits: &ReadLimits) -> Result<DepthP
     Plane::new(width, height, data)
 }
 
-/// Width and height in pixels.
-///
-/// # Errors
-/// As for [`read_color`].
 pub fn read_size(path: &Path, limits: &ReadLimits) -> Result<(u32, u32)> {
     Ok(open(path, limits)?.dimensions())
 }
 
 /// Writes 8-bit R, G, B. The bytes depend on the pixels alone.
-///
-/// # Errors
-/// When the file cannot be written or the plane has no pixels.
 pub fn write_color8(path: &Path, plane: &Plane<[u8; 3]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
 /// The bytes of such a file, into anything that takes bytes.
-///
-/// # Errors
-/// When they cannot be written or the plane has no pixels.
 pub fn encode_color8(writer: &mut dyn Write, plane: &Plane<[u8; 3]>) -> Result<()> {
     encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgb8)
 }
 
 /// The bytes of a file of 8-bit R, G, B and alpha, into anything that takes bytes; colour is not multiplied by alpha.
-///
-/// # Errors
-/// As for [`encode_color8`].
 pub fn encode_rgba8(writer: &mut dyn Write, plane: &Plane<[u8; 4]>) -> Result<()> {
     encode(writer, [plane.width(), plane.height()], plane.data().as_flattened(), ExtendedColorType::Rgba8)
 }
 
 /// Writes 8-bit R, G, B and alpha; colour is not multiplied by alpha. The bytes depend on the pixels alone.
-///
-/// # Errors
-/// As for [`write_color8`].
 pub fn write_rgba8(path: &Path, plane: &Plane<[u8; 4]>) -> Result<()> {
     write(path, plane, plane.data().as_flattened(), ExtendedColorType::Rgba8)
 }
 
 /// Writes 16-bit gray, the codes as they are. The bytes depend on the pixels alone.
-///
-/// # Errors
-/// As for [`write_color8`].
 pub fn write_depth16(path: &Path, plane: &Plane<u16>) -> Result<()> {
     // The encoder takes native-endian samples and swaps them itself.
     let bytes: Vec<u8> = plane.data().iter().flat_map(|code| code.to_ne_bytes()).collect();

@@ -21,23 +21,17 @@ use super::cube::{Face, direction_to_face};
 /// How an image is projected, and its width and height in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ImageProjection {
-    /// A face of a cube map.
     CubeFace {
         /// Which; not [`Face::View`].
         face: Face,
-        /// Width and height in pixels.
         size: [u32; 2],
     },
-    /// A pinhole camera.
     Pinhole {
-        /// Width and height in pixels.
         size: [u32; 2],
         /// fx, fy, cx, cy in pixels.
         intrinsics: [f64; 4],
     },
-    /// All directions.
     Equirect {
-        /// Width and height in pixels.
         size: [u32; 2],
     },
 }
@@ -56,7 +50,6 @@ impl ImageProjection {
         }
     }
 
-    /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         match *self {
             Self::CubeFace { size, .. } | Self::Pinhole { size, .. } | Self::Equirect { size } => size,
@@ -130,7 +123,6 @@ impl ImageProjection {
     }
 }
 
-/// Position of the centre of a pixel.
 pub fn centre_of(col: u32, row: u32) -> [f64; 2] {
     [f64::from(col) + 0.5, f64::from(row) + 0.5]
 }

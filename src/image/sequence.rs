@@ -112,9 +112,6 @@ impl Field {
 
 impl Pattern {
     /// Reads a pattern; a name without a place for a number is a pattern that means one file.
-    ///
-    /// # Errors
-    /// When there is no file name, it holds two places, or a `%` that is neither `%%` nor `%0Nd`.
     pub fn parse(text: &str) -> Result<Pattern> {
         let path = Path::new(text);
         let name = path
@@ -242,10 +239,6 @@ pub struct Sequence {
 impl Sequence {
     /// Finds the files that `spec` names: a pattern, a folder that holds one sequence of .exr or .png files, or one
     /// file. Without `frames` the first and last file on disk are the range.
-    ///
-    /// # Errors
-    /// When no file matches, a frame of the range is missing (the first one is named), or a folder holds none or
-    /// several sequences.
     pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let path = Path::new(spec);
         if path.is_dir() {
@@ -263,9 +256,6 @@ impl Sequence {
     }
 
     /// The sequence of a pattern whose range is known; each file must exist.
-    ///
-    /// # Errors
-    /// Names the first missing file and its frame.
     pub fn known(pattern: Pattern, frames: FrameRange) -> Result<Sequence> {
         for frame in frames.iter() {
             let path = pattern.path(frame);

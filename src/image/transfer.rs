@@ -40,7 +40,6 @@ impl Transfer {
 /// Everything between scene light and display codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ToneMap {
-    /// The curve.
     pub transfer: Transfer,
     /// Stops by which light is brightened before the curve, −8..8; 0 keeps 1.0 as the brightest code.
     pub exposure_ev: f32,
@@ -70,7 +69,6 @@ pub struct EncodeTable {
 }
 
 impl EncodeTable {
-    /// Computes the table.
     pub fn new(tone: &ToneMap) -> EncodeTable {
         let gain = tone.gain();
         let entry = |bits: u16| {
@@ -109,7 +107,6 @@ pub struct DecodeTable {
 }
 
 impl DecodeTable {
-    /// Computes the table.
     pub fn new(tone: &ToneMap) -> DecodeTable {
         let gain = tone.gain();
         let entry = |code: usize| f16::from_f64(tone.transfer.decode(code as f64 / 255.0) / gain);

@@ -45,10 +45,6 @@ pub struct Camera {
 
 impl Camera {
     /// A camera at `eye` that looks at `target`, with `up` somewhere above its horizon.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] where a number is not finite, the eye is the target, `up` is parallel to the direction of
-    /// view, or the lens sees nothing.
     pub fn look_at(eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Result<Camera> {
         for (what, point) in [("eye", eye), ("look-at point", target), ("up direction", up)] {
             check_finite(what, point)?;
@@ -71,9 +67,6 @@ impl Camera {
     }
 
     /// A camera at `eye` that looks along −Z with +Y up, turned by the quaternion x, y, z, w.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] where a number is not finite, the quaternion's length is not 1, or the lens sees nothing.
     pub fn oriented(eye: DVec3, orientation: [f64; 4], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = rotation(orientation).ok_or_else(|| {
@@ -85,9 +78,6 @@ impl Camera {
     /// A camera at `eye` with these axes: forward, right and down of its picture, of length 1 and at right angles to each
     /// other. They may be mirrored, as those of the faces of a cube map are; such a
     /// camera has no [`Camera::orientation`].
-    ///
-    /// # Errors
-    /// [`Error::Usage`] where a number is not finite, the axes are not such axes, or the lens sees nothing.
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);
@@ -118,7 +108,6 @@ impl Camera {
         Ok(Camera { eye, axes, half, middle: [0.0; 2], depth_m: [near_m, far_m] })
     }
 
-    /// Where it stands.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -140,9 +129,6 @@ impl Camera {
     }
 
     /// The same camera with an off-axis window: the middle of its image at distance 1 is that far to the right and down.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] where a number is not finite.
     pub fn off_axis(self, middle: [f64; 2]) -> Result<Camera> {
         match middle.iter().all(|at| at.is_finite()) {
             true => Ok(Camera { middle, ..self }),
@@ -189,7 +175,6 @@ impl Camera {
         self.depth_m != [0.0, f64::INFINITY]
     }
 
-    /// Width of its picture over the height.
     pub fn aspect(&self) -> f64 {
         self.half[0] / self.half[1]
     }
@@ -207,7 +192,6 @@ impl Camera {
         Camera { eye: self.eye + self.axes[1] * metres, ..self }
     }
 
-    /// All that it sees.
     pub fn frustum(&self) -> Frustum {
         Frustum::new(self.eye, self.axes, self.window(), self.depth_m)
     }

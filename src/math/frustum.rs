@@ -6,9 +6,7 @@ use glam::DVec3;
 /// A rectangle on the plane at distance 1 before the tip: `forward + u · right + v · down`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
-    /// Least and greatest u.
     pub u: [f64; 2],
-    /// Least and greatest v.
     pub v: [f64; 2],
 }
 
@@ -59,7 +57,6 @@ impl Frustum {
         }
     }
 
-    /// The tip.
     pub fn apex(&self) -> DVec3 {
         self.apex
     }

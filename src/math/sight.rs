@@ -15,7 +15,6 @@ const MARGIN: f64 = 1e-7;
 /// What a camera sees of a frustum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sight {
-    /// Nothing.
     Missed,
     /// A part, or a part of its directions; now and then nothing.
     Partly,

@@ -16,9 +16,7 @@ pub const OUTSIDE: i32 = -1;
 pub struct Spot {
     /// Frame number, of the first side where they differ.
     pub frame: u32,
-    /// Column.
     pub x: u32,
-    /// Row.
     pub y: u32,
 }
 
@@ -30,10 +28,8 @@ impl Spot {
     }
 }
 
-/// Depth of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthPicture {
-    /// Width in pixels.
     pub width: u32,
     /// Codes, [`OUTSIDE`] where there is none.
     pub codes: Vec<i32>,
@@ -56,7 +52,6 @@ pub struct DepthErrors {
     /// The first pixel that has the largest error in codes; `None` where all are equal.
     #[serde(skip)]
     pub worst: Option<Spot>,
-    /// Pixels whose codes differ.
     pub differing_pixels: u64,
     /// Pixels that are background on one side only.
     pub background_mismatches: u64,
@@ -83,7 +78,6 @@ impl Default for DepthErrors {
 }
 
 impl DepthErrors {
-    /// Adds a frame.
     pub fn add(&mut self, frame: u32, a: &DepthPicture, b: &DepthPicture) {
         let codes = a.codes.iter().zip(&b.codes);
         let metres = a.metres.iter().zip(&b.metres);

@@ -25,15 +25,11 @@ pub struct SquaredError {
 }
 
 impl SquaredError {
-    /// Nothing compared yet.
     pub fn empty(peak: f64) -> Self {
         SquaredError { sum: 0, samples: 0, peak }
     }
 
     /// Adds another sum, in any order.
-    ///
-    /// # Errors
-    /// If the peaks differ: decibels of different signals do not add.
     pub fn merge(&mut self, other: &Self) -> Result<()> {
         if self.peak != other.peak {
             return Err(Error::invalid(format!(
@@ -53,10 +49,6 @@ impl SquaredError {
         psnr_of_sum(self.sum as f64, self.samples, self.peak)
     }
 
-    /// Squared error of 8-bit samples.
-    ///
-    /// # Errors
-    /// If the lengths differ.
     pub fn of_u8(a: &[u8], b: &[u8]) -> Result<SquaredError> {
         check_lengths(a.len(), b.len())?;
         let runs = a.chunks(U8_RUN).zip(b.chunks(U8_RUN));
@@ -107,7 +99,6 @@ fn psnr_of_sum(sum: f64, samples: u64, peak: f64) -> f64 {
     10.0 * (peak * peak / (sum / samples as f64)).log10()
 }
 
-/// Refuses slices of different lengths.
 fn check_lengths(a: usize, b: usize) -> Result<()> {
     if a == b {
         Ok(())

@@ -61,9 +61,6 @@ impl PuTable {
     /// The table in which the sample value 1.0 means `white_cd_m2` cd/m².
     ///
     /// Negative samples and NaN have the code of the floor (0.005 cd/m²): neither is light.
-    ///
-    /// # Errors
-    /// If `white_cd_m2` is not a positive finite number.
     pub fn new(white_cd_m2: f64) -> Result<Self> {
         if !(white_cd_m2.is_finite() && white_cd_m2 > 0.0) {
             return Err(Error::Usage(format!("the luminance of white must be above 0 cd/m2, not {white_cd_m2}")));
@@ -72,7 +69,6 @@ impl PuTable {
         Ok(PuTable { code })
     }
 
-    /// PU21 code of one sample.
     pub fn encode(&self, sample: f16) -> f32 {
         self.code[usize::from(sample.to_bits())]
     }

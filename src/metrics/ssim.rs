@@ -13,9 +13,6 @@ pub const SSIM_WINDOW: u32 = 11;
 ///
 /// Each of R, G and B is compared for itself and the three means averaged; only windows that lie wholly inside
 /// count. `None` when a side is shorter than [`SSIM_WINDOW`]: padding would invent the answer.
-///
-/// # Errors
-/// If the sizes differ.
 pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
     let Some([a, b]) = iqa_images([a, b], SSIM_WINDOW)? else { return Ok(None) };
     let options = iqa::SsimOptions { mode: iqa::SsimMode::RgbAveraged };
@@ -23,9 +20,6 @@ pub fn ssim_rgb8(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> 
 }
 
 /// Two images of one size for `iqa`; None when a side is shorter than `least`.
-///
-/// # Errors
-/// If the sizes differ.
 pub(super) fn iqa_images(planes: [&Plane<[u8; 3]>; 2], least: u32) -> Result<Option<[iqa::Image<iqa::Srgb8>; 2]>> {
     let [size, other] = planes.map(|plane| [plane.width(), plane.height()]);
     if size != other {
