@@ -1,4 +1,4 @@
-//! Compares rendered pictures with the truth: reference cameras, camera files, picture files, similarity.
+//! Compares rendered pictures with reference images, for every renderer: cameras, rendered images, similarity.
 
 pub mod camera_file;
 pub mod camera_path;

@@ -1,7 +1,4 @@
-//! What pictures are measured against: the images of a dataset, seen by the cameras that took them (CALF 7.2).
-//!
-//! Enters: a dataset. Leaves: for each of its images a camera with the very axes of the image, and what that camera
-//! should see: colour, depth and material. `similarity` says how far a rendered picture is from it.
+//! Reference images: those of a dataset, with the cameras that see exactly them (CALF 7.2).
 
 use std::path::Path;
 
@@ -18,21 +15,20 @@ use crate::math::{Camera, Lens};
 /// A principal point that is at most this many pixels beside the middle of its image is taken to be the middle.
 const CENTRE_TOLERANCE: f64 = 0.01;
 
-/// An image of a dataset, as a camera sees it.
+/// An image of a dataset, and its camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceImage {
     pub probe: String,
     pub face: Face,
-    /// What it was seen by; the axes of a cube face are mirrored, as its image is.
+    /// The axes of a cube face are mirrored, as its image is.
     pub camera: Camera,
     pub size: [u32; 2],
-    /// Frames that there are of it.
     pub frames: FrameRange,
-    /// Group of files by kind of stream, and its place there.
+    /// Group of files by kind of stream, and its index there.
     groups: [Option<[usize; 2]>; 3],
 }
 
-/// What there is to see in one frame.
+/// A reference image in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     pub color: ColorPlane,
@@ -48,7 +44,7 @@ type Cached<T> = Option<(usize, u32, Vec<T>)>;
 pub struct Reference {
     source: Source,
     images: Vec<ReferenceImage>,
-    /// What was read last: files that hold all faces are read once for all of them.
+    /// Files read last: those that hold all faces are read once for all of them.
     color: Cached<ColorPlane>,
     depth: Cached<DepthPlane>,
     material: Cached<MaterialPlane>,
@@ -89,8 +85,7 @@ impl Reference {
         &self.images
     }
 
-    /// How far from the camera what an image shows is in a frame, in metres, `+inf` where there is nothing; none where the
-    /// dataset has no depth.
+    /// Distances of an image in a frame, in metres, `+inf` for the background; none where the dataset has no depth.
     pub fn distance_m(&mut self, image: usize, frame: u32) -> Result<Option<DepthPlane>> {
         let Some(ReferenceImage { groups: [_, depth, _], .. }) = self.images.get(image) else {
             return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
@@ -98,7 +93,7 @@ impl Reference {
         cached(&self.source, &mut self.depth, (*depth, frame), Source::read_depth)
     }
 
-    /// What image number `image` shows in a frame.
+    /// An image in a frame.
     pub fn truth(&mut self, image: usize, frame: u32) -> Result<Truth> {
         let Some(ReferenceImage { groups, .. }) = self.images.get(image) else {
             return Err(Error::Usage(format!("there is no image {image} of {}", self.images.len())));
@@ -111,7 +106,7 @@ impl Reference {
     }
 }
 
-/// The group of another kind that has the same image in the same frames, and the place of the image in it.
+/// The group of another kind with the same face and frames, and the index of the face in it.
 fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames: FrameRange) -> Option<[usize; 2]> {
     source.groups().iter().enumerate().find_map(|(at, group)| {
         let same = group.kind == kind && group.probe == probe && group.frames == frames;
@@ -120,7 +115,7 @@ fn group_of(source: &Source, kind: StreamKind, probe: usize, face: Face, frames:
     })
 }
 
-/// The camera that saw an image.
+/// The camera of an image.
 fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32; 2]) -> Result<Camera> {
     let named = |error: Error| error.context(format!("probe {}", probe.name));
     let turn = rotation(probe.orientation)
@@ -131,7 +126,7 @@ fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32;
     }
     let Some([fx, fy, cx, cy]) = probe.intrinsics else {
         return Err(named(Error::invalid(
-            "it has neither \"fov_y_deg\" nor \"intrinsics\", so what its camera saw is not known",
+            "it has neither \"fov_y_deg\" nor \"intrinsics\", so its camera is unknown",
         )));
     };
     let (width, height) = (f64::from(width), f64::from(height));
@@ -143,7 +138,7 @@ fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32;
     Camera::with_axes(eye, axes, lens).and_then(|camera| camera.off_axis(middle)).map_err(named)
 }
 
-/// One face of a group in a frame, read only where it is not there yet.
+/// One face of a group in a frame, read unless it was read last.
 fn cached<T: Clone>(
     source: &Source,
     held: &mut Cached<T>,

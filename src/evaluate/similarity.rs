@@ -1,6 +1,4 @@
-//! How far a rendered picture is from the truth (CALF 7.2): PSNR and SSIM of display codes, and where the error lies.
-//!
-//! Enters: rendered pictures with what should be there. Leaves: sums that merge over images, in a fixed order.
+//! Similarity of rendered pictures and reference images (CALF 7.2): PSNR, PSNR-HVS-M and SSIM of display codes.
 
 use crate::error::{Error, Result};
 use crate::evaluate::reference::Truth;
@@ -11,26 +9,26 @@ use crate::metrics::psnr::{SquaredError, U8_PEAK};
 use crate::metrics::{psnr_hvs_m_rgb8, ssim_rgb8};
 use crate::streams::convert::color_codes;
 
-/// How far one picture, or several, are from what they should be, in 8-bit display codes.
+/// Errors of one picture or several, in 8-bit display codes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Similarity {
     pub all: SquaredError,
     pub seen: SquaredError,
-    /// Pixels whose true material reflects or refracts at all.
+    /// Pixels whose reference material reflects or refracts.
     pub effects: SquaredError,
-    /// Of those, the ones that only reflect: mirrors.
+    /// Of those, the ones that only reflect.
     pub mirrors: SquaredError,
-    /// Of those, the ones that refract: glass.
+    /// Of those, the ones that refract.
     pub glass: SquaredError,
-    /// Whether the truth had material, so that the three are known.
+    /// Whether the reference has material, so that the three are known.
     pub has_material: bool,
-    /// Pixels in which no ray ended in anything that a view saw.
+    /// Pixels of alpha 0.
     pub hole_pixels: u64,
-    /// Pictures that have an SSIM: those that are no smaller than its window.
+    /// Pictures that are large enough for an SSIM.
     pub ssim_images: u64,
     /// Sum of their SSIM.
     pub ssim_sum: f64,
-    /// Pixels of pictures that have a PSNR-HVS-M.
+    /// Pixels of pictures that are large enough for a PSNR-HVS-M.
     pub hvs_pixels: u64,
     /// Their perceptual squared error over the squared peak, summed over pixels.
     pub hvs_error: f64,
@@ -62,7 +60,7 @@ impl Similarity {
         }
     }
 
-    /// Compares a picture with what should be there, both as codes of `tone`.
+    /// Compares a picture with its reference, both as codes of `tone`.
     pub fn of(rendered: &RenderedImage, truth: &Truth, tone: ToneMap) -> Result<Similarity> {
         let sizes = [(rendered.color.width(), rendered.color.height()), (truth.color.width(), truth.color.height())];
         if sizes[0] != sizes[1] {
@@ -113,7 +111,7 @@ impl Similarity {
         Ok(sum)
     }
 
-    /// Adds other pictures; in a fixed order, for the last bits to be the same on every run.
+    /// Adds other pictures. The order decides about the last bits.
     pub fn merge(&mut self, other: &Similarity) -> Result<()> {
         self.all.merge(&other.all)?;
         self.seen.merge(&other.seen)?;
@@ -132,18 +130,17 @@ impl Similarity {
         Ok(())
     }
 
-    /// Mean over pictures of their PSNR in dB, without those that are exact, such as a face that sees nothing; `+inf` where
-    /// all of them are.
+    /// Mean of the PSNR in dB of pictures that are not exact; `+inf` where all are.
     pub fn mean_psnr_db(&self) -> f64 {
         if self.inexact_images == 0 { f64::INFINITY } else { self.psnr_db_sum / self.inexact_images as f64 }
     }
 
-    /// Mean over pictures of their SSIM; none where all of them are too small.
+    /// Mean SSIM; none where all pictures are too small.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_images > 0).then(|| self.ssim_sum / self.ssim_images as f64)
     }
 
-    /// PSNR-HVS-M in dB of the luma of all pictures; none where all of them are too small.
+    /// PSNR-HVS-M in dB of all pictures; none where all are too small.
     pub fn psnr_hvs_m_db(&self) -> Option<f64> {
         (self.hvs_pixels > 0).then(|| -10.0 * (self.hvs_error / self.hvs_pixels as f64).log10())
     }
@@ -153,17 +150,15 @@ impl Similarity {
         100.0 * self.hole_pixels as f64 / (self.all.samples / 3).max(1) as f64
     }
 
-    /// PSNR in dB of the pixels that reflect or refract; none where there are no such pixels.
+    /// PSNR in dB; none without such pixels. Likewise below.
     pub fn effects_psnr_db(&self) -> Option<f64> {
         some_psnr(&self.effects)
     }
 
-    /// PSNR in dB of mirrors; none where there are no such pixels.
     pub fn mirrors_psnr_db(&self) -> Option<f64> {
         some_psnr(&self.mirrors)
     }
 
-    /// PSNR in dB of glass; none where there are no such pixels.
     pub fn glass_psnr_db(&self) -> Option<f64> {
         some_psnr(&self.glass)
     }
@@ -173,7 +168,7 @@ fn some_psnr(error: &SquaredError) -> Option<f64> {
     (error.samples > 0).then(|| error.psnr_db())
 }
 
-/// The truth as display codes, as `encode` makes them of a dataset's colours.
+/// Display codes of a reference, as `encode` makes them.
 pub fn truth_codes(truth: &Truth, tone: ToneMap) -> Plane<[u8; 3]> {
     color_codes(&truth.color, &EncodeTable::new(&tone)).0
 }

@@ -1,4 +1,4 @@
-//! Images: planes of pixels, the files they live in, and the projections they are seen through.
+//! Images: planes of pixels, their files, transfer functions, and the image model.
 
 use std::fs::File;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub use sequence::{FrameRange, Pattern, Sequence};
 pub use texel_map::TexelMap;
 pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 
-/// Opens a file that is one: a named pipe would wait for a writer without end.
+/// Opens a regular file; a named pipe would block.
 pub(crate) fn open_regular(path: &Path) -> Result<File> {
     let io = |error| Error::io(path, error);
     if std::fs::metadata(path).map_err(io)?.is_file() {

@@ -5,21 +5,21 @@ use glam::{DMat3, DQuat, DVec3};
 use super::frustum::{Frustum, Window};
 use crate::error::{Error, Result};
 
-/// How far the length of a quaternion may be from 1.
-const QUATERNION_SLACK: f64 = 1e-3;
+/// Tolerance of the length of a quaternion, and of orthonormal axes.
+const UNIT_TOLERANCE: f64 = 1e-3;
 /// Sine of the smallest angle between the direction of view and up.
 const MIN_UP_SINE: f64 = 1e-9;
 
-/// What a camera sees of what lies before it.
+/// Field of view and clip planes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Vertical field of view in degrees, above 0 and below 180.
     pub fov_y_deg: f64,
     /// Width of the image over its height, above 0.
     pub aspect: f64,
-    /// Nothing nearer is seen: metres along the viewing axis, at least 0.
+    /// Near plane of surfaces: metres along the viewing axis, at least 0.
     pub near_m: f64,
-    /// Nothing farther is seen, but the background is: metres along the viewing axis, above `near_m`, may be `+inf`.
+    /// Far plane of surfaces, not of the background: metres along the viewing axis, above `near_m`, may be `+inf`.
     pub far_m: f64,
 }
 
@@ -30,7 +30,7 @@ impl Lens {
     }
 }
 
-/// A camera that can see something.
+/// A valid perspective camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -75,14 +75,13 @@ impl Camera {
         Self::new(eye, [DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y].map(|axis| turn * axis), lens)
     }
 
-    /// A camera at `eye` with these axes: forward, right and down of its picture, of length 1 and at right angles to each
-    /// other. They may be mirrored, as those of the faces of a cube map are; such a
+    /// A camera at `eye` with orthonormal axes: forward, right and down. They may be mirrored, as those of cube faces are; such a
     /// camera has no [`Camera::orientation`].
     pub fn with_axes(eye: DVec3, axes: [DVec3; 3], lens: Lens) -> Result<Camera> {
         check_finite("eye", eye)?;
         let turn = DMat3::from_cols(axes[0], axes[1], axes[2]);
-        let slack = (turn * turn.transpose() - DMat3::IDENTITY).to_cols_array();
-        if !slack.iter().all(|part| part.abs() <= QUATERNION_SLACK) {
+        let deviation = (turn * turn.transpose() - DMat3::IDENTITY).to_cols_array();
+        if !deviation.iter().all(|part| part.abs() <= UNIT_TOLERANCE) {
             return Err(usage(format!(
                 "a camera's axes must have length 1 and be at right angles to each other, not {axes:?}"
             )));
@@ -136,23 +135,23 @@ impl Camera {
         }
     }
 
-    /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` where it
-    /// looks so.
+    /// The unit quaternion x, y, z, w that turns a camera which looks along −Z with +Y up into this one; `None` for the
+    /// identity.
     pub fn orientation(&self) -> Option<[f64; 4]> {
         let [forward, right, down] = self.axes;
         let turn = DQuat::from_mat3(&DMat3::from_cols(right, -down, -forward)).normalize();
         (turn != DQuat::IDENTITY).then(|| turn.to_array())
     }
 
-    /// The direction, of length 1, of a point of its picture: 0 to 1 from left to right, and from top to bottom.
+    /// Direction, of length 1, of a position in its image: 0 to 1 from left to right, and from top to bottom.
     pub fn direction(&self, [x, y]: [f64; 2]) -> DVec3 {
         let [forward, right, down] = self.axes;
         let at = |axis: usize, share: f64| self.middle[axis] + (2.0 * share - 1.0) * self.half[axis];
         (forward + at(0, x) * right + at(1, y) * down).normalize()
     }
 
-    /// Where a point of the world, relative to the eye, lies in its picture, and how deep along its axis, in the units of
-    /// the point. None where it is not before the camera.
+    /// Position in its image, in the same shares, of a point relative to the eye, and its planar depth. None behind the
+    /// camera.
     pub fn project(&self, from_eye: DVec3) -> Option<([f64; 2], f64)> {
         let [deep, right, down] = self.axes.map(|axis| from_eye.dot(axis));
         let plane = [right / deep, down / deep];
@@ -160,17 +159,17 @@ impl Camera {
         (deep > 0.0 && at.iter().all(|at| at.is_finite())).then_some((at, deep))
     }
 
-    /// All points on rays from its eye through its picture, also those nearer or farther than it sees.
+    /// Its frustum without near and far.
     pub fn sight_lines(&self) -> Frustum {
         Camera { depth_m: [0.0, f64::INFINITY], ..*self }.frustum()
     }
 
-    /// Near and far: what is less deep or deeper along its axis, in metres, it does not see.
+    /// Near and far in metres along its axis.
     pub fn depth_m(&self) -> [f64; 2] {
         self.depth_m
     }
 
-    /// Whether there are surfaces before it that it does not see, as they are too near or too far.
+    /// Whether near or far clips anything.
     pub fn has_range(&self) -> bool {
         self.depth_m != [0.0, f64::INFINITY]
     }
@@ -179,14 +178,14 @@ impl Camera {
         self.half[0] / self.half[1]
     }
 
-    /// The same camera with a picture of another width: `aspect`, above 0, is the width over the height.
+    /// The same camera with an image of another width; `aspect`, above 0, is width over height.
     #[must_use]
     pub fn with_aspect(self, aspect: f64) -> Camera {
         let half = [self.half[1] * aspect, self.half[1]];
         Camera { half, middle: [self.middle[0] * half[0] / self.half[0], self.middle[1]], ..self }
     }
 
-    /// The same camera, moved to its right by so many metres; to its left where they are below 0.
+    /// The same camera, moved to its right; to its left where `metres` is below 0.
     #[must_use]
     pub fn moved_right(self, metres: f64) -> Camera {
         Camera { eye: self.eye + self.axes[1] * metres, ..self }
@@ -197,10 +196,10 @@ impl Camera {
     }
 }
 
-/// The rotation of a quaternion x, y, z, w, where it has length 1 or nearly so.
+/// The rotation of a quaternion x, y, z, w; None unless its length is 1 within the tolerance.
 pub fn rotation(orientation: [f64; 4]) -> Option<DQuat> {
     let quaternion = DQuat::from_array(orientation);
-    ((quaternion.length() - 1.0).abs() <= QUATERNION_SLACK).then(|| quaternion.normalize())
+    ((quaternion.length() - 1.0).abs() <= UNIT_TOLERANCE).then(|| quaternion.normalize())
 }
 
 fn check_finite(what: &str, value: DVec3) -> Result<()> {

@@ -1,5 +1,5 @@
-//! A pyramid with its tip at a point, cut by two planes: what a camera sees, or where the surfaces lie that a
-//! rectangle of a probe's pixels may show (CALF 6.2).
+//! A frustum: the view volume of a camera, or the volume of the surfaces that a rectangle of a probe's pixels may show
+//! (CALF 6.2).
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ pub struct Window {
     pub v: [f64; 2],
 }
 
-/// The pyramid, and what tests need of it.
+/// A frustum with what intersection tests need.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frustum {
     pub(super) apex: DVec3,
@@ -19,7 +19,7 @@ pub struct Frustum {
     window: Window,
     /// Near and far along the axis, in metres.
     pub(super) depth_m: [f64; 2],
-    /// Directions of the four edges, one unit along the axis each, in the order around the pyramid.
+    /// Directions of the four edges, of planar depth 1, in order around the frustum.
     pub(super) corners: [DVec3; 4],
     /// The same with length 1.
     pub(super) rays: [DVec3; 4],
@@ -29,15 +29,14 @@ pub struct Frustum {
     pub(super) reach: f64,
 }
 
-/// Lengths beyond this are not calculated with.
+/// Limit of lengths in calculations.
 pub(super) const MAX_LENGTH: f64 = 1e100;
 
 impl Frustum {
     /// A frustum from its tip, forward, right and down (of length 1, each at right angles to the others), a window,
     /// and the distances along forward where it begins and ends: 0 ≤ near ≤ far, in metres; far may be `+inf`.
     ///
-    /// Numbers that are not finite, elsewhere, make a frustum of which nothing can be told: every test answers that
-    /// it may be met.
+    /// Other non-finite numbers make an unsound frustum, which all tests take for intersected.
     pub fn new(apex: DVec3, axes: [DVec3; 3], window: Window, depth_m: [f64; 2]) -> Frustum {
         let [forward, right, down] = axes;
         let Window { u: [left, far_right], v: [top, bottom] } = window;
@@ -61,7 +60,7 @@ impl Frustum {
         self.apex
     }
 
-    /// Whether all numbers are such that tests may be believed.
+    /// Whether tests are reliable.
     pub(super) fn is_sound(&self) -> bool {
         let unit = |vector: &DVec3| (vector.length() - 1.0).abs() < 1e-6;
         let [near, far] = self.depth_m;
@@ -79,7 +78,7 @@ impl Frustum {
         self.depth_m[0] <= depth && depth <= self.depth_m[1] && self.contains_direction(from_apex)
     }
 
-    /// Whether a direction, of any length, is one that the tip looks along.
+    /// Whether a direction, of any length, lies in the frustum's cone.
     pub fn contains_direction(&self, direction: DVec3) -> bool {
         self.sides.iter().all(|side| side.dot(direction) >= 0.0)
     }
@@ -96,8 +95,8 @@ impl Frustum {
         [self.axes[1], self.axes[2], a, b, c, d]
     }
 
-    /// The same with a window so large that it has all directions within `angle` radians (10⁻⁶ at most) of its own;
-    /// none where it is nearly a half space already.
+    /// The same with a window that contains all directions within `angle` radians (10⁻⁶ at most) of its own; none where it is
+    /// nearly a half space already.
     pub(super) fn widened(&self, angle: f64) -> Option<Frustum> {
         // A side moved by `step` is at an angle of step / (√(1 + u²) · length) from a direction of that length, and
         // neither factor exceeds `reach` by much.

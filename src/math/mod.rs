@@ -1,8 +1,6 @@
-//! Cameras, and the volumes that they and the pixels of a probe look into.
+//! Cameras, frusta, and conservative intersection tests of frusta.
 //!
-//! Enters: positions in metres, angles in degrees. Leaves: frusta, and whether two of them have something in common,
-//! where an answer of no is proved. Floating point: nothing here decides what a decoded pixel is, only whether it is
-//! decoded.
+//! In floating point, since nothing here decides the value of a decoded pixel, only whether it is decoded.
 
 pub mod camera;
 pub mod frustum;

@@ -1,8 +1,7 @@
-//! Whether two frusta, or the directions of two frusta, have nothing in common.
+//! Separating axis tests of frusta and of their directions.
 //!
-//! Two convex polyhedra are apart exactly where one of a few directions tells them apart: a normal of a plane of
-//! either, or one at right angles to an edge of each (the separating axis theorem). A rounded direction is as good a
-//! witness as an exact one, so rounding can only hide that they are apart, never pretend it.
+//! Two convex polyhedra are disjoint exactly where a face normal of either, or a cross product of an edge of each, separates
+//! them. A rounded axis is as good a witness as an exact one, so rounding can only hide that they are disjoint.
 
 use glam::DVec3;
 
