@@ -5,11 +5,11 @@ use half::f16;
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Picture;
-use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
+use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::streams::{ColorFormat, convert};
 
 /// Cells where nothing says how large they are.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 use super::finding::{Finding, Verdict, listed, percent};
 use super::hypotheses::{Alternative, Extent, Hypothesis, Pose, Subject, alternatives};
-use super::reproject::{Tally, look_up, look_up_all};
 use super::probe_samples::ProbeSamples;
+use super::reproject::{Tally, look_up, look_up_all};
 use crate::dataset::{DepthKind, Projection};
 use crate::error::Result;
 use crate::monitor::Monitor;
@@ -58,7 +58,12 @@ struct Comparison<'a> {
 }
 
 /// Compares all probes under the declared kind of depth.
-pub fn check(probes: &[ProbeSamples], kind: DepthKind, projection: Projection, monitor: &dyn Monitor) -> Result<Vec<Finding>> {
+pub fn check(
+    probes: &[ProbeSamples],
+    kind: DepthKind,
+    projection: Projection,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Finding>> {
     let pairs = pairs_of(probes);
     if pairs.is_empty() {
         let says = if probes.len() < 2 {
@@ -156,8 +161,7 @@ impl Comparison<'_> {
             );
             Finding::new(check, Verdict::Fine, says)
         } else {
-            let says =
-                format!("nothing contradicts the manifest, but {} would fit nearly as well", next.words);
+            let says = format!("nothing contradicts the manifest, but {} would fit nearly as well", next.words);
             Finding::new(check, Verdict::CannotTell, says)
         };
         Some(finding.with(&figures))
@@ -185,7 +189,8 @@ impl Comparison<'_> {
             if steps.is_empty() && odd.as_ref().is_some_and(|(_, misfit)| *misfit * AS_GOOD <= best) {
                 break;
             }
-            let good: Vec<usize> = (0..alternatives.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
+            let good: Vec<usize> =
+                (0..alternatives.len()).filter(|at| misfit(&tallies[*at]) <= best * AS_GOOD).collect();
             let Some(&first) = good.first() else { break };
             // Of equally good scales, the most common.
             let most = if alternatives[first].subject == Subject::Scale { 1 } else { 3 };

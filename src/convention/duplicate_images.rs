@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 
 use super::finding::{Finding, Verdict};
-use super::read::{Footage, HashedImage, Shows};
 use super::hypotheses::{Hypothesis, Pose};
-use super::reproject::{Tally, look_up};
 use super::probe_samples::ProbeSamples;
+use super::read::{Footage, HashedImage, Shows};
+use super::reproject::{Tally, look_up};
 use crate::dataset::{DepthKind, StreamKind};
 
 /// Fewer samples of one face visible from the other are inconclusive.
@@ -100,10 +100,7 @@ fn no_duplicates(footage: &Footage, alike: &[Vec<&HashedImage>]) -> Finding {
         ("equal_unknown", unknown.len() as f64),
     ];
     let finding = if let Some(group) = alike.first() {
-        let says = format!(
-            "{} have the same pixels, as similar walls may where colour differs",
-            names(group)
-        );
+        let says = format!("{} have the same pixels, as similar walls may where colour differs", names(group));
         Finding::new("images", Verdict::CannotTell, says)
     } else if let Some(group) = unknown.first() {
         let says = format!("{} have the same pixels, as images of the sky alone may", names(group));

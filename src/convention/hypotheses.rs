@@ -64,7 +64,11 @@ pub fn alternatives(base: &Hypothesis, names: &[String], projection: Projection,
             DepthKind::Distance => (DepthKind::Planar, "depth as planar"),
             DepthKind::Planar => (DepthKind::Distance, "depth as distance"),
         };
-        all.push(Alternative { subject: Subject::Kind, words: words.into(), hypothesis: Hypothesis { kind, ..base.clone() } });
+        all.push(Alternative {
+            subject: Subject::Kind,
+            words: words.into(),
+            hypothesis: Hypothesis { kind, ..base.clone() },
+        });
         // Each alone may not look better than neither.
         if extent == Extent::All {
             all.extend(UNITS.into_iter().filter(|factor| *factor != 1.0).map(|factor| Alternative {
@@ -127,9 +131,8 @@ fn positions(base: &Hypothesis, names: &[String], extent: Extent, all: &mut Vec<
         all.push(moved(format!("positions as {words}"), &|index| axes * base.poses[index].position));
     }
     // Only relative positions count.
-    let offsets = |of: &Hypothesis| -> Vec<DVec3> {
-        of.poses.iter().map(|pose| pose.position - of.poses[0].position).collect()
-    };
+    let offsets =
+        |of: &Hypothesis| -> Vec<DVec3> { of.poses.iter().map(|pose| pose.position - of.poses[0].position).collect() };
     let own = offsets(base);
     let same = |other: &Hypothesis| offsets(other).iter().zip(&own).all(|(a, b)| a.distance(*b) < 1e-9);
     let kept: Vec<Alternative> = all.drain(before..).filter(|alternative| !same(&alternative.hypothesis)).collect();

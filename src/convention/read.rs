@@ -8,9 +8,9 @@ use half::f16;
 
 use super::borders::Borders;
 use super::light::ColorValues;
+use super::probe_samples::{FaceSamples, ProbeSamples};
 use super::seams::CubeBorders;
 use super::values::{DepthValues, Stated};
-use super::probe_samples::{FaceSamples, ProbeSamples};
 use crate::dataset::{ProbeInfo, Source, SourceGroup, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, Plane};

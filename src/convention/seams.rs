@@ -2,8 +2,8 @@
 //!
 //! Edges tell neither planar depth from distance nor the world from one that is turned or mirrored as a whole.
 
-use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
 use super::borders::{Borders, Mismatch, mismatch};
+use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::image::Face;
 

@@ -148,7 +148,9 @@ impl CameraEntry {
         };
         let frames = match self.frames {
             Some([first, last]) if first > last => {
-                return Err(Error::invalid(format!("\"frames\" is [{first}, {last}]: the first frame must not come after the last")));
+                return Err(Error::invalid(format!(
+                    "\"frames\" is [{first}, {last}]: the first frame must not come after the last"
+                )));
             }
             frames => frames.map(|[first, last]| FrameRange { first, last }),
         };

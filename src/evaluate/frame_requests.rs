@@ -21,7 +21,11 @@ pub struct FrameRequest {
 ///   of one frame is rendered by all of them.
 ///
 /// `frames` defaults to `available` for cameras that state theirs, and to the first available one for others.
-pub fn frame_requests(cameras: &[TimedCamera], frames: Option<FrameRange>, available: FrameRange) -> Result<Vec<FrameRequest>> {
+pub fn frame_requests(
+    cameras: &[TimedCamera],
+    frames: Option<FrameRange>,
+    available: FrameRange,
+) -> Result<Vec<FrameRequest>> {
     let stated = cameras.iter().filter(|timed| timed.frames.is_some()).count();
     let first = FrameRange { first: available.first, last: available.first };
     let frames = frames.unwrap_or(if stated == 0 { first } else { available });
@@ -122,8 +126,9 @@ mod tests {
 
     #[test]
     fn paths_that_are_not_clear_are_refused() {
-        let said =
-            |frames: &[Option<FrameRange>], asked| frame_requests(&cameras(frames), asked, range(3, 9)).unwrap_err().to_string();
+        let said = |frames: &[Option<FrameRange>], asked| {
+            frame_requests(&cameras(frames), asked, range(3, 9)).unwrap_err().to_string()
+        };
         assert!(said(&[], None).contains("at least one"));
         assert!(said(&[None, None], Some(range(3, 5))).contains("2 cameras and 3 frames"));
         assert!(said(&[None, Some(range(3, 3))], None).contains("none"));

@@ -125,9 +125,7 @@ fn camera(source: &Source, probe: &ProbeInfo, face: Face, [width, height]: [u32;
         return Camera::with_axes(eye, axes, Lens::new(90.0)).map_err(named);
     }
     let Some([fx, fy, cx, cy]) = probe.intrinsics else {
-        return Err(named(Error::invalid(
-            "it has neither \"fov_y_deg\" nor \"intrinsics\", so its camera is unknown",
-        )));
+        return Err(named(Error::invalid("it has neither \"fov_y_deg\" nor \"intrinsics\", so its camera is unknown")));
     };
     let (width, height) = (f64::from(width), f64::from(height));
     let beside = [width / 2.0 - cx, height / 2.0 - cy];

@@ -62,8 +62,7 @@ fn view(faces: &[Face], size: [u32; 2], intrinsics: [f64; 4]) -> View {
         faces: Default::default(),
     };
     for &face in faces {
-        view.faces[face as usize] =
-            Some(FaceTexels::unknown(size, TexelMap::of_face(face, size, intrinsics), coding));
+        view.faces[face as usize] = Some(FaceTexels::unknown(size, TexelMap::of_face(face, size, intrinsics), coding));
     }
     view
 }

@@ -257,7 +257,9 @@ fn a_view_of_90_degrees_of_real_footage_reads_at_most_half_of_the_bytes() {
         let eye = DVec3::new(-0.5, 1.75, -0.35);
         let camera = Camera::look_at(eye, eye + way, DVec3::Y, Lens::new(90.0)).unwrap();
         let options = PictureOptions { size: [4, 4], steps: 8, ..PictureOptions::default() };
-        playback.show(&FrameRequest { frame: 0, cameras: vec![camera] }, &mut CpuRenderer::new(options), &Silent).unwrap();
+        playback
+            .show(&FrameRequest { frame: 0, cameras: vec![camera] }, &mut CpuRenderer::new(options), &Silent)
+            .unwrap();
         let counts = playback.summary().counts;
         println!("{} of {} bytes towards {way}", counts.bytes_read, counts.bytes_all);
         counts.bytes_read as f64 / counts.bytes_all as f64

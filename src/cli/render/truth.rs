@@ -102,7 +102,9 @@ impl TruthRun {
                 let name = PictureName { number: frame, subject: format!("{}_{}", image.probe, image.face.name()) };
                 let same = |take: &&mut Take| {
                     let other = take.references.first().and_then(|&other| self.reference.images().get(other));
-                    take.request.frame == frame && take.size == image.size && other.is_some_and(|o| o.probe == image.probe)
+                    take.request.frame == frame
+                        && take.size == image.size
+                        && other.is_some_and(|o| o.probe == image.probe)
                 };
                 match takes.iter_mut().find(same) {
                     Some(take) => {

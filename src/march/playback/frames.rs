@@ -250,7 +250,12 @@ impl<'a> Playback<'a> {
     /// # Errors
     /// When the request has no camera, no probe has the frame, a chunk is damaged, the renderer fails, or the monitor says to
     /// stop.
-    pub fn show(&mut self, request: &FrameRequest, renderer: &mut dyn Renderer, monitor: &dyn Monitor) -> Result<Shown> {
+    pub fn show(
+        &mut self,
+        request: &FrameRequest,
+        renderer: &mut dyn Renderer,
+        monitor: &dyn Monitor,
+    ) -> Result<Shown> {
         monitor.check()?;
         let start = Instant::now();
         if request.cameras.is_empty() {
@@ -274,8 +279,11 @@ impl<'a> Playback<'a> {
         renderer.update(&stage, &changes)?;
         let update_ms = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
-        let pictures =
-            request.cameras.iter().map(|camera| renderer.render(&stage, camera, monitor)).collect::<Result<Vec<_>>>()?;
+        let pictures = request
+            .cameras
+            .iter()
+            .map(|camera| renderer.render(&stage, camera, monitor))
+            .collect::<Result<Vec<_>>>()?;
         let render_ms = start.elapsed().as_secs_f64() * 1e3;
         self.selector.measured(update_ms + render_ms, views.len());
         let (active, culled) = trace::name(&selection, self.player.field());

@@ -6,11 +6,11 @@ use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
-use crate::metrics::depth_error::PixelError;
 use crate::compare::error_map::ErrorMap;
 use crate::compare::side::Coding;
 use crate::error::Result;
 use crate::image::plane::Plane;
+use crate::metrics::depth_error::PixelError;
 use crate::streams::{CodecHeader, ColorFormat};
 
 /// The sheet of a frame's errors against the source that the user named.
