@@ -1,4 +1,5 @@
-// Texels, and where a point lies in the images of a view (CALF 6). Mirrors src/views/light_field.rs.
+// Texels, and the projection of points into the images of a view (CALF 6). Mirrors `View::project` of
+// src/views/light_field.rs over src/image/texel_map.rs; tests/gpu/projection.rs compares the two.
 //
 // Inverse depths are read as the bits of their floats, so that what is unknown, +inf, is told without a float that is not
 // finite: shaders may take it that there is none.

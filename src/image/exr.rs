@@ -102,9 +102,6 @@ type Reader = exr::block::reader::Reader<BufReader<File>>;
 fn open(path: &Path) -> Result<(Reader, u64)> {
     let file = super::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
-    if meta.is_dir() {
-        return Err(Error::invalid("this is a folder, not an EXR file").in_file(path));
-    }
     let mut file = BufReader::with_capacity(1 << 16, file);
     let start = file.fill_buf().map_err(|error| Error::io(path, error))?;
     if start.is_empty() {

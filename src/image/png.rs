@@ -118,9 +118,6 @@ fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedC
 fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
     let file = super::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
-    if meta.is_dir() {
-        return Err(Error::invalid("this is a folder, not a PNG file").in_file(path));
-    }
     if meta.len() == 0 {
         return Err(Error::invalid("this file is empty, where a PNG file was expected").in_file(path));
     }
