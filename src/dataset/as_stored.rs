@@ -1,6 +1,7 @@
 //! Depth as files have it, for those who doubt what the manifest says of it.
 
-use super::source::{InvalidDepth, Source, SourceGroup};
+use super::pixels::InvalidDepth;
+use super::source::{Source, SourceGroup};
 use super::stream::DepthKind;
 use crate::error::Result;
 use crate::image::equirect::resample_depth;

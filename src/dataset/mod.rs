@@ -10,8 +10,9 @@ pub mod source;
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
 pub(crate) use pixels::planar_to_distance;
+pub use pixels::{InvalidColor, InvalidDepth};
 pub use source::{
-    Arrangement, InvalidColor, InvalidDepth, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
+    Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
 };
 pub use stream::{DepthKind, Projection, StreamKind};
 

@@ -1,10 +1,31 @@
-//! The rules for single values on the way in: what is background, what is refused, what is clamped.
+//! Checks and converts values of a source: background, invalid values, planar depth.
 
 use half::f16;
 
-use super::source::{InvalidColor, InvalidDepth};
 use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthPlane, Face, ImageProjection, MaterialPlane, Plane, Transfer};
+
+/// Treatment of depth that is NaN, zero, negative or −inf and is not the background.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidDepth {
+    /// An error that names file and pixel.
+    #[default]
+    Refuse,
+    /// Nothing is there: the pixel becomes +inf.
+    Far,
+    /// As near as can be: the pixel becomes 0.0, which encoders store as code 0, the probe's near plane.
+    Near,
+}
+
+/// Treatment of colour that is NaN, and of material values that are not finite.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum InvalidColor {
+    /// An error that names file and pixel.
+    #[default]
+    Refuse,
+    /// The component becomes 0.
+    Black,
+}
 
 /// How depth values of a source are read.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,7 @@ use super::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
 use super::pixels::{
-    DepthRules, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
+    DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
 };
 use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};
@@ -24,28 +24,6 @@ use crate::image::{
 
 /// Frames per second where nothing says otherwise.
 const DEFAULT_FPS: f64 = 24.0;
-
-/// What becomes of a depth that is NaN, zero, negative or −inf and is not the background.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum InvalidDepth {
-    /// An error that names file and pixel.
-    #[default]
-    Refuse,
-    /// Nothing is there: the pixel becomes +inf.
-    Far,
-    /// As near as can be: the pixel becomes 0.0, which encoders store as code 0, the probe's near plane.
-    Near,
-}
-
-/// What becomes of colour that is NaN, and of material values that are not finite.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum InvalidColor {
-    /// An error that names file and pixel.
-    #[default]
-    Refuse,
-    /// The component becomes 0.
-    Black,
-}
 
 /// What the caller says about the input; `None` leaves it to the manifest, else to the default of the field.
 #[derive(Debug, Clone, Default)]

@@ -5,7 +5,7 @@ use lightfold::color::SearchSettings;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::color::quality::{EightBit, Pu21, Quality};
 use lightfold::container::{Reader, Writer};
-use lightfold::dataset::source::{InvalidDepth, Source, SourceOptions};
+use lightfold::dataset::{InvalidDepth, Source, SourceOptions};
 use lightfold::decode::{Decoder, OnDamage, Picture, Request, Selection, decode_units};
 use lightfold::depth::TemporalEncoder;
 use lightfold::depth::quantise::{BACKGROUND_CODE, DepthRange};

@@ -3,7 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use crate::color::settings::SearchSettings;
-use crate::dataset::source::{InvalidColor, SourceOptions};
+use crate::dataset::{InvalidColor, SourceOptions};
 use crate::encode::{ColorBlockSettings, EncodeSettings};
 use crate::error::{Error, Result};
 use crate::image::transfer::{ToneMap, Transfer};

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::dataset::source::{InvalidDepth, SourceOptions};
+use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::dataset::stream::DepthKind;
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
