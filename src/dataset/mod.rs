@@ -11,9 +11,7 @@ pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
 pub(crate) use pixels::planar_to_distance;
 pub use pixels::{InvalidColor, InvalidDepth};
-pub use source::{
-    Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions,
-};
+pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
 pub use stream::{DepthKind, Projection, StreamKind};
 
 /// Kinds of streams by their old path.

@@ -11,7 +11,8 @@ use super::manifest::{
     DepthInfo, FaceFiles, MAX_SIDE, Manifest, MaterialChannels, check_intrinsics, is_probe_name, manifest_path,
 };
 use super::pixels::{
-    DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb, planar_to_distance,
+    DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
+    planar_to_distance,
 };
 use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};

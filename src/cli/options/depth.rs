@@ -2,8 +2,8 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::dataset::stream::DepthKind;
+use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
