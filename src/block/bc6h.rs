@@ -4,7 +4,7 @@
 //! value.
 
 use super::TEXELS;
-use super::bptc::{Bits, Partition, mix};
+use super::bptc::{Line, Partition, field, open, weight};
 
 /// How the bits of a block are dealt out in one of the fourteen modes.
 pub(super) struct Mode {
@@ -21,70 +21,38 @@ pub(super) struct Mode {
 }
 
 pub(super) const MODES: [Mode; 14] = [
-    mode(
-        0,
-        10,
-        Some([5, 5, 5]),
-        "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
-    ),
-    mode(
-        1,
-        7,
-        Some([6, 6, 6]),
-        "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
-    ),
-    mode(
-        2,
-        11,
-        Some([5, 4, 4]),
-        "rw0-9 gw0-9 bw0-9 rx0-4 rw10 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
-    ),
-    mode(
-        6,
-        11,
-        Some([4, 5, 4]),
-        "rw0-9 gw0-9 bw0-9 rx0-3 rw10 gz4 gy0-3 gx0-4 gw10 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-3 bz0 bz2 rz0-3 gy4 bz3 d0-4",
-    ),
-    mode(
-        10,
-        11,
-        Some([4, 4, 5]),
-        "rw0-9 gw0-9 bw0-9 rx0-3 rw10 by4 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-4 bw10 by0-3 ry0-3 bz1-2 rz0-3 bz4 bz3 d0-4",
-    ),
-    mode(
-        14,
-        9,
-        Some([5, 5, 5]),
-        "rw0-8 by4 gw0-8 gy4 bw0-8 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
-    ),
-    mode(
-        18,
-        8,
-        Some([6, 5, 5]),
-        "rw0-7 gz4 by4 gw0-7 bz2 gy4 bw0-7 bz3-4 rx0-5 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-5 rz0-5 d0-4",
-    ),
-    mode(
-        22,
-        8,
-        Some([5, 6, 5]),
-        "rw0-7 bz0 by4 gw0-7 gy5 gy4 bw0-7 gz5 bz4 rx0-4 gz4 gy0-3 gx0-5 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
-    ),
-    mode(
-        26,
-        8,
-        Some([5, 5, 6]),
-        "rw0-7 bz1 by4 gw0-7 by5 gy4 bw0-7 bz5 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-5 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
-    ),
-    mode(
-        30,
-        6,
-        None,
-        "rw0-5 gz4 bz0-1 by4 gw0-5 gy5 by5 bz2 gy4 bw0-5 gz5 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
-    ),
-    mode(3, 10, None, "rw0-9 gw0-9 bw0-9 rx0-9 gx0-9 bx0-9"),
-    mode(7, 11, Some([9, 9, 9]), "rw0-9 gw0-9 bw0-9 rx0-8 rw10 gx0-8 gw10 bx0-8 bw10"),
-    mode(11, 12, Some([8, 8, 8]), "rw0-9 gw0-9 bw0-9 rx0-7 rw11-10 gx0-7 gw11-10 bx0-7 bw11-10"),
-    mode(15, 16, Some([4, 4, 4]), "rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10"),
+    mode(0, 10, Some([5, 5, 5]), LAYOUTS[0]),
+    mode(1, 7, Some([6, 6, 6]), LAYOUTS[1]),
+    mode(2, 11, Some([5, 4, 4]), LAYOUTS[2]),
+    mode(6, 11, Some([4, 5, 4]), LAYOUTS[3]),
+    mode(10, 11, Some([4, 4, 5]), LAYOUTS[4]),
+    mode(14, 9, Some([5, 5, 5]), LAYOUTS[5]),
+    mode(18, 8, Some([6, 5, 5]), LAYOUTS[6]),
+    mode(22, 8, Some([5, 6, 5]), LAYOUTS[7]),
+    mode(26, 8, Some([5, 5, 6]), LAYOUTS[8]),
+    mode(30, 6, None, LAYOUTS[9]),
+    mode(3, 10, None, LAYOUTS[10]),
+    mode(7, 11, Some([9, 9, 9]), LAYOUTS[11]),
+    mode(11, 12, Some([8, 8, 8]), LAYOUTS[12]),
+    mode(15, 16, Some([4, 4, 4]), LAYOUTS[13]),
+];
+
+/// Of each mode, the layout of its bits.
+const LAYOUTS: [&str; 14] = [
+    "gy4 by4 bz4 rw0-9 gw0-9 bw0-9 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    "gy5 gz4-5 rw0-6 bz0-1 by4 gw0-6 by5 bz2 gy4 bw0-6 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
+    "rw0-9 gw0-9 bw0-9 rx0-4 rw10 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw10 gz4 gy0-3 gx0-4 gw10 gz0-3 bx0-3 bw10 bz1 by0-3 ry0-3 bz0 bz2 rz0-3 gy4 bz3 d0-4",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw10 by4 gy0-3 gx0-3 gw10 bz0 gz0-3 bx0-4 bw10 by0-3 ry0-3 bz1-2 rz0-3 bz4 bz3 d0-4",
+    "rw0-8 by4 gw0-8 gy4 bw0-8 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    "rw0-7 gz4 by4 gw0-7 bz2 gy4 bw0-7 bz3-4 rx0-5 gy0-3 gx0-4 bz0 gz0-3 bx0-4 bz1 by0-3 ry0-5 rz0-5 d0-4",
+    "rw0-7 bz0 by4 gw0-7 gy5 gy4 bw0-7 gz5 bz4 rx0-4 gz4 gy0-3 gx0-5 gz0-3 bx0-4 bz1 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    "rw0-7 bz1 by4 gw0-7 by5 gy4 bw0-7 bz5 bz4 rx0-4 gz4 gy0-3 gx0-4 bz0 gz0-3 bx0-5 by0-3 ry0-4 bz2 rz0-4 bz3 d0-4",
+    "rw0-5 gz4 bz0-1 by4 gw0-5 gy5 by5 bz2 gy4 bw0-5 gz5 bz3 bz5 bz4 rx0-5 gy0-3 gx0-5 gz0-3 bx0-5 by0-3 ry0-5 rz0-5 d0-4",
+    "rw0-9 gw0-9 bw0-9 rx0-9 gx0-9 bx0-9",
+    "rw0-9 gw0-9 bw0-9 rx0-8 rw10 gx0-8 gw10 bx0-8 bw10",
+    "rw0-9 gw0-9 bw0-9 rx0-7 rw11-10 gx0-7 gw11-10 bx0-7 bw11-10",
+    "rw0-9 gw0-9 bw0-9 rx0-3 rw15-10 gx0-3 gw15-10 bx0-3 bw15-10",
 ];
 
 /// A row of the table; whether there are two subsets is seen from the layout.
@@ -94,14 +62,14 @@ const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'stat
 }
 
 /// Most bits that a layout deals out.
-pub(super) const LAYOUT_BITS: usize = 80;
+const LAYOUT_BITS: usize = 80;
 /// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
-pub(super) const PARTITION: usize = 12;
+const PARTITION: usize = 12;
 /// Fills rows of [`TARGETS`] that are shorter than others.
-pub(super) const NOTHING: u8 = 255;
+const NOTHING: u8 = 255;
 
 /// For each mode and each bit that follows the code: the value (times 16) and its bit that it goes to.
-pub(super) const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
+const TARGETS: [[u8; LAYOUT_BITS]; MODES.len()] = {
     let mut targets = [[NOTHING; LAYOUT_BITS]; MODES.len()];
     let mut mode = 0;
     while mode < MODES.len() {
@@ -156,35 +124,93 @@ const fn number(text: &[u8], mut at: usize) -> (u8, usize) {
     (value, at)
 }
 
+/// A run of bits of a block of BC6H that go to neighbouring bits of one value.
+#[derive(Clone, Copy)]
+struct Run {
+    value: usize,
+    /// Lowest bit of the value, and lowest bit of the block.
+    to: u32,
+    from: u32,
+    count: u32,
+}
+
+/// Most runs of a mode.
+const RUNS: usize = 32;
+
+/// [`TARGETS`] in runs; what is left of a row moves no bits.
+static RUNS_OF: [[Run; RUNS]; MODES.len()] = {
+    let mut runs = [[Run { value: 0, to: 0, from: 0, count: 0 }; RUNS]; MODES.len()];
+    let mut mode = 0;
+    while mode < runs.len() {
+        let code_bits = if MODES[mode].code < 2 { 2 } else { 5 };
+        let (mut bit, mut run, mut before) = (0, 0, NOTHING);
+        while bit < LAYOUT_BITS && TARGETS[mode][bit] != NOTHING {
+            let target = TARGETS[mode][bit];
+            if bit == 0 || target != before + 1 {
+                let from = bit as u32 + code_bits;
+                runs[mode][run] = Run { value: target as usize >> 4, to: target as u32 & 15, from, count: 0 };
+                run += 1;
+            }
+            runs[mode][run - 1].count += 1;
+            before = target;
+            bit += 1;
+        }
+        mode += 1;
+    }
+    runs
+};
+
+/// The mode by the lowest five bits of a block; 255 where they are reserved.
+const MODE_OF: [u8; 32] = {
+    let mut modes = [255; 32];
+    let mut mode = 0;
+    while mode < MODES.len() {
+        let code = MODES[mode].code as usize;
+        let mut low = code;
+        while low < 32 {
+            modes[low] = mode as u8;
+            low += if code < 2 { 4 } else { 32 };
+        }
+        mode += 1;
+    }
+    modes
+};
+
 /// Decodes a block. Every pattern of bits is legal but those of the four reserved codes (19, 23, 27, 31), which yield zeros.
 pub fn decode(block: &[u8; 16]) -> [[u16; 3]; TEXELS] {
-    let mut bits = Bits::new(block);
-    let mut code = bits.take(2);
-    if code > 1 {
-        code |= bits.take(3) << 2;
-    }
-    let Some(number) = MODES.iter().position(|mode| mode.code == code) else { return [[0; 3]; TEXELS] };
-    let mode = &MODES[number];
+    let number = MODE_OF[block[0] as usize & 31] as usize;
+    let Some(mode) = MODES.get(number) else { return [[0; 3]; TEXELS] };
+    let word = u128::from_le_bytes(*block);
     let mut values = [0; PARTITION + 1];
-    for &target in TARGETS[number].iter().take_while(|&&target| target != NOTHING) {
-        values[target as usize >> 4] |= bits.take(1) << (target & 15);
+    for run in RUNS_OF[number].iter().take_while(|run| run.count > 0) {
+        values[run.value] |= (field(word, run.from, run.count) as u32) << run.to;
     }
+    let ends = endpoints(mode, &values);
     let partition = Partition::new(mode.subsets, values[PARTITION]);
-    let endpoints = endpoints(mode, &values);
-    let index_bits = if mode.subsets == 2 { 3 } else { 4 };
-    let indices = partition.indices(&mut bits, index_bits);
-    std::array::from_fn(|texel| {
-        let pair = 2 * partition.subset(texel);
-        let [a, b] = [endpoints[pair], endpoints[pair + 1]];
-        std::array::from_fn(|channel| {
-            // From 0 to 65535 to the patterns of finite half floats.
-            ((mix(a[channel], b[channel], indices[texel], index_bits) * 31) >> 6) as u16
-        })
-    })
+    if mode.subsets == 2 {
+        let lines = [halves(ends[0], ends[1]), halves(ends[2], ends[3])];
+        let indices = partition.anchors().fold((word >> 82) as u64, |indices, texel| open(indices, 3 * texel + 2));
+        std::array::from_fn(|texel| finish(lines[partition.subset(texel) & 1], weight(indices, texel, 3)))
+    } else {
+        let line = halves(ends[0], ends[1]);
+        let indices = open((word >> 65) as u64, 3);
+        std::array::from_fn(|texel| finish(line, weight(indices, texel, 4)))
+    }
+}
+
+/// Red and green in the lanes of one number, 32 bits each, and blue in another.
+fn halves(a: [u32; 3], b: [u32; 3]) -> [Line; 2] {
+    let both = |color: [u32; 3]| u64::from(color[0]) | u64::from(color[1]) << 32;
+    [Line::new(both(a), both(b), 32 << 32 | 32), Line::new(a[2].into(), b[2].into(), 32)]
+}
+
+fn finish(lines: [Line; 2], weight: u64) -> [u16; 3] {
+    let [red_green, blue] = lines.map(|line| line.at(weight));
+    [red_green, red_green >> 32, blue].map(|value| (((value & 0xFFFF) * 31) >> 6) as u16)
 }
 
 /// The endpoints w, x, y, z as numbers of 16 bits.
-pub(super) fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
+fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
     std::array::from_fn(|endpoint| {
         std::array::from_fn(|channel| {
             let mut value = values[3 * endpoint + channel];

@@ -1,9 +1,10 @@
 //! BC7: four channels of 8 bits, 16 pixels in 16 bytes (formats/blocks.md 8).
 //!
-//! Enters: a block. Leaves: RGBA of its 16 pixels, row by row.
+//! In: a block. Out: RGBA, or RGB, of its 16 pixels, row by row. Each mode is a function of its own in which the places of all bits
+//! are known, and the four channels of a pixel are interpolated in one product, in lanes of a 64-bit number.
 
 use super::TEXELS;
-use super::bptc::{Bits, Partition, mix};
+use super::bptc::{Line, Partition, field, open, weight};
 
 /// How the bits of a block are dealt out in one of the eight modes.
 pub(super) struct Mode {
@@ -57,71 +58,122 @@ const fn mode(counts: [u32; 6], low_bits: LowBits, index_bits: [u32; 2]) -> Mode
     }
 }
 
+/// A one in each of four lanes of 16 bits.
+const ONES: u64 = 0x0001_0001_0001_0001;
+/// The low eight bits of each lane.
+const BYTES: u64 = 0xFF * ONES;
+/// Where red, green, blue and alpha begin in a number of four lanes.
+const LANES: [u32; 4] = [0, 16, 32, 48];
+
 /// Decodes a block. Every pattern of bits is legal but those whose first byte is 0, which are reserved and yield zeros.
 pub fn decode(block: &[u8; 16]) -> [[u8; 4]; TEXELS] {
-    let number = block[0].trailing_zeros();
-    let Some(mode) = MODES.get(number as usize) else { return [[0; 4]; TEXELS] };
-    let mut bits = Bits::new(block);
-    bits.take(number + 1);
-    let partition = Partition::new(mode.subsets, bits.take(mode.partition_bits));
-    let rotation = bits.take(mode.rotation_bits);
-    let selection = bits.take(mode.selection_bits);
-    let endpoints = endpoints(mode, &mut bits);
-    let first = partition.indices(&mut bits, mode.index_bits);
-    if mode.second_index_bits == 0 {
-        return std::array::from_fn(|texel| {
-            let [a, b] = endpoints[partition.subset(texel)];
-            std::array::from_fn(|channel| mix(a[channel], b[channel], first[texel], mode.index_bits) as u8)
-        });
-    }
-    let second = partition.indices(&mut bits, mode.second_index_bits);
-    let mut of_color = (first, mode.index_bits);
-    let mut of_alpha = (second, mode.second_index_bits);
-    if selection == 1 {
-        std::mem::swap(&mut of_color, &mut of_alpha);
-    }
-    let [a, b] = endpoints[0];
-    std::array::from_fn(|texel| {
-        let mut pixel: [u8; 4] = std::array::from_fn(|channel| {
-            let (indices, count) = if channel == 3 { &of_alpha } else { &of_color };
-            mix(a[channel], b[channel], indices[texel], *count) as u8
-        });
-        if rotation > 0 {
-            pixel.swap(rotation as usize - 1, 3);
-        }
-        pixel
-    })
+    pixels(block, |pixel| LANES.map(|lane| (pixel >> lane) as u8))
 }
 
-/// Reads the endpoints of a block: for each subset two colours of four channels, 8 bits each.
-fn endpoints(mode: &Mode, bits: &mut Bits) -> [[[u32; 4]; 2]; 3] {
-    let mut endpoints = [[[0; 4]; 2]; 3];
-    let subsets = &mut endpoints[..mode.subsets as usize];
-    for channel in 0..4 {
-        let count = if channel == 3 { mode.alpha_bits } else { mode.color_bits };
-        for endpoint in subsets.iter_mut().flatten() {
-            endpoint[channel] = bits.take(count);
-        }
+/// The same without alpha.
+pub(super) fn decode_rgb(block: &[u8; 16]) -> [[u8; 3]; TEXELS] {
+    pixels(block, |pixel| [pixel as u8, (pixel >> LANES[1]) as u8, (pixel >> LANES[2]) as u8])
+}
+
+/// What `of` makes of the pixels, which have a channel in the low eight bits of each lane.
+#[inline(always)]
+fn pixels<P: Copy>(block: &[u8; 16], of: impl Fn(u64) -> P) -> [P; TEXELS] {
+    let word = u128::from_le_bytes(*block);
+    match block[0].trailing_zeros() {
+        0 => several_subsets::<0, P>(word, of),
+        1 => several_subsets::<1, P>(word, of),
+        2 => several_subsets::<2, P>(word, of),
+        3 => several_subsets::<3, P>(word, of),
+        4 => two_indices::<4, P>(word, of),
+        5 => two_indices::<5, P>(word, of),
+        6 => one_subset(word, of),
+        7 => several_subsets::<7, P>(word, of),
+        _ => [of(0); TEXELS],
     }
-    let mut low = 0;
-    for pair in subsets.iter_mut() {
-        for (second, endpoint) in pair.iter_mut().enumerate() {
-            if mode.low_bits == LowBits::PerEndpoint || mode.low_bits == LowBits::PerSubset && second == 0 {
-                low = bits.take(1);
-            }
-            for (channel, value) in endpoint.iter_mut().enumerate() {
-                let mut count = if channel == 3 { mode.alpha_bits } else { mode.color_bits };
-                if count == 0 {
-                    *value = 255;
-                    continue;
-                }
-                if mode.low_bits != LowBits::None {
-                    *value = *value << 1 | low;
-                    count += 1;
-                }
-                *value = *value << (8 - count) | *value >> (2 * count - 8);
-            }
-        }
+}
+
+/// The first bit behind the mode, partition, rotation and selection.
+const fn endpoints_at(number: usize, mode: &Mode) -> u32 {
+    number as u32 + 1 + mode.partition_bits + mode.rotation_bits + mode.selection_bits
+}
+
+/// Bits of endpoints, their lowest bits included.
+const fn endpoint_bits(mode: &Mode) -> u32 {
+    let low = match mode.low_bits {
+        LowBits::None => 0,
+        LowBits::PerEndpoint => 2,
+        LowBits::PerSubset => 1,
+    };
+    mode.subsets * (2 * (3 * mode.color_bits + mode.alpha_bits) + low)
+}
+
+/// Endpoint `number` of mode `MODE`, each channel in 8 bits of its lane.
+#[inline(always)]
+fn endpoint<const MODE: usize>(word: u128, number: u32) -> u64 {
+    let mode = const { &MODES[MODE] };
+    let at = const { endpoints_at(MODE, &MODES[MODE]) };
+    let low_at = at + 2 * mode.subsets * (3 * mode.color_bits + mode.alpha_bits);
+    let (low, extra) = match mode.low_bits {
+        LowBits::None => (0, 0),
+        LowBits::PerEndpoint => (field(word, low_at + number, 1), 1),
+        LowBits::PerSubset => (field(word, low_at + number / 2, 1), 1),
+    };
+    let channel =
+        |lane: u32, bits: u32| field(word, at + 2 * mode.subsets * lane * mode.color_bits + number * bits, bits);
+    let color =
+        channel(0, mode.color_bits) | channel(1, mode.color_bits) << LANES[1] | channel(2, mode.color_bits) << LANES[2];
+    let color = widen((color << extra) | (low * (ONES >> 16)), mode.color_bits + extra);
+    let alpha = if mode.alpha_bits == 0 {
+        255
+    } else {
+        widen(channel(3, mode.alpha_bits) << extra | low, mode.alpha_bits + extra)
+    };
+    color | alpha << LANES[3]
+}
+
+/// Lanes of `bits` bits brought to 8, the high bits repeated below.
+#[inline(always)]
+fn widen(lanes: u64, bits: u32) -> u64 {
+    (lanes << (8 - bits)) | ((lanes >> (2 * bits - 8)) & (((1 << (8 - bits)) - 1) * ONES))
+}
+
+fn several_subsets<const MODE: usize, P>(word: u128, of: impl Fn(u64) -> P) -> [P; TEXELS] {
+    let mode = const { &MODES[MODE] };
+    let partition = Partition::new(mode.subsets, field(word, MODE as u32 + 1, mode.partition_bits) as u32);
+    let mut lines = [Line::default(); 4];
+    for subset in 0..mode.subsets {
+        let [a, b] = [endpoint::<MODE>(word, 2 * subset), endpoint::<MODE>(word, 2 * subset + 1)];
+        lines[subset as usize] = Line::new(a, b, 32 * ONES);
     }
-    endpoints
+    let at = const { endpoints_at(MODE, &MODES[MODE]) + endpoint_bits(&MODES[MODE]) };
+    let bits = const { MODES[MODE].index_bits };
+    let indices = partition.anchors().fold((word >> at) as u64, |indices, texel| open(indices, (texel + 1) * bits - 1));
+    std::array::from_fn(|texel| of(lines[partition.subset(texel)].at(weight(indices, texel, bits))))
+}
+
+fn one_subset<P>(word: u128, of: impl Fn(u64) -> P) -> [P; TEXELS] {
+    let line = Line::new(endpoint::<6>(word, 0), endpoint::<6>(word, 1), 32 * ONES);
+    let at = const { endpoints_at(6, &MODES[6]) + endpoint_bits(&MODES[6]) };
+    let indices = open((word >> at) as u64, 3);
+    std::array::from_fn(|texel| of(line.at(weight(indices, texel, 4))))
+}
+
+fn two_indices<const MODE: usize, P>(word: u128, of: impl Fn(u64) -> P) -> [P; TEXELS] {
+    let mode = const { &MODES[MODE] };
+    let rotation = field(word, MODE as u32 + 1, 2) as usize;
+    let selection = field(word, MODE as u32 + 3, mode.selection_bits);
+    let line = Line::new(endpoint::<MODE>(word, 0), endpoint::<MODE>(word, 1), 32 * ONES);
+    let at = const { endpoints_at(MODE, &MODES[MODE]) + endpoint_bits(&MODES[MODE]) };
+    let first = open(field(word, at, 31), 1);
+    let second = open(field(word, at + 31, 16 * mode.second_index_bits - 1), mode.second_index_bits - 1);
+    // One channel changes places with alpha: alpha itself for rotation 0.
+    let lane = LANES[(rotation + 3) & 3];
+    std::array::from_fn(|texel| {
+        let (first, second) = (weight(first, texel, 2), weight(second, texel, const { MODES[MODE].second_index_bits }));
+        let [of_color, of_alpha] = if selection == 0 { [first, second] } else { [second, first] };
+        let alpha = line.at(of_alpha) >> LANES[3] & 0xFF;
+        let color = line.at(of_color) & BYTES;
+        let other = color >> lane & 0xFF;
+        of((color & !(0xFF << LANES[3]) | other << LANES[3]) & !(0xFF << lane) | alpha << lane)
+    })
 }

@@ -1,23 +1,7 @@
-//! What BC6H and BC7 share (formats/blocks.md 6): how bits are read, how pixels are shared out among one, two or three pairs
-//! of endpoints, and how colours between two endpoints are mixed. The tables are those of BPTC in the Khronos Data Format
-//! Specification.
+//! What BC6H and BC7 share (formats/blocks.md 6): partitions of the pixels into subsets, indices, and interpolation between two
+//! endpoints. The tables are those of BPTC in the Khronos Data Format Specification.
 
 use super::TEXELS;
-
-pub(super) struct Bits(u128);
-
-impl Bits {
-    pub(super) fn new(block: &[u8; 16]) -> Self {
-        Bits(u128::from_le_bytes(*block))
-    }
-
-    /// The next `count` bits, at most 32, as a number whose least significant bit came first.
-    pub(super) fn take(&mut self, count: u32) -> u32 {
-        let bits = self.0 as u32 & ((1u64 << count) - 1) as u32;
-        self.0 >>= count;
-        bits
-    }
-}
 
 /// Which pair of endpoints each pixel of a block belongs to.
 #[derive(Clone, Copy)]
@@ -39,7 +23,7 @@ static PARTITIONS: [[Partition; 64]; 3] = {
             texel += 1;
         }
         partitions[1][number].anchors |= 1 << ANCHOR_OF_TWO[number];
-        let [second, third] = ANCHORS_OF_THREE[number];
+        let [second, third] = [ANCHORS_OF_THREE[0][number], ANCHORS_OF_THREE[1][number]];
         partitions[2][number] = Partition { map: THREE[number], anchors: 1 | 1 << second | 1 << third };
         number += 1;
     }
@@ -66,17 +50,45 @@ impl Partition {
     pub(super) fn subset(&self, texel: usize) -> usize {
         (self.map >> (2 * texel)) as usize & 3
     }
+}
 
-    /// Reads an index of `count` bits for each pixel, one bit less for anchors.
-    pub(super) fn indices(&self, bits: &mut Bits, count: u32) -> [u32; TEXELS] {
-        std::array::from_fn(|texel| bits.take(count - (self.anchors >> texel & 1)))
+/// Interpolates between two endpoints in lanes: 64 times the first and half of 64, and the difference of the second.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Line {
+    start: u64,
+    step: u64,
+}
+
+impl Line {
+    /// `half` is a 32 in each lane.
+    pub(super) fn new(a: u64, b: u64, half: u64) -> Self {
+        // Lanes of the step may be negative and borrow from those above; what borrows is given back in the sum.
+        Line { start: (a << 6) + half, step: b.wrapping_sub(a) }
+    }
+
+    pub(super) fn at(self, weight: u64) -> u64 {
+        self.start.wrapping_add(self.step.wrapping_mul(weight)) >> 6
     }
 }
 
-/// The mix of two endpoints by an index of `count` bits (2, 3 or 4): below 2^24 for endpoints of 16 bits.
-pub(super) fn mix(a: u32, b: u32, index: u32, count: u32) -> u32 {
-    let weight = WEIGHTS[count as usize & 7][index as usize];
-    (a * (64 - weight) + b * weight + 32) >> 6
+/// `count` bits of a block from bit `at` on.
+#[inline(always)]
+pub(super) fn field(word: u128, at: u32, count: u32) -> u64 {
+    (word >> at) as u64 & ((1 << count) - 1)
+}
+
+/// Puts a 0 in front of bit `at`: the highest bit of an anchor's index, which is not stored.
+#[inline(always)]
+pub(super) fn open(indices: u64, at: u32) -> u64 {
+    let below = indices & ((1 << at) - 1);
+    (indices ^ below) << 1 | below
+}
+
+/// The weight of index `texel` of indices of 2, 3 or 4 bits.
+#[inline(always)]
+pub(super) fn weight(indices: u64, texel: usize, bits: u32) -> u64 {
+    let index = (indices >> (texel as u32 * bits)) as usize & ((1 << bits) - 1);
+    u64::from(WEIGHTS[bits as usize & 7][index])
 }
 
 /// Partitions in two subsets: bit t is the subset of pixel t. BC6H has the first 32.
@@ -106,82 +118,17 @@ pub(super) const ANCHOR_OF_TWO: [u8; 64] = [
     15, 15, 6, 8, 2, 8, 15, 15, 2, 8, 2, 2, 2, 15, 15, 6, 6, 2, 6, 8, 15, 15, 2, 2, 15, 15, 15, 15, 15, 2, 2, 15,
 ];
 
-/// The anchors of subsets 1 and 2 of each partition in three subsets.
-pub(super) const ANCHORS_OF_THREE: [[u8; 2]; 64] = [
-    [3, 15],
-    [3, 8],
-    [15, 8],
-    [15, 3],
-    [8, 15],
-    [3, 15],
-    [15, 3],
-    [15, 8],
-    [8, 15],
-    [8, 15],
-    [6, 15],
-    [6, 15],
-    [6, 15],
-    [5, 15],
-    [3, 15],
-    [3, 8],
-    [3, 15],
-    [3, 8],
-    [8, 15],
-    [15, 3],
-    [3, 15],
-    [3, 8],
-    [6, 15],
-    [10, 8],
-    [5, 3],
-    [8, 15],
-    [8, 6],
-    [6, 10],
-    [8, 15],
-    [5, 15],
-    [15, 10],
-    [15, 8],
-    [8, 15],
-    [15, 3],
-    [3, 15],
-    [5, 10],
-    [6, 10],
-    [10, 8],
-    [8, 9],
-    [15, 10],
-    [15, 6],
-    [3, 15],
-    [15, 8],
-    [5, 15],
-    [15, 3],
-    [15, 6],
-    [15, 6],
-    [15, 8],
-    [3, 15],
-    [15, 3],
-    [5, 15],
-    [5, 15],
-    [5, 15],
-    [8, 15],
-    [5, 15],
-    [10, 15],
-    [5, 15],
-    [10, 15],
-    [8, 15],
-    [13, 15],
-    [15, 3],
-    [12, 15],
-    [3, 15],
-    [3, 8],
+/// The anchors of subset 1, and of subset 2, of each partition in three subsets.
+pub(super) const ANCHORS_OF_THREE: [[u8; 64]; 2] = [
+    [3, 3, 15, 15, 8, 3, 15, 15, 8, 8, 6, 6, 6, 5, 3, 3, 3, 3, 8, 15, 3, 3, 6, 10, 5, 8, 8, 6, 8, 5, 15, 15, 8, 15, 3, 5, 6, 10, 8, 15, 15, 3, 15, 5, 15, 15, 15, 15, 3, 15, 5, 5, 5, 8, 5, 10, 5, 10, 8, 13, 15, 12, 3, 3],
+    [15, 8, 8, 3, 15, 15, 3, 8, 15, 15, 15, 15, 15, 15, 15, 8, 15, 8, 15, 3, 15, 8, 15, 8, 3, 15, 6, 10, 15, 15, 10, 8, 15, 3, 15, 10, 10, 8, 9, 10, 6, 15, 8, 15, 3, 6, 6, 8, 15, 3, 15, 15, 15, 15, 15, 15, 15, 15, 15, 15, 3, 15, 15, 8],
 ];
 
 /// Weights of the second endpoint, in 64ths, by the number of an index's bits and the index.
-pub(super) const WEIGHTS: [&[u32]; 8] = [
+pub(super) const WEIGHTS: [&[u32]; 5] = [
     &[0],
     &[0],
     &[0, 21, 43, 64],
     &[0, 9, 18, 27, 37, 46, 55, 64],
     &[0, 4, 9, 13, 17, 21, 26, 30, 34, 38, 43, 47, 51, 55, 60, 64],
-    &[0],
-    &[0],
-    &[0],
 ];

@@ -12,7 +12,6 @@ pub mod bc7;
 mod bptc;
 #[cfg(feature = "encode")]
 mod encode;
-mod fast;
 
 #[cfg(feature = "encode")]
 pub use encode::BlockEncoder;
@@ -89,7 +88,7 @@ impl BlockFormat for Bc6h {
     const BYTES: usize = 16;
     fn decode_block(block: &[u8], out: &mut [[u16; 3]; TEXELS]) {
         if let Some(block) = block.first_chunk() {
-            *out = fast::bc6h(block);
+            *out = bc6h::decode(block);
         }
     }
 }
@@ -99,7 +98,7 @@ impl BlockFormat for Bc7 {
     const BYTES: usize = 16;
     fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
         if let Some(block) = block.first_chunk() {
-            *out = fast::bc7(block);
+            *out = bc7::decode_rgb(block);
         }
     }
 }
