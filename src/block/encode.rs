@@ -1,7 +1,7 @@
 //! Encoders of blocks: libraries behind one trait.
 //!
-//! Enters: pixels, row by row. Leaves: blocks, row by row. BC1, BC6H and BC7 are searched by `intel_tex_2`, BC4 and BC5 by
-//! `dds`; what they choose is judged with our decoders only.
+//! `intel_tex_2` encodes BC1, BC6H and BC7; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the better block of the
+//! two is kept. Errors are measured with our decoders.
 
 use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
 use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
@@ -11,9 +11,8 @@ use crate::effort::Effort;
 
 /// A search for the blocks of an image.
 ///
-/// The same pixels and effort give the same blocks, on any number of threads, and a block depends on its own pixels alone. BC1,
-/// BC6H and BC7 are searched in floating point by kernels that the library chooses by the processor's instruction set, so that
-/// another family of processors may find other blocks. What blocks mean does not depend on it.
+/// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction set, so another
+/// family of processors may find other blocks: bytes of such files are the same on one machine only.
 pub trait BlockEncoder: Sync {
     type Texel: Copy;
     /// Blocks of [`grid`]`(width, height)`, row by row, for `width` x `height` pixels, row by row.

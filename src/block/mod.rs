@@ -1,8 +1,7 @@
 //! Block-compressed images: 4x4 pixels in 8 or 16 bytes, as GPUs read them.
 //!
-//! Enters: blocks, row by row, and the size of the image they cover; or pixels to be made into blocks. Leaves: pixels, row by
-//! row; or blocks. Decoders are ours and use integers only (formats/blocks.md); encoders are libraries behind
-//! [`BlockEncoder`].
+//! The meaning of a block is part of the format, so decoders are ours, in integers (formats/blocks.md), and compared with an independent
+//! decoder in every mode. Encoders are libraries behind a trait ([`encode`]).
 
 pub mod bc1;
 pub mod bc4;

@@ -132,7 +132,7 @@ impl<'a, S: Sample, Q: Quality<S>> Candidates<'a, S, Q> {
         let removed = if energy > 0.0 { product.max(0.0).powi(2) / energy } else { 0.0 };
         let distance = (own - removed).max(0.0).sqrt();
         let rounding = 0.5 * (self.pictures[0].len() as f64).sqrt();
-        // A hair of slack covers the rounding of these few operations.
+        // The tolerance covers the rounding of these operations.
         (distance - rounding) * (1.0 - 1e-9) > (self.max_squared_error as f64).sqrt()
     }
 

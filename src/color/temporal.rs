@@ -1,6 +1,6 @@
 //! Encodes the frames of one colour cell into chunks (CALF 5.1, algorithm 2; keyframes in blocks: 5.3).
 //!
-//! Enters: the cell's samples, frame by frame. Leaves: payloads of [`crate::color::cells`]. Memory: the pictures that
+//! In: the cell's samples, frame by frame. Out: payloads of [`crate::color::cells`]. Memory: the pictures
 //! of the lookahead, repeats counted once, and the open chunk.
 
 use crate::color::blend::Sample;

@@ -1,4 +1,6 @@
 //! One row of the chunk table (container.md 6): which frames of which unit lie where, and how they are stored.
+//!
+//! A chunk is fetched, checked and decompressed at once, so its length is the price of a seek.
 
 use crate::container::fields::Fields;
 use crate::container::header::HEAD_BYTES;
@@ -6,8 +8,7 @@ use crate::error::Result;
 
 pub const ENTRY_BYTES: usize = 40;
 pub const MAX_CHUNK_BYTES: u32 = 1 << 30;
-/// No stored byte of LZMA2 can mean more raw bytes than this; a table that claims more is refused before memory is
-/// asked for. (LZMA's densest match codes reach about 7,000.)
+/// Most raw bytes of a stored byte of LZMA2, whose densest codes have about 7,000.
 pub const MAX_EXPANSION: u64 = 16_384;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -30,7 +31,7 @@ pub struct ChunkKey {
     pub frame_count: u32,
 }
 
-/// Where a chunk stands among those of its unit.
+/// Whether a chunk is the last of its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChunkPlace {
     Inner,
@@ -83,7 +84,7 @@ impl ChunkEntry {
     }
 }
 
-/// A finished group of frames of one unit, as an encoder hands it over.
+/// A finished chunk of one unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EncodedChunk {
     /// Frames since the unit's first.

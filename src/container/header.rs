@@ -1,7 +1,6 @@
 //! The first 16 and the last 40 bytes of a container (container.md 3 and 7).
 //!
-//! The head says what the file is; the foot, written last, says where the index lies. A file whose writing was cut
-//! short has no foot and does not open.
+//! The foot, written last, locates the index. A file whose writing was cut short has no foot and does not open.
 
 use crate::container::fields::Fields;
 use crate::error::{Error, Result};
@@ -12,7 +11,7 @@ pub const MAGIC: [u8; 8] = [0x89, b'L', b'F', b'L', b'D', 0x0d, 0x0a, 0x1a];
 pub const FOOT_MAGIC: [u8; 4] = *b"LFND";
 /// Major version: readers refuse any other.
 pub const VERSION_MAJOR: u16 = 1;
-/// Minor version: later ones may only add codecs.
+/// Minor version: later ones only add codecs.
 pub const VERSION_MINOR: u16 = 0;
 pub const HEAD_BYTES: usize = 16;
 pub const FOOT_BYTES: usize = 40;

@@ -1,7 +1,6 @@
 //! The index (container.md 4 to 6): the dataset, its probes, its streams, and the table of chunks.
 //!
-//! Enters: bytes that have passed their CRC-32 and are still not believed. Leaves: tables in which every number has
-//! been checked against the others, so that a decoder may index with them.
+//! In: bytes whose CRC-32 matches. Out: tables whose numbers agree with each other, so that a decoder may index with them.
 
 use std::collections::HashSet;
 
@@ -48,7 +47,7 @@ pub struct StreamEntry {
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
     pub unit_height: u32,
-    /// What the codec needs to know about the whole stream.
+    /// The codec's header.
     pub codec_header: Vec<u8>,
 }
 
@@ -75,7 +74,7 @@ impl StreamEntry {
     }
 }
 
-/// Everything that a container says about its chunks.
+/// The tables of a container.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Index {
     pub name: String,
@@ -104,7 +103,6 @@ impl Index {
             return Err(fields.error(format!("a frame rate of {fps} is not positive")));
         }
         let name = fields.string("the dataset's name")?;
-        // It is printed on terminals.
         if name.chars().any(char::is_control) {
             return Err(fields.error("the dataset's name holds control characters"));
         }
@@ -149,8 +147,8 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
-    /// What a decoder of a whole stream holds for payloads, where one of so many bytes takes `held` bytes, and a larger one no
-    /// less: that of the largest payload of each unit. At most 2⁶⁴ − 1.
+    /// Memory for the payloads of a stream's decoder, which holds one of each unit: the sum of `held` of the largest payload of
+    /// each unit, at most 2⁶⁴ − 1. `held` is monotone.
     pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(u64) -> u64) -> u64 {
         let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
         let largest = units.map(|chunks| chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0));

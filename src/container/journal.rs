@@ -1,9 +1,12 @@
-//! What an unfinished container holds for certain, told by a journal beside it.
+//! A journal beside an unfinished container, from which a later process finds the complete chunks. No part of the format.
 //!
-//! A container has its index at the end, so a file whose writing was cut short says nothing about its chunks. The journal
-//! does: a record for each chunk, appended after the chunk's bytes, and notes of whoever makes the chunks. It is no part of
-//! the format; ARCHITECTURE.md, "Interrupted work", has its layout. Enters: journal and container as a killed process or a
-//! lost disk left them. Leaves: the longest run of chunks from the first on whose bytes are all there.
+//! A container has its index at the end, so a file whose writing was cut short does not describe its chunks. Writing the index after
+//! each batch instead would make the bytes of the file depend on when it was stopped, and need a file that can seek.
+//!
+//! Layout: the eight bytes `LFJOURN1`, then records: length of the body (u32), CRC-32 of kind and body (u32), kind (u8), body.
+//! Kind 0, the head: the configuration of the encode. Kind 1, a chunk: its row of the chunk table, and the last frame that its bytes
+//! depend on (u32). Kind 2: a note of the encoder. A chunk's record is written after the chunk's bytes, at least every 256 chunks or 4 MiB.
+//! Neither file is forced to the disk on the way, so [`recover`] compares the CRC-32 of every chunk with the container's bytes.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -16,7 +19,7 @@ use crate::container::serialize::{PutFields, write_head};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
-/// First eight bytes of a journal; the last of them counts its layouts.
+/// First eight bytes of a journal; the last is the version of the layout.
 pub const MAGIC: [u8; 8] = *b"LFJOURN1";
 /// Bytes before the body of a record: its length, its CRC-32, its kind.
 const RECORD_HEAD_BYTES: usize = 9;
@@ -24,7 +27,7 @@ const HEAD: u8 = 0;
 const CHUNK: u8 = 1;
 const NOTE: u8 = 2;
 
-/// 128 bits of hash, the CRC and the length: equal only for equal bytes, for all practical purposes.
+/// 128 bits of hash, the CRC and the length.
 pub(super) type Identity = [u64; 3];
 
 pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
@@ -37,24 +40,23 @@ pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
     [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
 }
 
-/// A chunk that is in the container as a whole.
+/// A chunk whose bytes are all in the container.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CompleteChunk {
     /// Its row of the chunk table.
     pub entry: ChunkEntry,
-    /// The last frame that had a part in its bytes: that of the chunk, or one that its encoder looked ahead at.
+    /// The last frame that its bytes depend on: its own last, or one of the lookahead.
     pub last_frame: u32,
 }
 
-/// How much of a container is safe, should the process end now.
+/// Chunks that survive the end of the process.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SafeChunks {
     pub count: u64,
     pub last: Option<ChunkKey>,
 }
 
-/// Appends records. They are gathered in memory until [`super::Writer::checkpoint`] has handed the chunks that they speak of
-/// to the system.
+/// Appends records. They stay in memory until [`super::Writer::checkpoint`] has written the chunks they describe.
 pub struct Journal {
     out: Box<dyn Write + Send>,
     gathered: Vec<u8>,
@@ -69,7 +71,7 @@ impl fmt::Debug for Journal {
 }
 
 impl Journal {
-    /// A journal from its first byte on; `head` tells what is encoded, and how.
+    /// A new journal; `head` is the configuration of the encode.
     pub fn start(out: Box<dyn Write + Send>, head: &[u8]) -> Journal {
         let (safe, pushed) = (SafeChunks::default(), SafeChunks::default());
         let mut journal = Journal { out, gathered: MAGIC.to_vec(), pushed, safe };
@@ -77,13 +79,13 @@ impl Journal {
         journal
     }
 
-    /// A journal that goes on behind what was recovered of it: `out` appends there.
+    /// Continues a recovered journal; `out` appends to it.
     pub fn go_on(out: Box<dyn Write + Send>, recovered: &Recovered) -> Journal {
         let safe = recovered.safe();
         Journal { out, gathered: Vec::new(), pushed: safe, safe }
     }
 
-    /// Adds a note, whose meaning is the caller's.
+    /// Adds a note of the caller.
     pub fn note(&mut self, body: &[u8]) {
         self.record(NOTE, body);
     }
@@ -108,7 +110,7 @@ impl Journal {
         self.pushed.count - self.safe.count
     }
 
-    /// Writes what was gathered, once all chunks that it speaks of are with the system.
+    /// Writes the gathered records; the chunks they describe are written.
     pub(super) fn write(&mut self) -> Result<()> {
         if !self.gathered.is_empty() {
             self.out.write_all(&self.gathered).and_then(|()| self.out.flush()).map_err(|error| Error::io("", error))?;
@@ -130,7 +132,7 @@ fn checksum(kind: u8, body: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// What is left of a container whose writing was cut short.
+/// The complete chunks of an unfinished container.
 #[derive(Debug, Clone, Default)]
 pub struct Recovered {
     head: Vec<u8>,
@@ -142,7 +144,7 @@ pub struct Recovered {
 }
 
 impl Recovered {
-    /// What is encoded, and how, as [`Journal::start`] was given it.
+    /// The head given to [`Journal::start`].
     pub fn head(&self) -> &[u8] {
         &self.head
     }
@@ -155,12 +157,12 @@ impl Recovered {
         self.notes.iter().map(Vec::as_slice)
     }
 
-    /// Bytes of the container that are sound: it is cut off there before it goes on.
+    /// Sound bytes of the container, which is truncated to them.
     pub fn container_bytes(&self) -> u64 {
         self.container_bytes
     }
 
-    /// Bytes of the journal that speak of them: it is cut off there before it goes on.
+    /// Sound bytes of the journal, which is truncated to them.
     pub fn journal_bytes(&self) -> u64 {
         self.journal_bytes
     }
@@ -252,7 +254,7 @@ pub fn recover(journal: &[u8], mut container: impl Read) -> Result<Option<Recove
     Ok(Some(found))
 }
 
-/// The next `count` bytes, or fewer at the end, which answers `false`.
+/// Reads the next `count` bytes; false at the end.
 fn read_some(from: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<bool> {
     bytes.clear();
     from.by_ref().take(count as u64).read_to_end(bytes).map_err(|error| Error::io("", error))?;

@@ -1,5 +1,6 @@
-//! LZMA2 for chunk payloads (container.md 6.1). The raw LZMA2 chunk stream, without xz framing: the container's own
-//! CRC-32 guards it.
+//! Decompresses chunk payloads (container.md 6.1): raw LZMA2 without xz framing, as the container has CRC-32s of its own.
+//!
+//! Each chunk is compressed by itself, so that random access survives. CALF compresses the data set as a whole.
 
 use std::io::Read;
 
@@ -7,16 +8,15 @@ use crate::error::{Error, Result};
 
 /// Smallest dictionary that LZMA2 knows.
 const MIN_DICTIONARY: u32 = 1 << 12;
-/// Largest dictionary that a container uses, so that a chunk's claims never cost a reader more than this.
+/// Largest dictionary of a container, which bounds the memory of a reader.
 const MAX_DICTIONARY: u32 = 1 << 24;
 
-/// Dictionary size that encoder and decoder use for a payload of `raw_bytes`: the power of two that covers it,
-/// from 4 KiB to 16 MiB.
+/// Dictionary size of a payload: the power of two that covers it, from 4 KiB to 16 MiB.
 pub fn dictionary_bytes(raw_bytes: u32) -> u32 {
     raw_bytes.clamp(MIN_DICTIONARY, MAX_DICTIONARY).next_power_of_two()
 }
 
-/// Decompresses exactly `raw_bytes`; memory grows with what really comes out.
+/// Decompresses exactly `raw_bytes`; memory grows with the output.
 pub fn decompress(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     let mut reader = lzma_rust2::Lzma2Reader::new(stored, dictionary_bytes(raw_bytes), None);
     let mut raw = Vec::new();

@@ -1,4 +1,4 @@
-//! Compresses chunk payloads (container.md 6.1).
+//! Compresses chunk payloads (container.md 6.1), by `lzma-rust2`: `lzma-rs` 0.3 writes valid streams that store.
 
 use std::io::Write;
 

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crate::error::{Error, Result};
 
-/// Takes what comes out, up to a number of bytes.
+/// Output of at most `most` bytes.
 struct Capped {
     raw: Vec<u8>,
     most: usize,
@@ -24,7 +24,7 @@ impl Write for Capped {
     }
 }
 
-/// Decompresses at most `raw_bytes` with an independent implementation, for verification.
+/// Decompresses at most `raw_bytes` by `lzma-rs`.
 pub fn decompress_independent(stored: &[u8], raw_bytes: u32) -> Result<Vec<u8>> {
     let mut capped = Capped { raw: Vec::new(), most: raw_bytes as usize };
     lzma_rs::lzma2_decompress(&mut std::io::BufReader::new(stored), &mut capped)

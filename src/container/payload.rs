@@ -1,4 +1,4 @@
-//! The bytes of a chunk: read into memory of their own, or a part of a container that lies in memory as a whole.
+//! The bytes of a chunk: in memory of their own, or a part of a container in shared memory.
 
 use std::ops::{Deref, Range};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ impl Payload {
         Payload { backing: Backing::Shared(Arc::clone(memory)), range }
     }
 
-    /// The first `length` bytes of memory that may be longer, so that it need not be cleared to be used again.
+    /// The first `length` bytes of memory, which is kept for the next chunk.
     pub fn front_of(memory: Vec<u8>, length: usize) -> Payload {
         let length = length.min(memory.len());
         Payload { backing: Backing::Own(memory), range: 0..length }

@@ -173,7 +173,7 @@ impl Reader {
         self.load_stored(chunk).map_err(|error| self.blame(chunk, error))
     }
 
-    /// As [`Self::fetch_stored`], for callers that say themselves which chunk an error came from.
+    /// As [`Self::fetch_stored`], with errors that do not name the chunk.
     pub fn load_stored(&self, chunk: &ChunkEntry) -> Result<Vec<u8>> {
         self.load_stored_into(chunk, Vec::new()).map(Payload::into_vec)
     }
@@ -190,12 +190,12 @@ impl Reader {
         self.fetch_into(chunk, Vec::new())
     }
 
-    /// A chunk's payload in memory that is no longer needed: fresh memory costs more than reading into it.
+    /// A chunk's payload, read into `spare` memory.
     pub fn fetch_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
         self.load_into(chunk, spare).map_err(|error| self.blame(chunk, error))
     }
 
-    /// As [`Self::fetch_into`], for callers that say themselves which chunk an error came from.
+    /// As [`Self::fetch_into`], with errors that do not name the chunk.
     pub fn load_into(&self, chunk: &ChunkEntry, spare: Vec<u8>) -> Result<Payload> {
         let stored = self.load_stored_into(chunk, spare)?;
         match chunk.storage {
@@ -204,7 +204,7 @@ impl Reader {
         }
     }
 
-    /// Says which chunk of which file an error came from.
+    /// Names the chunk and the file in an error.
     pub fn blame(&self, chunk: &ChunkEntry, error: Error) -> Error {
         let key = chunk.key;
         let last = key.first_frame + (key.frame_count - 1);
@@ -239,12 +239,12 @@ impl Reader {
     }
 }
 
-/// What is said of a named input without a single byte, as a command that failed before a pipe leaves it.
+/// The error of an input without a byte, as a command that failed leaves it in a pipe.
 fn empty(what: &str) -> Error {
     Error::invalid(format!("{what} is empty, where a .lfold container was expected"))
 }
 
-/// Reads a stream to its end, which an endless one that is no container never reaches; errors call it `what`.
+/// Reads a stream to its end, unless its head is not that of a container.
 fn read_stream(mut stream: impl Read, what: &str) -> Result<Vec<u8>> {
     let io = |error| Error::io("", error);
     let mut memory = Vec::new();

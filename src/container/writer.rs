@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 const CHECKPOINT_CHUNKS: u64 = 256;
 const CHECKPOINT_BYTES: u64 = 4 << 20;
 
-/// A payload made ready for storing: compressing it is the slow part, and needs no writer.
+/// A compressed payload, ready for a writer.
 #[derive(Debug, Clone)]
 pub struct PackedChunk {
     pub key: ChunkKey,
@@ -28,7 +28,7 @@ pub struct PackedChunk {
 }
 
 impl PackedChunk {
-    /// Compresses at LZMA2 preset `level` where one is given and it helps.
+    /// Compresses at LZMA2 preset `level`, if given, where that is smaller.
     pub fn new(key: ChunkKey, payload: Vec<u8>, level: Option<u32>) -> Result<PackedChunk> {
         let raw_bytes = u32::try_from(payload.len()).ok().filter(|&bytes| bytes <= MAX_CHUNK_BYTES);
         let Some(raw_bytes) = raw_bytes else {
@@ -47,7 +47,7 @@ impl PackedChunk {
         Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
     }
 
-    /// Takes the stored bytes of a chunk of another container as they are.
+    /// The stored bytes of a chunk of another container.
     pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
         if stored.len() != entry.stored_bytes as usize {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
@@ -90,7 +90,7 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// The same with a journal, from which the chunks are found again after this process.
+    /// With a journal.
     #[must_use]
     pub fn with_journal(self, journal: Journal) -> Self {
         Writer { journal: Some(journal), ..self }
@@ -121,7 +121,7 @@ impl<W: Write> Writer<W> {
         self.push_after(chunk, chunk.key.first_frame + (chunk.key.frame_count - 1))
     }
 
-    /// Appends a chunk whose encoder has looked at frames up to `last_frame` for it.
+    /// Appends a chunk that depends on frames up to `last_frame`.
     pub fn push_after(&mut self, chunk: &PackedChunk, last_frame: u32) -> Result<()> {
         let offset = match self.stored.get(&chunk.identity) {
             Some(&offset) => offset,
@@ -155,7 +155,7 @@ impl<W: Write> Writer<W> {
         }
     }
 
-    /// Brings the journal, if there is one, up to date: all chunks so far survive this process.
+    /// Brings the journal, if there is one, up to date: all chunks so far survive the process.
     pub fn checkpoint(&mut self) -> Result<()> {
         let Some(journal) = &mut self.journal else { return Ok(()) };
         self.out.flush().map_err(|error| Error::io("", error))?;
@@ -183,7 +183,6 @@ impl<W: Write> Writer<W> {
         self.index.chunks.sort_by_key(|chunk| chunk.key);
         let index = self.index.write()?;
         let bytes = self.position + (index.len() + FOOT_BYTES) as u64;
-        // What no reader would open is an error now, not when it is opened.
         Index::read(&index, self.position)
             .and_then(|read| {
                 limits::check(&read, bytes, OpenLimits::default())?;

@@ -1,11 +1,8 @@
-//! The picture that every decoder of boxes in blocks holds, kept in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
+//! Boxes in blocks: the decoder's picture in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
 //!
-//! Enters: the unit's pixels, frame by frame, by way of [`TemporalEncoder`]. Leaves: records whose boxes are cut into block tiles.
+//! A block within epsilon of the source is left alone. Another is encoded from the source, or held as values where a pixel of the
+//! encoded block is not within epsilon. It is sent as it is held in this frame and the W - 1 after it, which keeps the window rule.
 //! Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
-//!
-//! A block that a decoder may keep showing is left alone. One that it may not is encoded anew from the source; where a pixel
-//! of what comes out leaves the bound, the values are held instead. Either way all of it counts as changed, and is sent, as
-//! it is held, in this frame and the W - 1 after it: so every legal path shows the same picture.
 
 use crate::block::{self, BlockFormat, SIDE, TEXELS};
 use crate::depth::block_tiles::encode::{self, EncodeTexel};

@@ -27,7 +27,7 @@ pub(crate) struct Frame {
     mean_square: [f64; 2],
 }
 
-/// What a function should yield in a pixel.
+/// A pixel that a function is fitted to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     /// Column and row in the frame.

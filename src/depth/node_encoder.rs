@@ -1,11 +1,10 @@
 //! Encodes the frames of one unit as packed nodes: a keyframe, then the nodes over what changes (GDC 2.1, 3, 4).
 //!
-//! Enters: the unit's codes, frame by frame. Leaves: payloads of [`crate::depth::node_chunk`].
+//! In: the unit's codes, frame by frame. Out: payloads of [`crate::depth::node_chunk`].
 //!
-//! The loop is closed: the source is compared with what the decoder holds, and a leaf is sent as soon as one of its
-//! pixels is farther from it than bound and epsilon together. Any path of steps of at most W frames must lead to the
-//! same picture, so a node is sent again, byte by byte, for W − 1 frames after its first. Where one of its leaves
-//! must change within that time, all of it is modelled anew: a part of it cannot be sent alone.
+//! The loop is closed: a leaf is dirty once a pixel of the source is farther from the decoder's picture than bound and epsilon together.
+//! For the window rule (depth.md 4) a node is sent again, bit for bit, in the W − 1 frames after its first: an approximation of the
+//! decoder's picture would be another picture. Where one of its leaves becomes dirty within that time, all of it is modelled anew.
 
 use crate::container::EncodedChunk;
 use crate::depth::block::BlockMut;

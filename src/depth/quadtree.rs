@@ -1,8 +1,8 @@
 //! Builds the partial quadtree over the leaves that a frame must send, bottom up (GDC 3, 6.4; depth.md 7).
 //!
-//! Enters: a picture of codes and the leaves that must be sent. Leaves: for each place with such leaves the best
-//! function within the bound, where there is one. A place is tried only when enough of its children exist and all of
-//! these have one function each: a surface that no function follows at one level is not followed at the next.
+//! In: a picture of codes and its dirty leaves. Out: for each place with dirty leaves the best function within the bound, if any. A place
+//! is tried only where enough of its children are dirty and each has one function: what no function follows in a part is hardly
+//! followed as a whole, and large nodes cost the most time.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,7 @@ pub struct DirtyLeaves<'a> {
 /// are the picture's.
 pub type Tree = HashMap<Place, Approximation>;
 
-/// What was found for a frame before, at a larger bound.
+/// The tree of a frame at a larger bound.
 #[derive(Debug, Clone, Default)]
 pub struct Known {
     pub tree: Tree,
@@ -53,7 +53,7 @@ pub struct Build<'a> {
     pub known: Option<&'a Known>,
 }
 
-/// What a place came to.
+/// The result of a visit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visited {
     /// No leaf in it is dirty, and a node may cover it.

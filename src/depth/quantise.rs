@@ -1,7 +1,8 @@
 //! Metres to 16-bit log codes and back (depth.md 2).
 //!
-//! Based on: CALF 5.3, equation 13. The paper spreads 2^16 − 1 steps from near to far; here the last code stands for
-//! "nothing there", so that a background is exact, and 65,534 steps are left for surfaces.
+//! Based on: CALF 5.3, equation 13. The paper spends all codes on surfaces, so that the sky becomes one at far. Here code 65535 is the
+//! background, exactly, and 65,534 steps of 0.0015% of the span are left. Near and far are those of the probe, as close to its
+//! surfaces as the footage allows; its six faces share them, so that no seam shows.
 
 use crate::error::{Error, Result};
 

@@ -1,7 +1,6 @@
 //! Encodes the frames of one unit into chunks: a keyframe, then boxes around what changes (CALF 5.2, algorithm 3).
 //!
-//! Enters: the unit's pixels, frame by frame. Leaves: payloads of [`crate::depth::records`], one for each group of
-//! frames. Memory: two pictures and the open chunk.
+//! In: the unit's pixels, frame by frame. Out: payloads of [`crate::depth::records`]. Memory: two pictures and the open chunk.
 
 use crate::container::EncodedChunk;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
@@ -14,7 +13,7 @@ use crate::error::Result;
 /// A chunk is closed early when it has grown to this many bytes, so that no keyframe interval is too long to store.
 pub const CLOSE_AT_BYTES: usize = 256 << 20;
 
-/// What an encoder knows of the picture that every decoder holds, and how it writes that picture.
+/// The decoder's picture, and how boxes of it are written.
 pub trait Held<T: Texel> {
     fn start(&mut self, source: &[T]) -> ChunkBuilder<T>;
 

@@ -1,6 +1,6 @@
 //! How close each modelling function comes to tiles of 8x8 pixels, without any bound (GDC figure 6).
 //!
-//! Enters: pictures of codes. Leaves: a distribution of PSNR for each function. Raw nodes are left out: they are exact.
+//! In: pictures of codes. Out: the distribution of PSNR for each function but raw, which is exact.
 
 use crate::depth::bc4w::search;
 use crate::depth::biquadratic::Biquadratic;
@@ -14,8 +14,7 @@ use crate::effort::Effort;
 /// Level of the tiles: 8x8 pixels, the only one that all functions know.
 pub const TILE_LEVEL: u8 = 1;
 pub const TILE_SIDE: usize = 8;
-/// What a tile without any error counts for in a mean, in dB: the PSNR of the least error that a tile can have, one
-/// pixel that is off by one code.
+/// A tile without error counts for this in a mean, in dB: the PSNR of one pixel off by one code.
 pub const EXACT_DB: f64 = 114.391_265_8;
 /// Width of the bins of [`PsnrDistribution::histogram`] in dB.
 pub const BIN_DB: usize = 5;
@@ -69,7 +68,7 @@ pub struct PsnrDistribution {
     min_db: f64,
 }
 
-/// What all functions make of many tiles.
+/// The PSNR of all functions over many tiles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TilePsnr {
     /// By [`TileModel`].

@@ -1,12 +1,8 @@
-//! What a decoder holds, and which pixels a frame must send so that every legal path leads to the same picture.
+//! The picture of a decoder, and which pixels a frame must send (the window rule, depth.md 4).
 //!
-//! Based on: CALF 5.2, algorithm 3. The paper compares source frame with source frame; a pixel that creeps by less
-//! than epsilon a frame is then never sent and drifts without limit. Here the source is compared with what the
-//! decoder holds, so the bound holds in every frame.
-//!
-//! A decoder may step from frame p to frame n ≤ p + W of one group. Outside the pixels that frame n sends, all the
-//! frames p it may come from must hold the same value as frame n. So a pixel is sent while fewer than W frames have
-//! passed since it last changed.
+//! Based on: CALF 5.2, algorithm 3. The paper compares source frames with each other; a pixel that creeps by less than epsilon a frame is
+//! then never sent and drifts without limit. Here the loop is closed: the source is compared with the decoder's picture. A pixel is sent
+//! while fewer than W frames have passed since it changed.
 
 use crate::depth::texel::Texel;
 

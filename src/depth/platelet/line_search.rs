@@ -1,7 +1,6 @@
-//! Which line parts a block: searched by moments, or found between two sets of pixels.
+//! Searches the line of a platelet: by image moments of its sides, or between two sets of pixels.
 //!
-//! Enters: a block of codes. Leaves: lines of platelets. Based on: GDC 3.2, after Morvan et al. 2006; sums over half
-//! planes come from sums along rows, so that a line costs its rows and not its pixels.
+//! Based on: GDC 3.2, after Morvan et al. 2006. Moments of a side come from sums along rows, so that a line costs its rows, not its pixels.
 
 use crate::depth::block::{Block, side_of};
 use crate::depth::domain::{Domain, DomainKind};
@@ -18,7 +17,7 @@ const TRIES: usize = 4;
 /// Points close to a separating line, in each half of it, of which all pairs are tried.
 const CLOSE_POINTS: usize = 12;
 
-/// The point so far around the square, clockwise from the top left.
+/// The point at a distance along the square, clockwise from the top left.
 fn point_at(way: i32) -> [u8; 2] {
     let way = way.rem_euclid(AROUND);
     let along = way % END;
@@ -36,9 +35,9 @@ fn line_between(ways: [i32; 2]) -> [u8; 4] {
     [x0, y0, x1, y1]
 }
 
-/// Sums over a set of pixels: their number, of x, y, their products, of values, and of values times x and y.
+/// Moments of a set of pixels: number, x, y, their products, values, and values times x and y.
 #[derive(Debug, Clone, Copy, Default)]
-struct Sums {
+struct Moments {
     count: f64,
     x: f64,
     y: f64,
@@ -50,7 +49,7 @@ struct Sums {
     value_y: f64,
 }
 
-impl Sums {
+impl Moments {
     /// How much of the sum of squared values a plane explains.
     #[inline]
     fn explained(&self) -> f64 {
@@ -75,8 +74,8 @@ impl Sums {
         }
     }
 
-    fn without(&self, other: &Sums) -> Sums {
-        Sums {
+    fn without(&self, other: &Moments) -> Moments {
+        Moments {
             count: self.count - other.count,
             x: self.x - other.x,
             y: self.y - other.y,
@@ -108,16 +107,16 @@ pub(crate) struct LineSearch {
     level: u8,
     width: usize,
     height: usize,
-    /// Sums of values and of x times value over the first pixels of each row, `width + 1` for each.
+    /// Moments of values and of x times value over the first pixels of each row, `width + 1` for each.
     values: Vec<[f64; 2]>,
     /// Count, sums of x and of x² over the first pixels of any row.
     columns: Vec<[f64; 3]>,
-    all: Sums,
+    all: Moments,
     energy: f64,
 }
 
 impl LineSearch {
-    /// Sums of a block: of codes, or of what stands for them, brought to about the size of codes.
+    /// Moments of a block: of codes, or of what stands for them, brought to about the size of codes.
     pub fn new(block: &Block, domain: &Domain) -> LineSearch {
         let (width, height) = (block.width(), block.height());
         let mean = block.rows().flatten().map(|&code| u64::from(code)).sum::<u64>() / block.pixel_count() as u64;
@@ -129,7 +128,7 @@ impl LineSearch {
             let ([count, sum, square], x) = (columns[x], x as f64 - centre[0]);
             columns.push([count + 1.0, sum + x, square + x * x]);
         }
-        let (mut values, mut all, mut energy) = (Vec::with_capacity((width + 1) * height), Sums::default(), 0.0);
+        let (mut values, mut all, mut energy) = (Vec::with_capacity((width + 1) * height), Moments::default(), 0.0);
         let log = domain.kind() == DomainKind::Log;
         for (y, row) in block.rows().enumerate() {
             let (mut sum, mut across) = (0.0, 0.0);
@@ -151,7 +150,7 @@ impl LineSearch {
     /// Sum of squared errors of the two best planes beside a line.
     fn squared_error(&self, line: [u8; 4]) -> f64 {
         let test = SideTest::new(line, self.level);
-        let mut part = Sums::default();
+        let mut part = Moments::default();
         let mut y = -((self.height - 1) as f64) / 2.0;
         // Where the test changes its sign along a row, and by how much that moves from row to row. Ties count as A:
         // they differ from all else by more than the small number.
