@@ -15,8 +15,8 @@ pub(super) struct Mode {
     pub(super) precision: u32,
     /// Bits of the endpoints after the first of red, green and blue, where they are stored as differences from the first.
     pub(super) delta: Option<[u32; 3]>,
-    /// The values whose bits follow the code, in the order of the block's bits: a channel (r, g, b) and an endpoint (w, x, y, z)
-    /// or the number of the partition (d), and which of its bits.
+    /// The values whose bits follow the code, in the order of the block's bits: a channel (r, g, b) and an endpoint (w, x,
+    /// y, z) or the number of the partition (d), and which of its bits.
     pub(super) layout: &'static str,
 }
 
@@ -61,7 +61,6 @@ const fn mode(code: u32, precision: u32, delta: Option<[u32; 3]>, layout: &'stat
     Mode { code, subsets: if two { 2 } else { 1 }, precision, delta, layout }
 }
 
-/// Most bits that a layout deals out.
 const LAYOUT_BITS: usize = 80;
 /// Number of the partition among the values of a block; those before are the channels of endpoint w, of x, of y and of z.
 const PARTITION: usize = 12;
@@ -134,7 +133,6 @@ struct Run {
     count: u32,
 }
 
-/// Most runs of a mode.
 const RUNS: usize = 32;
 
 /// [`TARGETS`] in runs; what is left of a row moves no bits.
@@ -224,7 +222,6 @@ fn endpoints(mode: &Mode, values: &[u32; PARTITION + 1]) -> [[u32; 3]; 4] {
     })
 }
 
-/// A number of `precision` bits spread over 16.
 fn widen(value: u32, precision: u32) -> u32 {
     if precision >= 15 || value == 0 {
         value

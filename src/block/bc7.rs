@@ -1,7 +1,7 @@
 //! BC7: four channels of 8 bits, 16 pixels in 16 bytes (formats/blocks.md 8).
 //!
-//! In: a block. Out: RGBA, or RGB, of its 16 pixels, row by row. Each mode is a function of its own in which the places of all bits
-//! are known, and the four channels of a pixel are interpolated in one product, in lanes of a 64-bit number.
+//! In: a block. Out: RGBA, or RGB, of its 16 pixels, row by row. Each mode is a function of its own in which the places of
+//! all bits are known, and the four channels of a pixel are interpolated in one product, in lanes of a 64-bit number.
 
 use super::TEXELS;
 use super::bptc::{Line, Partition, field, open, weight};

@@ -1,5 +1,5 @@
-//! What BC6H and BC7 share (formats/blocks.md 6): partitions of the pixels into subsets, indices, and interpolation between two
-//! endpoints. The tables are those of BPTC in the Khronos Data Format Specification.
+//! What BC6H and BC7 share (formats/blocks.md 6): partitions of the pixels into subsets, indices, and interpolation
+//! between two endpoints. The tables are those of BPTC in the Khronos Data Format Specification.
 
 use super::TEXELS;
 

@@ -1,7 +1,7 @@
 //! Encoders of blocks: libraries behind one trait.
 //!
-//! `intel_tex_2` encodes BC1, BC6H and BC7; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the better block of the
-//! two is kept. Errors are measured with our decoders.
+//! `intel_tex_2` encodes BC1, BC6H and BC7; `dds` encodes BC4 and BC5, and BC1 again at exhaustive effort, where the
+//! better block of the two is kept. Errors are measured with our decoders.
 
 use dds::{ColorFormat, CompressionQuality, EncodeOptions, Format, ImageView, Size};
 use intel_tex_2::{RgbaSurface, bc1, bc6h, bc7};
@@ -11,8 +11,8 @@ use crate::effort::Effort;
 
 /// A search for the blocks of an image.
 ///
-/// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction set, so another
-/// family of processors may find other blocks: bytes of such files are the same on one machine only.
+/// A block depends on its own pixels and the effort alone. `intel_tex_2` selects kernels by the processor's instruction
+/// set, so another family of processors may find other blocks: bytes of such files are the same on one machine only.
 pub trait BlockEncoder: Sync {
     type Texel: Copy;
     /// Blocks of [`grid`]`(width, height)`, row by row, for `width` x `height` pixels, row by row.
@@ -119,7 +119,6 @@ fn unsigned_half(bits: u16) -> u16 {
     }
 }
 
-/// Pixels of one or more rows of blocks, padded to whole blocks.
 struct Band<T> {
     pixels: Vec<T>,
     width: usize,
@@ -139,7 +138,6 @@ impl<T> Band<T> {
     }
 }
 
-/// Cuts an image into bands and joins their blocks.
 fn in_bands<T: Copy>(pixels: &[T], width: usize, height: usize, encode: impl Fn(&Band<T>) -> Vec<u8>) -> Vec<u8> {
     let [columns, rows] = grid(width, height);
     let (Some(&last), true) = (pixels.last(), columns > 0) else { return Vec::new() };

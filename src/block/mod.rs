@@ -1,7 +1,7 @@
 //! Block-compressed images: 4x4 pixels in 8 or 16 bytes, as GPUs read them.
 //!
-//! The meaning of a block is part of the format, so decoders are ours, in integers (formats/blocks.md), and compared with an independent
-//! decoder in every mode. Encoders are libraries behind a trait ([`encode`]).
+//! The meaning of a block is part of the format, so decoders are ours, in integers (formats/blocks.md), and compared with
+//! an independent decoder in every mode. Encoders are libraries behind a trait ([`encode`]).
 
 pub mod bc1;
 pub mod bc4;
@@ -15,7 +15,6 @@ mod encode;
 #[cfg(feature = "encode")]
 pub use encode::BlockEncoder;
 
-/// Columns, and rows, of pixels in a block.
 pub const SIDE: usize = 4;
 pub const TEXELS: usize = SIDE * SIDE;
 
@@ -24,7 +23,6 @@ pub fn grid(width: usize, height: usize) -> [usize; 2] {
     [width.div_ceil(SIDE), height.div_ceil(SIDE)]
 }
 
-/// A format of blocks, as containers use it.
 pub trait BlockFormat {
     type Texel: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug + 'static;
     const BYTES: usize;
@@ -32,23 +30,18 @@ pub trait BlockFormat {
     fn decode_block(block: &[u8], out: &mut [Self::Texel; TEXELS]);
 }
 
-/// RGB in 8 bytes ([`bc1`]); alpha is ignored.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc1;
 
-/// One channel in 8 bytes ([`bc4`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc4;
 
-/// Two channels in 16 bytes ([`bc5`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc5;
 
-/// RGB of half floats without a sign in 16 bytes ([`bc6h`]).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc6h;
 
-/// RGB in 16 bytes ([`bc7`]); alpha is dropped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Bc7;
 
@@ -104,8 +97,8 @@ impl BlockFormat for Bc7 {
 
 /// Decodes an image of `width` x `height` pixels (formats/blocks.md 2).
 ///
-/// `blocks` holds the blocks of [`grid`] row by row, [`BlockFormat::BYTES`] each; `pixels` takes the pixels row by row. What of
-/// a block lies past the right or the bottom edge is dropped. Pixels whose block is missing stay as they are.
+/// `blocks` holds the blocks of [`grid`] row by row, [`BlockFormat::BYTES`] each; `pixels` takes the pixels row by row.
+/// What of a block lies past the right or the bottom edge is dropped. Pixels whose block is missing stay as they are.
 pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, pixels: &mut [F::Texel]) {
     let [columns, rows] = grid(width, height);
     if columns == 0 {

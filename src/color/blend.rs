@@ -4,7 +4,6 @@
 
 use half::f16;
 
-/// A colour sample as the decoder interpolates it.
 pub trait Sample: Copy + Eq + Default + Send + Sync + std::fmt::Debug + 'static {
     const BYTES: usize;
 
@@ -60,7 +59,6 @@ impl Sample for u8 {
 pub struct HalfKey(pub u16);
 
 impl HalfKey {
-    /// The key of a half float's bit pattern.
     #[inline(always)]
     pub fn from_bits(bits: u16) -> HalfKey {
         // All ones for negative values, only the sign bit for the others.

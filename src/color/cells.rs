@@ -14,9 +14,7 @@ const SECTION: &str = "color.md 4";
 const CLOSED_BY_NEXT: u8 = 1;
 /// Weights that a chunk may hold: more than twelve hours at 24 frames a second (color.md 4).
 pub const MAX_WEIGHTS: u32 = 1 << 20;
-/// Bytes of a cell payload before its table of keyframes.
 const FIXED_BYTES: usize = 8;
-/// Bytes of a row of the table of keyframes.
 const KEYFRAME_ROW_BYTES: usize = 4;
 /// Bit of a row, in codecs of blocks: this keyframe is stored as samples.
 const AS_SAMPLES: u32 = 1 << 31;
@@ -48,7 +46,6 @@ impl<S: Sample> CellFormat<S> {
     }
 }
 
-/// Where a keyframe lies in the payload.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     start: usize,
@@ -64,7 +61,6 @@ pub struct Blend {
     pub weight: u8,
 }
 
-/// A payload that has been checked, ready to be decoded.
 #[derive(Debug, Clone)]
 pub struct CellChunk<S> {
     payload: Payload,
@@ -170,7 +166,6 @@ impl<S: Sample> CellChunk<S> {
         (self.weights.start, &self.payload[self.weights.clone()])
     }
 
-    /// Offset in the payload of a keyframe's first sample or block.
     pub fn keyframe_at(&self, keyframe: usize) -> usize {
         self.places[keyframe].start
     }

@@ -16,7 +16,6 @@ pub struct KeyframeBlocks<S> {
 }
 
 impl<S> KeyframeBlocks<S> {
-    /// Bytes of an image of this width and height.
     pub fn image_bytes(&self, [width, height]: [usize; 2]) -> usize {
         let [columns, rows] = block::grid(width, height);
         columns * rows * self.bytes

@@ -15,7 +15,6 @@ pub const PU_STEPS: f64 = 64.0;
 /// Samples whose squared errors are summed in 32 bits before they are carried over.
 const BLOCK: usize = 2048;
 
-/// A metric over samples of one kind.
 pub trait Quality<S: Sample>: Sync {
     /// The peak that PSNR refers to, in the metric's steps.
     fn peak(&self) -> f64;
@@ -75,7 +74,6 @@ impl Pu21 {
         Ok(Pu21 { steps: (0..=u16::MAX).map(step).collect() })
     }
 
-    /// Refuses a luminance of white that means nothing.
     pub fn check_white(white_cd_m2: f64) -> Result<()> {
         if white_cd_m2.is_finite() && white_cd_m2 > 0.0 {
             Ok(())

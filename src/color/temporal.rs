@@ -15,10 +15,8 @@ use crate::error::Result;
 /// A chunk is closed at the first keyframe after it has grown to this many bytes. Larger chunks compress better,
 /// smaller ones cost less to reach into.
 pub const CLOSE_AT_BYTES: usize = 512 << 10;
-/// Keyframes that a chunk may hold.
 const MAX_KEYFRAMES: usize = 4096;
 
-/// A picture and how often it is repeated.
 #[derive(Debug)]
 struct Entry<S> {
     samples: Vec<S>,
@@ -34,7 +32,6 @@ pub struct BlockStage<S> {
     pub final_psnr_db: f64,
 }
 
-/// A keyframe as it is stored and shown.
 #[derive(Debug)]
 enum Keyframe<S> {
     Samples,
@@ -57,7 +54,6 @@ pub struct CellEncoder<S> {
     close_at_bytes: usize,
     /// The last keyframe, and what came after it.
     pending: Vec<Entry<S>>,
-    /// How the first of them is stored.
     keyframe: Keyframe<S>,
     open: CellBuilder,
     chunk_first: u32,

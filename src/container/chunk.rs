@@ -14,7 +14,6 @@ pub const MAX_EXPANSION: u64 = 16_384;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Storage {
-    /// As they are.
     Raw = 0,
     /// As one LZMA2 stream, with the dictionary of [`dictionary_bytes`](crate::container::lzma2::dictionary_bytes).
     Lzma2 = 1,
@@ -22,7 +21,6 @@ pub enum Storage {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ChunkKey {
-    /// Index of the stream in the stream table.
     pub stream: u32,
     /// Tile or cell of the stream, row-major.
     pub unit: u32,
@@ -40,7 +38,6 @@ pub enum ChunkPlace {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChunkEntry {
-    /// What the chunk holds.
     pub key: ChunkKey,
     pub offset: u64,
     pub stored_bytes: u32,
@@ -84,7 +81,6 @@ impl ChunkEntry {
     }
 }
 
-/// A finished chunk of one unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct EncodedChunk {
     /// Frames since the unit's first.

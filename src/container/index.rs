@@ -47,7 +47,6 @@ pub struct StreamEntry {
     /// Width of a unit (tile or cell); units in the last column are cut off at the image's edge.
     pub unit_width: u32,
     pub unit_height: u32,
-    /// The codec's header.
     pub codec_header: Vec<u8>,
 }
 
@@ -74,7 +73,6 @@ impl StreamEntry {
     }
 }
 
-/// The tables of a container.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Index {
     pub name: String,
@@ -147,8 +145,8 @@ impl Index {
         &self.chunks[start..start + length]
     }
 
-    /// Memory for the payloads of a stream's decoder, which holds one of each unit: the sum of `held` of the largest payload of
-    /// each unit, at most 2⁶⁴ − 1. `held` is monotone.
+    /// Memory for the payloads of a stream's decoder, which holds one of each unit: the sum of `held` of the largest
+    /// payload of each unit, at most 2⁶⁴ − 1. `held` is monotone.
     pub fn held_payload_bytes(&self, stream: u32, held: impl Fn(u64) -> u64) -> u64 {
         let units = self.stream_chunks(stream).chunk_by(|a, b| a.key.unit == b.key.unit);
         let largest = units.map(|chunks| chunks.iter().map(|chunk| u64::from(chunk.raw_bytes)).max().unwrap_or(0));

@@ -1,12 +1,14 @@
 //! A journal beside an unfinished container, from which a later process finds the complete chunks. No part of the format.
 //!
-//! A container has its index at the end, so a file whose writing was cut short does not describe its chunks. Writing the index after
-//! each batch instead would make the bytes of the file depend on when it was stopped, and need a file that can seek.
+//! A container has its index at the end, so a file whose writing was cut short does not describe its chunks. Writing the
+//! index after each batch instead would make the bytes of the file depend on when it was stopped, and need a file that can
+//! seek.
 //!
-//! Layout: the eight bytes `LFJOURN1`, then records: length of the body (u32), CRC-32 of kind and body (u32), kind (u8), body.
-//! Kind 0, the head: the configuration of the encode. Kind 1, a chunk: its row of the chunk table, and the last frame that its bytes
-//! depend on (u32). Kind 2: a note of the encoder. A chunk's record is written after the chunk's bytes, at least every 256 chunks or 4 MiB.
-//! Neither file is forced to the disk on the way, so [`recover`] compares the CRC-32 of every chunk with the container's bytes.
+//! Layout: the eight bytes `LFJOURN1`, then records: length of the body (u32), CRC-32 of kind and body (u32), kind (u8),
+//! body. Kind 0, the head: the configuration of the encode. Kind 1, a chunk: its row of the chunk table, and the last
+//! frame that its bytes depend on (u32). Kind 2: a note of the encoder. A chunk's record is written after the chunk's
+//! bytes, at least every 256 chunks or 4 MiB. Neither file is forced to the disk on the way, so [`recover`] compares the
+//! CRC-32 of every chunk with the container's bytes.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -40,10 +42,8 @@ pub(super) fn identity(stored: &[u8], crc32: u32) -> Identity {
     [hash(1), hash(2), u64::from(crc32) << 32 | stored.len() as u64]
 }
 
-/// A chunk whose bytes are all in the container.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CompleteChunk {
-    /// Its row of the chunk table.
     pub entry: ChunkEntry,
     /// The last frame that its bytes depend on: its own last, or one of the lookahead.
     pub last_frame: u32,
@@ -85,7 +85,6 @@ impl Journal {
         Journal { out, gathered: Vec::new(), pushed: safe, safe }
     }
 
-    /// Adds a note of the caller.
     pub fn note(&mut self, body: &[u8]) {
         self.record(NOTE, body);
     }
@@ -132,7 +131,6 @@ fn checksum(kind: u8, body: &[u8]) -> u32 {
     hasher.finalize()
 }
 
-/// The complete chunks of an unfinished container.
 #[derive(Debug, Clone, Default)]
 pub struct Recovered {
     head: Vec<u8>,
@@ -144,7 +142,6 @@ pub struct Recovered {
 }
 
 impl Recovered {
-    /// The head given to [`Journal::start`].
     pub fn head(&self) -> &[u8] {
         &self.head
     }
@@ -270,7 +267,6 @@ fn read_chunk(body: &[u8]) -> Option<CompleteChunk> {
     (has_frames && fields.finish().is_ok()).then_some(chunk)
 }
 
-/// The records of a journal, up to the first that is not sound.
 struct Records<'a> {
     bytes: &'a [u8],
     position: usize,

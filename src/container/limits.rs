@@ -28,7 +28,6 @@ impl OpenLimits {
         pixels_floor: 1 << 38,
         pixels_ratio: 1 << 20,
     };
-    /// For a file that is trusted: whatever the format allows.
     pub const NONE: OpenLimits = OpenLimits {
         memory_floor_bytes: u64::MAX,
         unit_frames_floor: u64::MAX,
@@ -48,12 +47,10 @@ impl OpenLimits {
         self.stream_bytes(file_bytes).saturating_mul(Self::ALL_STREAMS)
     }
 
-    /// Units times frames that a file of `file_bytes` may have.
     pub fn unit_frames(&self, file_bytes: u64) -> u64 {
         self.unit_frames_floor.saturating_add(self.unit_frames_ratio.saturating_mul(file_bytes))
     }
 
-    /// Pixels that all images of a file of `file_bytes` may have.
     pub fn pixels(&self, file_bytes: u64) -> u64 {
         self.pixels_floor.saturating_add(self.pixels_ratio.saturating_mul(file_bytes))
     }

@@ -6,7 +6,6 @@ use std::io::Read;
 
 use crate::error::{Error, Result};
 
-/// Smallest dictionary that LZMA2 knows.
 const MIN_DICTIONARY: u32 = 1 << 12;
 /// Largest dictionary of a container, which bounds the memory of a reader.
 const MAX_DICTIONARY: u32 = 1 << 24;

@@ -4,7 +4,6 @@ use std::io::Write;
 
 use crate::error::{Error, Result};
 
-/// Output of at most `most` bytes.
 struct Capped {
     raw: Vec<u8>,
     most: usize,

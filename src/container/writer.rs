@@ -47,7 +47,6 @@ impl PackedChunk {
         Ok(PackedChunk { key, storage, raw_bytes, crc32, identity: identity(&stored, crc32), stored })
     }
 
-    /// The stored bytes of a chunk of another container.
     pub fn stored(entry: &ChunkEntry, key: ChunkKey, stored: Vec<u8>) -> Result<PackedChunk> {
         if stored.len() != entry.stored_bytes as usize {
             return Err(Error::invalid(format!("a chunk of {} bytes, {} announced", stored.len(), entry.stored_bytes)));
@@ -71,7 +70,6 @@ pub struct Writer<W: Write> {
     index: Index,
     stored: HashMap<Identity, u64>,
     journal: Option<Journal>,
-    /// Where the journal last was up to date.
     checkpoint: u64,
 }
 
@@ -90,7 +88,6 @@ impl<W: Write> Writer<W> {
         })
     }
 
-    /// With a journal.
     #[must_use]
     pub fn with_journal(self, journal: Journal) -> Self {
         Writer { journal: Some(journal), ..self }
@@ -148,7 +145,6 @@ impl<W: Write> Writer<W> {
         if due { self.checkpoint() } else { Ok(()) }
     }
 
-    /// Adds a note to the journal, if there is one.
     pub fn note(&mut self, body: &[u8]) {
         if let Some(journal) = &mut self.journal {
             journal.note(body);

@@ -31,7 +31,6 @@ use line::Line;
 pub const BYTES: usize = 32;
 /// Where the four bytes are that a marker would fill with ones (depth.md 7).
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
-/// The largest endpoint; it stands for 65535.
 pub const MAX_ENDPOINT: u16 = 8191;
 /// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,14 +56,12 @@ impl Pair {
         if self.e0 > self.e1 { Pair::eight(endpoints) } else { Pair::six(endpoints) }
     }
 
-    /// Eight evenly spaced codes.
     fn eight(endpoints: [u16; 2]) -> [u16; 8] {
         let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
         let between = |i: u32| (((8 - i) * d0 + (i - 1) * d1 + 3) / 7) as u16;
         [d0 as u16, d1 as u16, between(2), between(3), between(4), between(5), between(6), between(7)]
     }
 
-    /// Six evenly spaced codes, code 0 and the background.
     fn six(endpoints: [u16; 2]) -> [u16; 8] {
         let [d0, d1] = endpoints.map(|endpoint| u32::from(Pair::code(endpoint)));
         let between = |i: u32| (((6 - i) * d0 + (i - 1) * d1 + 2) / 5) as u16;
@@ -101,7 +98,6 @@ impl Bc4w {
         self.pairs().map(Pair::palette)
     }
 
-    /// Writes the codes of the pixels inside the picture.
     pub fn decode(&self, target: &mut BlockMut<'_>) {
         let [a, b] = self.palettes();
         let mut codes = [0; 16];

@@ -8,7 +8,6 @@ pub(crate) mod fit;
 use crate::depth::block::BlockMut;
 use crate::depth::domain::{Domain, DomainKind, log_code};
 
-/// Pixels that are computed side by side.
 pub(crate) const LANES: usize = 8;
 
 /// a0 x + a1 y + a2 xy + a3 x² + a4 y² + a5 over the pixels of a node, x and y from 0 at its top left.

@@ -30,7 +30,6 @@ impl BitWriter {
     }
 }
 
-/// Reads bits from fields, byte by byte as they are needed.
 #[derive(Debug)]
 pub struct BitReader<'f, 'a> {
     fields: &'f mut Fields<'a>,

@@ -10,7 +10,6 @@ pub const MAX_LEVEL: u8 = 8;
 /// Largest width and height of a tile that is coded as a quadtree.
 pub const MAX_TILE: u32 = 1024;
 
-/// The side in pixels of a block of this level.
 pub const fn side_of(level: u8) -> usize {
     4 << level
 }

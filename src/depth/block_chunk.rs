@@ -16,7 +16,6 @@ use crate::depth::runtime::Runtime;
 use crate::error::Result;
 
 const SECTION: &str = "depth.md 12";
-/// Level of BC4w blocks.
 const LEVEL: u8 = 1;
 
 #[derive(Debug, Clone)]

@@ -1,8 +1,8 @@
 //! Boxes in blocks: the decoder's picture in whole blocks of 4x4 pixels (CALF 5.2, 5.3; depth.md 14).
 //!
-//! A block within epsilon of the source is left alone. Another is encoded from the source, or held as values where a pixel of the
-//! encoded block is not within epsilon. It is sent as it is held in this frame and the W - 1 after it, which keeps the window rule.
-//! Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
+//! A block within epsilon of the source is left alone. Another is encoded from the source, or held as values where a pixel
+//! of the encoded block is not within epsilon. It is sent as it is held in this frame and the W - 1 after it, which keeps
+//! the window rule. Memory: one picture, one block of the format for each 4x4 pixels, and the open chunk.
 
 use crate::block::{self, BlockFormat, SIDE, TEXELS};
 use crate::depth::block_tiles::encode::{self, EncodeTexel};
@@ -16,7 +16,6 @@ use crate::effort::Effort;
 /// Bytes of a box before its block tiles, rounded up for their map.
 const BOX_BYTES: usize = 10;
 
-/// A picture whose boxes are written in block tiles.
 #[derive(Debug)]
 pub struct HeldBlocks<T> {
     settings: TemporalSettings,

@@ -1,4 +1,5 @@
-//! Rectangles of pixels cut into block tiles of 16x16, each in blocks of a texture format or as values (CALF 5.3; depth.md 14).
+//! Rectangles of pixels cut into block tiles of 16x16, each in blocks of a texture format or as values (CALF 5.3; depth.md
+//! 14).
 
 #[cfg(feature = "encode")]
 pub mod encode;
@@ -9,10 +10,8 @@ use crate::depth::records::Layout;
 use crate::depth::texel::Texel;
 use crate::error::Result;
 
-/// Pixels along the side of a block tile.
 pub const TILE_SIDE: usize = 16;
 
-/// A value that blocks can hold.
 pub trait BlockTexel: Texel {
     type Format: BlockFormat;
 
@@ -44,11 +43,10 @@ impl BlockTexel for [u8; 3] {
     }
 }
 
-/// BlockTiles, after a map that tells which of them are in blocks.
+/// Block tiles after a map of those in blocks.
 #[derive(Debug, Clone, Copy)]
 pub struct BlockTiles;
 
-/// How many block tiles are stored in which way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BlockTileCount {
     pub blocks: u64,
@@ -61,7 +59,7 @@ impl BlockTileCount {
         self.raw += other.raw;
     }
 
-    /// Pieces of a rectangle of this width and height, whose stored bytes these start with.
+    /// Counts the block tiles of a rectangle, whose stored bytes these start with.
     pub fn of_rectangle(bytes: &[u8], size: [usize; 2]) -> BlockTileCount {
         let tiles = tile_count(size);
         let blocks = bytes.iter().take(tiles.div_ceil(8)).map(|byte| u64::from(byte.count_ones())).sum();
@@ -69,7 +67,6 @@ impl BlockTileCount {
     }
 }
 
-/// Pieces of a rectangle.
 fn tile_count([width, height]: [usize; 2]) -> usize {
     width.div_ceil(TILE_SIDE) * height.div_ceil(TILE_SIDE)
 }

@@ -3,7 +3,6 @@
 #[cfg(feature = "encode")]
 pub mod cover;
 
-/// Most boxes of a record.
 pub const MAX_BOXES: u16 = 256;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

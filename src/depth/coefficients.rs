@@ -6,7 +6,6 @@ use crate::depth::nodes::COEFFICIENT_BYTES;
 use crate::depth::platelet::{Plane, Platelet};
 use crate::error::Result;
 
-/// What a stream's header says of its domain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DomainParts {
     /// In which quantity functions are polynomials.

@@ -27,7 +27,6 @@ pub enum DomainKind {
 impl DomainKind {
     pub const ALL: [DomainKind; 3] = [DomainKind::Log, DomainKind::Linear, DomainKind::Inverse];
 
-    /// The kind that a header's byte stands for.
     pub fn from_byte(byte: u8) -> Option<DomainKind> {
         Self::ALL.get(usize::from(byte)).copied()
     }
@@ -46,7 +45,6 @@ const LOG_BITS: u32 = 24;
 /// Logarithms of Q8 values of 24 bits lie below this.
 const MAX_LOG: u32 = 24 << LOG_BITS;
 
-/// A domain with the numbers that its logarithm needs.
 #[derive(Debug, Clone)]
 pub struct Domain {
     kind: DomainKind,
@@ -96,7 +94,6 @@ impl Domain {
         }
     }
 
-    /// `code_of` where the kind is known to be linear.
     #[inline]
     pub(crate) fn linear_code(&self, r: i32) -> u16 {
         let value = q8(r);
@@ -106,7 +103,6 @@ impl Domain {
         self.scaled(integer_log2(value.max(1) as u32).saturating_sub(self.base))
     }
 
-    /// `code_of` where the kind is known to be inverse.
     #[inline]
     pub(crate) fn inverse_code(&self, r: i32) -> u16 {
         let value = q8(r);

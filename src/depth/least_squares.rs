@@ -10,9 +10,7 @@ use crate::depth::precision::Shifts;
 /// Coefficients of 1, x, y, xy, x² − mean x², y² − mean y², with x and y of a [`Frame`].
 pub(crate) type Terms = [f64; 6];
 
-/// Fraction bits of a2, a3 and a4.
 const QUADRATIC_BITS: u32 = 22;
-/// Reweightings before a fit is given up.
 const ROUNDS: usize = 10;
 /// What rounding to codes and in Horner's scheme may add to an error, in codes.
 const ROUNDING: f64 = 0.6;
@@ -30,7 +28,6 @@ pub(crate) struct Frame {
 /// A pixel that a function is fitted to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
-    /// Column and row in the frame.
     pub at: [f64; 2],
     /// The value wanted, 65535 for the whole range.
     pub value: f64,
@@ -50,7 +47,6 @@ impl Frame {
         }
     }
 
-    /// Where a pixel lies in the frame.
     pub fn at(&self, x: usize, y: usize) -> [f64; 2] {
         [(x as f64 - self.centre[0]) * self.scale[0], (y as f64 - self.centre[1]) * self.scale[1]]
     }

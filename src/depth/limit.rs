@@ -5,9 +5,7 @@ use crate::depth::quantise::BACKGROUND_CODE;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limit {
-    /// Largest error of a pixel, in codes.
     pub max_error: u16,
-    /// Largest sum of squared errors.
     pub squared_error: u64,
 }
 

@@ -1,7 +1,7 @@
 //! Depth: 16-bit log codes and their coding in space (GDC) and time (CALF 5.2, 5.3); formats/depth.md.
 //!
-//! Decoders use integers only: floating point differs between devices, and compilers reorder it. Encoders search in floating point and
-//! measure with the decoder's own functions, so a stated bound is exact.
+//! Decoders use integers only: floating point differs between devices, and compilers reorder it. Encoders search in
+//! floating point and measure with the decoder's own functions, so a stated bound is exact.
 
 pub mod bc4w;
 pub mod biquadratic;

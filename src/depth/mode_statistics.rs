@@ -27,7 +27,6 @@ impl Share {
 }
 
 impl ModeStatistics {
-    /// Counts a node of a unit of `grid`'s size.
     pub fn count(&mut self, grid: Grid, node: &Node) {
         let share = Share { nodes: 1, pixels: grid.pixels_of(node.place), bytes: stored_bytes(node) as u64 };
         self.add_share(node.place.level, node.function(), share);

@@ -28,7 +28,6 @@ pub struct NodeRecord {
     pub complete: bool,
 }
 
-/// A payload that has been checked, in the runtime form.
 #[derive(Debug, Clone)]
 pub struct NodeChunk {
     runtime: Runtime,

@@ -2,9 +2,10 @@
 //!
 //! In: the unit's codes, frame by frame. Out: payloads of [`crate::depth::node_chunk`].
 //!
-//! The loop is closed: a leaf is dirty once a pixel of the source is farther from the decoder's picture than bound and epsilon together.
-//! For the window rule (depth.md 4) a node is sent again, bit for bit, in the W − 1 frames after its first: an approximation of the
-//! decoder's picture would be another picture. Where one of its leaves becomes dirty within that time, all of it is modelled anew.
+//! The loop is closed: a leaf is dirty once a pixel of the source is farther from the decoder's picture than bound and
+//! epsilon together. For the window rule (depth.md 4) a node is sent again, bit for bit, in the W − 1 frames after its
+//! first: an approximation of the decoder's picture would be another picture. Where one of its leaves becomes dirty within
+//! that time, all of it is modelled anew.
 
 use crate::container::EncodedChunk;
 use crate::depth::block::BlockMut;
@@ -83,7 +84,6 @@ pub struct NodeEncoder {
     settings: NodeSettings,
     domain: Domain,
     grid: Grid,
-    /// The picture that every decoder holds.
     held: Vec<u16>,
     recent: Vec<Recent>,
     leaves: Vec<Leaf>,
@@ -181,7 +181,6 @@ impl NodeEncoder {
         });
     }
 
-    /// The nodes over the leaves that are dirty.
     fn model(&self, source: &[u16], known: Option<&Known>) -> Vec<Node> {
         if !self.leaves.contains(&Leaf::Dirty) {
             return Vec::new();

@@ -83,13 +83,11 @@ impl Grid {
         Place { level, x: 0, y: 0 }
     }
 
-    /// Whether any pixel of a place lies in the picture.
     pub fn has(self, place: Place) -> bool {
         let [x, y] = place.pixel();
         x < self.width as usize && y < self.height as usize
     }
 
-    /// Pixels of a place that lie in the picture.
     pub fn pixels_of(self, place: Place) -> u64 {
         let ([x, y], side) = (place.pixel(), side_of(place.level));
         let inside = |start: usize, size: u32| side.min((size as usize).saturating_sub(start)) as u64;
@@ -114,7 +112,6 @@ impl Grid {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Node {
     pub place: Place,
-    /// Its coefficients in the runtime form.
     pub coefficients: [u8; COEFFICIENT_BYTES],
 }
 
@@ -138,7 +135,6 @@ pub mod raw {
     use super::{BlockMut, COEFFICIENT_BYTES};
     use crate::depth::block::Block;
 
-    /// Writes the codes that lie in the picture.
     pub fn decode(coefficients: &[u8; COEFFICIENT_BYTES], target: &mut BlockMut<'_>) {
         for (row, bytes) in target.rows_mut().zip(coefficients.as_chunks::<8>().0) {
             for (code, bytes) in row.iter_mut().zip(bytes.as_chunks::<2>().0) {

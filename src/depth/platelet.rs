@@ -20,7 +20,6 @@ pub struct Plane {
     pub a5: i32,
 }
 
-/// Two planes and the line that separates them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Platelet {
     pub sides: [Plane; 2],

@@ -1,8 +1,8 @@
 //! Builds the partial quadtree over the leaves that a frame must send, bottom up (GDC 3, 6.4; depth.md 7).
 //!
-//! In: a picture of codes and its dirty leaves. Out: for each place with dirty leaves the best function within the bound, if any. A place
-//! is tried only where enough of its children are dirty and each has one function: what no function follows in a part is hardly
-//! followed as a whole, and large nodes cost the most time.
+//! In: a picture of codes and its dirty leaves. Out: for each place with dirty leaves the best function within the bound,
+//! if any. A place is tried only where enough of its children are dirty and each has one function: what no function
+//! follows in a part is hardly followed as a whole, and large nodes cost the most time.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,6 @@ use crate::depth::block::Block;
 use crate::depth::mode_decision::{Approximation, Modelling, decide};
 use crate::depth::nodes::{Grid, Node, Place, raw};
 
-/// Which leaves a node may and must cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Leaf {
     /// Need not be sent; a coarser node may cover it, with codes within the bound.
@@ -24,7 +23,6 @@ pub enum Leaf {
 /// A picture, and which of its leaves are dirty.
 #[derive(Debug, Clone, Copy)]
 pub struct DirtyLeaves<'a> {
-    /// Codes, row-major.
     pub picture: &'a [u16],
     pub grid: Grid,
     /// Row-major; [`Grid::leaves`] tells columns and rows.
@@ -53,7 +51,6 @@ pub struct Build<'a> {
     pub known: Option<&'a Known>,
 }
 
-/// The result of a visit.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Visited {
     /// No leaf in it is dirty, and a node may cover it.
@@ -69,7 +66,6 @@ impl DirtyLeaves<'_> {
         Block::of(self.picture, self.grid.width as usize, place.level, place.pixel())
     }
 
-    /// Whether any leaf of a place is dirty.
     pub fn any(&self, place: Place) -> bool {
         self.rows_of(place).any(|row| self.leaves[row].contains(&Leaf::Dirty))
     }

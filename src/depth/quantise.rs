@@ -1,8 +1,8 @@
 //! Metres to 16-bit log codes and back (depth.md 2).
 //!
-//! Based on: CALF 5.3, equation 13. The paper spends all codes on surfaces, so that the sky becomes one at far. Here code 65535 is the
-//! background, exactly, and 65,534 steps of 0.0015% of the span are left. Near and far are those of the probe, as close to its
-//! surfaces as the footage allows; its six faces share them, so that no seam shows.
+//! Based on: CALF 5.3, equation 13. The paper spends all codes on surfaces, so that the sky becomes one at far. Here code
+//! 65535 is the background, exactly, and 65,534 steps of 0.0015% of the span are left. Near and far are those of the
+//! probe, as close to its surfaces as the footage allows; its six faces share them, so that no seam shows.
 
 use crate::error::{Error, Result};
 
@@ -11,7 +11,6 @@ pub use crate::metrics::codes::BACKGROUND_CODE;
 /// The code of the far distance, and the number of steps from near to far.
 pub const FAR_CODE: u16 = u16::MAX - 1;
 
-/// Nearest and farthest surface of a probe, in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
     near_m: f32,
@@ -83,7 +82,6 @@ impl DepthRange {
     }
 }
 
-/// Metres for all 65,536 codes.
 #[derive(Debug, Clone)]
 pub struct CodeTable {
     metres: Vec<f32>,

@@ -59,7 +59,6 @@ impl<T: Texel> Layout<T> for Values {
     }
 }
 
-/// What one record does to the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Body {
     /// Every pixel, at this offset of the payload.
@@ -79,7 +78,6 @@ pub struct Record {
     pub bytes: u64,
 }
 
-/// A payload that has been checked, ready to be applied.
 #[derive(Debug, Clone)]
 pub struct TemporalChunk<T, L = Values> {
     payload: Payload,
@@ -197,7 +195,6 @@ impl<T: Texel, L: Layout<T>> TemporalChunk<T, L> {
         }
     }
 
-    /// Pixels that a record writes.
     pub fn updated_pixels(&self, body: Body) -> u64 {
         match body {
             Body::Boxes { .. } => self.boxes(body).iter().map(|(b, _)| u64::from(b.area())).sum(),

@@ -16,18 +16,14 @@ pub const LEVELS: usize = MAX_LEVEL as usize + 1;
 pub const HEADER_BYTES: usize = 48;
 const ALIGN: usize = 16;
 
-/// A frame's place in the buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RuntimeFrame {
     pub frame: u32,
-    /// Offset of its header.
     pub offset: usize,
     pub nodes: u64,
-    /// Pixels that its nodes write.
     pub updated_pixels: u64,
 }
 
-/// All frames of a unit in a chunk.
 #[derive(Debug, Clone)]
 pub struct Runtime {
     grid: Grid,
@@ -92,13 +88,11 @@ impl Runtime {
         frame.updated_pixels
     }
 
-    /// The buffer's memory, for the next chunk.
     pub fn into_spare(self) -> Vec<u8> {
         self.buffer
     }
 }
 
-/// Writes what a node holds.
 pub fn decode_node(place: Place, coefficients: &[u8; COEFFICIENT_BYTES], domain: &Domain, target: &mut BlockMut<'_>) {
     match function_of(place.level, coefficients) {
         Function::Raw => raw::decode(coefficients, target),

@@ -13,7 +13,6 @@ use crate::depth::precision::Precision;
 use crate::depth::quantise::BACKGROUND_CODE;
 use crate::error::{Error, Result};
 
-/// The section of the document.
 pub const SECTION: &str = "depth.md 9";
 
 const HEAD_BIQUADRATIC: u8 = 0;
@@ -24,12 +23,10 @@ const RAW_BITS: u8 = 0x1F;
 /// A raw node whose largest value stands for the background.
 const RAW_BACKGROUND: u8 = 0x20;
 
-/// What the nodes of a record cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coverage {
     /// The whole unit: the walk says nothing of empty places.
     Complete,
-    /// Parts of it.
     Partial,
 }
 
@@ -285,7 +282,6 @@ fn read_raw(fields: &mut Fields<'_>) -> Result<[u8; COEFFICIENT_BYTES]> {
     Ok(out)
 }
 
-/// Reads the functions of nodes at `places`.
 pub fn read_functions(places: &[Place], fields: &mut Fields<'_>) -> Result<Vec<Node>> {
     fields.enter(SECTION);
     let coarse = places.iter().filter(|place| place.level > 0).count();

@@ -1,6 +1,7 @@
 //! Encodes the frames of one unit into chunks: a keyframe, then boxes around what changes (CALF 5.2, algorithm 3).
 //!
-//! In: the unit's pixels, frame by frame. Out: payloads of [`crate::depth::records`]. Memory: two pictures and the open chunk.
+//! In: the unit's pixels, frame by frame. Out: payloads of [`crate::depth::records`]. Memory: two pictures and the open
+//! chunk.
 
 use crate::container::EncodedChunk;
 use crate::depth::boxes::cover::{BoxBudget, Mask, cover};
@@ -21,7 +22,6 @@ pub trait Held<T: Texel> {
     fn advance(&mut self, source: &[T], frame: u32, chunk: &mut ChunkBuilder<T>);
 }
 
-/// A picture whose boxes are written as values.
 #[derive(Debug)]
 pub struct HeldValues<T> {
     settings: TemporalSettings,
@@ -59,7 +59,6 @@ pub struct TemporalEncoder<T, H = HeldValues<T>> {
 }
 
 impl<T: Texel> TemporalEncoder<T> {
-    /// An encoder for a unit of `width` columns, whose boxes are written as values.
     pub fn new(width: u32, settings: TemporalSettings) -> Self {
         let held = HeldValues { settings, width: width as usize, state: None };
         Self::with(held, settings.keyframe_interval)

@@ -59,7 +59,6 @@ impl TileModel {
 pub struct PsnrDistribution {
     /// Tiles by PSNR in steps of 1/100 dB, from 0 dB on.
     steps: Vec<u64>,
-    /// Tiles without any error.
     pub exact: u64,
     /// Tiles that cannot be modelled, such as background mixed with a surface; their PSNR is 0.
     pub unmodelled: u64,

@@ -29,7 +29,6 @@ struct TreeFunction {
 
 #[derive(Debug, Clone)]
 pub struct TreeChunk {
-    /// The leaves, in the runtime form.
     runtime: Runtime,
     domain: Domain,
     trees: Vec<Vec<TreeFunction>>,

@@ -1,8 +1,8 @@
 //! The picture of a decoder, and which pixels a frame must send (the window rule, depth.md 4).
 //!
-//! Based on: CALF 5.2, algorithm 3. The paper compares source frames with each other; a pixel that creeps by less than epsilon a frame is
-//! then never sent and drifts without limit. Here the loop is closed: the source is compared with the decoder's picture. A pixel is sent
-//! while fewer than W frames have passed since it changed.
+//! Based on: CALF 5.2, algorithm 3. The paper compares source frames with each other; a pixel that creeps by less than
+//! epsilon a frame is then never sent and drifts without limit. Here the loop is closed: the source is compared with the
+//! decoder's picture. A pixel is sent while fewer than W frames have passed since it changed.
 
 use crate::depth::texel::Texel;
 

@@ -7,7 +7,6 @@ use crate::error::{Error, Result};
 
 #[derive(Debug, Default)]
 pub struct CellBuilder {
-    /// Rows of the table of keyframes.
     keyframes: Vec<u32>,
     weights: Vec<u8>,
     samples: Vec<u8>,

@@ -16,11 +16,9 @@ use crate::depth::bc4w::tile::{Solution, Tile, surface_codes};
 use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// Squares that are looked at side by side.
 const LANES: usize = 8;
 /// The first squares are this many in a row, or up to twice as many.
 const FIRST_SQUARES: u16 = 8;
-/// What is tried for a good solution to start from.
 const TRIALS: Trials = Trials { fitted: 16, polished: 8 };
 /// The limit in units of 2^shift. The square of the largest error that is kept apart is above it at each shift.
 const MOST_UNITS: u64 = 32_000;
@@ -45,7 +43,6 @@ struct Square {
 }
 
 impl Square {
-    /// The one pair of a square of size 1.
     fn pair(self) -> Pair {
         match self.mode {
             Mode::Eight => Pair { e0: self.high, e1: self.low },
@@ -91,7 +88,6 @@ struct Search<'a> {
     bounds: Vec<[i16; 2]>,
     /// First and last endpoint of sides A and B of these lines.
     ranges: Vec<[[i16; 2]; 2]>,
-    /// Lines with which solutions were tried.
     tried: Vec<usize>,
     /// Squares of more endpoints say too little about lines to try any.
     try_below: u16,
@@ -163,7 +159,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether a square holds pairs of its mode.
     fn holds_any(&self, square: Square, size: u16) -> bool {
         let most = (square.high + size - 1).min(self.last);
         match square.mode {
@@ -215,7 +210,6 @@ impl<'a> Search<'a> {
         kept
     }
 
-    /// Drops lines that cannot be better than the limit.
     fn drop_lines(&mut self) {
         let places: Vec<usize> = (0..self.lines.len())
             .filter(|&place| self.bounds[place][0].plus(self.bounds[place][1]) < self.unit_limit)

@@ -4,7 +4,6 @@ use crate::depth::bc4w::tile::{Tile, surface_codes};
 use crate::depth::bc4w::{MAX_ENDPOINT, Pair};
 use crate::depth::quantise::BACKGROUND_CODE;
 
-/// Pixels that are looked at side by side.
 const LANES: usize = 8;
 
 /// The surfaces of a side, the last one repeated with weight 0 until there is a multiple of [`LANES`].

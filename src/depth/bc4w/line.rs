@@ -8,14 +8,12 @@ use std::sync::LazyLock;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line(u16);
 
-/// Side B of each of the 4096 lines.
 static SIDES: LazyLock<Vec<u64>> = LazyLock::new(|| (0..4096).map(|bits| Line(bits).by_cross_product()).collect());
 
 impl Line {
     /// The line that does not part the block: all pixels are on side A.
     pub const NONE: Line = Line(0);
 
-    /// The line of the lowest 12 bits.
     pub fn from_bits(bits: u16) -> Line {
         Line(bits & 0xfff)
     }

@@ -16,7 +16,6 @@ pub struct Trials {
 pub const FAST: Trials = Trials { fitted: 6, polished: 1 };
 pub const NORMAL: Trials = Trials { fitted: 48, polished: 8 };
 
-/// The best solution found within the tile's bound, and its squared error.
 pub fn best_of(tile: &Tile, trials: Trials) -> Option<(u64, Solution)> {
     let rough = |line: usize| {
         let side_b = bipartitions()[line].side_b;

@@ -1,10 +1,11 @@
 //! Finds the line, endpoints and indices of a block.
 //!
-//! What a search may choose: every bipartition that a line makes ([`bipartitions`](crate::depth::bc4w::bipartitions)); for each side, both endpoints among the
-//! 13-bit endpoints within [`PAD`](crate::depth::bc4w::tile::PAD) of the side's surfaces, in both modes. Tests try all of it (`literal`).
-//! `Exhaustive` finds the same squared error by branch and bound (`bounded`, which says where that is not proven).
-//! `Normal` and `Fast` take the most promising lines, many or few, and the endpoints around a least-squares fit
-//! (`quick`): the exact search takes milliseconds a block, and the last tenths of a decibel are seldom worth it.
+//! What a search may choose: every bipartition that a line makes ([`bipartitions`](crate::depth::bc4w::bipartitions)); for
+//! each side, both endpoints among the 13-bit endpoints within [`PAD`](crate::depth::bc4w::tile::PAD) of the side's
+//! surfaces, in both modes. Tests try all of it (`literal`). `Exhaustive` finds the same squared error by branch and bound
+//! (`bounded`, which says where that is not proven). `Normal` and `Fast` take the most promising lines, many or few, and
+//! the endpoints around a least-squares fit (`quick`): the exact search takes milliseconds a block, and the last tenths of
+//! a decibel are seldom worth it.
 
 use crate::depth::bc4w::tile::{Solution, Tile};
 use crate::depth::bc4w::{Bc4w, bounded, quick};

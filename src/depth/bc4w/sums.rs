@@ -10,7 +10,6 @@ use crate::depth::bc4w::bipartitions::bipartitions;
 
 /// Sums of a row: of its first 0 to 8 pixels, then of its last 1 to 7; one is left over.
 const ROW_SUMS: usize = 16;
-/// Sums of all eight rows.
 const LEAVES: usize = 8 * ROW_SUMS;
 
 /// What is summed. Sums grow with what they are made of, also where they are rounded or saturate.

@@ -15,7 +15,6 @@ const MAX_SAMPLES: usize = 1024;
 /// Coefficients as fine as their formats are.
 pub(crate) const EXACT: Shifts = Shifts { constant: 0, linear: 0, quadratic: 0 };
 
-/// Which terms a fit may use.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
     Constant,
@@ -193,7 +192,6 @@ fn fit_terms<const N: usize>(block: &Block, domain: &Domain, bound: u16) -> Opti
     frame.minimax::<N, _>(&samples, bound, accept)
 }
 
-/// What a function should yield where a code was seen.
 pub(crate) fn sample(domain: &Domain, at: [f64; 2], code: u16) -> Sample {
     let value = domain.value_of(code);
     Sample { at, value, slope: domain.slope_at(value).abs() }

@@ -4,7 +4,6 @@ use crate::block::{Bc1, Bc5, BlockEncoder, SIDE, TEXELS};
 use crate::depth::block_tiles::{BlockTexel, tile_count, tiles_of};
 use crate::effort::Effort;
 
-/// A value that can be encoded in blocks.
 pub trait EncodeTexel: BlockTexel {
     /// Blocks of 16 values each, one after the other.
     fn encode(values: &[[Self; TEXELS]], effort: Effort) -> Vec<u8>;

@@ -1,6 +1,7 @@
 //! Searches the line of a platelet: by image moments of its sides, or between two sets of pixels.
 //!
-//! Based on: GDC 3.2, after Morvan et al. 2006. Moments of a side come from sums along rows, so that a line costs its rows, not its pixels.
+//! Based on: GDC 3.2, after Morvan et al. 2006. Moments of a side come from sums along rows, so that a line costs its
+//! rows, not its pixels.
 
 use crate::depth::block::{Block, side_of};
 use crate::depth::domain::{Domain, DomainKind};
@@ -102,7 +103,6 @@ impl Moments {
     }
 }
 
-/// A block's sums along rows.
 pub(crate) struct LineSearch {
     level: u8,
     width: usize,

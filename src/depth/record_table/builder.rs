@@ -4,7 +4,6 @@ use crate::container::serialize::PutFields;
 use crate::depth::record_table::{ROW_BYTES, Row};
 use crate::error::{Error, Result};
 
-/// Gathers records and puts the table before them.
 #[derive(Debug, Default)]
 pub struct TableBuilder {
     rows: Vec<Row>,
@@ -18,7 +17,6 @@ impl TableBuilder {
         &mut self.data
     }
 
-    /// Bytes gathered so far, table included.
     pub fn bytes(&self) -> usize {
         self.start() + self.data.len()
     }

@@ -16,7 +16,6 @@ pub struct ChunkBuilder<T> {
 }
 
 impl<T: Texel> ChunkBuilder<T> {
-    /// Starts with the keyframe.
     pub fn new(keyframe: &[T]) -> Self {
         Self::starting_with(keyframe, |data| keyframe.iter().for_each(|value| value.put(data)))
     }
