@@ -3,6 +3,8 @@
 //! The meaning of a block is part of the format, so decoders are ours, in integers (formats/blocks.md), and compared with
 //! an independent decoder in every mode. Encoders are libraries behind a trait ([`encode`]).
 
+#![doc(hidden)]
+
 pub mod bc1;
 pub mod bc4;
 pub mod bc5;

@@ -3,6 +3,8 @@
 //! Enters: descriptions of probes and streams, and chunk payloads as bytes. Leaves: the same. This room knows
 //! probes, faces and frame ranges, but no codec: what a payload means is said in formats/depth.md and color.md.
 
+#![doc(hidden)]
+
 pub mod chunk;
 pub mod fields;
 pub mod header;

@@ -23,6 +23,7 @@ mod selection;
 mod unit;
 mod unit_filter;
 mod units;
+mod window;
 
 pub use crate::streams::StreamInfo;
 pub use chunk_source::DecodeCost;
@@ -41,3 +42,4 @@ pub use selection::{Request, Selection, StreamFrames};
 pub use unit::{UnitDecoder, UnitPixels};
 pub use unit_filter::{AllUnits, UnitFilter};
 pub use units::{DecodeSummary, Decoded, decode_units, decoded_pixel_bytes, stored_bytes};
+pub use window::check_windows;

@@ -2,7 +2,7 @@
 
 use crate::decode::{
     DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
-    UnitFilter, decoded_pixel_bytes,
+    UnitFilter, check_windows, decoded_pixel_bytes,
 };
 use crate::error::{Error, Result};
 use crate::gpu::decode::{GpuDecoder, UnitFrame, picture_words};
@@ -62,13 +62,14 @@ pub fn decode_to_nothing(
 /// image.
 ///
 /// # Errors
-/// A chunk is damaged, or the device fails.
+/// A chunk is damaged or breaks the window rule (depth.md 4), or the device fails.
 pub fn verify(
     gpu: &Gpu,
     decoder: &Decoder,
     request: Request<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(DecodeSummary, Verification)> {
+    check_windows(decoder, &request)?;
     let (mut summary, mut verification) = (DecodeSummary::default(), Verification::default());
     for group in groups(gpu, request.streams) {
         let mut on_cpu: Vec<FaceDecoder<'_>> = group.iter().map(|part| decoder.face(part.stream)).collect();

@@ -15,7 +15,7 @@ use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 
-pub use crate::inspect::counts::{BlockCount, FrameCost};
+pub use crate::inspect::counts::{BlockCount, Check, FrameCost};
 use crate::inspect::counts::{ChunkMeasure, Event, count_chunk};
 
 /// Rows of frames that one inspection may list.
@@ -31,16 +31,6 @@ pub enum FrameRows {
     All,
     /// Those of a range.
     Range(FrameRange),
-}
-
-/// What becomes of damaged chunks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Check {
-    /// The first one is an error.
-    #[default]
-    StopAtFirst,
-    /// All are listed, and chunks of LZMA2 must come out the same from two independent decoders.
-    ListAll,
 }
 
 /// What to find out.
@@ -342,7 +332,8 @@ impl Watch<'_> {
             }
         };
         let place = self.reader.index().place(chunk);
-        let mut counted = count_chunk(&self.stream.header, payload, size, chunk.key.frame_count, place)?;
+        let mut counted =
+            count_chunk(&self.stream.header, payload, size, chunk.key.frame_count, place, self.settings.check)?;
         // What belongs to the whole chunk is read with its first frame.
         let counted_bytes: u64 = counted.events.iter().map(|event| event.cost.bytes).sum();
         if let Some(first) = counted.events.first_mut() {

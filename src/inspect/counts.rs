@@ -13,6 +13,16 @@ use crate::depth::tree_chunk::TreeChunk;
 use crate::error::Result;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk};
 
+/// What becomes of damaged chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Check {
+    /// The first one is an error.
+    #[default]
+    StopAtFirst,
+    /// All are listed. Two independent decoders must agree on chunks of LZMA2, and chunks must keep the window rule (depth.md 4).
+    ListAll,
+}
+
 /// What a frame holds and changes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {
@@ -83,20 +93,33 @@ pub(super) fn count_chunk(
     size: [u32; 2],
     frames: u32,
     place: ChunkPlace,
+    check: Check,
 ) -> Result<ChunkMeasure> {
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     Ok(match header {
-        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload.into(), size, frames)? {
-            DepthChunk::Boxes(chunk) => count_records(&chunk),
-            DepthChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
-            DepthChunk::Nodes(chunk) => count_nodes(&chunk),
-            DepthChunk::Tree(chunk) => count_tree(&chunk),
-            DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels, frames),
-        },
-        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload.into(), size, frames)? {
-            MaterialChunk::Boxes(chunk) => count_records(&chunk),
-            MaterialChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
-        },
+        CodecHeader::Depth(header) => {
+            let chunk = DepthChunk::parse(header, payload.into(), size, frames)?;
+            if check == Check::ListAll {
+                chunk.check_window(header.window(), frames)?;
+            }
+            match chunk {
+                DepthChunk::Boxes(chunk) => count_records(&chunk),
+                DepthChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
+                DepthChunk::Nodes(chunk) => count_nodes(&chunk),
+                DepthChunk::Tree(chunk) => count_tree(&chunk),
+                DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels, frames),
+            }
+        }
+        CodecHeader::Material(header) => {
+            let chunk = MaterialChunk::parse(header, payload.into(), size, frames)?;
+            if check == Check::ListAll {
+                chunk.check_window(header.temporal.window, frames)?;
+            }
+            match chunk {
+                MaterialChunk::Boxes(chunk) => count_records(&chunk),
+                MaterialChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
+            }
+        }
         CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
             let format = header.cell_of_bytes(size);
             count_blends(&CellChunk::parse_at(payload, format, frames, place)?, format, frames)

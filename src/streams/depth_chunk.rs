@@ -7,6 +7,7 @@ use crate::depth::node_chunk::NodeChunk;
 use crate::depth::nodes::Grid;
 use crate::depth::records::TemporalChunk;
 use crate::depth::tree_chunk::TreeChunk;
+use crate::depth::window_check::check_window;
 use crate::error::Result;
 use crate::streams::header::{DepthCoding, DepthHeader};
 use crate::streams::picture_chunk::PictureChunk;
@@ -53,6 +54,15 @@ impl PictureChunk for DepthChunk {
             DepthChunk::Tree(chunk) => chunk.advance(picture, at, target),
             DepthChunk::Blocks(_) if at == Some(target) => 0,
             DepthChunk::Blocks(chunk) => chunk.show(picture, target),
+        }
+    }
+
+    fn check_window(&self, window: u8, frames: u32) -> Result<()> {
+        match self {
+            DepthChunk::Boxes(chunk) => check_window(chunk, window, frames),
+            DepthChunk::BoxesInBlocks(chunk) => check_window(chunk, window, frames),
+            DepthChunk::Nodes(chunk) => check_window(chunk, window, frames),
+            DepthChunk::Tree(_) | DepthChunk::Blocks(_) => Ok(()),
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::container::Payload;
 use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::TemporalChunk;
+use crate::depth::window_check::check_window;
 use crate::error::Result;
 use crate::streams::header::MaterialHeader;
 use crate::streams::picture_chunk::PictureChunk;
@@ -32,6 +33,13 @@ impl PictureChunk for MaterialChunk {
         match self {
             MaterialChunk::Boxes(chunk) => chunk.advance(picture, at, target, window),
             MaterialChunk::BoxesInBlocks(chunk) => chunk.advance(picture, at, target, window),
+        }
+    }
+
+    fn check_window(&self, window: u8, frames: u32) -> Result<()> {
+        match self {
+            MaterialChunk::Boxes(chunk) => check_window(chunk, window, frames),
+            MaterialChunk::BoxesInBlocks(chunk) => check_window(chunk, window, frames),
         }
     }
 

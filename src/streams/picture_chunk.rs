@@ -19,6 +19,12 @@ pub trait PictureChunk: Sized {
     /// most `window` frames; returns the number of pixels written.
     fn advance(&self, picture: &mut [Self::Pixel], at: Option<u32>, target: u32, window: u8) -> u64;
 
+    /// Checks the window rule (depth.md 4), which takes the decoding of all `frames` of the chunk.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] for a chunk whose frames depend on the steps of a decoder.
+    fn check_window(&self, window: u8, frames: u32) -> Result<()>;
+
     /// The payload's memory, for the next chunk.
     fn into_spare(self) -> Vec<u8>;
 }

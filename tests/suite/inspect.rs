@@ -9,7 +9,7 @@ use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
 use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
-use lightfold::decode::{Decoder, Picture};
+use lightfold::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::{DepthCodec, EncodeSettings, encode};
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
@@ -19,6 +19,7 @@ use lightfold::monitor::Silent;
 use tempfile::TempDir;
 
 use crate::input::{assert_says, message};
+use crate::samples;
 
 const SIZE: u32 = 32;
 const FRAMES: u32 = 10;
@@ -264,6 +265,33 @@ fn bytes_that_no_chunk_refers_to_are_counted() {
     assert_eq!((inspection.unreferenced_bytes, inspection.damaged.len()), (77, 0));
     let all = inspection.totals(None).bytes;
     assert_eq!(all + decoder.reader().overhead_bytes() + 77, bytes.len() as u64);
+}
+
+#[test]
+fn verification_finds_records_that_break_the_window_rule() {
+    let shape = samples::Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 3, frame_count: 6 };
+    let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
+    let depth = samples::depth(shape, [0.5, 8.0], &samples::moving_codes([8, 8], 6, 1), settings);
+    let materials = samples::drifting_bytes([8, 8], 6);
+    let material = samples::material(samples::Shape { face: 1, ..shape }, &materials, settings);
+    let file = samples::container(0, samples::probe("00", 9), &[depth, material], None);
+    let (mut index, stored) = samples::take_apart(&file);
+    let check = |file: &[u8]| {
+        let decoder = decoder(file);
+        let frames: Vec<_> =
+            decoder.streams().iter().map(|stream| StreamFrames { stream, frames: stream.frames }).collect();
+        let damaged = inspected(&decoder, LIST_ALL).unwrap().damaged;
+        (damaged, check_windows(&decoder, &Request::all(&frames)))
+    };
+    let (damaged, checked) = check(&file);
+    assert!(damaged.is_empty() && checked.is_ok());
+    // The same records under a larger window: the offsets are those of depth.md 3.
+    index.streams[0].codec_header[16] = 2;
+    index.streams[1].codec_header[0] = 2;
+    let (damaged, checked) = check(&samples::assemble(&index, &stored, |_| {}));
+    assert_eq!(damaged.iter().map(|damaged| damaged.chunk.key.stream).collect::<Vec<_>>(), [0, 1]);
+    assert_says(&damaged[0].reason, &["does not repeat it", "depth.md 4"]);
+    assert_says(&checked.unwrap_err().to_string(), &["stream 0, unit 0, frames 3-8", "does not repeat it"]);
 }
 
 #[test]
