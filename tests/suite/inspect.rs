@@ -272,8 +272,8 @@ fn verification_finds_records_that_break_the_window_rule() {
     let shape = samples::Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 3, frame_count: 6 };
     let settings = TemporalSettings { window: 1, ..TemporalSettings::default() };
     let depth = samples::depth(shape, [0.5, 8.0], &samples::moving_codes([8, 8], 6, 1), settings);
-    let materials = samples::drifting_bytes([8, 8], 6);
-    let material = samples::material(samples::Shape { face: 1, ..shape }, &materials, settings);
+    let wide = samples::Shape { face: 1, size: [24, 8], unit: [24, 8], ..shape };
+    let material = samples::material(wide, &samples::patched_materials([24, 8], 6), settings);
     let file = samples::container(0, samples::probe("00", 9), &[depth, material], None);
     let (mut index, stored) = samples::take_apart(&file);
     let check = |file: &[u8]| {
