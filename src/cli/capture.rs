@@ -15,7 +15,7 @@ use crate::files::PartialFolder;
 use crate::fingerprint::Fingerprint;
 use crate::scene::capture::CaptureReport;
 use crate::scene::capture::write::UNFINISHED;
-use crate::scene::{CapturePlan, CaptureSummary, Kept, Pass, Play, Scene};
+use crate::scene::{CapturePlan, CaptureSummary, ExistingImages, Pass, Play, Scene};
 
 pub use args::{Args, parse_size};
 
@@ -108,7 +108,7 @@ impl Work<'_> {
     }
 
     /// Decides what becomes of what an earlier capture left.
-    fn begin(&self, folder: &mut PartialFolder, now: &Fingerprint) -> Result<Kept> {
+    fn begin(&self, folder: &mut PartialFolder, now: &Fingerprint) -> Result<ExistingImages> {
         let (left, images) = (folder.state()?, folder.files());
         if self.args.resume && images > 0 {
             let begun: Vec<(String, String)> =
@@ -117,7 +117,7 @@ impl Work<'_> {
                 return Err(self.cannot(&difference));
             }
             self.say(&format!("going on with {images} of {} images", self.plan.image_count()));
-            return Ok(Kept::Sound);
+            return Ok(ExistingImages::Keep);
         }
         if self.args.resume {
             self.say("there is nothing to resume, so the capture begins at the start");
@@ -127,7 +127,7 @@ impl Work<'_> {
         let state = serde_json::to_string_pretty(now.fields())
             .map_err(|error| Error::invalid(format!("the state of the capture: {error}")))?;
         folder.start_over(&state)?;
-        Ok(Kept::None)
+        Ok(ExistingImages::Overwrite)
     }
 
     fn cannot(&self, difference: &str) -> Error {

@@ -20,7 +20,7 @@ use crate::files::{OutputFile, OutputFolder};
 use crate::inspect::container::{self, InspectSettings, Totals};
 use crate::report::tradeoff::commands::shell_word;
 use crate::report::{Column, Table};
-use crate::scene::{CapturePlan, DemoKind, DemoScene, FootagePlan, Kept, Scene};
+use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -129,7 +129,7 @@ fn capture(args: &Args, path: &Path, global: &GlobalArgs) -> Result<()> {
     let progress = Progress::start(global, "capturing", plan.image_count())?;
     let folder = OutputFolder::create(path)?;
     let scene = Scene::Procedural(DemoScene::new(DemoKind::Courtyard));
-    plan.write(&scene, folder.work_path(), Kept::None, &progress)?;
+    plan.write(&scene, folder.work_path(), ExistingImages::Overwrite, &progress)?;
     folder.commit()
 }
 

@@ -156,7 +156,7 @@ mod tests {
     use crate::dataset::cameras::PlacedCamera;
     use crate::image::ImageProjection;
     use crate::monitor::Silent;
-    use crate::scene::{DemoKind, DemoScene, FootagePlan, Kept, Pass, Scene};
+    use crate::scene::{DemoKind, DemoScene, ExistingImages, FootagePlan, Pass, Scene};
 
     const PLAN: FootagePlan = FootagePlan { kind: DemoKind::Courtyard, frames: 2, face_size: 8, probes: 2 };
 
@@ -197,7 +197,7 @@ mod tests {
         plan.cameras.cameras = vec![PlacedCamera { fov_y_deg: Some(40.0), ..camera }];
         (plan.projection, plan.size) = (Projection::Perspective, [12, 8]);
         plan.passes = vec![Pass::Color];
-        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, Kept::None, &Silent).unwrap();
+        plan.write(&Scene::Procedural(DemoScene::new(PLAN.kind)), folder, ExistingImages::Overwrite, &Silent).unwrap();
         plan.manifest().unwrap()
     }
 

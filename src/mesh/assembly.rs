@@ -119,7 +119,7 @@ impl Assembly {
             self.left_out.not_finite += 1;
             return None;
         }
-        // Divided by its size first: squares of what is tiny or huge are 0 or infinite.
+        // Scaled first, as squares of tiny or huge components underflow or overflow.
         let normal = (across / across.abs().max_element()).try_normalize();
         self.left_out.no_area += usize::from(normal.is_none());
         normal

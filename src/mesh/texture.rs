@@ -3,7 +3,7 @@
 use std::io::Cursor;
 use std::sync::OnceLock;
 
-use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits};
+use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use glam::{DVec2, DVec3};
 
 use super::budget::Budget;
@@ -98,19 +98,6 @@ impl ImageTexture {
         budget.take(pixels, 8, "an image")?;
         let image = DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgba8();
         Ok(ImageTexture { width, height, pixels: image.as_chunks::<4>().0.to_vec(), wrap })
-    }
-
-    /// The image as a PNG file.
-    pub fn to_png(&self) -> Result<Vec<u8>> {
-        let mut png = Vec::new();
-        let encoder = ::image::codecs::png::PngEncoder::new(&mut png);
-        if self.pixels.len() as u64 != u64::from(self.width) * u64::from(self.height) {
-            return Err(Error::invalid(format!("{} pixels for {}x{}", self.pixels.len(), self.width, self.height)));
-        }
-        let written =
-            encoder.write_image(self.pixels.as_flattened(), self.width, self.height, ExtendedColorType::Rgba8);
-        written.map_err(|error| Error::invalid(format!("the image cannot be written as PNG: {error}")))?;
-        Ok(png)
     }
 
     /// Bilinear colour and alpha at texture coordinates, (0, 0) the top left corner. Coordinates that are not finite

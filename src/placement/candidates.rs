@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::greedy::Choice;
 use super::objective::{State, VisibleSet};
 use super::region::{Region, Volume};
 use super::sampled_scene::{SampledScene, Surfels};
@@ -121,24 +120,31 @@ impl FreeSpace<'_> {
 
     /// Coordinate search for a larger gain: in each of `steps` steps the best of six positions along the axes, at
     /// half the distance of the step before. Adds the number of gains computed to `calls`.
-    pub fn refine(&self, search: &Refinement<'_>, from: (&VisibleSet, Choice), calls: &mut u64) -> (VisibleSet, f64) {
-        let (mut best, mut gain) = (from.0.clone(), from.1.gain);
+    pub fn refine(&self, search: &Refinement<'_>, from: ScoredSet, calls: &mut u64) -> ScoredSet {
+        let mut best = from;
         let mut reach = 0.5 * self.spacing_m(search.candidates);
         for _ in 0..search.steps {
             let around = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
-            let around = around.map(|axis| best.position + reach * axis);
+            let around = around.map(|axis| best.visible.position + reach * axis);
             for position in around.into_iter().filter(|position| self.admits(*position)) {
                 let visible = self.sampled.visible_set(search.surfels, position);
                 *calls += 1;
-                let other = search.state.gain(&visible);
-                if other > gain {
-                    (best, gain) = (visible, other);
+                let gain = search.state.gain(&visible);
+                if gain > best.gain {
+                    best = ScoredSet { visible, gain };
                 }
             }
             reach *= 0.5;
         }
-        (best, gain)
+        best
     }
+}
+
+/// The visible set of a position, and its gain.
+#[derive(Debug, Clone)]
+pub struct ScoredSet {
+    pub visible: VisibleSet,
+    pub gain: f64,
 }
 
 /// Objective and extent of [`FreeSpace::refine`].
@@ -172,7 +178,7 @@ fn shares(region: &Region) -> Vec<f64> {
 
 /// Point of the sequence in one of the volumes; `None` where it is outside of that volume or inside one before it.
 fn position(region: &Region, shares: &[f64], index: u64) -> Option<DVec3> {
-    // Which volume: by an even sequence of one dimension, so that any run of indices has its share of each.
+    // The volume is chosen by a low-discrepancy sequence, so any run of indices has its share of each.
     let turn = (0.5 + (index % (1 << 40)) as f64 * 0.618_033_988_749_894_9).fract();
     let which = shares.partition_point(|share| *share <= turn).min(shares.len() - 1);
     let volume = &region.volumes()[which];

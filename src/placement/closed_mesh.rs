@@ -102,7 +102,7 @@ impl ClosedMesh {
 }
 
 fn wrong_edges(triangles: &[[DVec3; 3]]) -> (usize, usize) {
-    // −0 and 0 are one place.
+    // The sum turns −0 into 0.
     let key = |corner: DVec3| corner.to_array().map(|value| (value + 0.0).to_bits());
     let mut edges: HashMap<[[u64; 3]; 2], i64> = HashMap::new();
     for [a, b, c] in triangles.iter().map(|corners| corners.map(key)) {

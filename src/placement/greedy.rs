@@ -86,7 +86,7 @@ impl Lazy {
     pub fn best(&mut self, state: &State<'_>, visible_sets: &[VisibleSet], calls: &mut Calls) -> Option<Choice> {
         self.round += 1;
         loop {
-            // What is equal to the best found comes first where its index is lower, and is asked.
+            // Of equal bounds the lower index is popped first, so ties go to it.
             let mut entry = self.queue.pop()?;
             let is_new = entry.round == self.round;
             if (is_new && entry.is_gain) || entry.bound <= 0.0 {

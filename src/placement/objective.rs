@@ -14,9 +14,11 @@
 //! equation 4. Here (7) is the integral of (4) over time: surfels of several time samples.
 //!
 //! A gain never grows when cameras are added, as the maximum is over more of them. Terms are added in a fixed order
-//! and rounding is monotone, so this holds for the computed numbers, too; [`super::greedy`] relies on it.
+//! and rounding is monotone, so this holds for the computed numbers, too; `greedy` relies on it.
 
 use glam::DVec3;
+
+use crate::mesh::AxisBox;
 
 /// Surfels that [`State::bound`] treats together: a byte of a visible set.
 const GROUP: usize = 8;
@@ -103,8 +105,7 @@ pub struct Problem {
 /// Bounds of [`GROUP`] consecutive surfels.
 #[derive(Debug, Clone)]
 struct Group {
-    min: DVec3,
-    max: DVec3,
+    bounds: AxisBox,
     /// Centre of the box, and the radius of a sphere around the surfels.
     middle: DVec3,
     radius_m: f64,
@@ -115,10 +116,11 @@ impl Problem {
     /// `rate_per_m` is k, 0 or more.
     pub fn new(surfels: Vec<Surfel>, rate_per_m: f64) -> Problem {
         let group = |surfels: &[Surfel]| {
-            let min = surfels.iter().fold(DVec3::INFINITY, |min, surfel| min.min(surfel.point));
-            let max = surfels.iter().fold(DVec3::NEG_INFINITY, |max, surfel| max.max(surfel.point));
+            let bounds = AxisBox::around(surfels.iter().map(|surfel| surfel.point));
+            let bounds = bounds.unwrap_or(AxisBox { min: DVec3::ZERO, max: DVec3::ZERO });
+            let AxisBox { min, max } = bounds;
             let viewer_distance_m = surfels.iter().map(|surfel| surfel.viewer_distance_m).fold(0.0, f64::max);
-            Group { min, max, middle: 0.5 * (min + max), radius_m: 0.5 * (max - min).length(), viewer_distance_m }
+            Group { bounds, middle: 0.5 * (min + max), radius_m: 0.5 * (max - min).length(), viewer_distance_m }
         };
         let groups = surfels.chunks(GROUP).map(group).collect();
         Problem { surfels, rate_per_m, groups }
@@ -151,22 +153,36 @@ impl Problem {
 /// A camera that sees surfels of a group.
 #[derive(Debug, Clone, Copy)]
 struct GroupCamera {
-    /// From the centre of the group.
-    direction: DVec3,
-    /// Largest angle to the direction from a surfel of the group, radians.
-    spread: f64,
+    direction: DirectionBound,
     /// Smallest suitability for the surfels that it sees.
     suitability: f64,
     seen: u8,
 }
 
+/// Directions to a position from the surfels of a group.
+#[derive(Debug, Clone, Copy)]
+struct DirectionBound {
+    /// From the centre of the group.
+    direction: DVec3,
+    /// Largest angle to the direction from a surfel, radians.
+    spread: f64,
+}
+
 impl Group {
-    /// Direction from the centre, and the largest angle to that from a surfel of the group.
-    fn direction_to(&self, position: DVec3) -> (DVec3, f64) {
+    fn direction_to(&self, position: DVec3) -> DirectionBound {
         let way = position - self.middle;
         let share = self.radius_m / way.length();
-        (way.normalize_or_zero(), if share < 1.0 { share.asin() } else { std::f64::consts::PI })
+        let spread = if share < 1.0 { share.asin() } else { std::f64::consts::PI };
+        DirectionBound { direction: way.normalize_or_zero(), spread }
     }
+}
+
+/// A camera that sees a surfel.
+#[derive(Debug, Clone, Copy)]
+struct Observer {
+    /// From the surfel.
+    direction: DVec3,
+    suitability: f64,
 }
 
 /// Coverage by the cameras so far.
@@ -176,8 +192,8 @@ pub struct State<'a> {
     near_cosine: f64,
     /// Largest suitability of any camera for each surfel.
     best: Vec<f64>,
-    /// Direction and suitability of the cameras that see each surfel; empty for diffuse surfaces.
-    around: Vec<Vec<(DVec3, f64)>>,
+    /// Cameras that see each surfel; empty for diffuse surfaces.
+    around: Vec<Vec<Observer>>,
     /// The same for each group.
     around_groups: Vec<Vec<GroupCamera>>,
     cameras: Vec<DVec3>,
@@ -237,7 +253,7 @@ impl<'a> State<'a> {
             if left == 0 {
                 continue;
             }
-            let off = (group.min - visible.position).max(visible.position - group.max).max(DVec3::ZERO).length();
+            let off = group.bounds.distance_m(visible.position);
             let most = self.problem.decay(off - group.viewer_distance_m) * (1.0 + ROUNDING);
             let mut covered: [f64; GROUP] = std::array::from_fn(|_| 0.0);
             match self.around_groups.get(at) {
@@ -254,10 +270,11 @@ impl<'a> State<'a> {
     }
 
     /// Raises the covered suitabilities of a group by the cameras that are redundant for all of it.
-    fn cover_group(&self, covered: &mut [f64; GROUP], (direction, spread): (DVec3, f64), cameras: &[GroupCamera]) {
+    fn cover_group(&self, covered: &mut [f64; GROUP], towards: DirectionBound, cameras: &[GroupCamera]) {
         for camera in cameras {
-            // A margin far above what rounding makes of an angle.
-            let angle = direction.dot(camera.direction).clamp(-1.0, 1.0).acos() + spread + camera.spread + 1e-6;
+            let [a, b] = [towards.direction, camera.direction.direction];
+            // The margin is far above the rounding of angles.
+            let angle = a.dot(b).clamp(-1.0, 1.0).acos() + towards.spread + camera.direction.spread + 1e-6;
             let is_near = angle < std::f64::consts::PI && angle.cos() > self.near_cosine;
             if is_near || self.near_cosine == f64::NEG_INFINITY {
                 let seen = covered.iter_mut().enumerate().filter(|(bit, _)| camera.seen >> bit & 1 == 1);
@@ -272,8 +289,8 @@ impl<'a> State<'a> {
             return self.best[surfel];
         }
         let direction = (position - self.problem.surfels[surfel].point).normalize_or_zero();
-        let near = self.around[surfel].iter().filter(|(other, _)| direction.dot(*other) > self.near_cosine);
-        near.map(|(_, suitability)| *suitability).fold(0.0, f64::max)
+        let near = self.around[surfel].iter().filter(|other| direction.dot(other.direction) > self.near_cosine);
+        near.map(|other| other.suitability).fold(0.0, f64::max)
     }
 
     pub fn add(&mut self, visible: &VisibleSet) {
@@ -282,19 +299,19 @@ impl<'a> State<'a> {
             self.best[surfel] = self.best[surfel].max(suitability);
             if let Some(around) = self.around.get_mut(surfel) {
                 let direction = (visible.position - self.problem.surfels[surfel].point).normalize_or_zero();
-                around.push((direction, suitability));
+                around.push(Observer { direction, suitability });
             }
         }
         for (at, around) in self.around_groups.iter_mut().enumerate() {
             let first = at * GROUP;
             let seen = (visible.seen[first / 64] >> (first % 64)) as u8;
             if seen != 0 {
-                let (direction, spread) = self.problem.groups[at].direction_to(visible.position);
+                let direction = self.problem.groups[at].direction_to(visible.position);
                 let suitabilities = (0..GROUP).filter(|bit| seen >> bit & 1 == 1);
                 let suitability = suitabilities
                     .map(|bit| self.problem.suitability(visible.position, first + bit))
                     .fold(f64::INFINITY, f64::min);
-                around.push(GroupCamera { direction, spread, suitability, seen });
+                around.push(GroupCamera { direction, suitability, seen });
             }
         }
         self.cameras.push(visible.position);

@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_is_in_the_way_at_any_moment() {
+    fn what_moves_is_in_the_way_at_any_time() {
         let moved = Shape::Sphere(Sphere { center: DVec3::X * 5.0, radius: 1.0 });
         let sampled = SampledScene::new(vec![scene(&[ball()]), scene(&[moved])], 100).unwrap();
         let open = |x: f64| sampled.is_free(DVec3::X * x, 0.01);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::candidates::{CandidateKind, FreeSpace, Refinement};
+use super::candidates::{CandidateKind, FreeSpace, Refinement, ScoredSet};
 use super::coverage::{Coverage, Figures};
 use super::greedy::{self, Calls, Choice, Lazy};
 use super::objective::{Lighting, Problem, State, VisibleSet};
@@ -78,7 +78,7 @@ impl Extent {
 pub fn sample_frames([first, last]: [u32; 2], most: usize) -> Vec<u32> {
     let count = u64::from(last.saturating_sub(first)) + 1;
     let taken = count.min(most.max(1) as u64);
-    // The middle of each of so many equal parts.
+    // The middle of each of `taken` equal parts.
     (0..taken).map(|at| first + ((2 * at + 1) * count / (2 * taken)) as u32).collect()
 }
 
@@ -258,8 +258,8 @@ impl<'a> Search<'a> {
                 candidates: self.visible_sets.len(),
                 steps: self.steps,
             };
-            let from = (&self.visible_sets[choice.candidate], choice);
-            let (visible, gain) = self.free_space().refine(&around, from, &mut refinement_calls);
+            let from = ScoredSet { visible: self.visible_sets[choice.candidate].clone(), gain: choice.gain };
+            let ScoredSet { visible, gain } = self.free_space().refine(&around, from, &mut refinement_calls);
             if gain <= stop.until {
                 break;
             }

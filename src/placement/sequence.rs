@@ -12,7 +12,7 @@ const GOLDEN_TURN: f64 = 0.381_966_011_250_105_1;
 
 /// Point of the sequence in the unit cube; the first is its centre.
 pub fn in_cube(index: u64) -> DVec3 {
-    // Beyond 2^40 points the fraction would become coarse; no search comes near.
+    // Beyond 2^40 points the fraction would become coarse.
     let along = |step: f64| (0.5 + (index % (1 << 40)) as f64 * step).fract();
     DVec3::new(along(CUBE_STEPS[0]), along(CUBE_STEPS[1]), along(CUBE_STEPS[2]))
 }

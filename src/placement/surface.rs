@@ -51,7 +51,7 @@ pub fn sample(scene: &SceneAtTime, count: usize, first: u64) -> SurfacePoints {
         return SurfacePoints::default();
     }
     let place = |at: usize| {
-        // The first of all is the middle, which lies on the edge of a triangle.
+        // Point 0 is the centre, which is on the edge of a triangle.
         let within = sequence::in_cube(first + at as u64 + 1);
         let patch = ends.partition_point(|end| *end <= (at as f64 + within.x) / count as f64 * area);
         on_patch(scene, &patches[patch.min(patches.len() - 1)], within.y, within.z)
@@ -147,7 +147,7 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
         Patch::Triangle { mesh, triangle } => {
             let mesh = scene.meshes().get(mesh)?;
             let [a, b, c] = mesh.mesh().corners(triangle);
-            // The half of the square beyond the diagonal, turned over.
+            // The half of the square beyond the diagonal is mirrored.
             let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
             let is_hole = mesh.is_hole(triangle, glam::DVec2::new(s, t));
             let normal = (b - a).cross(c - a).try_normalize()?;

@@ -14,10 +14,10 @@ use crate::image::ImageProjection;
 use crate::image::{ColorPlane, DepthPlane, Face};
 use crate::monitor::Silent;
 
-pub use plan::{CapturePlan, Take, frames_of_animation};
+pub use plan::{CapturePlan, FrameRequest, frames_of_animation};
 pub use samples::{MAX_SAMPLES, SamplePattern};
-pub use view::{Images, MAX_FACE_SIZE, Pass, Shot, Viewpoint, capture_view};
-pub use write::{CaptureReport, CaptureSummary, Kept};
+pub use view::{Images, MAX_FACE_SIZE, Pass, PassSettings, Viewpoint, capture_view};
+pub use write::{CaptureReport, CaptureSummary, ExistingImages};
 
 /// Default samples of a pixel's colour.
 pub const COLOR_SAMPLES: u32 = 16;
@@ -27,9 +27,10 @@ pub const COLOR_SAMPLES: u32 = 16;
 pub fn capture_face(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Result<(ColorPlane, DepthPlane)> {
     let samples = SamplePattern::new(COLOR_SAMPLES)?;
     let passes = [Pass::Color, Pass::Depth];
-    let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
+    let settings =
+        PassSettings { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
     let from = Viewpoint { position, orientation: None, projection: ImageProjection::cube_face(face, size) };
-    let images = capture_view(scene, &from, &shot, &Silent)?;
+    let images = capture_view(scene, &from, &settings, &Silent)?;
     images.color.zip(images.depth).ok_or_else(|| Error::invalid("a face without colour and depth"))
 }
 

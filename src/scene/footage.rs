@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::animated::Scene;
-use super::capture::{COLOR_SAMPLES, CapturePlan, Kept, Pass};
+use super::capture::{COLOR_SAMPLES, CapturePlan, ExistingImages, Pass};
 use super::procedural::{DemoKind, DemoScene};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::manifest::Manifest;
@@ -70,7 +70,7 @@ impl FootagePlan {
     /// Captures everything into `folder`. The monitor advances by one for each image.
     pub fn write(&self, folder: &Path, monitor: &dyn Monitor) -> Result<Manifest> {
         let plan = self.capture()?;
-        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, Kept::None, monitor)?;
+        plan.write(&Scene::Procedural(DemoScene::new(self.kind)), folder, ExistingImages::Overwrite, monitor)?;
         plan.manifest()
     }
 }
@@ -92,10 +92,10 @@ mod tests {
         assert_eq!(Manifest::read(folder.path()).unwrap(), manifest);
         let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
         assert_eq!(source.groups().len(), 2 * 2 * 6);
-        let moment = DemoScene::new(PLAN.kind).at(1.0 / FPS);
+        let scene = DemoScene::new(PLAN.kind).at(1.0 / FPS);
         for group in source.groups() {
             let position = PLAN.positions()[group.probe];
-            let (color, depth) = capture_face(&moment, position, group.faces[0], PLAN.face_size).unwrap();
+            let (color, depth) = capture_face(&scene, position, group.faces[0], PLAN.face_size).unwrap();
             match group.kind {
                 StreamKind::Color => assert_eq!(source.read_color(group, 1).unwrap(), [color]),
                 _ => assert_eq!(source.read_depth(group, 1).unwrap(), [depth]),

@@ -71,7 +71,7 @@ fn parity(whole: f64) -> usize {
 
 /// A fixed number in 0..1 for each brick: an integer hash, the same on every machine.
 fn cell_noise(column: f64, row: f64) -> f64 {
-    // Casts saturate; bricks lie within a few thousand of the origin.
+    // Casts saturate, far beyond any scene.
     let mut h = (column as i32 as u32).wrapping_mul(0x9e37_79b1) ^ (row as i32 as u32).wrapping_mul(0x85eb_ca77);
     h = (h ^ (h >> 15)).wrapping_mul(0xc2b2_ae3d);
     h ^= h >> 13;

@@ -21,7 +21,7 @@ mod surface;
 pub mod trace;
 
 pub use animated::Scene;
-pub use capture::{CapturePlan, CaptureSummary, Kept, MAX_FACE_SIZE, Pass, capture_face};
+pub use capture::{CapturePlan, CaptureSummary, ExistingImages, MAX_FACE_SIZE, Pass, capture_face};
 pub use footage::FootagePlan;
 pub use light::{Cone, Lamp, Light, Sky, Sun, Window};
 pub use material::{Material, Texture};

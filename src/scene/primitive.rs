@@ -17,14 +17,14 @@ impl Sphere {
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
         let to_center = self.center - ray.origin();
         let closest = to_center.dot(ray.direction());
-        // The offset of the ray from the centre, squared directly: b² − c would cancel for small far spheres.
+        // Computed from the offset, as b² − c cancels for small distant spheres.
         let offset = to_center - closest * ray.direction();
         let inside = self.radius * self.radius - offset.length_squared();
         if inside < 0.0 {
             return None;
         }
         let half = inside.sqrt();
-        // Squares of what is very far are infinite.
+        // Squares of large distances are infinite.
         let ahead = |distance: &f64| *distance > min_distance && distance.is_finite();
         let distance = [closest - half, closest + half].into_iter().find(ahead)?;
         Some(Intersection { distance, normal: (ray.at(distance) - self.center) / self.radius })
@@ -90,7 +90,7 @@ impl Quad {
             let along = (ray.at(distance) - self.corner).dot(edge);
             along >= 0.0 && along <= edge.length_squared()
         };
-        // An area of 0 has no normal and is not seen.
+        // Without an area there is no normal, and no hit.
         let normal = across.try_normalize()?;
         (inside(self.u) && inside(self.v)).then_some(Intersection { distance, normal })
     }
@@ -149,7 +149,7 @@ impl Fence {
         }
         let post_at = |x: f64| (x - self.foot.x) / self.spacing;
         let ends = [ray.at(enter).x, ray.at(leave).x];
-        // Half a post and a little rounding on each side.
+        // Half a post and a margin for rounding.
         let reach = half + 1e-9;
         // Casts saturate, and the posts are clamped to those that exist.
         let first = (post_at(ends[0].min(ends[1]) - reach).ceil() as u32).min(self.posts - 1);

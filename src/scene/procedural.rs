@@ -128,8 +128,8 @@ mod tests {
             let region = AxisBox { min: middle - half, max: middle + half };
             let size = 16;
             let depths = |time: f64, probe: DVec3| {
-                let moment = scene.at(time);
-                Face::CUBE.map(|face| capture_face(&moment, probe, face, size).unwrap())
+                let at_time = scene.at(time);
+                Face::CUBE.map(|face| capture_face(&at_time, probe, face, size).unwrap())
             };
             let first = depths(0.0, middle);
             let moved = [0.5, 1.3, 2.9].into_iter().any(|time| depths(time, middle) != first);

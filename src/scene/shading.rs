@@ -42,6 +42,12 @@ thread_local! {
     pub(super) static SECONDARY_RAYS: std::cell::Cell<u64> = const { std::cell::Cell::new(0) };
 }
 
+/// Light reflected by a white matt surface, and by a Phong lobe of weight 1.
+struct Reflected {
+    matt: DVec3,
+    gloss: DVec3,
+}
+
 impl SceneAtTime {
     /// Radiance towards the origin of a ray in `direction`.
     pub(super) fn radiance(&self, surface: &Surface, direction: DVec3, path: Path) -> DVec3 {
@@ -55,7 +61,7 @@ impl SceneAtTime {
             }
             Optics::Glass { ior, tint } => {
                 let normal = surface.optical_normal(direction);
-                let (share, refracted) = surface.fresnel(direction, normal, ior);
+                let Fresnel { reflectance: share, refracted } = surface.fresnel(direction, normal, ior);
                 let mut light = surface.emission + self.highlights(surface, direction);
                 if share > 0.0 {
                     let reflected = reflect(direction, normal);
@@ -89,8 +95,8 @@ impl SceneAtTime {
         if surface.unlit {
             return surface.emission + surface.albedo;
         }
-        let [matt, gloss] = self.arriving(surface, direction);
-        surface.emission + surface.albedo * matt + surface.phong.weight * gloss
+        let light = self.arriving(surface, direction);
+        surface.emission + surface.albedo * light.matt + surface.phong.weight * light.gloss
     }
 
     /// Phong alone, for mirrors and glass.
@@ -98,29 +104,25 @@ impl SceneAtTime {
         if surface.phong.is_matt() {
             return DVec3::ZERO;
         }
-        surface.phong.weight * self.direct(surface, direction)[1]
+        surface.phong.weight * self.direct_upon(surface, direction, DVec3::ZERO).gloss
     }
 
     /// Ambient and direct light: reflected by a white matt surface, and by a Phong lobe of weight 1. The ambient
     /// light is uniform, so a lobe reflects as much of it as a matt surface.
-    fn arriving(&self, surface: &Surface, direction: DVec3) -> [DVec3; 2] {
+    fn arriving(&self, surface: &Surface, direction: DVec3) -> Reflected {
         let ambient = |normal: DVec3| {
-            // A surface that faces down sees ground instead of sky: a bit less than half the light.
+            // The ground reflects 40% of the light of the sky.
             self.light().sky.ambient * (0.7 + 0.3 * normal.y)
         };
-        let [matt, gloss] = self.direct_upon(surface, direction, ambient(surface.normal));
-        if surface.phong.is_matt() {
-            return [matt, gloss];
+        let mut light = self.direct_upon(surface, direction, ambient(surface.normal));
+        if !surface.phong.is_matt() {
+            light.gloss += ambient(reflect(direction, surface.normal));
         }
-        [matt, gloss + ambient(reflect(direction, surface.normal))]
-    }
-
-    fn direct(&self, surface: &Surface, direction: DVec3) -> [DVec3; 2] {
-        self.direct_upon(surface, direction, DVec3::ZERO)
+        light
     }
 
     /// Suns and lamps, added to `matt` one by one.
-    fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> [DVec3; 2] {
+    fn direct_upon(&self, surface: &Surface, direction: DVec3, mut matt: DVec3) -> Reflected {
         let mut gloss = DVec3::ZERO;
         let mirrored = (!surface.phong.is_matt()).then(|| reflect(direction, surface.normal));
         let mut add = |light: DVec3, towards: DVec3| {
@@ -143,7 +145,7 @@ impl SceneAtTime {
                 add(light, towards);
             }
         }
-        [matt, gloss]
+        Reflected { matt, gloss }
     }
 
     /// A lamp's light on a white matt surface, and the direction to the lamp.
@@ -152,7 +154,7 @@ impl SceneAtTime {
         let squared = to_lamp.length_squared();
         let reach = lamp.reach * lamp.reach;
         let cosine = surface.normal.dot(to_lamp);
-        // Out of reach, behind the surface, or in the lamp itself, where the direction is lost.
+        // Out of range, behind the surface, or at the lamp, where there is no direction.
         let lift = self.lift(point);
         if squared >= reach || cosine <= 0.0 || surface.side.dot(to_lamp) <= 0.0 || squared < lift * lift {
             return None;
@@ -200,6 +202,14 @@ impl Phong {
     }
 }
 
+/// Reflection and refraction at the surface of glass.
+struct Fresnel {
+    /// Of unpolarised light.
+    reflectance: f64,
+    /// Direction; none in total reflection.
+    refracted: Option<DVec3>,
+}
+
 impl Surface {
     /// The shading normal, or the geometric one where the reflection would enter the surface.
     fn optical_normal(&self, direction: DVec3) -> DVec3 {
@@ -207,23 +217,23 @@ impl Surface {
         if sound { self.normal } else { self.side }
     }
 
-    /// Fresnel reflectance of unpolarised light, and the refracted direction; none in total reflection.
-    fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> (f64, Option<DVec3>) {
-        // Whatever a file says, what follows stays finite.
+    fn fresnel(&self, direction: DVec3, normal: DVec3, ior: f64) -> Fresnel {
+        // Indices of files are clamped so that the result is finite.
         let ior = if ior > 1.0 { ior.min(1e3) } else { 1.0 };
         let ratio = if self.from_within { ior } else { ior.recip() };
         let cos_in = (-direction.dot(normal)).clamp(0.0, 1.0);
         let sin_out_squared = ratio * ratio * (1.0 - cos_in * cos_in);
         if sin_out_squared >= 1.0 {
-            return (1.0, None);
+            return Fresnel { reflectance: 1.0, refracted: None };
         }
         let cos_out = (1.0 - sin_out_squared).sqrt();
         let parallel = (cos_in - ratio * cos_out) / (cos_in + ratio * cos_out);
         let across = (ratio * cos_in - cos_out) / (ratio * cos_in + cos_out);
         let refracted = ratio * direction + (ratio * cos_in - cos_out) * normal;
-        // A shading normal may send it back out.
+        // With a shading normal, the refracted ray may leave the surface again.
         let refracted = refracted.try_normalize().filter(|refracted| refracted.dot(self.side) < 0.0);
-        (0.5 * (parallel * parallel + across * across), refracted.or(Some(direction)))
+        let reflectance = 0.5 * (parallel * parallel + across * across);
+        Fresnel { reflectance, refracted: refracted.or(Some(direction)) }
     }
 
     /// Weights of reflection and refraction and the index of refraction, as in a material stream.
@@ -232,7 +242,7 @@ impl Surface {
             Optics::Opaque => OPAQUE,
             Optics::Mirror { .. } => [1.0, 0.0, 1.0],
             Optics::Glass { ior, .. } => {
-                let (share, _) = self.fresnel(direction, self.optical_normal(direction), ior);
+                let share = self.fresnel(direction, self.optical_normal(direction), ior).reflectance;
                 [share, 1.0 - share, ior]
             }
         }

@@ -20,7 +20,7 @@ impl ShadowGrid {
     const SIDE: usize = 48;
 
     pub(super) fn new(objects: &[Object], sun: DVec3) -> Self {
-        // Across the sun, and as far as possible along X: the shadows of long beams then fill few shafts.
+        // As far as possible along X: the shadows of long beams then fill few cells.
         let first = (DVec3::X - sun.x * sun).try_normalize().unwrap_or(DVec3::Y);
         let axes = [first, sun.cross(first)];
         let flat = |point: DVec3| DVec2::new(point.dot(axes[0]), point.dot(axes[1]));
@@ -30,7 +30,7 @@ impl ShadowGrid {
             .filter(|(_, object)| object.is_occluder())
             .map(|(index, object)| {
                 let corners = object.bounds().corners().map(flat);
-                // Ten micrometres for rounding and for the lift of shadow rays.
+                // A margin of ten micrometres for rounding and the offset of shadow rays.
                 let (low, high) = corners
                     .iter()
                     .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));

@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 use super::mesh::{MeshMaterial, Optics, Phong, SceneMesh};
 use super::object::Object;
 use super::raycast::{FirstHit, HitSurface, SceneAtTime};
-use crate::mesh::{ImageTexture, Ray, TriangleHit};
+use crate::mesh::{ImageTexture, Intersection, Ray, TriangleHit};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
@@ -29,16 +29,19 @@ pub(super) struct Surface {
 impl SceneAtTime {
     pub(super) fn surface(&self, ray: &Ray, hit: &FirstHit) -> Surface {
         match hit.surface {
-            HitSurface::Object { index, normal } => of_object(&self.objects()[index], ray, (hit.distance, normal)),
+            HitSurface::Object { index, normal } => {
+                of_object(&self.objects()[index], ray, &Intersection { distance: hit.distance, normal })
+            }
             HitSurface::Mesh { index, at } => of_mesh(&self.meshes()[index], ray, &at),
         }
     }
 }
 
-fn of_object(object: &Object, ray: &Ray, (distance, outward): (f64, DVec3)) -> Surface {
+fn of_object(object: &Object, ray: &Ray, hit: &Intersection) -> Surface {
+    let outward = hit.normal;
     let from_within = outward.dot(ray.direction()) > 0.0;
     let normal = if from_within { -outward } else { outward };
-    let point = ray.at(distance);
+    let point = ray.at(hit.distance);
     let turn = object.texture_from_world;
     let (local_point, local_normal) = if turn == DQuat::IDENTITY {
         (point - object.anchor, normal)
@@ -66,7 +69,7 @@ fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
     let side = if from_within { -outward } else { outward };
     let [second, third] = hit.barycentric.to_array();
     let first = 1.0 - second - third;
-    // From the corners, not along the ray: from far away, the ray resolves less.
+    // Interpolated from the corners: along a long ray, f64 resolves less.
     let point = first * corners[0] + second * corners[1] + third * corners[2];
     let normal = if mesh.normals.is_empty() {
         side
@@ -115,7 +118,7 @@ fn outward([a, b, c]: &[DVec3; 3]) -> DVec3 {
     let (ab, ac) = (b - a, c - a);
     let size = ab.abs().max_element().max(ac.abs().max_element());
     let across = (ab / size).cross(ac / size);
-    // Squares of very thin triangles' areas underflow.
+    // The squared area of a very thin triangle underflows.
     let across = across / across.abs().max_element();
     across.try_normalize().unwrap_or(DVec3::Y)
 }

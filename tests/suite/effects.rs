@@ -20,7 +20,7 @@ use lightfold::march::synthetic::Made;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::SquaredError;
 use lightfold::monitor::Silent;
-use lightfold::scene::capture::{Images, Pass, SamplePattern, Shot, Viewpoint, capture_view};
+use lightfold::scene::capture::{Images, Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
 use lightfold::scene::procedural::{DemoKind, DemoScene};
 use lightfold::scene::raycast::SceneAtTime;
 use lightfold::streams::convert::{color_codes, material_codes};
@@ -39,9 +39,10 @@ fn scene() -> SceneAtTime {
 fn capture(scene: &SceneAtTime, position: DVec3, face: Face, size: u32) -> Images {
     let samples = SamplePattern::new(4).unwrap();
     let passes = [Pass::Color, Pass::Depth, Pass::Material];
-    let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
+    let settings =
+        PassSettings { passes: &passes, samples: &samples, depth: DepthKind::Distance, far_m: f64::INFINITY };
     let from = Viewpoint { position, orientation: None, projection: ImageProjection::cube_face(face, size) };
-    capture_view(scene, &from, &shot, &Silent).unwrap()
+    capture_view(scene, &from, &settings, &Silent).unwrap()
 }
 
 /// The light field of probes, as 8-bit codes.

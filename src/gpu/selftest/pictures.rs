@@ -23,7 +23,7 @@ use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
 use crate::math::Camera;
 use crate::math::camera::Lens;
 use crate::monitor::Silent;
-use crate::scene::capture::{Pass, SamplePattern, Shot, Viewpoint, capture_view};
+use crate::scene::capture::{Pass, PassSettings, SamplePattern, Viewpoint, capture_view};
 use crate::scene::{DemoKind, DemoScene, SceneAtTime};
 use crate::views::from_images::{FaceImages, from_images};
 use crate::views::light_field::{ColorCoding, LightField, UNKNOWN, View};
@@ -228,7 +228,8 @@ impl Captured {
     ) -> Result<View> {
         let samples = SamplePattern::new(1)?;
         let passes = [Pass::Color, Pass::Depth, Pass::Material];
-        let shot = Shot { passes: &passes, samples: &samples, depth: DepthKind::Planar, far_m: f64::INFINITY };
+        let settings =
+            PassSettings { passes: &passes, samples: &samples, depth: DepthKind::Planar, far_m: f64::INFINITY };
         let mut entry = ProbeEntry {
             name: format!("{at}"),
             position: position.to_array(),
@@ -239,7 +240,7 @@ impl Captured {
         let mut images = Vec::new();
         for &(face, projection) in windows {
             let from = Viewpoint { position, orientation: turn, projection };
-            let image = capture_view(&self.scene, &from, &shot, &Silent)?;
+            let image = capture_view(&self.scene, &from, &settings, &Silent)?;
             let (Some(color), Some(depth)) = (image.color, image.depth) else {
                 return Err(Error::invalid("a capture without colour and depth"));
             };

@@ -125,7 +125,7 @@ impl<'a> Buffers<'a> {
             )));
         }
         let size = component.0.size() * components;
-        // The bytes themselves, and what they become.
+        // The bytes, and the floats or integers that they become.
         self.budget.take(accessor.count.0, size as u64 + 4 * components as u64, "an accessor")?;
         let count = accessor.count.0 as usize;
         let mut bytes = match accessor.buffer_view {

@@ -76,9 +76,9 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
     let damaged = |error: serde_json::Error| Error::invalid(format!("the JSON of the glTF file is damaged: {error}"));
     let preview: Preview = serde_json::from_slice(text).map_err(damaged)?;
-    judge(&preview)?;
+    check_preview(&preview)?;
     let mut root: json::Root = json::deserialize::from_slice(text).map_err(damaged)?;
-    // Judged above, by what is done here instead of by what the crate does.
+    // Checked above against the extensions known here, not those of the crate.
     root.extensions_required.clear();
     check(&root)?;
     Ok(Parsed { document: Document::from_json_without_validation(root), blob: blob.map(<[u8]>::to_vec) })
@@ -114,7 +114,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
     Ok((text.ok_or_else(|| Error::invalid("the GLB file has no JSON chunk"))?, binary))
 }
 
-fn judge(preview: &Preview) -> Result<()> {
+fn check_preview(preview: &Preview) -> Result<()> {
     if preview.asset.version.split('.').next() != Some("2") {
         let version: String = preview.asset.version.chars().take(20).collect();
         return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
@@ -145,7 +145,7 @@ fn judge(preview: &Preview) -> Result<()> {
 
 /// Checks all indices and enumerations.
 fn check(root: &json::Root) -> Result<()> {
-    // The crate's own check reads this one accessor before it has looked whether there is one.
+    // The validation of the crate indexes this accessor before it checks the index.
     for (number, mesh) in root.meshes.iter().enumerate() {
         for primitive in &mesh.primitives {
             let positions = primitive
@@ -163,7 +163,7 @@ fn check(root: &json::Root) -> Result<()> {
     root.validate(root, json::Path::new, &mut |path, fault| {
         if first.is_none() {
             let path = path().to_string();
-            // Bounds of positions are required of files, but not used here.
+            // Bounds of positions are required in files, but not used.
             let bounds = path.ends_with("POSITION\"].min") || path.ends_with("POSITION\"].max");
             // An accessor without a view is all zeros (glTF 2.0, section 5.1).
             let zeros = path.starts_with("accessors[") && path.ends_with("].bufferView") && fault == Fault::Missing;

@@ -6,4 +6,6 @@ pub mod materials;
 pub mod nodes;
 pub mod primitives;
 mod textures;
+// No command writes meshes yet; tests do.
+#[cfg_attr(not(feature = "internals"), allow(dead_code))]
 pub mod write;

@@ -141,7 +141,7 @@ fn influences(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) 
 fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>> {
     let last = corners.saturating_sub(2);
     match mode {
-        // Every other triangle of a strip is turned, so that all have the same side outside.
+        // Every other triangle of a strip is flipped, so that all have the same front.
         Mode::TriangleStrip => Box::new((0..last).map(|at| [at, at + 1 + at % 2, at + 2 - at % 2])),
         Mode::TriangleFan => Box::new((0..last).map(|at| [at + 1, at + 2, 0])),
         _ => Box::new((0..corners / 3).map(|at| [3 * at, 3 * at + 1, 3 * at + 2])),

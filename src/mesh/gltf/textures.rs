@@ -35,7 +35,7 @@ impl Textures {
         }
         let other = self.images.range((image, [Wrap::Repeat; 2])..=(image, [Wrap::Clamp; 2])).next();
         let read = match other.map(|(_, known)| known.clone()) {
-            // Wrapped otherwise it is known already, or known to be broken.
+            // Decoded before with another wrap mode, or known to be broken.
             Some(None) => None,
             Some(Some(known)) => {
                 let size = known.pixels.len() as u64;
@@ -81,7 +81,7 @@ pub fn coordinates(info: &Info) -> Coordinates {
     let Some(moved) = info.texture_transform() else {
         return Coordinates { set: info.tex_coord(), transform: Affine2::IDENTITY };
     };
-    // Counter-clockwise as one sees it, where v grows downwards.
+    // Counter-clockwise on screen, as v grows downwards.
     let transform = Affine2::from_scale_angle_translation(
         Vec2::from_array(moved.scale()),
         -moved.rotation(),

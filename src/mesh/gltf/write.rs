@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::sync::Arc;
 
+use ::image::codecs::png::PngEncoder;
+use ::image::{ExtendedColorType, ImageEncoder};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 
@@ -181,7 +183,7 @@ impl Document {
         if let Some(&known) = self.known.get(&Arc::as_ptr(texture)) {
             return Ok(known);
         }
-        let view = self.view(&texture.to_png()?);
+        let view = self.view(&png(texture)?);
         let image = push(&mut self.images, json!({ "bufferView": view, "mimeType": "image/png" }));
         let [wrap_s, wrap_t] = texture.wrap.map(|wrap| match wrap {
             Wrap::Repeat => 10497,
@@ -193,6 +195,18 @@ impl Document {
         self.known.insert(Arc::as_ptr(texture), number);
         Ok(number)
     }
+}
+
+fn png(texture: &ImageTexture) -> Result<Vec<u8>> {
+    let ImageTexture { width, height, pixels, .. } = texture;
+    if pixels.len() as u64 != u64::from(*width) * u64::from(*height) {
+        return Err(Error::invalid(format!("{} pixels for an image of {width}x{height}", pixels.len())));
+    }
+    let mut png = Vec::new();
+    PngEncoder::new(&mut png)
+        .write_image(pixels.as_flattened(), *width, *height, ExtendedColorType::Rgba8)
+        .map_err(|error| Error::invalid(format!("an image cannot be written as PNG: {error}")))?;
+    Ok(png)
 }
 
 #[cfg(test)]

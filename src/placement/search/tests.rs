@@ -214,7 +214,7 @@ fn frames_are_spread_over_the_range() {
 
 /// Equation 7 as `objective` reads it: the integral of equation 4 over time, computed here from its words alone.
 #[test]
-fn of_a_film_each_moment_counts_by_its_time_and_nothing_twice() {
+fn each_time_sample_counts_by_its_time_and_nothing_twice() {
     let at = |x: f64| scene(&[ball(DVec3::X * x, 0.5)]);
     let region = Region::parse(&["-4,-4,2,4,4,4"]).unwrap();
     let settings = Settings { rate_per_m: Some(0.7), min_distance_m: Some(0.5), ..settings(Effort::Fast) };

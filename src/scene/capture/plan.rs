@@ -49,7 +49,7 @@ pub struct CapturePlan {
 
 /// One face of one probe in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Take {
+pub struct FrameRequest {
     /// Index of the probe.
     pub probe: usize,
     pub face: Face,
@@ -61,7 +61,7 @@ const MAX_ANIMATION_FRAMES: u32 = 100_000;
 
 /// Frames of an animation: all that begin before its end, and at least one.
 pub fn frames_of_animation(duration_s: f64, fps: f64) -> Result<FrameRange> {
-    // A millionth of a frame is rounding. Casts saturate, and NaN is 0.
+    // The millionth of a frame is for rounding. Casts saturate, and NaN is 0.
     let count = (duration_s * fps - 1e-6).ceil() as u32;
     if count > MAX_ANIMATION_FRAMES {
         return Err(Error::Usage(format!(
@@ -168,9 +168,9 @@ impl CapturePlan {
     }
 
     /// File of an image, relative to the folder of the dataset.
-    pub fn file(&self, take: &Take, pass: Pass) -> Result<PathBuf> {
-        let text = self.file_text(pass).replace("{probe}", &self.cameras.name_of(take.probe));
-        Ok(Pattern::parse(&text.replace("{face}", take.face.name()))?.path(take.frame))
+    pub fn file(&self, request: &FrameRequest, pass: Pass) -> Result<PathBuf> {
+        let text = self.file_text(pass).replace("{probe}", &self.cameras.name_of(request.probe));
+        Ok(Pattern::parse(&text.replace("{face}", request.face.name()))?.path(request.frame))
     }
 
     pub fn faces(&self) -> &'static [Face] {
@@ -178,10 +178,10 @@ impl CapturePlan {
     }
 
     /// All requests of a frame, in order of probes and faces.
-    pub fn takes(&self, frame: u32) -> impl Iterator<Item = Take> + '_ {
+    pub fn requests(&self, frame: u32) -> impl Iterator<Item = FrameRequest> + '_ {
         let looks = move |probe: &usize| self.frames_of(*probe).is_some_and(|frames| frames.contains(frame));
         let probes = (0..self.cameras.cameras.len()).filter(looks);
-        probes.flat_map(move |probe| self.faces().iter().map(move |&face| Take { probe, face, frame }))
+        probes.flat_map(move |probe| self.faces().iter().map(move |&face| FrameRequest { probe, face, frame }))
     }
 
     /// Number of image files.
@@ -191,10 +191,10 @@ impl CapturePlan {
         frames * self.faces().len() as u64 * self.passes.len() as u64
     }
 
-    pub fn viewpoint(&self, take: &Take) -> Viewpoint {
-        let camera = &self.cameras.cameras[take.probe];
+    pub fn viewpoint(&self, request: &FrameRequest) -> Viewpoint {
+        let camera = &self.cameras.cameras[request.probe];
         let projection = match self.projection {
-            Projection::Cubemap => ImageProjection::cube_face(take.face, self.size[0]),
+            Projection::Cubemap => ImageProjection::cube_face(request.face, self.size[0]),
             Projection::Equirect => ImageProjection::Equirect { size: self.size },
             Projection::Perspective => {
                 let fov_y_deg = camera.fov_y_deg.or(self.fov_y_deg).unwrap_or(90.0);
@@ -241,7 +241,7 @@ impl CapturePlan {
 
     /// Names and values of all settings that images depend on.
     pub fn options(&self) -> Vec<(&'static str, String)> {
-        // What is added to the plan has to be named here, too.
+        // Destructured so that a new field is not forgotten here.
         let CapturePlan { name, fps, frames, projection, size, cameras, fov_y_deg, passes, samples, depth, far_m } =
             self;
         let [width, height] = size;
@@ -292,11 +292,11 @@ mod tests {
         let manifest = plan.manifest().unwrap();
         assert_eq!(manifest.frames, [2, 5]);
         assert_eq!([manifest.probes[0].frames, manifest.probes[1].frames], [None, Some([4, 5])]);
-        assert_eq!((plan.takes(3).count(), plan.takes(4).count()), (6, 12));
+        assert_eq!((plan.requests(3).count(), plan.requests(4).count()), (6, 12));
         assert_eq!(plan.image_count(), (4 + 2) * 6 * 4);
-        let take = plan.takes(4).nth(7).unwrap();
-        assert_eq!(take, Take { probe: 1, face: Face::Nx, frame: 4 });
-        assert_eq!(plan.file(&take, Pass::Normal).unwrap(), PathBuf::from("probe_01/face_nx/normal.0004.exr"));
+        let request = plan.requests(4).nth(7).unwrap();
+        assert_eq!(request, FrameRequest { probe: 1, face: Face::Nx, frame: 4 });
+        assert_eq!(plan.file(&request, Pass::Normal).unwrap(), PathBuf::from("probe_01/face_nx/normal.0004.exr"));
         let none = CapturePlan { frames: FrameRange { first: 0, last: 3 }, ..plan };
         assert!(none.manifest().unwrap_err().to_string().contains("camera 01 looks in the frames 4-9"));
     }
@@ -362,13 +362,14 @@ mod tests {
     fn fields_of_view_become_focal_lengths() {
         let mut plan = plan();
         (plan.projection, plan.size, plan.fov_y_deg) = (Projection::Perspective, [20, 10], Some(90.0));
-        let window = |plan: &CapturePlan, probe| plan.viewpoint(&Take { probe, face: Face::View, frame: 4 }).projection;
+        let window =
+            |plan: &CapturePlan, probe| plan.viewpoint(&FrameRequest { probe, face: Face::View, frame: 4 }).projection;
         let ImageProjection::Pinhole { size, intrinsics: [fx, fy, cx, cy] } = window(&plan, 0) else { panic!() };
         assert_eq!((size, cx, cy, fx), ([20, 10], 10.0, 5.0, fy));
         assert!((fx - 5.0).abs() < 1e-12);
         assert_ne!(window(&plan, 1), window(&plan, 0), "its own comes first");
         assert_eq!(
-            plan.file(&plan.takes(2).next().unwrap(), Pass::Color).unwrap().to_str(),
+            plan.file(&plan.requests(2).next().unwrap(), Pass::Color).unwrap().to_str(),
             Some("probe_00/color.0002.exr")
         );
     }

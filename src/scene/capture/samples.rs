@@ -23,7 +23,7 @@ impl SamplePattern {
             let at = |step: u32| (f64::from(step) + 0.5) / f64::from(side);
             (0..count).map(|k| [at(k % side), at(k / side)]).collect()
         } else {
-            // Half a step on, so that their mean is the centre of the pixel.
+            // Shifted by half a step, so that their mean is the centre of the pixel.
             let bits = count.next_power_of_two().trailing_zeros();
             let mirrored = |k: u32| f64::from(k.reverse_bits() >> (32 - bits));
             let down = |k: u32| (mirrored(k) + 0.5) / f64::from(1_u32 << bits);

@@ -1,7 +1,7 @@
-//! One image of a scene, as a renderer would write it: colour averaged over each pixel, all else through its centre.
-//!
-//! Enters: a frozen scene, a point of view, what is wanted. Leaves: planes. Colour and depth disagree at edges by design:
-//! so does the footage of every renderer.
+//! One image of a scene. Colour is averaged over each pixel; depth, normal and material are those of the ray through
+//! its centre, and never filtered, so they disagree with colour at edges, as in the footage of other renderers. With
+//! one sample, all are of the same ray. Rays have length 1; planar depth is distance over
+//! [`ImageProjection::ray_length_factor`].
 
 use std::f64::consts::PI;
 
@@ -22,27 +22,26 @@ use crate::scene::shading::OPAQUE;
 /// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;
 
-/// Side in pixels of the squares for which the objects in view are gathered once.
+/// Side in pixels of the squares that share a list of visible objects.
 const TILE: u32 = 16;
 
-/// What is captured of a pixel.
+/// An image of a capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Pass {
-    /// Linear Rec. 709 radiance, the mean over the pixel.
+    /// Linear Rec. 709 radiance, averaged over the pixel.
     Color,
-    /// Metres through the pixel's centre, `+inf` for the background.
+    /// Metres, `+inf` for the background.
     Depth,
-    /// Shading normal there in world axes, length 1; zero for the background.
+    /// Shading normal in world axes, length 1; zero for the background.
     Normal,
-    /// Weight of reflection, of refraction, and index of refraction there; 0, 0, 1 for the background.
+    /// Weight of reflection, of refraction, and index of refraction; 0, 0, 1 for the background.
     Material,
 }
 
 impl Pass {
-    /// All of them.
     pub const ALL: [Pass; 4] = [Pass::Color, Pass::Depth, Pass::Normal, Pass::Material];
 
-    /// As in names of files.
+    /// As in file names.
     pub fn name(self) -> &'static str {
         match self {
             Pass::Color => "color",
@@ -53,36 +52,33 @@ impl Pass {
     }
 }
 
-/// From where an image is taken, and what through.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewpoint {
     /// Metres.
     pub position: DVec3,
-    /// Turn from the probe's axes to the world's.
+    /// From the probe's axes to the world's.
     pub orientation: Option<DQuat>,
     /// In the probe's axes.
     pub projection: ImageProjection,
 }
 
-/// What is wanted of an image.
 #[derive(Debug, Clone, Copy)]
-pub struct Shot<'a> {
-    /// Which planes.
+pub struct PassSettings<'a> {
     pub passes: &'a [Pass],
-    /// Where colour is sampled.
+    /// Sample positions of colour.
     pub samples: &'a SamplePattern,
-    /// What depth measures; planar only through flat images.
+    /// Planar only for flat images.
     pub depth: DepthKind,
-    /// Metres; what lies farther is background, but for its colour.
+    /// Metres; surfaces beyond are background, except in colour.
     pub far_m: f64,
 }
 
-impl Shot<'_> {
+impl PassSettings<'_> {
     fn wants(&self, pass: Pass) -> bool {
         self.passes.contains(&pass)
     }
 
-    /// Rays cast from the camera for each pixel, those after reflection and for shadows not counted.
+    /// Camera rays for each pixel, without reflected, refracted and shadow rays.
     pub fn rays_per_pixel(&self) -> u64 {
         let color = if self.wants(Pass::Color) { self.samples.points().len() as u64 } else { 0 };
         let centre = self.passes.iter().any(|pass| *pass != Pass::Color);
@@ -90,21 +86,24 @@ impl Shot<'_> {
     }
 }
 
-/// An image's planes, those that were wanted.
+/// Planes of the requested passes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Images {
-    /// Half floats, linear.
+    /// Linear.
     pub color: Option<ColorPlane>,
     /// Metres.
     pub depth: Option<DepthPlane>,
-    /// x, y, z.
     pub normal: Option<Plane<[f32; 3]>>,
-    /// Reflection, refraction, index.
     pub material: Option<MaterialPlane>,
 }
 
-/// Captures an image. It does not depend on the number of threads.
-pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, monitor: &dyn Monitor) -> Result<Images> {
+/// The result does not depend on the number of threads.
+pub fn capture_view(
+    scene: &SceneAtTime,
+    from: &Viewpoint,
+    settings: &PassSettings<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Images> {
     let [width, height] = from.projection.size();
     if [width, height].iter().any(|&side| side == 0 || side > MAX_FACE_SIZE) {
         return Err(Error::Usage(format!(
@@ -115,20 +114,25 @@ pub fn capture_view(scene: &SceneAtTime, from: &Viewpoint, shot: &Shot<'_>, moni
     if !from.position.is_finite() {
         return Err(Error::Usage(format!("a probe's position must be finite, not {}", from.position)));
     }
-    if shot.depth == DepthKind::Planar && from.projection.axes().is_none() {
+    if settings.depth == DepthKind::Planar && from.projection.axes().is_none() {
         return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
     }
-    let plane = |pass| shot.wants(pass).then_some((width, height));
+    let plane = |pass| settings.wants(pass).then_some((width, height));
     let mut images = Images {
         color: plane(Pass::Color).map(|(width, height)| Plane::filled(width, height, [f16::ZERO; 3])),
         depth: plane(Pass::Depth).map(|(width, height)| Plane::filled(width, height, f32::INFINITY)),
         normal: plane(Pass::Normal).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
         material: plane(Pass::Material).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
     };
-    let view = View { scene, from, shot, axes: from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis))) };
+    let capture = ImageCapture {
+        scene,
+        from,
+        settings,
+        axes: from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis))),
+    };
     bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
         monitor.check()?;
-        view.capture_band(band);
+        capture.capture_band(band);
         Ok(())
     })?;
     Ok(images)
@@ -138,12 +142,12 @@ fn turned(from: &Viewpoint, direction: DVec3) -> DVec3 {
     from.orientation.map_or(direction, |turn| turn * direction)
 }
 
-/// Light as halves. What is brighter than the largest of them, 65,504, is that: infinities are no light.
+/// Radiance as half floats, clamped to the largest one, 65,504.
 fn halves(light: DVec3) -> [f16; 3] {
     light.min(DVec3::splat(f16::MAX.to_f64())).to_array().map(f16::from_f64)
 }
 
-/// Some rows of all planes.
+/// Rows of all planes.
 struct Band<'a> {
     top: u32,
     rows: u32,
@@ -170,7 +174,7 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
     (0..height).step_by(TILE as usize).map(band).collect()
 }
 
-/// What the centre of a pixel shows.
+/// Hit of the ray through the centre of a pixel.
 struct Centre {
     /// Metres, `+inf` for nothing.
     distance: f64,
@@ -178,16 +182,15 @@ struct Centre {
     optics: [f64; 3],
 }
 
-/// What all pixels of an image share.
-struct View<'a> {
+struct ImageCapture<'a> {
     scene: &'a SceneAtTime,
     from: &'a Viewpoint,
-    shot: &'a Shot<'a>,
+    settings: &'a PassSettings<'a>,
     /// Forward, right and down in the world, of a flat image.
     axes: Option<[DVec3; 3]>,
 }
 
-impl View<'_> {
+impl ImageCapture<'_> {
     fn capture_band(&self, mut band: Band<'_>) {
         let [width, _] = self.from.projection.size();
         for left in (0..width).step_by(TILE as usize) {
@@ -206,7 +209,7 @@ impl View<'_> {
         let (x, y) = (f64::from(col) + 0.5, f64::from(row) + 0.5);
         let mut centre = None;
         if let Some(color) = &mut band.color {
-            if self.shot.samples.is_centre() {
+            if self.settings.samples.is_centre() {
                 let hit = self.scene.trace(&self.ray(x, y), candidates.iter().copied());
                 color[pixel] = halves(hit.color);
                 centre = Some(Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics });
@@ -218,13 +221,13 @@ impl View<'_> {
             return;
         }
         let seen = centre.unwrap_or_else(|| self.centre(&self.ray(x, y), candidates));
-        let near = seen.distance <= self.shot.far_m;
+        let near = seen.distance <= self.settings.far_m;
         if let Some(depth) = &mut band.depth {
-            let metres = match self.shot.depth {
+            let metres = match self.settings.depth {
                 DepthKind::Distance => seen.distance,
                 DepthKind::Planar => seen.distance / self.from.projection.unproject([x, y]).length(),
             };
-            // What is too near for a float is not where the eye is.
+            // Depths that underflow are not 0.
             depth[pixel] = if near { (metres as f32).max(f32::MIN_POSITIVE) } else { f32::INFINITY };
         }
         if let Some(normal) = &mut band.normal {
@@ -237,7 +240,7 @@ impl View<'_> {
 
     /// Mean radiance of a pixel.
     fn color(&self, [col, row]: [u32; 2], candidates: &[usize]) -> [f16; 3] {
-        let points = self.shot.samples.points();
+        let points = self.settings.samples.points();
         let look = |[x, y]: [f64; 2]| {
             let ray = self.ray(f64::from(col) + x, f64::from(row) + y);
             self.scene.trace(&ray, candidates.iter().copied()).color
@@ -246,9 +249,9 @@ impl View<'_> {
         halves(sum / points.len() as f64)
     }
 
-    /// What lies on a ray, without its colour where that costs more.
+    /// Shades only where normal or material are requested.
     fn centre(&self, ray: &Ray, candidates: &[usize]) -> Centre {
-        if !self.shot.wants(Pass::Normal) && !self.shot.wants(Pass::Material) {
+        if !self.settings.wants(Pass::Normal) && !self.settings.wants(Pass::Material) {
             let first = self.scene.first_hit(ray, candidates.iter().copied());
             let distance = first.map_or(f64::INFINITY, |first| first.distance);
             return Centre { distance, normal: DVec3::ZERO, optics: OPAQUE };
@@ -272,7 +275,7 @@ impl View<'_> {
         (0..objects.len()).filter(|&index| !outside(objects[index].bounds())).collect()
     }
 
-    /// Whether a box lies wholly on the outer side of one of the five planes of the pixels' pyramid.
+    /// Whether a box is outside of one of the five planes of the pixels' pyramid.
     fn outside_of_pyramid(
         &self,
         [forward, right, down]: [DVec3; 3],
@@ -281,22 +284,22 @@ impl View<'_> {
     ) -> Box<dyn Fn(&AxisBox) -> bool> {
         let plane = |at: [u32; 2]| self.from.projection.plane(at.map(f64::from));
         let ([left, top], [beyond, below]) = (plane(from), plane(to));
-        // Normals that point inwards; every plane goes through the camera.
+        // Inward normals of planes through the camera.
         let planes =
             [forward, right - left * forward, beyond * forward - right, down - top * forward, below * forward - down];
         let position = self.from.position;
         Box::new(move |bounds| {
             let corners = bounds.corners().map(|corner| corner - position);
-            // The millionth of a metre is for rounding: one object too many costs time, one too few an image.
+            // The millionth of a metre is a margin for rounding.
             planes.iter().any(|normal| corners.iter().all(|corner| corner.dot(*normal) < -1e-6))
         })
     }
 
-    /// Whether the ball around a box lies wholly outside of a cone around the pixels of a panorama.
+    /// Whether the sphere around a box is outside of a cone around the pixels of a panorama.
     fn outside_of_cone(&self, from: [u32; 2], to: [u32; 2]) -> Box<dyn Fn(&AxisBox) -> bool> {
         let [width, height] = self.from.projection.size().map(f64::from);
         let [x, y] = [0, 1].map(|axis| 0.5 * (f64::from(from[axis]) + f64::from(to[axis])));
-        // Along a meridian and then along a parallel, which is the longer way round.
+        // Along a meridian and then a parallel, which is an upper bound.
         let across = f64::from(to[0] - from[0]) / width * PI;
         let along = f64::from(to[1] - from[1]) / height * 0.5 * PI;
         let reach = across + along + 1e-6;
@@ -305,7 +308,7 @@ impl View<'_> {
         Box::new(move |bounds| {
             let to_middle = 0.5 * (bounds.min + bounds.max) - position;
             let (distance, radius) = (to_middle.length(), 0.5 * (bounds.max - bounds.min).length());
-            // Boxes without end, and those that the camera is in or near, are in view: no comparison with NaN holds.
+            // Infinite boxes, and those around the camera, are in view: comparisons with NaN fail.
             distance > radius * 1.000_001 + 1e-6
                 && axis.angle_between(to_middle) > reach + ((radius + 1e-6) / distance).min(1.0).asin()
         })
@@ -319,8 +322,8 @@ mod tests {
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene, trace};
 
-    fn shot<'a>(passes: &'a [Pass], samples: &'a SamplePattern) -> Shot<'a> {
-        Shot { passes, samples, depth: DepthKind::Distance, far_m: f64::INFINITY }
+    fn settings<'a>(passes: &'a [Pass], samples: &'a SamplePattern) -> PassSettings<'a> {
+        PassSettings { passes, samples, depth: DepthKind::Distance, far_m: f64::INFINITY }
     }
 
     const TURN: [f64; 4] = [0.1, -0.7, 0.3, 0.640_312_423_743_284_9];
@@ -341,7 +344,7 @@ mod tests {
         {
             for position in [DVec3::new(0.1, 1.4, 0.2), DVec3::new(-3.0, 1.0, 3.0), DVec3::new(-1.0, 9.0, 0.0)] {
                 let from = Viewpoint { position, orientation, projection };
-                let images = capture_view(&scene, &from, &shot(&Pass::ALL, &samples), &Silent).unwrap();
+                let images = capture_view(&scene, &from, &settings(&Pass::ALL, &samples), &Silent).unwrap();
                 let (color, depth, normal) = (images.color.unwrap(), images.depth.unwrap(), images.normal.unwrap());
                 let [width, height] = projection.size();
                 for (col, row) in (0..height).flat_map(|row| (0..width).map(move |col| (col, row))) {
@@ -374,14 +377,14 @@ mod tests {
         let patterns = [1, 3, 16].map(|count| SamplePattern::new(count).unwrap());
         let all = patterns
             .each_ref()
-            .map(|samples| capture_view(&scene, &from, &shot(&Pass::ALL, samples), &Silent).unwrap());
+            .map(|samples| capture_view(&scene, &from, &settings(&Pass::ALL, samples), &Silent).unwrap());
         for images in &all {
             assert_eq!((&images.depth, &images.normal), (&all[0].depth, &all[0].normal));
         }
         assert_ne!(all[1].color, all[2].color);
-        let depth = capture_view(&scene, &from, &shot(&[Pass::Depth], &patterns[2]), &Silent).unwrap();
+        let depth = capture_view(&scene, &from, &settings(&[Pass::Depth], &patterns[2]), &Silent).unwrap();
         assert_eq!((depth.depth, depth.color), (all[0].depth.clone(), None));
-        let rays = |passes: &[Pass], at: usize| shot(passes, &patterns[at]).rays_per_pixel();
+        let rays = |passes: &[Pass], at: usize| settings(passes, &patterns[at]).rays_per_pixel();
         assert_eq!([rays(&Pass::ALL, 0), rays(&Pass::ALL, 1), rays(&[Pass::Color], 2)], [1, 4, 16]);
         assert_eq!([rays(&[Pass::Depth], 2), rays(&[Pass::Color, Pass::Depth], 2)], [1, 17]);
     }
@@ -397,18 +400,19 @@ mod tests {
         let samples = SamplePattern::new(1).unwrap();
         let projection = ImageProjection::cube_face(Face::Ny, 64);
         let from = Viewpoint { position: DVec3::new(0.0, 1.5, 0.0), orientation: None, projection };
-        let planar = Shot { depth: DepthKind::Planar, ..shot(&[Pass::Depth], &samples) };
+        let planar = PassSettings { depth: DepthKind::Planar, ..settings(&[Pass::Depth], &samples) };
         let depth = capture_view(&scene, &from, &planar, &Silent).unwrap().depth.unwrap();
         // The ground is 1.5 m below, whichever way one looks.
         assert!((depth.get(20, 30) - 1.5).abs() < 1e-6);
-        let distances = capture_view(&scene, &from, &shot(&[Pass::Depth], &samples), &Silent).unwrap().depth.unwrap();
+        let distances =
+            capture_view(&scene, &from, &settings(&[Pass::Depth], &samples), &Silent).unwrap().depth.unwrap();
         for (col, row) in (0..64).flat_map(|row| (0..64).map(move |col| (col, row))) {
             let factor = projection.ray_length_factor(col, row);
             let (found, expected) = (f64::from(depth.get(col, row)), f64::from(distances.get(col, row)) / factor);
             assert!(found == expected || (found - expected).abs() < 1e-6, "{col} {row}: {found} {expected}");
         }
-        let clipped = Shot { far_m: 1.6, ..shot(&Pass::ALL, &samples) };
-        let whole = capture_view(&scene, &from, &shot(&Pass::ALL, &samples), &Silent).unwrap();
+        let clipped = PassSettings { far_m: 1.6, ..settings(&Pass::ALL, &samples) };
+        let whole = capture_view(&scene, &from, &settings(&Pass::ALL, &samples), &Silent).unwrap();
         let images = capture_view(&scene, &from, &clipped, &Silent).unwrap();
         assert_eq!(images.color, whole.color);
         let (depth, normal) = (images.depth.unwrap(), images.normal.unwrap());

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use super::plan::{CapturePlan, NORMAL_CHANNELS, Take};
+use super::plan::{CapturePlan, FrameRequest, NORMAL_CHANNELS};
 use super::samples::SamplePattern;
-use super::view::{Images, Pass, Shot, capture_view};
+use super::view::{Images, Pass, PassSettings, capture_view};
 use crate::dataset::manifest::{MANIFEST_NAME, Manifest, MaterialChannels};
 use crate::error::{Error, Result};
 use crate::files::{FolderKind, write_whole};
@@ -24,15 +24,15 @@ const MEMORY_BYTES: u64 = 1 << 30;
 /// A pixel with all passes, and its copy while it is written.
 const PIXEL_BYTES: u64 = 2 * (6 + 4 + 12 + 12);
 /// Most time samples of a scene in memory.
-const MAX_MOMENTS: usize = 16;
+const MAX_TIME_SAMPLES: usize = 16;
 
 /// Images that are in the folder already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kept {
+pub enum ExistingImages {
     /// Captured again.
-    None,
+    Overwrite,
     /// Kept where they can be read and have the right size.
-    Sound,
+    Keep,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -110,7 +110,7 @@ impl CaptureSummary {
 
 /// Passes of a frame request that are still to be captured.
 struct Job {
-    take: Take,
+    request: FrameRequest,
     passes: Vec<Pass>,
     /// Summary of those that are there.
     kept: CaptureSummary,
@@ -119,29 +119,35 @@ struct Job {
 impl CapturePlan {
     /// Captures everything into an existing folder. The monitor advances by one for each image. On an error, complete
     /// images stay. In memory are at most sixteen time samples, and 1 GiB of images or one face.
-    pub fn write(&self, scene: &Scene, folder: &Path, kept: Kept, monitor: &dyn Monitor) -> Result<CaptureSummary> {
+    pub fn write(
+        &self,
+        scene: &Scene,
+        folder: &Path,
+        existing: ExistingImages,
+        monitor: &dyn Monitor,
+    ) -> Result<CaptureSummary> {
         let manifest = self.manifest()?;
-        let work = Work { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
-        work.make_folders()?;
+        let run = CaptureRun { plan: self, samples: SamplePattern::new(self.samples)?, folder, monitor };
+        run.make_folders()?;
         let mut sum = CaptureSummary::NOTHING;
         let mut left = self.frames.iter();
-        // A scene in which nothing moves is the same moment for all frames.
-        let always = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
+        let static_scene = if scene.duration_s() > 0.0 { None } else { Some(scene.at(0.0)) };
         loop {
             let frames: Vec<u32> = left.by_ref().take(self.frames_at_once()).collect();
             let Some(&first) = frames.first() else { break };
-            let takes = frames.iter().flat_map(|&frame| self.takes(frame)).collect();
-            let jobs = try_map_at_once(takes, self.images_at_once(), |take| work.look_for(take, kept))?;
-            let moment = |frame: u32| jobs.iter().any(|job| job.take.frame == frame && !job.passes.is_empty());
-            let moments: Vec<Option<SceneAtTime>> = match &always {
+            let requests = frames.iter().flat_map(|&frame| self.requests(frame)).collect();
+            let jobs = try_map_at_once(requests, self.images_at_once(), |request| run.missing(request, existing))?;
+            let is_needed = |frame: u32| jobs.iter().any(|job| job.request.frame == frame && !job.passes.is_empty());
+            let times: Vec<Option<SceneAtTime>> = match &static_scene {
                 Some(_) => Vec::new(),
-                None => {
-                    frames.iter().map(|&frame| moment(frame).then(|| scene.at(f64::from(frame) / self.fps))).collect()
-                }
+                None => frames
+                    .iter()
+                    .map(|&frame| is_needed(frame).then(|| scene.at(f64::from(frame) / self.fps)))
+                    .collect(),
             };
             let done = try_map_at_once(jobs, self.images_at_once(), |job| {
-                let own = moments.get((job.take.frame - first) as usize).and_then(Option::as_ref);
-                work.make(own.or(always.as_ref()), &job)
+                let own = times.get((job.request.frame - first) as usize).and_then(Option::as_ref);
+                run.make(own.or(static_scene.as_ref()), &job)
             })?;
             sum = done.into_iter().fold(sum, CaptureSummary::and);
         }
@@ -152,7 +158,7 @@ impl CapturePlan {
     /// Frames captured together, so that all threads have work.
     fn frames_at_once(&self) -> usize {
         let images = self.cameras.cameras.len() * self.faces().len();
-        (2 * rayon::current_num_threads()).div_ceil(images.max(1)).clamp(1, MAX_MOMENTS)
+        (2 * rayon::current_num_threads()).div_ceil(images.max(1)).clamp(1, MAX_TIME_SAMPLES)
     }
 
     fn images_at_once(&self) -> usize {
@@ -167,22 +173,22 @@ fn write_manifest(manifest: &Manifest, folder: &Path) -> Result<()> {
     std::fs::write(&path, manifest.to_json()?).map_err(|error| Error::io(&path, error))
 }
 
-struct Work<'a> {
+struct CaptureRun<'a> {
     plan: &'a CapturePlan,
     samples: SamplePattern,
     folder: &'a Path,
     monitor: &'a dyn Monitor,
 }
 
-impl Work<'_> {
-    fn path(&self, take: &Take, pass: Pass) -> Result<PathBuf> {
-        Ok(self.folder.join(self.plan.file(take, pass)?))
+impl CaptureRun<'_> {
+    fn path(&self, request: &FrameRequest, pass: Pass) -> Result<PathBuf> {
+        Ok(self.folder.join(self.plan.file(request, pass)?))
     }
 
     fn make_folders(&self) -> Result<()> {
         for probe in 0..self.plan.cameras.cameras.len() {
             for &face in self.plan.faces() {
-                let file = self.path(&Take { probe, face, frame: 0 }, Pass::Color)?;
+                let file = self.path(&FrameRequest { probe, face, frame: 0 }, Pass::Color)?;
                 let folder = file.parent().unwrap_or(self.folder);
                 std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             }
@@ -190,12 +196,12 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn look_for(&self, take: Take, kept: Kept) -> Result<Job> {
-        let mut job = Job { take, passes: Vec::new(), kept: CaptureSummary::NOTHING };
+    fn missing(&self, request: FrameRequest, existing: ExistingImages) -> Result<Job> {
+        let mut job = Job { request, passes: Vec::new(), kept: CaptureSummary::NOTHING };
         for &pass in &self.plan.passes {
             self.monitor.check()?;
-            let path = self.path(&take, pass)?;
-            match if kept == Kept::Sound { self.read(&path, pass) } else { None } {
+            let path = self.path(&request, pass)?;
+            match if existing == ExistingImages::Keep { self.read(&path, pass) } else { None } {
                 None => job.passes.push(pass),
                 Some(range) => {
                     let found = CaptureSummary { kept_images: 1, ..CaptureSummary::of_file(&path, range)? };
@@ -209,7 +215,6 @@ impl Work<'_> {
 
     /// Near and far of an image that can be read and has the right size.
     fn read(&self, path: &Path, pass: Pass) -> Option<[f32; 2]> {
-        // What is not there is no news.
         if !path.is_file() {
             return None;
         }
@@ -231,20 +236,25 @@ impl Work<'_> {
         (size == (self.plan.size[0], self.plan.size[1])).then_some(range)
     }
 
-    fn make(&self, moment: Option<&SceneAtTime>, job: &Job) -> Result<CaptureSummary> {
-        let (Some(moment), false) = (moment, job.passes.is_empty()) else { return Ok(job.kept) };
+    fn make(&self, scene: Option<&SceneAtTime>, job: &Job) -> Result<CaptureSummary> {
+        let (Some(scene), false) = (scene, job.passes.is_empty()) else { return Ok(job.kept) };
         self.monitor.check()?;
-        let shot = Shot { passes: &job.passes, samples: &self.samples, depth: self.plan.depth, far_m: self.plan.far_m };
-        let images = capture_view(moment, &self.plan.viewpoint(&job.take), &shot, self.monitor)?;
+        let settings = PassSettings {
+            passes: &job.passes,
+            samples: &self.samples,
+            depth: self.plan.depth,
+            far_m: self.plan.far_m,
+        };
+        let images = capture_view(scene, &self.plan.viewpoint(&job.request), &settings, self.monitor)?;
         let mut sum = job.kept;
         for &pass in &job.passes {
-            let path = self.path(&job.take, pass)?;
+            let path = self.path(&job.request, pass)?;
             let range = write_image(&path, &images, pass)?;
             sum = sum.and(CaptureSummary::of_file(&path, range)?);
             self.monitor.advance(1);
         }
         let pixels = self.plan.size.map(u64::from).iter().product::<u64>();
-        sum.rays += pixels * shot.rays_per_pixel();
+        sum.rays += pixels * settings.rays_per_pixel();
         Ok(sum)
     }
 }
@@ -327,7 +337,7 @@ mod tests {
     #[test]
     fn sound_images_are_kept_and_all_others_made_again() {
         let folder = tempfile::tempdir().unwrap();
-        let first = plan().write(&scene(), folder.path(), Kept::None, &Silent).unwrap();
+        let first = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
         assert_eq!((first.images, first.kept_images, first.rays), (72, 0, 18 * 64 * 3));
         assert!(first.depth_range_m[0] > 0.9 && first.depth_range_m[1].is_finite());
         let whole = files(folder.path());
@@ -343,11 +353,11 @@ mod tests {
         exr::write_depth(&image("depth.0005.exr"), &DepthPlane::filled(4, 4, 1.0)).unwrap();
         std::fs::write(image("normal.0005.exr"), "").unwrap();
         std::fs::remove_file(folder.path().join(MANIFEST_NAME)).unwrap();
-        let again = plan().write(&scene(), folder.path(), Kept::Sound, &Silent).unwrap();
+        let again = plan().write(&scene(), folder.path(), ExistingImages::Keep, &Silent).unwrap();
         assert_eq!((again.images, again.kept_images), (72, 68));
         assert_eq!(again.depth_range_m, first.depth_range_m);
         assert_eq!(files(folder.path()), whole);
-        let anew = plan().write(&scene(), folder.path(), Kept::None, &Silent).unwrap();
+        let anew = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent).unwrap();
         assert_eq!(anew, first);
     }
 
@@ -356,7 +366,7 @@ mod tests {
         let captures = [1, 3].map(|threads| {
             let folder = tempfile::tempdir().unwrap();
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| plan().write(&scene(), folder.path(), Kept::None, &Silent)).unwrap();
+            pool.install(|| plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Silent)).unwrap();
             let relative =
                 |(path, bytes): (PathBuf, Vec<u8>)| (path.strip_prefix(folder.path()).unwrap().to_owned(), bytes);
             files(folder.path()).into_iter().map(relative).collect::<Vec<_>>()
@@ -367,7 +377,7 @@ mod tests {
     #[test]
     fn images_at_work_fit_into_memory() {
         assert_eq!(CapturePlan { size: [16_384; 2], ..plan() }.images_at_once(), 1);
-        assert!(plan().images_at_once() >= 1 && plan().frames_at_once() <= MAX_MOMENTS);
+        assert!(plan().images_at_once() >= 1 && plan().frames_at_once() <= MAX_TIME_SAMPLES);
     }
 
     #[test]
@@ -383,7 +393,7 @@ mod tests {
             }
         }
         let folder = tempfile::tempdir().unwrap();
-        let stopped = plan().write(&scene(), folder.path(), Kept::None, &Stops(0.into()));
+        let stopped = plan().write(&scene(), folder.path(), ExistingImages::Overwrite, &Stops(0.into()));
         assert!(matches!(stopped, Err(Error::Interrupted)));
         let left = files(folder.path());
         assert!(left.len() >= 30 && left.len() < 72 && left.iter().all(|(path, _)| path.extension().unwrap() == "exr"));

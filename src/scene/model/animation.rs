@@ -137,7 +137,7 @@ impl Curve {
         let (Some(&next), false) = (self.times.get(behind), self.interpolation == Interpolation::Step) else {
             return Span::Key(key);
         };
-        // The next key is later than the time, which is not before this one: the span has a length.
+        // The next key is later than the time, so the interval has a length.
         let start = f64::from(self.times[key]);
         let length = f64::from(next) - start;
         Span::Between(key, (time_s - start) / length, length)

@@ -70,7 +70,7 @@ pub fn read(document: &gltf::Document, shown: &[bool]) -> Result<Vec<NodeLight>>
 fn spot(inner: f32, outer: f32) -> LightKind {
     let angle = |value: f32| if value.is_finite() { f64::from(value).clamp(0.0, PI) } else { 0.0 };
     let cos_outer = angle(outer).cos();
-    // An edge without width is as narrow as can be.
+    // At least a billionth between the cosines, for division.
     LightKind::Spot { cos_inner: angle(inner).cos().max(cos_outer + 1e-9), cos_outer }
 }
 
@@ -93,7 +93,7 @@ pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
                 let cone = Some(Cone { axis, cos_inner, cos_outer });
                 light.lamps.push(one.lamp(position, cone));
             }
-            // Scaled to nothing, it shines nowhere.
+            // Lights of nodes scaled to 0 have no axis.
             _ => {}
         }
     }

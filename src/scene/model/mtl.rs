@@ -24,7 +24,7 @@ pub struct Library<'a> {
     pub budget: &'a mut Budget,
     pub notes: &'a mut Vec<String>,
     /// Textures by statement; `None` for those that cannot be read.
-    pub pictures: BTreeMap<String, Option<Arc<ImageTexture>>>,
+    pub textures: BTreeMap<String, Option<Arc<ImageTexture>>>,
 }
 
 impl Library<'_> {
@@ -49,9 +49,9 @@ impl Library<'_> {
     pub fn convert(&mut self, material: &tobj::Material) -> MeshMaterial {
         let color = |value: Option<[f32; 3]>| value.map(|value| DVec3::from_array(value.map(unit)));
         let other = |name: &str| material.unknown_param.get(name).map(String::as_str);
-        let diffuse_map = material.diffuse_texture.as_deref().and_then(|name| self.picture(name));
-        let mask = material.dissolve_texture.as_deref().and_then(|name| self.picture(name));
-        let emissive_texture = other("map_Ke").and_then(|name| self.picture(name));
+        let diffuse_map = material.diffuse_texture.as_deref().and_then(|name| self.texture(name));
+        let mask = material.dissolve_texture.as_deref().and_then(|name| self.texture(name));
+        let emissive_texture = other("map_Ke").and_then(|name| self.texture(name));
         let masked = mask.is_some();
         let base_texture = match (diffuse_map, mask) {
             (map, Some(mask)) => self.masked(map, &mask),
@@ -81,7 +81,7 @@ impl Library<'_> {
             let name: String = material.name.chars().take(80).collect();
             self.notes.push(format!("“{name}” is blended by its alpha {alpha}; below {CUTOFF} it is not seen here"));
         }
-        // A map replaces what a file leaves out, and is multiplied with what it gives.
+        // A map is multiplied with the factor of the file, which is 1 where it is not given.
         let default = if material.diffuse_texture.is_some() { DVec3::ONE } else { DVec3::splat(0.8) };
         let base_color = color(material.diffuse).unwrap_or(default);
         let given =
@@ -103,8 +103,8 @@ impl Library<'_> {
         }
     }
 
-    fn picture(&mut self, statement: &str) -> Option<Arc<ImageTexture>> {
-        if let Some(known) = self.pictures.get(statement) {
+    fn texture(&mut self, statement: &str) -> Option<Arc<ImageTexture>> {
+        if let Some(known) = self.textures.get(statement) {
             return known.clone();
         }
         let (name, wrap) = file_of(statement);
@@ -114,7 +114,7 @@ impl Library<'_> {
         };
         let read = read(self).map_err(|error| self.notes.push(format!("a texture is left out: {error}")));
         let read = read.ok().map(Arc::new);
-        self.pictures.insert(statement.to_string(), read.clone());
+        self.textures.insert(statement.to_string(), read.clone());
         read
     }
 

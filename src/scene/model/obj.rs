@@ -30,7 +30,7 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     }
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let mut folder = Folder::of(path);
-    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes, pictures: BTreeMap::new() };
+    let library = mtl::Library { folder: &mut folder, budget: &mut budget, notes, textures: BTreeMap::new() };
     let library = RefCell::new(library);
     let loaded =
         tobj::load_obj_buf(&mut BufReader::new(text.as_slice()), &options, |name| library.borrow_mut().load(name));
@@ -53,14 +53,14 @@ pub fn read(bytes: &[u8], path: &Path, notes: &mut Vec<String>) -> Result<(Scene
     for tobj::Model { mesh, name } in &models {
         budget.take(mesh.indices.len() as u64 / 3, TRIANGLE_BYTES, name)?;
         budget.take(count(&mesh.positions, 3) as u64, CORNER_BYTES, name)?;
-        // Corners with and without a normal in one group: none of them counts, as which is whose is lost.
+        // Where only some corners of a group have normals, the parser loses which: none are used.
         let normals = if aligned(mesh, &mesh.normals, 3) { mesh.normals.as_slice() } else { &[] };
         let uvs = if aligned(mesh, &mesh.texcoords, 2) { mesh.texcoords.as_slice() } else { &[] };
         let vectors = |numbers: &[f32]| -> Vec<DVec3> {
             numbers.as_chunks::<3>().0.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
         };
         let material = mesh.material_id.map_or(0, |id| id + 1).min(paints.len() - 1);
-        // The first row of an image is the top one here, and the bottom one there.
+        // In OBJ, v grows upwards.
         let uvs: Vec<Vec2> = uvs.as_chunks::<2>().0.iter().map(|&[u, v]| Vec2::new(u, 1.0 - v)).collect();
         assembly.add(&Part {
             positions: &vectors(&mesh.positions),
@@ -100,7 +100,7 @@ fn plain(bytes: &[u8]) -> Result<Plain> {
         let mut words = joined.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
         match words.next() {
             Some(b"v") => {
-                // Weights and colours of corners are not used.
+                // Weights and colours are dropped.
                 text.push(b'v');
                 for word in words.take(3) {
                     text.push(b' ');

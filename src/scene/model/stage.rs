@@ -70,7 +70,7 @@ impl Stage {
         (!mesh.triangles.is_empty()).then(|| Arc::new(SceneMesh::new(mesh, self.materials.clone())))
     }
 
-    /// What the animation moves.
+    /// What the animation moves: a channel of constant value moves nothing.
     pub fn moves(&self) -> Moves {
         let mut nodes = vec![false; self.nodes.locals.len()];
         let mut morphs = nodes.clone();

@@ -39,7 +39,7 @@ pub(super) fn fixed() -> Vec<Object> {
             joint: 0.025,
         }),
     );
-    // Nothing lies below it, so it never holds up light, and nearly every shadow ray starts on it.
+    // Nothing is below it, and nearly every shadow ray starts on it.
     ground.casts_shadow = CastsShadow::No;
 
     let mut objects = vec![
@@ -104,7 +104,7 @@ pub(super) fn fixed() -> Vec<Object> {
 pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
 
-    // A beach ball runs round a circle and bounces four times: parabolas, as gravity has it.
+    // A beach ball runs round a circle and bounces four times, in parabolas.
     let hop = (4.0 * phase).fract();
     let bounce = DVec3::new(-2.1 + 0.5 * cos, 0.32 + 2.6 * hop * (1.0 - hop), -0.1 + 0.8 * sin);
     let stripes = Texture::Stripes { colors: [rgb(0.75, 0.08, 0.05), rgb(0.8, 0.78, 0.7)], wave: DVec3::X * 6.0 };

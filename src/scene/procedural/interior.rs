@@ -79,7 +79,7 @@ pub(super) fn fixed() -> Vec<Object> {
         objects.push(bulb);
     }
     for object in &mut objects {
-        // What hangs above a lamp throws its shadow on the ceiling alone; without it, the ceiling is calm.
+        // Its shadow would fall on the ceiling alone.
         if object.bounds().max.y >= INSIDE.max.y {
             object.casts_shadow = CastsShadow::No;
         }
