@@ -22,7 +22,7 @@ use crate::gpu::Gpu;
 use crate::gpu::verify::{self, Verification};
 use crate::image::sequence::Pattern;
 use crate::memory::Budget;
-use crate::report::tradeoff::Timing;
+use crate::report::timing::{Spread, median, spread};
 use crate::views::camera_units::CameraUnitsReport;
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
@@ -121,7 +121,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let images: u64 = chosen.iter().map(|part| part.frames.count()).sum();
     let passes = args.repeat.map_or(1, |count| u64::from(count) + 1);
     let progress = Progress::start(global, "decoding", images * passes)?;
-    let mut runs = Timing::default();
+    let mut runs = Vec::new();
     let request = Request { streams: &chosen, filter: view.filter(), memory };
     let mut once = || {
         let start = Instant::now();
@@ -149,7 +149,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
                 }
             },
         )?;
-        runs.runs.push(start.elapsed().as_secs_f64());
+        runs.push(start.elapsed().as_secs_f64());
         Ok(done)
     };
     let ((mut decoded, found), name) = once()?;
@@ -158,14 +158,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             decoded = once()?.0.0;
         }
         // The first was the warm-up.
-        runs.runs.remove(0);
+        runs.remove(0);
     }
     drop(progress);
     let times = DecodeTimes {
-        seconds: runs.median().unwrap_or_default(),
+        seconds: median(&runs).unwrap_or_default(),
         reading_seconds: reading.as_secs_f64(),
         container_in_memory: in_memory,
-        runs_seconds: args.repeat.map(|_| runs.runs.clone()),
+        runs_seconds: args.repeat.map(|_| runs),
         device: name,
     };
     if args.keep_going && !args.json {
@@ -383,10 +383,10 @@ impl Run<'_> {
             }
             Some(_) => "\nall words equal those of the CPU".to_owned(),
         };
-        let runs = times.runs_seconds.clone().map(|runs| Timing { runs });
-        let range = runs.and_then(|runs| Some((runs.runs.len(), runs.spread()?)));
-        let range = range.map_or_else(String::new, |(count, (least, most))| {
-            format!("; median of {count} runs of {least:.4} to {most:.4} s")
+        let runs = times.runs_seconds.as_deref();
+        let range = runs.and_then(|runs| Some((runs.len(), spread(runs)?)));
+        let range = range.map_or_else(String::new, |(count, Spread { low, high })| {
+            format!("; median of {count} runs of {low:.4} to {high:.4} s")
         });
         format!("{line}{on}{}{range}{compared}", self.view.line(summary))
     }

@@ -18,7 +18,7 @@ use crate::encode::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::{OutputFile, OutputFolder};
 use crate::inspect::container::{self, InspectSettings, Totals};
-use crate::report::tradeoff::commands::shell_word;
+use crate::report::tradeoff::runner::shell_word;
 use crate::report::{Column, Table};
 use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
 

@@ -1,43 +1,28 @@
-//! `lightfold tradeoff MANIFEST -o DIR`: what settings cost in bytes, time and quality on footage of one's own.
+//! `lightfold tradeoff MANIFEST -o DIR`: bytes, time and quality of settings on one's own footage.
 
 mod child;
-mod folder;
-mod grid;
+mod coding;
+mod fixed;
 mod input;
+mod measure;
 mod placement;
 mod rendering;
 mod text;
 mod tiles;
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::PathBuf;
 
 use clap::ValueEnum;
-use serde_json::{Value, json};
 
 use crate::cli::options::{self, parse_positive};
-use crate::cli::output;
-use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
-use crate::files::OutputFile;
-use crate::report::machine;
-use crate::report::tradeoff::bench::Bench;
-use crate::report::tradeoff::commands::shell_line;
-use crate::report::tradeoff::page;
-use crate::report::tradeoff::plan::{self, Plan, Preset, Sweep};
-use crate::report::tradeoff::recommend::{self, Advice, Demands};
-use crate::report::tradeoff::schedule::{self, Extent};
-use crate::report::tradeoff::store::{Row, Store};
-use crate::report::tradeoff::{Measured, Point, Results, Study, Weights, json as report, knob};
+use crate::report::tradeoff::coding::recommend::Demands;
+use crate::report::tradeoff::plan::{Preset, Sweep};
+use crate::report::tradeoff::study::Weights;
 
 pub use child::end_with_parent;
-
-use child::Children;
-use folder::Folder;
-use input::Footage;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -209,6 +194,21 @@ impl RecommendArgs {
     }
 }
 
+/// Refuses options that only sweeps of coding have.
+fn refuse_options_of_coding(args: &Args, what: &str) -> Result<()> {
+    let given = [
+        ("--preset", args.preset.is_some()),
+        ("--recommend", args.recommend.recommend),
+        ("--budget-seconds", args.budget_seconds.is_some()),
+        ("--weights", args.weights.is_some()),
+        ("--stream", !args.stream.is_empty()),
+    ];
+    match given.into_iter().find(|(_, given)| *given) {
+        Some((name, _)) => Err(Error::Usage(format!("{name} is for coding footage, and not for {what}"))),
+        None => Ok(()),
+    }
+}
+
 /// Measures, recommends, or both.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.list_knobs {
@@ -219,7 +219,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     match (&args.input, demands) {
         (Some(scene), _) if placement::is_scene(scene) => placement::measure(args, scene, global),
         (Some(dataset), _) if rendering::is_asked(args) => rendering::measure(args, dataset, global),
-        (Some(input), demands) => measure(args, input, demands, global),
+        (Some(input), demands) => coding::measure(args, input, demands, global),
         (None, Some(demands)) => {
             let measuring = !args.sweep.is_empty() || args.preset.is_some() || !args.fixed.is_empty();
             if measuring || args.budget_seconds.is_some() || args.weights.is_some() {
@@ -229,217 +229,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
                         .into(),
                 ));
             }
-            from_folder(args, &demands)
+            coding::recommend_from_folder(args, &demands)
         }
         (None, None) => Err(Error::Usage("name the footage to measure".into())),
     }
-}
-
-/// Recommends from what a folder holds.
-fn from_folder(args: &Args, demands: &Demands) -> Result<ExitStatus> {
-    let store = Store::open(&args.output, None)?;
-    let rows: Vec<&Row> = store
-        .rows
-        .iter()
-        .filter(|row| args.stream.is_empty() || args.stream.contains(&row.measured.point.kind))
-        .collect();
-    if rows.is_empty() {
-        return Err(Error::Usage(format!(
-            "{}: no point has been measured; name the footage and what to sweep",
-            store.path().display()
-        )));
-    }
-    let advice = advise(&rows, demands);
-    let unasked = unasked(&rows, demands);
-    if advice.is_empty() {
-        return Err(Error::Usage(text::advice(&advice, &unasked).trim_end().to_owned()));
-    }
-    if args.json {
-        output::print_json(&json!({ "recommended": advice_json(&advice) }))?;
-    } else {
-        output::print_text(&text::advice(&advice, &unasked))?;
-    }
-    Ok(outcome(&advice))
-}
-
-/// Kinds that were measured and of which nothing is asked.
-fn unasked(rows: &[&Row], demands: &Demands) -> Vec<StreamKind> {
-    let measured = |kind: &StreamKind| rows.iter().any(|row| row.measured.point.kind == *kind);
-    StreamKind::ALL.into_iter().filter(measured).filter(|kind| demands.aim(*kind).is_none()).collect()
-}
-
-/// Advice with the row that it is about.
-type Advised<'a> = (Advice<'a>, &'a Row);
-
-fn advise<'a>(rows: &[&'a Row], demands: &Demands) -> Vec<Advised<'a>> {
-    let measured: Vec<&Measured> = rows.iter().map(|row| &row.measured).collect();
-    let advice = recommend::recommend(&measured, demands).into_iter();
-    let with_row = |advice: Advice<'a>| {
-        let row = rows.iter().find(|row| std::ptr::eq(&row.measured, advice.point))?;
-        Some((advice, *row))
-    };
-    advice.filter_map(with_row).collect()
-}
-
-fn advice_json(advice: &[Advised<'_>]) -> Vec<Value> {
-    advice.iter().map(|(advice, row)| report::advice(advice, row)).collect()
-}
-
-fn outcome(advice: &[Advised<'_>]) -> ExitStatus {
-    if advice.iter().all(|(advice, _)| advice.misses.is_empty()) { ExitStatus::Passed } else { ExitStatus::Failed }
-}
-
-fn measure(args: &Args, input: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<ExitStatus> {
-    let start = Instant::now();
-    let (footage, fixed) = input::open(input, &args.stream, &args.fixed, global)?;
-    let kinds: Vec<StreamKind> = footage.input.kinds.iter().map(|(kind, _)| *kind).collect();
-    let nothing = args.sweep.is_empty() && args.preset.is_none();
-    // Who asks for advice alone shall have some.
-    let preset = args.preset.map(Into::into).or((nothing && demands.is_some()).then_some(Preset::Quick));
-    let request = plan::Request { kinds: &kinds, sweeps: &args.sweep, preset, fixed: &fixed.knobs };
-    let plan = plan::plan(&request)?;
-    input::check(&footage.input, &schedule::all_points(&plan.studies))?;
-    let folder = Folder::open(&args.output)?;
-    if !args.overwrite {
-        folder.refuse_to_replace(&[folder::PAGE], &folder.files())?;
-    }
-    let mut store = open_store(args, &folder, footage.input.made_of)?;
-    if !global.quiet {
-        implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
-    }
-    let (results, failed) = sweep(args, (&footage, &folder), plan, (&mut store, start), global)?;
-    if input::made_of(input, &footage.source, &fixed)? != footage.input.made_of {
-        return Err(Error::invalid(format!(
-            "{input}: the footage, or this program, changed while it was measured; measure again with --overwrite"
-        )));
-    }
-    let rows: Vec<&Row> = results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
-    let at_hand: Vec<&Row> = store.rows.iter().filter(|row| kinds.contains(&row.measured.point.kind)).collect();
-    let advice = demands.map(|demands| (advise(&at_hand, &demands), unasked(&at_hand, &demands)));
-    let mut all = report::report(&results, &rows);
-    if let Some((advice, _)) = &advice {
-        all["recommended"] = advice_json(advice).into();
-    }
-    let mut files = vec![store.path().to_path_buf(), args.output.join(folder::REPORT)];
-    files.extend(page::write(&results, &args.output)?);
-    // Pictures of other sweeps over the same footage stay, and are listed.
-    let mut names = folder.files();
-    names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
-    names.sort();
-    names.dedup();
-    all["files"] = json!(names);
-    all["failed"] = failed.iter().map(|(point, said)| json!({ "point": point.to_string(), "error": said })).collect();
-    write_json(&all, &args.output.join(folder::REPORT))?;
-    if args.json {
-        output::print_json(&all)?;
-    } else {
-        output::print_text(&text::report(&results, &files))?;
-        if let Some((advice, unasked)) = &advice {
-            output::print_text(&format!("\n{}", text::advice(advice, unasked)))?;
-        }
-    }
-    if !global.quiet {
-        results.left_out.iter().for_each(output::note);
-    }
-    if let Some((point, said)) = failed.first() {
-        return Err(Error::invalid(format!(
-            "{} of {} points failed, and are tried again by the same command; {point}: {said}",
-            failed.len(),
-            schedule::all_points(&results.studies).len()
-        )));
-    }
-    Ok(advice.map_or(ExitStatus::Passed, |(advice, _)| outcome(&advice)))
-}
-
-/// Opens what was measured before, which must be of the same footage, unless it is to be replaced.
-fn open_store(args: &Args, folder: &Folder, made_of: u32) -> Result<Store> {
-    let store = Store::open(&args.output, Some(made_of))?;
-    match store.dropped {
-        0 => {}
-        _ if args.overwrite => folder.clear()?,
-        count => {
-            let are = if count == 1 { "1 point is" } else { &format!("{count} points are") };
-            return Err(Error::Usage(format!(
-                "{}: {are} of other footage, options, machine or program; name another folder, or replace all of it by \
-                 --overwrite",
-                store.path().display()
-            )));
-        }
-    }
-    Ok(store)
-}
-
-/// What studies have because of their knobs, though nobody gave it: a sentence each.
-fn implied(studies: &[Study], given: &[(&str, String)]) -> Vec<String> {
-    let mut told: Vec<String> = Vec::new();
-    for study in studies {
-        for knob in study.axes.iter().filter_map(|axis| knob::find(axis.knob)) {
-            for (name, value) in knob.implies {
-                let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
-                let sentence =
-                    format!("{} is measured with --{name} {value}, which {} is of", study.kind.name(), knob.name);
-                if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
-                    told.push(sentence);
-                }
-            }
-        }
-    }
-    told
-}
-
-/// Points that failed, and what was said of each.
-type Failed = Vec<(Point, String)>;
-
-fn sweep(
-    args: &Args,
-    (footage, folder): (&Footage, &Folder),
-    plan: Plan,
-    (store, start): (&mut Store, Instant),
-    global: &GlobalArgs,
-) -> Result<(Results, Failed)> {
-    let extent = Extent { repeats: args.repeats, budget_seconds: args.budget_seconds };
-    let mut left_out = plan.left_out;
-    // They are first, so that the points have all of the time that is left.
-    let tiles = plan.tiles.then(|| tiles::measure(footage, args.budget_seconds, global)).transpose()?;
-    let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
-    let work = folder.work()?;
-    let progress = Progress::start(global, "measuring", schedule::runs(&plan.studies, extent, store))?;
-    let children = Children::new(&progress, start)?;
-    let mut bench = Bench::new(&children, &footage.input, work.path());
-    let done = schedule::measure(&plan.studies, extent, &mut bench, store, &progress);
-    if matches!(done, Err(Error::Interrupted)) && !store.rows.is_empty() {
-        output::note(format_args!(
-            "{}: {} points are kept; the same command goes on from there",
-            store.path().display(),
-            store.rows.len()
-        ));
-    }
-    let done = done?;
-    let gpus = bench.devices().to_vec();
-    drop(progress);
-    left_out.extend(done.left_out);
-    left_out.extend(done.failed.iter().map(|(point, said)| format!("Point {point} failed: {said}")));
-    let points = schedule::all_points(&done.studies);
-    // Without a run there is no time to show.
-    let timed = points.iter().filter(|point| store.runs(point) > 0);
-    let results = Results {
-        input: args.input.clone().unwrap_or_default(),
-        command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
-        machine: std::iter::once(machine::describe()).chain(gpus).collect::<Vec<_>>().join("; "),
-        measured: timed.filter_map(|point| Some(store.row(point)?.measured.clone())).collect(),
-        studies: done.studies,
-        tiles_how: if tiles.is_some() { footage.tiles_how.clone() } else { String::new() },
-        tiles,
-        left_out,
-        weights: args.weights.unwrap_or_default(),
-    };
-    Ok((results, done.failed))
-}
-
-fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
-    let text = serde_json::to_string_pretty(all).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
-    let mut file = OutputFile::create(path)?;
-    writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
-    file.commit()?;
-    Ok(path.to_path_buf())
 }

@@ -8,6 +8,7 @@ pub mod machine;
 pub mod placement;
 pub mod plot;
 pub mod table;
+pub mod timing;
 pub mod tradeoff;
 
 pub use table::{Column, Table};

@@ -11,8 +11,7 @@ use exr::prelude::{
 use half::f16;
 use lightfold::container::{ChunkKey, Journal, PackedChunk, Reader, Writer};
 use lightfold::image::{Plane, png};
-use lightfold::report::tradeoff::KNOBS;
-use lightfold::report::tradeoff::store::FIGURES;
+use lightfold::report::tradeoff::coding::CODING;
 
 use crate::model_files::{Gltf, MTL, OBJ, rich};
 use crate::samples::{self, Random, Shape};
@@ -213,8 +212,9 @@ pub fn cameras() -> Vec<Vec<u8>> {
 
 /// The CSV of sweeps.
 pub fn sweeps() -> Vec<Vec<u8>> {
-    let knobs: Vec<&str> = KNOBS.iter().map(|knob| knob.name).collect();
-    let heads = [&["studies", "kind"][..], &knobs, FIGURES, &["command", "made_of"]].concat();
+    let knobs: Vec<&str> = CODING.knobs.iter().map(|knob| knob.key()).collect();
+    let figures: Vec<&str> = CODING.measures.iter().map(|measure| measure.name).collect();
+    let heads = [&["studies", "kind"][..], &knobs, &figures, &["command", "made_of"]].concat();
     let row = |kind: &str, psnr: &str| {
         let cell = |head: &&str| match *head {
             "studies" => "color-psnr;cells".to_owned(),
@@ -225,7 +225,7 @@ pub fn sweeps() -> Vec<Vec<u8>> {
             "encode_runs" | "decode_runs" => "0.5;0.25".to_owned(),
             "command" => "\"lightfold encode 'a, \"\"b\"\"' -o point.lfold\"".to_owned(),
             "made_of" => "00abcdef".to_owned(),
-            name if FIGURES.contains(&name) => "17".to_owned(),
+            name if figures.contains(&name) => "17".to_owned(),
             _ => String::new(),
         };
         heads.iter().map(cell).collect::<Vec<_>>().join(",")

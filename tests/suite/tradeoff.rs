@@ -7,11 +7,13 @@ use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use lightfold::monitor::Silent;
-use lightfold::report::tradeoff::store::{FIGURES, FILE_NAME, Store};
+use lightfold::report::tradeoff::coding::CODING;
+use lightfold::report::tradeoff::store::{Store, StoredPoint};
 use lightfold::scene::{DemoKind, FootagePlan};
 use serde_json::Value;
 use tempfile::TempDir;
 
+const FILE_NAME: &str = "tradeoff.csv";
 const BASELINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/baselines/tradeoff.csv");
 
 /// A folder with `scene`, made once; tests write beside it.
@@ -24,6 +26,11 @@ fn place() -> &'static Path {
         folder
     };
     FOLDER.get_or_init(make).path()
+}
+
+/// The points of a folder.
+fn rows(folder: &Path) -> Vec<StoredPoint> {
+    Store::open(&CODING, folder, None).unwrap().rows
 }
 
 /// `lightfold tradeoff` with the words of a line.
@@ -55,7 +62,8 @@ fn is_steady(name: &str) -> bool {
 }
 
 fn steady(point: &Value) -> BTreeMap<&str, &Value> {
-    FIGURES.iter().filter(|name| is_steady(name)).map(|name| (*name, &point[name])).collect()
+    let names = CODING.measures.iter().map(|measure| measure.name);
+    names.filter(|name| is_steady(name)).map(|name| (name, &point[name])).collect()
 }
 
 #[test]
@@ -91,7 +99,7 @@ fn bytes_and_decibels_are_the_same_on_every_run_and_kept_runs_are_not_repeated()
     for name in ["color-psnr.svg", "color-cell.svg", "tradeoff.csv", "tradeoff.json", "index.html"] {
         assert!(listed.contains(&name) && place().join("same-1").join(name).is_file(), "{name}: {listed:?}");
     }
-    let rows = Store::open(&place().join("same-1"), None).unwrap().rows;
+    let rows = rows(&place().join("same-1"));
     assert_eq!(rows.iter().filter(|row| row.studies == ["color-psnr"]).count(), 2);
 }
 
@@ -109,7 +117,7 @@ fn what_is_of_something_else_is_refused_or_replaced() {
     assert_eq!(std::fs::read(folder.join(FILE_NAME)).unwrap(), csv);
     assert!(folder.join("color-psnr.png").is_file());
     json(&format!("{sweep} --overwrite --json -- --near 0.01"));
-    assert_eq!(Store::open(&folder, None).unwrap().rows.len(), 2);
+    assert_eq!(rows(&folder).len(), 2);
     assert!(!folder.join("color-psnr.png").exists() && !folder.join("color-rate-distortion.svg").exists());
     assert!(folder.join("depth-error.png").is_file() && folder.join("notes.txt").is_file());
     // A day later, and with files that were copied anew, it is the same footage.
@@ -288,7 +296,7 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
         command.args(arguments).current_dir(place()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let folder = place().join("stopped");
     let start = std::time::Instant::now();
-    while Store::open(&folder, None).map_or(0, |store| store.rows.len()) < 2 {
+    while Store::open(&CODING, &folder, None).map_or(0, |store| store.rows.len()) < 2 {
         assert!(start.elapsed().as_secs() < 60, "no point was measured within a minute");
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
@@ -297,18 +305,22 @@ fn an_interrupted_sweep_goes_on_where_it_was() {
     let said = String::from_utf8(stopped.stderr).unwrap();
     assert_eq!(stopped.status.code(), Some(130), "{said}");
     assert!(said.contains("are kept; the same command goes on from there"), "{said}");
-    let kept = Store::open(&folder, None).unwrap().rows;
+    let kept = rows(&folder);
     assert!((2..=4).contains(&kept.len()));
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1, "only the CSV is left");
     let report = json("scene --sweep psnr=30,35,40,45 --repeats 3 --json -o stopped");
     let points = report["points"].as_array().unwrap();
     assert_eq!(points.len(), 4);
-    let all = Store::open(&folder, None).unwrap().rows;
+    let all = rows(&folder);
     for (before, after) in kept.iter().zip(&all) {
         assert_eq!(before.measured.point, after.measured.point);
-        assert!(after.measured.encode.runs.starts_with(&before.measured.encode.runs));
-        assert_eq!(before.measured.encode_peak_bytes, after.measured.encode_peak_bytes, "surveyed once");
-        assert_eq!(after.measured.decode.runs.len(), 3);
+        assert!(after.measured.runs("encode_runs").starts_with(before.measured.runs("encode_runs")));
+        assert_eq!(
+            before.measured.count("encode_peak_bytes"),
+            after.measured.count("encode_peak_bytes"),
+            "surveyed once"
+        );
+        assert_eq!(after.measured.runs("decode_runs").len(), 3);
     }
 }
 
@@ -347,10 +359,15 @@ fn options_of_render_are_swept_over_a_probe_that_is_left_out() {
     let mut names: Vec<_> =
         folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
-    assert_eq!(names, ["index.html", "rendering.csv", "rendering.json", "rendering.png", "rendering.svg"]);
+    let pictures = ["rendering-time-psnr.png", "rendering-time-psnr.svg", "rendering.png", "rendering.svg"];
+    let expected = [&["index.html"][..], &pictures[..2], &["rendering.csv", "rendering.json"], &pictures[2..]].concat();
+    assert_eq!(names, expected);
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
-    assert!(page.contains("What rendering costs: three") && page.contains("4 points. Probe 02 was left out"), "{page}");
-    assert_eq!((page.matches("<svg ").count(), page.matches("<tr>").count()), (1, 1 + 4));
+    assert!(
+        page.contains("What rendering costs: three") && page.contains("4 points in 1 study. Probe 02 was left out"),
+        "{page}"
+    );
+    assert_eq!((page.matches("<svg ").count(), page.matches("<tr>").count()), (2, 1 + 4));
     assert!(page.contains("--views=1 --steps=4 --null"), "{page}");
     assert!(refused(&format!("{sweep} -- --reference-probe 02")).contains("--overwrite"));
     let other = refused("scene --sweep color-cell=8 --repeats 1 -o rendered");

@@ -11,8 +11,7 @@ use serde_json::Value;
 use crate::cli::EXIT_INTERRUPTED;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
-use crate::report::tradeoff::bench::Runner;
-use crate::report::tradeoff::commands::shell_line;
+use crate::report::tradeoff::runner::{Runner, shell_line};
 
 /// How often a child is looked after. Its own clock tells how long it took.
 const POLL: Duration = Duration::from_millis(2);

@@ -1,12 +1,12 @@
-//! What is measured: the footage, and the options of all points. Both are judged before anything runs.
+//! The footage of a sweep of coding and the options of all its points, checked before anything runs.
 
 use std::ffi::OsString;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use clap::parser::ValueSource;
-use clap::{ArgMatches, CommandFactory, Parser};
+use clap::CommandFactory;
 
+use super::fixed::{OptionsOf, parse};
 use crate::cli::{Cli, Command, GlobalArgs};
 use crate::dataset::manifest;
 use crate::dataset::source::Source;
@@ -15,9 +15,10 @@ use crate::encode::EncodeSettings;
 use crate::error::{Error, Result};
 use crate::ordered::try_map_ordered;
 use crate::report::machine;
-use crate::report::tradeoff::Point;
-use crate::report::tradeoff::commands::{self, Form, Input, into_file};
-use crate::report::tradeoff::knob::{self, KNOBS};
+use crate::report::tradeoff::coding::CODING;
+use crate::report::tradeoff::coding::commands::{self, Form, Input, into_file};
+use crate::report::tradeoff::coding::table::KNOBS;
+use crate::report::tradeoff::kind::{Point, Setting};
 
 /// Options of encoding that tradeoff gives itself.
 const OWN: &[&str] = &["output", "stream", "json", "quiet"];
@@ -28,7 +29,7 @@ const OF_DECODING: &[&str] = &["device", "gpu-index"];
 #[derive(Debug, Default)]
 pub struct Fixed {
     /// Those that are knobs.
-    pub knobs: Vec<(&'static str, String)>,
+    pub knobs: Vec<Setting>,
     encode: Vec<String>,
     diff: Vec<String>,
     decode: Vec<String>,
@@ -113,47 +114,32 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
     Ok((Footage { input, source, tiles, tiles_how }, fixed))
 }
 
-/// Sorts options of all points by the command that they are for.
+/// Sorts options after `--` by the command that they are for.
 fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed> {
     let mut fixed = Fixed::default();
     if words.is_empty() {
         return Ok(fixed);
     }
+    let line = [path, "-o", "point.lfold"];
+    let also = Some(("decode", OF_DECODING));
+    let options = OptionsOf { command: subcommand, line: &line, own: OWN, also }.read(words, &[])?;
     let mut root = Cli::command();
     root.build();
-    let arguments = |name: &str| {
-        let of = root.find_subcommand(name).into_iter().flat_map(clap::Command::get_arguments);
-        of.filter(|argument| argument.get_long().is_some()).cloned().collect::<Vec<_>>()
-    };
-    let long = |argument: &clap::Arg| argument.get_long().unwrap_or_default().to_owned();
-    let of_diff: Vec<String> = arguments("diff").iter().map(long).collect();
-    let mut known = arguments(subcommand);
-    let of_decode: Vec<_> =
-        arguments("decode").into_iter().filter(|argument| OF_DECODING.contains(&long(argument).as_str())).collect();
-    let more = of_decode.clone();
-    let parser = Cli::command().mut_subcommand(subcommand, |command| command.args(more));
-    known.extend(of_decode);
-    let line = ["lightfold", subcommand, path, "-o", "point.lfold"].map(str::to_owned);
-    let matches = parser.try_get_matches_from(line.iter().chain(words)).map_err(|error| refused(&error))?;
-    let Some((_, matches)) = matches.subcommand() else { return Ok(fixed) };
-    for argument in &known {
-        let id = argument.get_id().as_str();
-        let name = long(argument);
-        let given = matches!(matches.try_contains_id(id), Ok(true))
-            && matches.value_source(id) == Some(ValueSource::CommandLine);
-        if !given || (name == "output") {
-            continue;
-        }
-        if OWN.contains(&name.as_str()) {
-            return Err(Error::Usage(format!("--{name} after --: tradeoff gives it to its points itself")));
-        }
-        let value = value(matches, argument);
-        if let (Some(knob), Some(value)) = (knob::find(&name), &value) {
+    let of_diff: Vec<&str> = root
+        .find_subcommand("diff")
+        .into_iter()
+        .flat_map(clap::Command::get_arguments)
+        .filter_map(clap::Arg::get_long)
+        .collect();
+    for option in options {
+        let name = option.name.as_str();
+        let value = option.value();
+        if let (Some(knob), Some(value)) = (CODING.knob(name), &value) {
             fixed.knobs.push((knob.name, value.clone()));
             continue;
         }
         let word = value.map_or_else(|| format!("--{name}"), |value| format!("--{name}={value}"));
-        if OF_DECODING.contains(&name.as_str()) {
+        if OF_DECODING.contains(&name) {
             fixed.decode.push(word);
             continue;
         }
@@ -170,15 +156,6 @@ fn fixed(subcommand: &'static str, path: &str, words: &[String]) -> Result<Fixed
     }
     fixed.knobs.sort_by_key(|(name, _)| KNOBS.iter().position(|knob| knob.name == *name));
     Ok(fixed)
-}
-
-/// The value of an option as it was given; none for a switch.
-fn value(matches: &ArgMatches, argument: &clap::Arg) -> Option<String> {
-    if !argument.get_action().takes_values() {
-        return None;
-    }
-    let values = matches.get_raw(argument.get_id().as_str())?;
-    Some(values.map(|value| value.to_string_lossy().into_owned()).collect::<Vec<_>>().join(","))
 }
 
 /// Refuses points whose values the commands would refuse.
@@ -204,25 +181,8 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
     Ok(())
 }
 
-pub(super) fn parse(words: &[OsString]) -> Result<Cli> {
-    let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
-    Cli::try_parse_from(words).map_err(|error| refused(&error))
-}
-
-/// The first sentence of what the parser of command lines says.
-pub(super) fn refused(error: &clap::Error) -> Error {
-    use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
-    if matches!(error.kind(), DisplayHelp | DisplayVersion) {
-        return Error::Usage("--help and --version are no options of encoding: give them before --".into());
-    }
-    let text = error.to_string();
-    let text = text.strip_prefix("error: ").unwrap_or(&text);
-    let sentence: Vec<&str> = text.split("\n\n").next().unwrap_or(text).lines().map(str::trim).collect();
-    Error::Usage(sentence.join(" "))
-}
-
-/// A mark that changes with the footage, the options of all points, the program and the processor, and with nothing that
-/// another day or a new checkout changes. All files are read.
+/// Configuration hash of the footage, the fixed options, the program and the processor; times of files do not count. All
+/// files are read.
 pub fn made_of(path: &str, source: &Source, fixed: &Fixed) -> Result<u32> {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
@@ -268,6 +228,8 @@ fn crc_of(path: &Path) -> Result<u32> {
 
 #[cfg(test)]
 mod tests {
+    use clap::Parser;
+
     use super::*;
     use crate::report::tradeoff::knob::Stage;
 
@@ -275,7 +237,7 @@ mod tests {
     fn every_knob_is_an_option_of_its_command_and_takes_its_usual_values() {
         let root = crate::cli::command();
         for knob in KNOBS {
-            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.kinds[0]) {
+            let commands: &[&str] = match (knob.stage, knob.is_general(), knob.streams[0]) {
                 (Stage::Decode, ..) => &["decode"],
                 (Stage::Place, ..) => &["place"],
                 (Stage::Render, ..) => &["render"],

@@ -1,20 +1,23 @@
-//! Sweeps of the options of `render` over a dataset, of which one probe is left out.
+//! Sweeps of rendering over a dataset, of which one probe is left out.
 
 use std::path::Path;
 use std::time::Instant;
 
-use clap::CommandFactory;
-use clap::parser::ValueSource;
 use glam::DVec3;
+use serde_json::json;
 
-use super::grid::{Grid, Told};
-use super::{Args, grid, input};
-use crate::cli::{Cli, ExitStatus, GlobalArgs};
+use super::fixed::{OptionsOf, parse};
+use super::measure::{Opened, Sweeping};
+use super::{Args, refuse_options_of_coding};
+use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};
-use crate::report::tradeoff::Axis;
 use crate::report::tradeoff::knob::Stage;
-use crate::report::tradeoff::rendering::{self, Sweep};
+use crate::report::tradeoff::page::Extras;
+use crate::report::tradeoff::plan;
+use crate::report::tradeoff::rendering::{RENDERING, RenderingBench};
+use crate::report::tradeoff::store::Store;
+use crate::report::tradeoff::study::Axis;
 
 /// Options of `render` that tradeoff gives itself.
 const OWN: &[&str] = &[
@@ -33,7 +36,7 @@ const OWN: &[&str] = &[
     "trace",
 ];
 
-/// Whether rendering is to be measured: a knob is swept that only `render` has.
+/// Whether a knob is swept that only `render` has.
 pub fn is_asked(args: &Args) -> bool {
     args.sweep.iter().any(|sweep| sweep.knob.stage == Stage::Render)
 }
@@ -42,7 +45,7 @@ pub fn is_asked(args: &Args) -> bool {
 #[derive(Debug, Default, PartialEq)]
 struct Fixed {
     words: Vec<String>,
-    /// `--reference-probe` and `--frames`, which are given to other commands as well.
+    /// `--reference-probe` and `--frames`, which other commands are given, too.
     probe: Option<String>,
     frames: Option<String>,
 }
@@ -50,71 +53,41 @@ struct Fixed {
 /// Measures what rendering costs.
 pub fn measure(args: &Args, dataset: &str, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
-    grid::refuse_others(args, "rendering")?;
-    let axes = axes(args)?;
-    let fixed = options_of_all(&args.fixed, &axes)?;
-    let probe = match &fixed.probe {
-        Some(probe) => probe.clone(),
-        None => most_central(Path::new(dataset))?,
-    };
-    let sweep = Sweep {
-        dataset,
-        probe: &probe,
-        frames: fixed.frames.as_deref(),
-        fixed: &fixed.words,
-        axes: &axes,
-        repeats: args.repeats,
-    };
+    refuse_options_of_coding(args, "rendering")?;
+    let study = plan::grid(&RENDERING, &args.sweep)?;
+    let fixed = fixed(&args.fixed, &study.axes)?;
+    let probe = fixed.probe.map_or_else(|| most_central(Path::new(dataset)), Ok)?;
     let container = Path::new("field.lfold");
-    input::parse(&sweep.encode(container))?;
-    for settings in sweep.points() {
-        input::parse(&sweep.command(container, &settings))?;
-    }
-    let grid = Grid {
+    let mut bench = RenderingBench {
+        dataset: dataset.to_owned(),
+        probe: probe.clone(),
+        frames: fixed.frames,
+        fixed: fixed.words,
+        container: container.to_path_buf(),
+    };
+    let points = study.points();
+    parse(&bench.encode(container))?;
+    points.iter().try_for_each(|point| parse(&bench.render(container, point)).map(drop))?;
+    let sweeping = Sweeping {
         args,
         global,
         start,
-        what: "rendering",
-        runs: sweep.runs(),
-        points: sweep.points().len(),
-        files: rendering::files(&args.output),
+        about: format!(
+            "Probe {probe} was left out, and rendered from the others; PSNR and SSIM are means over its pictures."
+        ),
+        commands: bench.examples(&points),
+        left_out: Vec::new(),
+        studies: vec![study],
     };
-    let (folder, shown) = grid.measure(
-        |runner, work, progress, keep| sweep.measure(runner, work, progress, keep),
-        |shown| rendering::to_csv(&axes, shown),
-    )?;
-    let (about, commands) = (rendering::about(&sweep), rendering::commands(&sweep));
-    let told = Told {
-        title: format!("What rendering costs: {dataset}"),
-        input: ("Dataset", dataset),
-        about: &about,
-        table: &rendering::table(&axes, &shown),
-        figures: &rendering::figures(&sweep, &shown),
-        commands: &commands,
-        report: &rendering::json(&sweep, &shown),
-    };
-    grid.tell(&told, folder)?;
+    let knobs = sweeping.studies[0].axes.iter().map(|axis| axis.knob).collect();
+    let mut opened = Opened::new(args, &RENDERING, |folder: &Path| Ok(Store::new(&RENDERING, folder, knobs)))?;
+    let more = json!({ "dataset": dataset, "probe": probe, "frames": bench.frames });
+    let finished = sweeping.measure(&RENDERING, &mut opened, |work| {
+        bench.container = work.join("field.lfold");
+        Box::new(bench)
+    })?;
+    finished.tell(&opened, &Extras::default(), more, "")?;
     Ok(ExitStatus::Passed)
-}
-
-fn axes(args: &Args) -> Result<Vec<Axis>> {
-    let mut axes: Vec<Axis> = Vec::new();
-    for sweep in &args.sweep {
-        // Threads and device are knobs of coding, too.
-        let knob = rendering::find(sweep.knob.name).ok_or_else(|| {
-            let names: Vec<&str> = rendering::KNOBS.iter().map(|knob| knob.name).collect();
-            let name = sweep.knob.name;
-            Error::Usage(format!(
-                "--sweep {name}: it is no option of rendering, which has {}; sweep it on its own",
-                names.join(", ")
-            ))
-        })?;
-        if axes.iter().any(|axis| axis.knob == knob.name) {
-            return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", knob.name)));
-        }
-        axes.push(Axis { knob: knob.name, values: sweep.values.clone() });
-    }
-    Ok(axes)
 }
 
 /// The probe that is nearest to the middle of all, the first of several.
@@ -133,42 +106,20 @@ fn most_central(dataset: &Path) -> Result<String> {
     }
 }
 
-/// The options that all points have, one word each.
-fn options_of_all(words: &[String], axes: &[Axis]) -> Result<Fixed> {
-    let mut root = Cli::command();
-    root.build();
-    // The reference stands for that of the points, so that options which need one are taken.
-    let line = ["lightfold", "render", "field.lfold", "--reference", "set", "--null"].map(str::to_owned);
-    let matches =
-        root.clone().try_get_matches_from(line.iter().chain(words)).map_err(|error| input::refused(&error))?;
+/// Options after `--`.
+fn fixed(words: &[String], axes: &[Axis]) -> Result<Fixed> {
+    // The reference stands for that of the points, so that options which need one are accepted.
+    let line = ["field.lfold", "--reference", "set", "--null"];
+    let options = OptionsOf { command: "render", line: &line, own: OWN, also: None };
     let mut fixed = Fixed::default();
-    let (Some((_, matches)), Some(render)) = (matches.subcommand(), root.find_subcommand("render")) else {
-        return Ok(fixed);
-    };
-    let is_said = |name: &str| words.iter().any(|word| word.split('=').next() == Some(&format!("--{name}")));
-    for argument in render.get_arguments() {
-        let (id, Some(name)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
-        let given = matches!(matches.try_contains_id(id), Ok(true))
-            && matches.value_source(id) == Some(ValueSource::CommandLine);
-        if !given || (matches!(name, "reference" | "null") && !is_said(name)) {
-            continue;
-        }
-        if OWN.contains(&name) {
-            return Err(Error::Usage(format!("--{name} after --: tradeoff gives it to its points itself")));
-        }
-        if axes.iter().any(|axis| axis.knob == name) {
-            return Err(Error::Usage(format!("--{name}: it is swept, so that it cannot be fixed as well")));
-        }
-        let values = matches.get_raw(id).filter(|_| argument.get_action().takes_values());
-        let value = values.map(|values| values.map(|v| v.to_string_lossy().into_owned()).collect::<Vec<_>>().join(","));
-        match (name, value) {
+    for option in options.read(words, axes)? {
+        match (option.name.as_str(), option.value()) {
             ("reference-probe", Some(probe)) if probe.contains(',') => {
                 return Err(Error::Usage(format!("--reference-probe {probe}: one probe is left out; name one")));
             }
             ("reference-probe", probe) => fixed.probe = probe,
             ("frames", frames) => fixed.frames = frames,
-            (name, Some(value)) => fixed.words.push(format!("--{name}={value}")),
-            (name, None) => fixed.words.push(format!("--{name}")),
+            _ => fixed.words.extend(option.words()),
         }
     }
     Ok(fixed)
@@ -176,23 +127,32 @@ fn options_of_all(words: &[String], axes: &[Axis]) -> Result<Fixed> {
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory;
+
     use super::*;
+    use crate::cli::Cli;
 
     #[test]
     fn every_knob_is_an_option_of_render_and_takes_its_usual_values() {
         let mut root = Cli::command();
         root.build();
         let render = root.find_subcommand("render").unwrap();
-        for knob in rendering::KNOBS {
+        let bench = RenderingBench {
+            dataset: "set".to_owned(),
+            probe: "00".to_owned(),
+            frames: Some("0-1".to_owned()),
+            fixed: Vec::new(),
+            container: "a.lfold".into(),
+        };
+        for knob in RENDERING.knobs {
             let option = render.get_arguments().find(|argument| argument.get_long() == Some(knob.name)).unwrap();
             if let [default] = option.get_default_values() {
                 assert_eq!(default.to_str(), Some(knob.default), "{}", knob.name);
             }
-            let axes = [Axis { knob: knob.name, values: knob.usual.iter().map(ToString::to_string).collect() }];
-            let sweep = Sweep { dataset: "set", probe: "00", frames: Some("0-1"), fixed: &[], axes: &axes, repeats: 1 };
-            for settings in sweep.points() {
-                let line = sweep.command(Path::new("a.lfold"), &settings);
-                input::parse(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
+            let study = plan::grid(&RENDERING, &[plan::Sweep::parse(knob.name).unwrap()]).unwrap();
+            for point in study.points() {
+                let line = bench.render(Path::new("a.lfold"), &point);
+                parse(&line).unwrap_or_else(|error| panic!("{line:?}: {error}"));
             }
         }
         for name in OWN {
@@ -204,7 +164,7 @@ mod tests {
     fn options_of_all_points_are_sorted_or_refused() {
         let of = |line: &str, swept: &'static str| {
             let words: Vec<String> = line.split(' ').filter(|word| !word.is_empty()).map(str::to_owned).collect();
-            options_of_all(&words, &[Axis { knob: swept, values: vec!["1".to_owned()] }])
+            fixed(&words, &[Axis { knob: swept, values: vec!["1".to_owned()] }])
         };
         assert_eq!(of("", "steps").unwrap(), Fixed::default());
         let fixed = of("--frames 0-3 --reference-probe 02 --refine 4 --holes=nearest", "steps").unwrap();

@@ -1,32 +1,39 @@
-//! What accuracy costs: sweeps of the encoder's and decoder's knobs over a user's own footage, and what each setting
-//! comes to in bytes, time and quality (CALF figures 7 and 8, GDC figures 5, 6 and 8).
+//! Sweeps: what each setting of a command costs in bytes and time, and gives in quality (CALF figures 7 to 9, GDC figures 5,
+//! 6 and 8).
 //!
-//! A [`Knob`] is an option of the command line that trades something. A [`Study`] is a grid of knob values for one
-//! kind of stream; each of its [`Point`]s is encoded, decoded and compared, which leaves a [`Measured`].
+//! A [`study::Study`] is a grid of knob values. [`schedule`] measures its points through a [`runner::Bench`], [`store`] keeps
+//! them as CSV, [`figures`] and [`page`] draw them, [`json`] reports them. None of these knows what is measured: a
+//! [`kind::SweepKind`] describes it as tables. Each finished run is saved at once, and [`folder`] locks the results.
+//!
+//! # To add a kind of sweep
+//!
+//! 1. Write one file like [`rendering`]: a `SweepKind` whose `KNOBS` are options of the command, whose `MEASURES` are rows
+//!    with the CSV and JSON name, heading, format and source of each value, whose `PANELS` are drawn along knobs, and whose
+//!    `TRADES` draw one measure against another with the Pareto front. Measures of [`kind::Source::Runs`] hold timed runs;
+//!    others are derived from them with `median_of`.
+//! 2. Implement [`runner::Bench`] for it: `survey` runs the command of a point and stores the values of its JSON report,
+//!    `time` adds a run.
+//! 3. Add it to [`plan::KINDS`], and give `lightfold tradeoff` a function that opens its input (`src/cli/tradeoff`).
+//!
+//! CSV, resuming, rounds, budgets, page, heat maps and JSON need no more code.
 
-pub mod bench;
-pub mod commands;
+pub mod coding;
 pub mod figures;
 pub mod findings;
-pub mod grid_page;
-pub mod html;
+pub mod folder;
 pub mod json;
+pub mod kind;
 pub mod knob;
 pub mod page;
 pub mod pareto;
 pub mod placement;
 pub mod plan;
-pub mod point;
-pub mod recommend;
 pub mod rendering;
-pub mod runs;
+pub mod runner;
 #[cfg(test)]
 pub(crate) mod sample;
 pub mod schedule;
 pub mod score;
 pub mod store;
 pub mod study;
-
-pub use knob::{KNOBS, Knob};
-pub use point::{Measured, Point, Quality, Sizes, Timing};
-pub use study::{Axis, Results, Study, Weights};
+pub mod table;

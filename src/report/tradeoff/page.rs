@@ -1,52 +1,96 @@
-//! One page with everything: figures, findings, all points, and how they came about. It needs no other file, no network
-//! and no script.
+//! The page of a sweep: figures, findings, all points, and how they were measured. It needs no other file, no network and no
+//! script.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use super::figures::{self, Figure};
-use super::findings::{self, Finding, Verdict};
-use super::html;
-use super::knob::KNOBS;
-use super::point::{Measured, Quality, Timing};
+use super::findings::{Finding, Verdict};
+use super::kind::Measured;
 use super::score::Scored;
 use super::study::Results;
-use crate::dataset::stream::StreamKind;
-use crate::error::Result;
+use super::table::{self, PointTable};
+use crate::error::{Error, Result};
+use crate::files::write_whole;
 use crate::report::plot::number;
-use crate::report::plot::save::escape;
+use crate::report::plot::save::{self, escape};
+use crate::report::timing::runs_in_words;
+
+/// Name of the page's file.
+pub const PAGE: &str = "index.html";
+
+const STYLE: &str = "\
+body{font:16px/1.5 'DejaVu Sans',Verdana,sans-serif;color:#222;background:#fff;max-width:1320px;margin:0 auto;padding:24px}\
+h1{font-size:26px;margin:0 0 4px}h2{font-size:20px;margin:40px 0 8px;border-bottom:1px solid #ddd;padding-bottom:4px}\
+p{margin:6px 0}.faint{color:#606060}figure{margin:24px 0 36px;break-inside:avoid}\
+figure svg{max-width:100%;height:auto;border:1px solid #e2e2e2}figcaption{font-size:14px;max-width:1000px;color:#444}\
+.scroll{overflow-x:auto}table{border-collapse:collapse;font-size:13px;font-variant-numeric:tabular-nums}\
+th,td{padding:3px 8px;text-align:right;border-bottom:1px solid #e2e2e2;white-space:nowrap;vertical-align:top}\
+th{background:#f5f5f5;border-bottom:2px solid #bbb;white-space:normal;vertical-align:bottom}\
+td small{display:block;font-size:10px;color:#606060}h4{font-size:14px;margin:16px 0 4px}tr.best td{background:#fdf3d7}\
+ol.findings{padding-left:24px}ol.findings li{margin:12px 0;max-width:1100px}\
+.verdict{display:inline-block;padding:0 8px;border-radius:3px;font-size:13px;font-weight:bold;color:#fff;margin-right:6px}\
+.found{background:#1b7a4b}.not-found{background:#b3261e}.not-measured{background:#6b6b6b}\
+.small{font-size:14px;color:#444}code{font:13px 'DejaVu Sans Mono',Consolas,monospace;background:#f5f5f5;padding:1px 4px;\
+overflow-wrap:anywhere}dl{display:grid;grid-template-columns:max-content 1fr;gap:4px 16px;font-size:14px}dt{color:#606060}\
+dd{margin:0;overflow-wrap:anywhere}\
+@media print{body{max-width:none;padding:0;font-size:12px}h2{break-after:avoid}.scroll{overflow:visible}table{font-size:8px}\
+th,td{padding:1px 3px}}";
+
+/// What a page shows besides the points.
+#[derive(Debug, Clone, Default)]
+pub struct Extras {
+    /// Further figures.
+    pub figures: Vec<Figure>,
+    /// Findings of papers.
+    pub findings: Vec<Finding>,
+}
 
 /// Writes every figure as SVG and PNG, and `index.html`, which shows them, into a folder. Returns the files.
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(results: &Results, folder: &Path) -> Result<Vec<PathBuf>> {
-    let figures = figures::all(results);
-    html::write(&figures, &html(results, &figures)?, folder)
+pub fn write(results: &Results, extras: &Extras, folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut figures = figures::all(results);
+    figures.extend(extras.figures.iter().cloned());
+    let mut files = Vec::new();
+    for figure in &figures {
+        files.extend(save::save(&figure.drawing, folder, &figure.name)?);
+    }
+    let (path, text) = (folder.join(PAGE), html(results, &figures, &extras.findings)?);
+    write_whole(&path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))?;
+    files.push(path);
+    Ok(files)
 }
 
-/// The page's text.
-fn html(results: &Results, figures: &[Figure]) -> Result<String> {
-    let subtitle = format!(
-        "{} in {}. Less is better for bytes, time and score.",
+/// The page's text. Writing into a string does not fail.
+fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<String> {
+    let title = escape(&format!("{}: {}", results.sweep.title, results.input));
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
+         <p class=\"faint\">{} in {}. {}</p>\n<h2>Figures</h2>\n",
         counted(results.measured.len(), "point", "points"),
-        counted(results.studies.len(), "study", "studies")
+        counted(results.studies.len(), "study", "studies"),
+        escape(&results.about)
     );
-    let mut page = html::begin(&format!("What accuracy costs: {}", results.input), &subtitle);
-    page.push_str("<h2>Figures</h2>\n");
     if figures.is_empty() {
         page.push_str("<p>There is nothing to draw: no study has two points.</p>\n");
     }
-    figures.iter().try_for_each(|figure| html::figure(&mut page, figure))?;
+    for figure in figures {
+        let (name, caption) = (escape(&figure.name), escape(&figure.caption));
+        let svg = save::to_svg(&figure.drawing)?;
+        let _ = writeln!(page, "<figure id=\"{name}\">\n{svg}<figcaption>{caption}</figcaption>\n</figure>");
+    }
     least_points(&mut page, results);
-    findings_of(&mut page, &findings::judge(results));
+    findings_of(&mut page, findings);
     left_out(&mut page, results);
     page.push_str("<h2>All points</h2>\n");
-    for kind in StreamKind::ALL {
-        tables(&mut page, results, kind);
-    }
+    tables(&mut page, results);
     foot(&mut page, results);
-    Ok(html::end(page))
+    page.push_str("</body>\n</html>\n");
+    Ok(page)
 }
 
 /// A count with its noun.
@@ -54,8 +98,11 @@ fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// The findings that could be judged, and in a line what the others need.
+/// The findings that were tested, and in a line what the others need.
 fn findings_of(page: &mut String, findings: &[Finding]) {
+    if findings.is_empty() {
+        return;
+    }
     let (unmeasured, judged): (Vec<&Finding>, Vec<&Finding>) =
         findings.iter().partition(|finding| finding.verdict == Verdict::NotMeasured);
     page.push_str("<h2>Findings of the papers on this footage</h2>\n");
@@ -95,7 +142,7 @@ fn left_out(page: &mut String, results: &Results) {
     page.push_str("</ul>\n");
 }
 
-/// The least score of each study, and what the score is.
+/// The least score of each study, and its definition.
 fn least_points(page: &mut String, results: &Results) {
     let mut items = String::new();
     let mut any_differs = false;
@@ -112,159 +159,71 @@ fn least_points(page: &mut String, results: &Results) {
             escape(&study.title),
             scored.count(),
             escape(&point.point.words()),
-            number::bytes(point.sizes.container as f64),
-            number::short(point.decode_ms_per_frame().unwrap_or(f64::NAN)),
-            quality(&point.quality, point.point.kind),
+            number::bytes(point.count("bytes_container") as f64),
+            number::short(point.number("decode_ms_per_frame").unwrap_or(f64::NAN)),
+            quality(point),
         );
     }
     if items.is_empty() {
         return;
     }
     let warning = if any_differs {
-        " It knows nothing of quality: where a setting that changes quality is swept, the worst quality often has the least \
-         score. Among settings of different quality, look at the Pareto fronts of the figures instead."
+        " It ignores quality: where a knob that changes quality is swept, the worst quality often has the least score. Compare \
+         such settings by the Pareto fronts of the figures."
     } else {
         ""
     };
     let _ = write!(
         page,
         "<h2>Least bytes and time</h2>\n<ul>\n{items}</ul>\n<p>The score weighs bytes and decoding time only.{warning}</p>\n\
-         <p class=\"small\">A score is a point’s bytes to the power of {}, multiplied by its decoding time to the power of {}, in \
-         parts of the least such product: 1.00 is the best point of its study, and 1.10 is a tenth more than that. CALF brings \
-         bytes and times into the range of what was captured first, from 0 to 1, by which a point that is best in one has the \
-         score 0, whatever the other is; products of bytes and times as they are do not, so that these scores are not \
-         those of the paper.</p>\n",
+         <p class=\"small\">A score is a point’s bytes to the power of {} times its decoding time to the power of {}, relative to \
+         the least such product: 1.00 is the best point of its study, and 1.10 is 10% more. CALF maps bytes and times to 0..1 \
+         first, so its scores differ.</p>\n",
         number::short(results.weights.compression),
         number::short(results.weights.decoding)
     );
 }
 
-/// How good a point is.
-fn quality(quality: &Quality, kind: StreamKind) -> String {
-    if quality.psnr_db == f64::INFINITY {
+/// Quality of a point of coding.
+fn quality(point: &Measured) -> String {
+    if point.number("psnr_db") == Some(f64::INFINITY) {
         return "lossless".to_owned();
     }
-    let steps = if kind == StreamKind::Depth { "codes" } else { "steps" };
     let parts = [
-        Some(format!("PSNR {:.2} dB", quality.psnr_db)),
-        quality.min_psnr_db.map(|db| format!("worst cell {db:.2} dB")),
-        quality.max_error_codes.map(|error| format!("largest error {error} {steps}")),
+        point.number("psnr_db").map(|db| format!("PSNR {db:.2} dB")),
+        point.number("min_psnr_db").map(|db| format!("worst cell {db:.2} dB")),
+        point.number("max_error_codes").map(|error| format!("largest error {error} codes")),
     ];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-/// A cell of a table: a figure, and what stands smaller below it.
-struct Cell {
-    text: String,
-    below: Option<String>,
+/// A table for each kind of stream.
+fn tables(page: &mut String, results: &Results) {
+    let best: Vec<&Measured> =
+        results.studies.iter().filter_map(|study| Scored::of_study(results, study).winner()).collect();
+    for stream in results.streams() {
+        if let Some(stream) = stream {
+            let _ = writeln!(page, "<h3>{}</h3>", escape(stream.name()));
+        }
+        table(page, &table::of(results, stream), &best);
+    }
+    let tinted = if best.is_empty() { "" } else { "Tinted: the least score of a study. " };
+    let _ = writeln!(page, "<p class=\"small\">{tinted}Small figures are the shortest and the longest run.</p>");
 }
 
-impl Cell {
-    fn new(text: impl Into<String>) -> Option<Cell> {
-        Some(Cell { text: text.into(), below: None })
-    }
-
-    fn bytes(count: u64) -> Option<Cell> {
-        Cell::new(number::bytes(count as f64))
-    }
-
-    /// The median with the shortest and the longest run, where there are several, in a unit of so many seconds.
-    fn timed(timing: &Timing, unit: f64) -> Option<Cell> {
-        let (low, high) = timing.spread()?;
-        let told = |seconds: f64| number::even(seconds / unit);
-        let below = (timing.runs.len() > 1).then(|| format!("{}–{}", told(low), told(high)));
-        Some(Cell { text: told(timing.median()?), below })
-    }
-}
-
-/// A column of a table.
-struct Column {
-    heading: &'static str,
-    cell: fn(&Measured) -> Option<Cell>,
-}
-
-const fn column(heading: &'static str, cell: fn(&Measured) -> Option<Cell>) -> Column {
-    Column { heading, cell }
-}
-
-/// What a point gives and costs.
-const COLUMNS: &[Column] = &[
-    column("container", |of| Cell::bytes(of.sizes.container)),
-    column("% of raw", |of| Cell::new(format!("{:.2}", of.ratio_percent()))),
-    column("+ LZMA2", |of| Cell::bytes(of.sizes.lzma2)),
-    column("PSNR dB", |of| Cell::new(decibels(of.quality.psnr_db))),
-    column("worst cell dB", |of| Cell::new(decibels(of.quality.min_psnr_db?))),
-    column("SSIM", |of| Cell::new(format!("{:.4}", of.quality.ssim?))),
-    column("max error", |of| Cell::new(of.quality.max_error_codes?.to_string())),
-    column("max error m", |of| Cell::new(number::even(of.quality.max_error_m?))),
-    column("encode s", |of| Cell::timed(&of.encode, 1.0)),
-    column("decode ms a frame", |of| Cell::timed(&of.decode, 1e-3 * of.frames.max(1) as f64)),
-    column("Mpixel/s", |of| Cell::new(format!("{:.0}", of.megapixels_per_second()?))),
-    column("changed %", |of| Cell::new(format!("{:.1}", of.changed_percent()))),
-];
-
-/// Bytes of each stage, and memory.
-const MORE_COLUMNS: &[Column] = &[
-    column("raw", |of| Cell::bytes(of.sizes.raw)),
-    column("in time", |of| Cell::bytes(of.sizes.temporal)),
-    column("blocks or functions", |of| Cell::bytes(of.sizes.spatial?)),
-    column("container", |of| Cell::bytes(of.sizes.container)),
-    column("+ LZMA2", |of| Cell::bytes(of.sizes.lzma2)),
-    column("encode memory", |of| Cell::bytes(of.encode_peak_bytes?)),
-    column("decode memory", |of| Cell::bytes(of.decode_peak_bytes?)),
-];
-
-fn decibels(db: f64) -> String {
-    if db.is_infinite() { "lossless".to_owned() } else { format!("{db:.2}") }
-}
-
-/// The tables of a kind, with what their figures are.
-fn tables(page: &mut String, results: &Results, kind: StreamKind) {
-    let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.kind == kind).collect();
-    if points.is_empty() {
-        return;
-    }
-    let studies = results.studies.iter().filter(|study| study.kind == kind);
-    let best: Vec<&Measured> = studies.filter_map(|study| Scored::of_study(results, study).winner()).collect();
-    let _ = writeln!(page, "<h3>{}</h3>", escape(kind.name()));
-    table(page, COLUMNS, &points, &best);
-    if !best.is_empty() {
-        page.push_str(
-            "<p class=\"small\">Tinted: the least score of a study, which is one of bytes and decoding time and knows nothing \
-             of quality.</p>\n",
-        );
-    }
-    let runs = |of: fn(&Measured) -> &Timing| Timing::runs_in_words(points.iter().map(|point| of(point)));
-    if let (Some(encode), Some(decode)) = (runs(|of| &of.encode), runs(|of| &of.decode)) {
-        let _ = writeln!(
-            page,
-            "<p class=\"small\">Encoding: {encode}, reading the source included. Decoding: {decode}, each run the median of \
-             several passes, of the container as it is stored and not of the smaller one of “+ LZMA2”, which has to be \
-             unpacked first. Small figures are the shortest and the longest run.</p>"
-        );
-    }
-    page.push_str("<h4>Bytes by stage, and memory</h4>\n");
-    table(page, MORE_COLUMNS, &points, &[]);
-}
-
-fn table(page: &mut String, columns: &[Column], points: &[&Measured], tinted: &[&Measured]) {
-    let has = |name: &str| points.iter().any(|of| of.point.value(name).is_some());
-    let knobs: Vec<&str> = KNOBS.iter().map(|knob| knob.name).filter(|name| has(name)).collect();
-    let columns: Vec<&Column> =
-        columns.iter().filter(|column| points.iter().any(|of| (column.cell)(of).is_some())).collect();
+fn table(page: &mut String, table: &PointTable<'_>, tinted: &[&Measured]) {
     page.push_str("<div class=\"scroll\"><table>\n<thead><tr>");
-    for heading in knobs.iter().copied().chain(columns.iter().map(|column| column.heading)) {
+    for heading in &table.headings {
         let _ = write!(page, "<th>{}</th>", escape(heading));
     }
     page.push_str("</tr></thead>\n<tbody>\n");
-    for &of in points {
-        let is_tinted = tinted.iter().any(|best| std::ptr::eq(*best, of));
+    for row in &table.rows {
+        let is_tinted = tinted.iter().any(|best| std::ptr::eq(*best, row.point));
         page.push_str(if is_tinted { "<tr class=\"best\">" } else { "<tr>" });
-        let values = knobs.iter().map(|name| Cell::new(of.point.value(name).unwrap_or("default")));
-        for cell in values.chain(columns.iter().map(|column| (column.cell)(of))) {
-            let Cell { text, below } = cell.unwrap_or(Cell { text: "–".to_owned(), below: None });
-            let below = below.map_or_else(String::new, |below| format!("<small>{}</small>", escape(&below)));
-            let _ = write!(page, "<td>{}{below}</td>", escape(&text));
+        for cell in &row.cells {
+            let range =
+                cell.range.as_ref().map_or_else(String::new, |range| format!("<small>{}</small>", escape(range)));
+            let _ = write!(page, "<td>{}{range}</td>", escape(&cell.text));
         }
         page.push_str("</tr>\n");
     }
@@ -272,23 +231,43 @@ fn table(page: &mut String, columns: &[Column], points: &[&Measured], tinted: &[
 }
 
 fn foot(page: &mut String, results: &Results) {
-    let how = html::How {
-        input: ("Footage", &results.input),
-        command_line: &results.command_line,
-        machine: &results.machine,
-    };
-    html::how(page, &how);
-    page.push_str(
-        "<p class=\"small\">Each point was encoded, decoded and compared by commands of the program, which tradeoff.csv \
-         names. Rounds of timed runs went over all points in turn; times are medians of them. A frame is one moment of the \
-         footage with all its probes and faces; a decoding time is that of decoding it with the container in memory.</p>\n",
+    page.push_str("<h2>How this was measured</h2>\n<dl>\n");
+    let code = |line: &str| format!("<code>{}</code>", escape(line));
+    let version = format!("lightfold {}", env!("CARGO_PKG_VERSION"));
+    let facts = [
+        (results.sweep.input_label, escape(&results.input)),
+        ("Command", code(&results.command_line)),
+        ("Machine", escape(&results.machine)),
+        ("Version", version),
+    ];
+    let commands = results.commands.iter().map(|command| (command.makes, code(&command.line)));
+    for (name, value) in facts.into_iter().chain(commands) {
+        let _ = writeln!(page, "<dt>{}</dt><dd>{value}</dd>", escape(name));
+    }
+    let timed = runs_in_words(results.measured.iter().map(Measured::timed_runs));
+    let timed = timed.map_or_else(String::new, |runs| format!(" Times are {runs}."));
+    let _ = writeln!(
+        page,
+        "</dl>\n<p class=\"small\">{}{timed} Rounds of timed runs went over all points in turn.</p>",
+        escape(results.sweep.method)
     );
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dataset::stream::StreamKind;
+    use crate::report::tradeoff::coding;
+    use crate::report::tradeoff::kind::Value;
     use crate::report::tradeoff::sample;
+
+    /// What the page of a sweep of coding shows besides the points.
+    fn extras(results: &Results) -> Extras {
+        let tiles = sample::tiles();
+        let mut figures = coding::figures::bounds(results);
+        figures.extend(coding::figures::tiles(&tiles, "effort fast, domain log"));
+        Extras { figures, findings: coding::findings::judge(results, Some(&tiles)) }
+    }
 
     #[test]
     fn the_page_stands_alone_and_escapes_what_users_wrote() {
@@ -297,8 +276,8 @@ mod tests {
         results.command_line = "lightfold tradeoff '<b>'".to_owned();
         results.left_out = vec!["<i>depth-window</i> 16".to_owned()];
         let folder = tempfile::tempdir().unwrap();
-        let files = write(&results, folder.path()).unwrap();
-        let page = std::fs::read_to_string(folder.path().join(html::PAGE)).unwrap();
+        let files = write(&results, &extras(&results), folder.path()).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
         for bad in ["<script", "<b>", "<i>", "NaN", "src=", "href="] {
             assert!(!page.contains(bad), "{bad}");
         }
@@ -306,7 +285,7 @@ mod tests {
             assert!(page.contains(said), "{said}");
         }
         assert_eq!(page.matches("<svg ").count(), page.matches("<figcaption>").count());
-        assert_eq!(page.matches("<tr").count(), 4 + 2 * results.measured.len());
+        assert_eq!(page.matches("<tr").count(), 2 + results.measured.len());
         let ends = |ending: &str| files.iter().filter(|file| file.extension().is_some_and(|of| of == ending)).count();
         assert_eq!((ends("svg"), ends("png"), ends("html")), (11, 11, 1), "{files:?}");
         assert!(files.iter().all(|file| file.is_file()));
@@ -317,7 +296,7 @@ mod tests {
     #[test]
     fn a_page_without_points_says_so() {
         let results = Results { measured: vec![], studies: vec![], ..sample::paper() };
-        let page = html(&Results { tiles: None, ..results }, &[]).unwrap();
+        let page = html(&results, &[], &coding::findings::judge(&results, None)).unwrap();
         assert!(page.contains("nothing to draw") && page.contains("Not measured: "), "{page}");
         assert!(page.contains("0 points in 0 studies") && !page.contains("<ol"), "{page}");
     }
@@ -326,7 +305,7 @@ mod tests {
     fn page_of(change: impl FnOnce(&mut Results)) -> String {
         let mut results = sample::paper();
         change(&mut results);
-        html(&results, &[]).unwrap()
+        html(&results, &[], &extras(&results).findings).unwrap()
     }
 
     #[test]
@@ -344,15 +323,15 @@ mod tests {
             both.contains("PSNR 33.00 dB, worst cell 30.00 dB") && both.contains("largest error 800 codes"),
             "{both}"
         );
-        assert!(both.contains("knows nothing of quality:") && both.contains("Pareto fronts"), "{both}");
+        assert!(both.contains("It ignores quality:") && both.contains("Pareto fronts"), "{both}");
         let alike = page_of(|results| results.studies.retain(|study| study.name == "boxes"));
-        assert!(alike.contains("best compromise") && !alike.contains("It knows nothing of quality:"), "{alike}");
+        assert!(alike.contains("best compromise") && !alike.contains("It ignores quality:"), "{alike}");
         assert!(alike.contains("in 1 study."), "{alike}");
     }
 
     #[test]
     fn figures_come_first_and_findings_without_figures_are_one_line() {
-        let page = page_of(|results| results.measured.retain(|of| of.point.kind == StreamKind::Color));
+        let page = page_of(|results| results.measured.retain(|of| of.point.stream == Some(StreamKind::Color)));
         let place = |what: &str| page.find(what).unwrap_or_else(|| panic!("{what}: {page}"));
         let order = ["<h2>Figures", "<h2>Least", "<h2>Findings", "<h2>All points", "<h2>How"].map(place);
         assert!(order.is_sorted(), "{order:?}");
@@ -362,13 +341,17 @@ mod tests {
     }
 
     #[test]
-    fn tables_tell_runs_and_defaults() {
+    fn tables_have_runs_and_defaults() {
         let page = page_of(|_| {});
-        assert!(page.contains("Decoding: medians of 3 runs, each run the median of several passes"), "{page}");
-        assert!(page.contains("reading the source included"), "{page}");
+        assert!(page.contains("Times are medians of 3 runs.") && page.contains("reading the source"), "{page}");
         assert!(page.contains("<td>default</td>") && !page.contains("usual"), "{page}");
         assert!(page.contains("<td>1.00<small>0.900–1.10</small></td>"), "{page}");
-        let once = page_of(|results| results.measured.iter_mut().for_each(|of| of.encode.runs.truncate(1)));
-        assert!(once.contains("Encoding: a single run, reading") && once.contains("<td>1.00</td>"), "{once}");
+        let once = page_of(|results| {
+            for of in &mut results.measured {
+                of.set("encode_runs", Value::Runs(vec![1.0]));
+            }
+        });
+        assert!(once.contains("Times are medians of 1 to") || once.contains("a single run"), "{once}");
+        assert!(once.contains("<td>1.00</td>"), "{once}");
     }
 }

@@ -1,33 +1,41 @@
-//! What is to be measured: sweeps and presets become studies.
-//!
-//! Knobs that are swept together make one study for each kind of stream: the grid of all their values.
+//! From swept knobs and presets to studies. Knobs that are swept together make one study for each kind of stream: the grid
+//! of all their values.
 
-use super::knob::{self, KNOBS, Knob, Stage};
+use super::coding::CODING;
+use super::figures::capital;
+use super::kind::{Setting, SweepKind};
+use super::knob::{Knob, Stage};
+use super::placement::PLACEMENT;
+use super::rendering::RENDERING;
 use super::study::{Axis, Study};
-use super::{placement, rendering};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 
-/// A knob that is to be given several values.
+/// All kinds of sweeps. A knob that several have is described by the first.
+pub const KINDS: [&SweepKind; 3] = [&CODING, &PLACEMENT, &RENDERING];
+
+fn names(kind: &SweepKind) -> String {
+    kind.knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ")
+}
+
+/// A knob and the values that it is given.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// The knob.
     pub knob: &'static Knob,
     /// Its values, in the order of reports.
     pub values: Vec<String>,
-    /// Whether they were given, or are the usual ones.
+    /// False for the usual values.
     pub given: bool,
 }
 
 impl Sweep {
-    /// Parses `knob=v1,v2` or `knob`, which has the usual values. The values themselves are not judged here.
+    /// Parses `knob=v1,v2`, or `knob` for the usual values. Values are not checked here.
     pub fn parse(text: &str) -> Result<Sweep, String> {
         let (name, values) = text.split_once('=').map_or((text, None), |(name, values)| (name, Some(values)));
         let name = name.trim().trim_start_matches("--");
-        let knob = knob::find(name).or_else(|| placement::find(name)).or_else(|| rendering::find(name));
-        let knob = knob.ok_or_else(|| {
-            let names = |knobs: &[Knob]| knobs.iter().map(|knob| knob.name).collect::<Vec<_>>().join(", ");
-            let [coding, placing, rendering] = [KNOBS, placement::KNOBS, rendering::KNOBS].map(names);
+        let knob = KINDS.iter().find_map(|kind| kind.knob(name)).ok_or_else(|| {
+            let [coding, placing, rendering] = KINDS.map(names);
             format!(
                 "'{name}' is none of the knobs {coding}, nor of those of placing cameras: {placing}, nor of those of \
                  rendering: {rendering}"
@@ -60,18 +68,18 @@ pub enum Preset {
 /// What a plan is made from.
 #[derive(Debug, Clone, Copy)]
 pub struct Request<'a> {
-    /// Kinds of streams that the input has and that are wanted.
-    pub kinds: &'a [StreamKind],
-    /// Knobs to be swept.
+    /// Kinds of streams of the input that were chosen.
+    pub streams: &'a [StreamKind],
+    /// Swept knobs.
     pub sweeps: &'a [Sweep],
-    /// Studies to be done besides.
+    /// Further studies.
     pub preset: Option<Preset>,
-    /// Knobs that have another value than the usual one in all points.
-    pub fixed: &'a [(&'static str, String)],
+    /// Settings of all points.
+    pub fixed: &'a [Setting],
 }
 
 /// What is to be measured.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Grids of points.
     pub studies: Vec<Study>,
@@ -81,61 +89,73 @@ pub struct Plan {
     pub left_out: Vec<String>,
 }
 
-/// A study of a preset: name, title, kind, and knobs with values.
-type Row = (&'static str, &'static str, StreamKind, &'static [(&'static str, &'static str)]);
+/// A study of a preset.
+struct PresetStudy {
+    name: &'static str,
+    title: &'static str,
+    stream: StreamKind,
+    /// Knobs and their values.
+    knobs: &'static [(&'static str, &'static str)],
+}
 
-const PAPER: &[Row] = &[
-    (
+const fn preset(
+    name: &'static str,
+    title: &'static str,
+    stream: StreamKind,
+    knobs: &'static [(&'static str, &'static str)],
+) -> PresetStudy {
+    PresetStudy { name, title, stream, knobs }
+}
+
+const CODECS: PresetStudy = preset(
+    "codecs",
+    "Depth without modelling functions (base line of GDC figure 8)",
+    StreamKind::Depth,
+    &[("depth-codec", "aabb")],
+);
+
+const PAPER: &[PresetStudy] = &[
+    preset(
         "boxes",
         "Boxes of depth (CALF figure 7)",
         StreamKind::Depth,
         &[("depth-window", "1,2,4,8,16"), ("max-aabbs", "1,2,4,8,16")],
     ),
-    (
+    preset(
         "cells",
         "Cells of colour (CALF figure 8)",
         StreamKind::Color,
         &[("color-cell", "8,16,32,64,128"), ("psnr", "30,35,40,45,50")],
     ),
-    (
+    preset(
         "bound",
         "Error bound of depth (GDC figures 5 and 8)",
         StreamKind::Depth,
         &[("max-error", "0,10,25,50,100,200,400,800")],
     ),
-    (
-        "codecs",
-        "Depth without modelling functions (base line of GDC figure 8)",
-        StreamKind::Depth,
-        &[("depth-codec", "aabb")],
-    ),
+    CODECS,
 ];
 
-const QUICK: &[Row] = &[
-    (
+const QUICK: &[PresetStudy] = &[
+    preset(
         "boxes",
         "Boxes of depth (CALF figure 7, few values)",
         StreamKind::Depth,
         &[("depth-window", "1,4,16"), ("max-aabbs", "1,4,16")],
     ),
-    (
+    preset(
         "cells",
         "Cells of colour (CALF figure 8, few values)",
         StreamKind::Color,
         &[("color-cell", "16,64"), ("psnr", "30,40,50")],
     ),
-    (
+    preset(
         "bound",
         "Error bound of depth (GDC figures 5 and 8, few values)",
         StreamKind::Depth,
         &[("max-error", "0,50,200,800")],
     ),
-    (
-        "codecs",
-        "Depth without modelling functions (base line of GDC figure 8)",
-        StreamKind::Depth,
-        &[("depth-codec", "aabb")],
-    ),
+    CODECS,
 ];
 
 /// Makes the studies: those of the preset first, then one of the swept knobs for each kind.
@@ -146,21 +166,27 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
         Some(Preset::Paper) => PAPER,
         Some(Preset::Quick) => QUICK,
     };
-    for &(name, title, kind, knobs) in rows {
-        if !request.kinds.contains(&kind) {
-            plan.left_out.push(format!("Study {name} was left out: no {} stream was chosen or is there.", kind.name()));
+    for PresetStudy { name, title, stream, knobs } in rows {
+        if !request.streams.contains(stream) {
+            let stream = stream.name();
+            plan.left_out.push(format!("Study {name} was left out: no {stream} stream was chosen or is there."));
             continue;
         }
-        let axes = knobs
-            .iter()
-            .filter_map(|(name, values)| {
-                let values = values.split(',').map(str::to_owned).collect();
-                Some(Axis { knob: knob::find(name)?.name, values })
-            })
-            .collect();
-        plan.studies.push(study((name, title.to_owned()), kind, axes, request.fixed)?);
+        let axis = |&(knob, values): &(&'static str, &str)| Axis {
+            knob,
+            values: values.split(',').map(str::to_owned).collect(),
+        };
+        let study = Study {
+            name: (*name).to_owned(),
+            title: (*title).to_owned(),
+            sweep: &CODING,
+            stream: Some(*stream),
+            axes: knobs.iter().map(axis).collect(),
+            fixed: Vec::new(),
+        };
+        plan.studies.push(with_fixed(study, request.fixed)?);
     }
-    plan.tiles = request.preset == Some(Preset::Paper) && request.kinds.contains(&StreamKind::Depth);
+    plan.tiles = request.preset == Some(Preset::Paper) && request.streams.contains(&StreamKind::Depth);
     swept(request, &mut plan)?;
     if plan.studies.is_empty() {
         return Err(Error::Usage(match plan.left_out.is_empty() {
@@ -174,30 +200,26 @@ pub fn plan(request: &Request<'_>) -> Result<Plan> {
 /// Adds a study of the swept knobs for each kind that they speak of.
 fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
     let sweeps = request.sweeps;
-    if let Some(twice) =
-        (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name))
-    {
-        return Err(Error::Usage(format!("--sweep {}: swept twice; name all values at once", sweeps[twice].knob.name)));
-    }
+    refuse_twice(sweeps)?;
     let of_a_kind: Vec<_> = sweeps.iter().filter(|sweep| !sweep.knob.is_general()).collect();
     for sweep in &of_a_kind {
-        if !request.kinds.iter().any(|kind| sweep.knob.concerns(*kind)) {
+        if !request.streams.iter().any(|kind| sweep.knob.concerns(Some(*kind))) {
             if sweep.knob.stage == Stage::Place {
                 return Err(Error::Usage(format!(
-                    "--sweep {}: it is about placing cameras: name a scene instead of footage",
+                    "sweep of {}: it is about placing cameras: name a scene instead of footage",
                     sweep.knob.name
                 )));
             }
-            let kinds: Vec<_> = sweep.knob.kinds.iter().map(|kind| kind.name()).collect();
+            let kinds: Vec<_> = sweep.knob.streams.iter().map(|kind| kind.name()).collect();
             return Err(Error::Usage(format!(
-                "--sweep {}: it is about {} streams, and none was chosen or is there",
+                "sweep of {}: it is about {} streams, and none was chosen or is there",
                 sweep.knob.name,
                 kinds.join(" and "),
             )));
         }
     }
-    for &kind in request.kinds {
-        let joins = |sweep: &&Sweep| sweep.knob.concerns(kind);
+    for &kind in request.streams {
+        let joins = |sweep: &&Sweep| sweep.knob.concerns(Some(kind));
         let wanted = if of_a_kind.is_empty() {
             !sweeps.is_empty()
         } else {
@@ -212,46 +234,72 @@ fn swept(request: &Request<'_>, plan: &mut Plan) -> Result<()> {
             .map(|sweep| Axis { knob: sweep.knob.name, values: sweep.values.clone() })
             .collect();
         // A heat map wants the knobs of the kind on its axes.
-        axes.sort_by_key(|axis| knob::find(axis.knob).is_some_and(Knob::is_general));
-        let labels: Vec<_> = axes.iter().filter_map(|axis| Some(knob::find(axis.knob)?.label)).collect();
-        let title = format!("{}: {}", capital(kind.name()), labels.join(" × "));
+        axes.sort_by_key(|axis| CODING.knob(axis.knob).is_some_and(Knob::is_general));
         // Sweeps of other knobs into the same folder have other names, so that all their pictures stay.
-        let knobs = axes.iter().map(|axis| axis.knob);
+        let knobs = axes.iter().map(|axis| CODING.key(axis.knob));
         let name = std::iter::once(kind.name()).chain(knobs).collect::<Vec<_>>().join("-");
-        plan.studies.push(study((&name, title), kind, axes, request.fixed)?);
+        let title = title(&CODING, kind.name(), &axes);
+        let study = Study { name, title, sweep: &CODING, stream: Some(kind), axes, fixed: Vec::new() };
+        plan.studies.push(with_fixed(study, request.fixed)?);
     }
     Ok(())
 }
 
-fn capital(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
-
-/// A study with what its knobs imply and what is fixed.
-fn study(
-    (name, title): (&str, String),
-    kind: StreamKind,
-    axes: Vec<Axis>,
-    given: &[(&'static str, String)],
-) -> Result<Study> {
-    let concerns = |name: &str| knob::find(name).is_some_and(|knob| knob.concerns(kind));
-    let mut fixed: Vec<(&'static str, String)> = given.iter().filter(|(name, _)| concerns(name)).cloned().collect();
-    for axis in &axes {
-        if fixed.iter().any(|(name, _)| *name == axis.knob) {
-            return Err(Error::Usage(format!(
-                "--{0}: study {name} sweeps it, so that it cannot be fixed as well",
-                axis.knob
-            )));
+fn refuse_twice(sweeps: &[Sweep]) -> Result<()> {
+    match (1..sweeps.len()).find(|&at| sweeps[..at].iter().any(|other| other.knob.name == sweeps[at].knob.name)) {
+        None => Ok(()),
+        Some(twice) => {
+            Err(Error::Usage(format!("sweep of {}: swept twice; name all values at once", sweeps[twice].knob.name)))
         }
     }
-    for &(name, value) in axes.iter().filter_map(|axis| knob::find(axis.knob)).flat_map(|knob| knob.implies) {
-        let swept = axes.iter().any(|axis| axis.knob == name);
-        if !swept && concerns(name) && fixed.iter().all(|(other, _)| *other != name) {
+}
+
+/// The one study of a kind of sweep whose points have no kind of stream.
+///
+/// # Errors
+/// When a knob is not of this kind, or swept twice, or there is none.
+pub fn grid(kind: &'static SweepKind, sweeps: &[Sweep]) -> Result<Study> {
+    refuse_twice(sweeps)?;
+    let axis = |sweep: &Sweep| {
+        let name = sweep.knob.name;
+        let knob = kind.knob(name).ok_or_else(|| {
+            Error::Usage(format!("sweep of {name}: no knob of {}, which has {}", kind.stem, names(kind)))
+        })?;
+        let usual = || knob.usual.iter().map(|value| (*value).to_owned()).collect();
+        Ok(Axis { knob: knob.name, values: if sweep.given { sweep.values.clone() } else { usual() } })
+    };
+    let axes = sweeps.iter().map(axis).collect::<Result<Vec<Axis>>>()?;
+    if axes.is_empty() {
+        return Err(Error::Usage(format!("nothing to measure: name knobs of {} to sweep: {}", kind.stem, names(kind))));
+    }
+    let title = title(kind, kind.stem, &axes);
+    Ok(Study { name: kind.stem.to_owned(), title, sweep: kind, stream: None, axes, fixed: Vec::new() })
+}
+
+/// Such as `Depth: AABB limit × threads`.
+fn title(kind: &SweepKind, of: &str, axes: &[Axis]) -> String {
+    let labels: Vec<_> = axes.iter().filter_map(|axis| Some(kind.knob(axis.knob)?.label)).collect();
+    format!("{}: {}", capital(of), labels.join(" × "))
+}
+
+/// Adds fixed settings, and those that the knobs require.
+fn with_fixed(study: Study, given: &[Setting]) -> Result<Study> {
+    let Study { sweep, stream, axes, .. } = &study;
+    let concerns = |name: &str| sweep.knob(name).is_some_and(|knob| knob.concerns(*stream));
+    let is_swept = |name: &str| axes.iter().any(|axis| axis.knob == name);
+    let mut fixed: Vec<Setting> = given.iter().filter(|(name, _)| concerns(name)).cloned().collect();
+    if let Some((name, _)) = fixed.iter().find(|(name, _)| is_swept(name)) {
+        return Err(Error::Usage(format!(
+            "--{name}: study {} sweeps it, so that it cannot be fixed as well",
+            study.name
+        )));
+    }
+    for &(name, value) in axes.iter().filter_map(|axis| sweep.knob(axis.knob)).flat_map(|knob| knob.implies) {
+        if !is_swept(name) && concerns(name) && fixed.iter().all(|(other, _)| *other != name) {
             fixed.push((name, value.to_owned()));
         }
     }
-    Ok(Study { name: name.to_owned(), title, kind, axes, fixed })
+    Ok(Study { fixed, ..study })
 }
 
 #[cfg(test)]
@@ -262,7 +310,7 @@ mod tests {
     fn of(kinds: &[StreamKind], sweeps: &[&str], fixed: &[(&'static str, &str)]) -> Result<Plan> {
         let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
         let fixed: Vec<_> = fixed.iter().map(|&(name, value)| (name, value.to_owned())).collect();
-        plan(&Request { kinds, sweeps: &sweeps, preset: None, fixed: &fixed })
+        plan(&Request { streams: kinds, sweeps: &sweeps, preset: None, fixed: &fixed })
     }
 
     fn points(study: &Study) -> Vec<String> {
@@ -326,13 +374,13 @@ mod tests {
 
     #[test]
     fn the_presets_are_grids_of_the_figures_and_skip_kinds_that_are_missing() {
-        let request = Request { kinds: &[Color, Depth], sweeps: &[], preset: Some(Preset::Paper), fixed: &[] };
+        let request = Request { streams: &[Color, Depth], sweeps: &[], preset: Some(Preset::Paper), fixed: &[] };
         let paper = plan(&request).unwrap();
         let counts: Vec<_> = paper.studies.iter().map(|study| (study.name.as_str(), study.points().len())).collect();
         assert_eq!(counts, [("boxes", 25), ("cells", 25), ("bound", 8), ("codecs", 1)]);
         assert!(paper.tiles && paper.left_out.is_empty());
         assert_eq!(points(&paper.studies[0])[0], "depth-codec=aabb depth-window=1 max-aabbs=1");
-        let color = plan(&Request { kinds: &[Color], ..request }).unwrap();
+        let color = plan(&Request { streams: &[Color], ..request }).unwrap();
         assert_eq!((color.studies.len(), color.left_out.len(), color.tiles), (1, 3, false));
         let quick = plan(&Request { preset: Some(Preset::Quick), ..request }).unwrap();
         for (few, all) in quick.studies.iter().zip(&paper.studies) {

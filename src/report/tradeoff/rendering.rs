@@ -1,30 +1,39 @@
-//! What rendering costs: sweeps of the options of `render`, PSNR against time (CALF 7.2, figure 9).
-//!
-//! Enters: a dataset, one probe of it that is left out, the options that all points have, and a grid of others. Leaves:
-//! for each point how far the pictures of that probe, rendered from the others, are from the truth, and the time they took.
+//! Sweeps of rendering: one probe of a dataset is left out and rendered from the others (CALF 7.2, figure 9).
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use serde_json::{Value, json};
+use serde_json::{Value as Json, json};
 
-use super::bench::Runner;
-use super::commands::shell_line;
-use super::figures::Figure;
+use super::kind::{
+    Better, Format, Measure, Measured, Panel, PanelLine, Point, Scale, SweepKind, Trade, TradeAxis, Value,
+};
 use super::knob::{Knob, Stage};
-use super::point::{self, Timing};
-use super::study::{Axis, product};
-use crate::error::{Error, Result};
-use crate::monitor::Monitor;
-use crate::report::csv;
-use crate::report::plot::Drawing;
-use crate::report::plot::axis;
-use crate::report::plot::chart::{Chart, Kind, Mark, Series};
-use crate::report::plot::marker::Look;
-use crate::report::{Column, Table};
+use super::runner::{Bench, Cost, Report, Runner, Survey, shell_line};
+use super::study::ExampleCommand;
+use crate::error::Result;
+use crate::report::timing::median;
 
-/// Options of `render` that trade quality, bytes or time, in the order of reports.
-pub const KNOBS: &[Knob] = &[
+/// Sweeps of rendering.
+pub static RENDERING: SweepKind = SweepKind {
+    stem: "rendering",
+    title: "What rendering costs",
+    input_label: "Dataset",
+    knobs: KNOBS,
+    measures: MEASURES,
+    panels: PANELS,
+    trades: TRADES,
+    is_scored: false,
+    is_resumable: false,
+    survey_runs: 1,
+    method: "Each point is a process. PSNR and SSIM are means over the pictures of the left-out probe.",
+};
+
+const fn knob(name: &'static str, label: &'static str, default: &'static str, usual: &'static [&'static str]) -> Knob {
+    Knob::new(Stage::Render, name, label, default, usual)
+}
+
+const KNOBS: &[Knob] = &[
     knob("method", "method", "march", &["march", "splat", "reproject"]),
     knob("views", "active views", "all", &["1", "2", "4", "8"]),
     knob("steps", "steps", "1024", &["64", "128", "256", "512", "1024", "2048"]),
@@ -37,258 +46,146 @@ pub const KNOBS: &[Knob] = &[
     knob("device", "device", "cpu", &["cpu", "gpu"]),
 ];
 
-const fn knob(name: &'static str, label: &'static str, default: &'static str, usual: &'static [&'static str]) -> Knob {
-    Knob { name, label, kinds: &[], stage: Stage::Render, implies: &[], without: None, default, usual }
+const MEASURES: &[Measure] = &[
+    Measure::decibels("psnr_db", true).shown("PSNR dB", Format::Decimals(2)),
+    Measure::signed("ssim").shown("SSIM", Format::Decimals(4)),
+    Measure::number("hole_percent").shown("holes %", Format::Decimals(2)),
+    Measure::number("steps_per_ray").shown("steps a ray", Format::Decimals(1)),
+    Measure::count("bytes_read", 0).shown("read", Format::Bytes),
+    Measure::derived("ms_per_megapixel", |of| median(of.runs("runs")))
+        .median_of("runs")
+        .shown("ms/Mpixel", Format::Decimals(1)),
+    Measure::derived("update_ms", |of| median(of.runs("update_runs")))
+        .median_of("update_runs")
+        .shown("update ms", Format::Decimals(2)),
+    Measure::runs("runs"),
+    Measure::runs("update_runs"),
+];
+
+const fn panel(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
+    Panel { title, lines, scale, streams: &[], map: None }
 }
 
-/// The knob of a name.
-pub fn find(name: &str) -> Option<&'static Knob> {
-    KNOBS.iter().find(|knob| knob.name == name)
+const fn line(measure: &'static str) -> PanelLine {
+    PanelLine { label: "", measure, factor: 1.0 }
 }
 
-/// What is measured.
+const PANELS: &[Panel] = &[
+    Panel { map: Some(Better::More), ..panel("PSNR (dB)", Scale::Decibels, &[line("psnr_db")]) },
+    Panel { map: Some(Better::Less), ..panel("Rendering (ms per Mpixel)", Scale::Linear, &[line("ms_per_megapixel")]) },
+    panel("SSIM", Scale::WithoutZero, &[line("ssim")]),
+    panel("Holes (% of pixels)", Scale::Linear, &[line("hole_percent")]),
+    panel("Steps per ray", Scale::Linear, &[line("steps_per_ray")]),
+    panel("Read from the container", Scale::Bytes, &[line("bytes_read")]),
+];
+
+const TIME: TradeAxis = TradeAxis {
+    label: "ms per Mpixel",
+    measure: "ms_per_megapixel",
+    factor: 1.0,
+    scale: Scale::Logarithmic,
+    better: Better::Less,
+    is_time: true,
+};
+
+const TRADES: &[Trade] = &[Trade {
+    name: "time-psnr",
+    title: "PSNR by rendering time (CALF figure 9)",
+    across: TIME,
+    up: TradeAxis {
+        label: "PSNR (dB)",
+        measure: "psnr_db",
+        scale: Scale::Decibels,
+        better: Better::More,
+        is_time: false,
+        ..TIME
+    },
+    note: "",
+    is_by_last_knob: true,
+}];
+
+/// Renders a left-out probe from the others.
 #[derive(Debug, Clone)]
-pub struct Sweep<'a> {
+pub struct RenderingBench {
     /// The dataset, as the user named it.
-    pub dataset: &'a str,
-    /// The probe that is left out, and that pictures are compared with.
-    pub probe: &'a str,
-    /// Frames that are encoded and rendered, such as `0-9`; all where none are given.
-    pub frames: Option<&'a str>,
+    pub dataset: String,
+    /// The probe that is left out.
+    pub probe: String,
+    /// Frames that are encoded and rendered, such as `0-9`; all by default.
+    pub frames: Option<String>,
     /// Options of `render` that all points have.
-    pub fixed: &'a [String],
-    /// Knobs and their values; all with all.
-    pub axes: &'a [Axis],
-    /// Timed runs of each point, at least 1.
-    pub repeats: u32,
+    pub fixed: Vec<String>,
+    /// The container of the dataset, made once for all points.
+    pub container: PathBuf,
 }
 
-/// What was measured of one point.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
-    /// Names of knobs and their values.
-    pub settings: Vec<(&'static str, String)>,
-    /// Mean over all pictures of their PSNR in dB.
-    pub psnr_db: f64,
-    /// Mean over all pictures of their SSIM, where they are large enough to have one.
-    pub ssim: Option<f64>,
-    /// Holes in parts of a hundred of all pixels.
-    pub hole_percent: f64,
-    /// Steps of marching for each ray from the eye.
-    pub steps_per_ray: f64,
-    /// Bytes of the container that were read.
-    pub bytes_read: u64,
-    /// Milliseconds for a million pixels, of each run.
-    pub ms_per_megapixel: Timing,
-    /// Milliseconds of bringing a frame to where it is rendered, of each run.
-    pub update_ms: Timing,
-}
-
-impl Shown {
-    /// The median of the runs, in milliseconds for a million pixels.
-    pub fn ms_per_megapixel(&self) -> f64 {
-        self.ms_per_megapixel.median().unwrap_or(f64::NAN)
-    }
-
-    fn json(&self) -> Value {
-        let settings: serde_json::Map<String, Value> =
-            self.settings.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
-        json!({
-            "settings": settings,
-            "psnr_db": if self.psnr_db.is_finite() { json!(self.psnr_db) } else { json!("inf") },
-            "ssim": self.ssim,
-            "hole_percent": self.hole_percent,
-            "steps_per_ray": self.steps_per_ray,
-            "bytes_read": self.bytes_read,
-            "ms_per_megapixel": self.ms_per_megapixel(),
-            "update_ms": self.update_ms.median(),
-            "runs": self.ms_per_megapixel.runs,
-        })
-    }
-}
-
-impl Sweep<'_> {
-    /// Settings of all points, the last knob fastest.
-    pub fn points(&self) -> Vec<Vec<(&'static str, String)>> {
-        product(&[], self.axes)
-    }
-
-    /// Commands that [`Self::measure`] runs.
-    pub fn runs(&self) -> u64 {
-        self.points().len() as u64 * u64::from(self.repeats) + 1
-    }
-
-    /// The command that encodes the dataset, once for all points.
+impl RenderingBench {
+    /// The command that encodes the dataset.
     pub fn encode(&self, container: &Path) -> Vec<OsString> {
-        let mut words: Vec<OsString> = ["encode", self.dataset].map(OsString::from).to_vec();
-        words.extend(self.frames.map(|frames| format!("--frames={frames}").into()));
+        let mut words: Vec<OsString> = vec!["encode".into(), self.dataset.clone().into()];
+        words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
         words.extend(["-o".into(), container.into(), "--json".into()]);
         words
     }
 
     /// The command of a point.
-    pub fn command(&self, container: &Path, settings: &[(&'static str, String)]) -> Vec<OsString> {
+    pub fn render(&self, container: &Path, point: &Point) -> Vec<OsString> {
         let mut words: Vec<OsString> =
-            vec!["render".into(), container.into(), "--reference".into(), self.dataset.into()];
-        let of_probe = |option: &str| OsString::from(format!("--{option}={}", self.probe));
-        words.extend([of_probe("reference-probe"), of_probe("exclude-probe")]);
-        words.extend(self.frames.map(|frames| format!("--frames={frames}").into()));
+            vec!["render".into(), container.into(), "--reference".into(), self.dataset.clone().into()];
+        words.extend(["reference-probe", "exclude-probe"].map(|of| format!("--{of}={}", self.probe).into()));
+        words.extend(self.frames.iter().map(|frames| format!("--frames={frames}").into()));
         words.extend(self.fixed.iter().map(OsString::from));
-        words.extend(settings.iter().map(|(name, value)| format!("--{name}={value}").into()));
+        words.extend(point.settings.iter().map(|(name, value)| format!("--{name}={value}").into()));
         words.extend(["--null", "--stats", "--json"].map(OsString::from));
         words
     }
 
-    /// Measures all points, each in a process of its own: rounds over all of them, so that a machine that becomes slower
-    /// does so for all alike. The monitor advances by one for each command. `keep` is given all that is known after each
-    /// point, so that a sweep that is stopped leaves it.
-    ///
-    /// # Errors
-    /// When a command or `keep` fails, or the monitor is interrupted.
-    pub fn measure(
-        &self,
-        runner: &dyn Runner,
-        work: &Path,
-        monitor: &dyn Monitor,
-        keep: &mut dyn FnMut(&[Shown]) -> Result<()>,
-    ) -> Result<Vec<Shown>> {
-        let container = work.join("field.lfold");
-        runner.run(&self.encode(&container))?;
-        monitor.advance(1);
-        let mut shown: Vec<Shown> = Vec::new();
-        for round in 0..self.repeats {
-            for (at, settings) in self.points().into_iter().enumerate() {
-                let report = runner.run(&self.command(&container, &settings))?;
-                monitor.advance(1);
-                if round == 0 {
-                    shown.push(of_report(settings, &report)?);
-                }
-                shown[at].ms_per_megapixel.runs.push(1e3 / number(&report, "/megapixels_per_second")?.max(1e-9));
-                shown[at].update_ms.runs.push(number(&report, "/pacing/update_ms/mean_ms")?);
-                keep(&shown)?;
-            }
-        }
-        Ok(shown)
+    /// Commands that anyone can repeat.
+    pub fn examples(&self, points: &[Point]) -> Vec<ExampleCommand> {
+        let encode = ExampleCommand { makes: "Container", line: shell_line(&self.encode(Path::new("field.lfold"))) };
+        let first = points.first().map(|point| ExampleCommand { makes: "First point", line: self.command(point) });
+        std::iter::once(encode).chain(first).collect()
+    }
+
+    /// What the JSON report says of the input.
+    pub fn json(&self) -> Json {
+        json!({ "dataset": self.dataset, "probe": self.probe, "frames": self.frames })
+    }
+
+    fn run(&self, runner: &dyn Runner, measured: &mut Measured) -> Result<Report> {
+        let report = Report::of(runner, &self.render(&self.container, &measured.point))?;
+        measured.push_run("runs", 1e3 / report.number("megapixels_per_second")?.max(1e-9));
+        measured.push_run("update_runs", report.number("pacing/update_ms/mean_ms")?);
+        Ok(report)
     }
 }
 
-/// All of a point that is not time.
-fn of_report(settings: Vec<(&'static str, String)>, report: &Value) -> Result<Shown> {
-    let infinite = report.pointer("/reference/mean_psnr_db").and_then(Value::as_str) == Some("inf");
-    Ok(Shown {
-        settings,
-        psnr_db: if infinite { f64::INFINITY } else { number(report, "/reference/mean_psnr_db")? },
-        ssim: report.pointer("/reference/ssim").and_then(Value::as_f64),
-        hole_percent: number(report, "/reference/hole_percent")?,
-        steps_per_ray: number(report, "/march_steps")? / number(report, "/primary_rays")?.max(1.0),
-        bytes_read: number(report, "/bytes_read")? as u64,
-        ms_per_megapixel: Timing::default(),
-        update_ms: Timing::default(),
-    })
-}
-
-fn number(report: &Value, pointer: &str) -> Result<f64> {
-    let found = report.pointer(pointer).and_then(Value::as_f64);
-    found.ok_or_else(|| Error::invalid(format!("render reported no \"{}\"", &pointer[1..].replace('/', "."))))
-}
-
-/// The report as JSON: every point, in the order in which they were measured.
-pub fn json(sweep: &Sweep<'_>, shown: &[Shown]) -> Value {
-    let points: Vec<Value> = shown.iter().map(Shown::json).collect();
-    json!({ "dataset": sweep.dataset, "probe": sweep.probe, "frames": sweep.frames, "points": points })
-}
-
-/// The same as CSV, a column for each knob of `axes`.
-///
-/// # Errors
-/// When it cannot be written as CSV.
-pub fn to_csv(axes: &[Axis], shown: &[Shown]) -> Result<String> {
-    let objects: Vec<Value> = shown.iter().map(Shown::json).collect();
-    let knobs = axes.iter().map(|axis| format!("settings.{}", axis.knob));
-    let figures = ["psnr_db", "ssim", "hole_percent", "steps_per_ray", "bytes_read", "ms_per_megapixel", "update_ms"];
-    let columns: Vec<String> = knobs.chain(figures.map(str::to_owned)).collect();
-    csv::of_objects(&columns.iter().map(String::as_str).collect::<Vec<_>>(), &objects)
-}
-
-/// The same as a table for people.
-pub fn table(axes: &[Axis], shown: &[Shown]) -> Table {
-    let mut columns: Vec<Column<'_>> = axes.iter().map(|axis| Column::Left(axis.knob)).collect();
-    let figures = ["PSNR dB", "SSIM", "Holes %", "Steps a ray", "Read kB", "ms/Mpixel", "Update ms"];
-    columns.extend(figures.map(Column::Right));
-    let mut table = Table::new(&columns);
-    for point in shown {
-        let figures = [
-            format!("{:.2}", point.psnr_db),
-            point.ssim.map_or_else(String::new, |ssim| format!("{ssim:.4}")),
-            format!("{:.2}", point.hole_percent),
-            format!("{:.1}", point.steps_per_ray),
-            format!("{:.1}", point.bytes_read as f64 / 1e3),
-            format!("{:.1}", point.ms_per_megapixel()),
-            format!("{:.2}", point.update_ms.median().unwrap_or(f64::NAN)),
-        ];
-        table.row(point.settings.iter().map(|(_, value)| value.clone()).chain(figures));
+impl Bench for RenderingBench {
+    fn command(&self, point: &Point) -> String {
+        shell_line(&self.render(Path::new("field.lfold"), point))
     }
-    table
-}
 
-/// PSNR by milliseconds for a million pixels: a line for each setting of all knobs but the last, along which its points lie.
-/// Points that are exact have no place in it.
-pub fn figure(sweep: &Sweep<'_>, shown: &[Shown]) -> Drawing {
-    let finite: Vec<&Shown> = shown.iter().filter(|point| point.psnr_db.is_finite()).collect();
-    let x = axis::Axis::logarithmic("ms per Mpixel", finite.iter().map(|point| point.ms_per_megapixel()));
-    let y = axis::Axis::without_zero("PSNR (dB)", finite.iter().map(|point| point.psnr_db));
-    let along = sweep.axes.last().map_or("", |axis| axis.knob);
-    let title = format!("Probe {} of {} from the others, along {along}", sweep.probe, sweep.dataset);
-    let mut chart = Chart::new(title, x, y);
-    for point in finite {
-        let others = &point.settings[..point.settings.len().saturating_sub(1)];
-        let name = point::words(others).unwrap_or_default();
-        let mark = Mark {
-            x: point.ms_per_megapixel(),
-            y: point.psnr_db,
-            spread: None,
-            name: point.settings.last().map(|(_, value)| value.clone()),
-        };
-        match chart.series.iter_mut().find(|series| series.name == name) {
-            Some(series) => series.marks.push(mark),
-            None => {
-                let look = Look::of(chart.series.len());
-                chart.series.push(Series { name, kind: Kind::Thread, look, marks: vec![mark] });
-            }
-        }
+    fn prepare(&mut self, runner: &dyn Runner) -> Result<()> {
+        runner.run(&self.encode(&self.container)).map(drop)
     }
-    chart.draw(760, 460)
-}
 
-/// The figures of a page.
-pub fn figures(sweep: &Sweep<'_>, shown: &[Shown]) -> Vec<Figure> {
-    let along = sweep.axes.last().map_or("", |axis| axis.knob);
-    let caption = format!(
-        "PSNR by the time of rendering a million pixels. Up and to the left is better. Marks are the values of {along}; a line \
-         joins points whose other settings are the same. Points that are exact have no place in it."
-    );
-    vec![Figure { name: "rendering".to_owned(), caption, drawing: figure(sweep, shown) }]
-}
+    fn survey(&mut self, runner: &dyn Runner, point: &Point) -> Result<Survey> {
+        let start = runner.now_seconds();
+        let mut measured = Measured::new(&RENDERING, point.clone());
+        let report = self.run(runner, &mut measured)?;
+        measured.set("psnr_db", Value::Number(report.number("reference/mean_psnr_db")?));
+        measured.set_number("ssim", report.value["reference"]["ssim"].as_f64());
+        measured.set("hole_percent", Value::Number(report.number("reference/hole_percent")?));
+        let steps = report.number("march_steps")? / report.number("primary_rays")?.max(1.0);
+        measured.set("steps_per_ray", Value::Number(steps));
+        measured.set("bytes_read", Value::Count(report.number("bytes_read")? as u64));
+        let seconds = runner.now_seconds() - start;
+        Ok(Survey { measured, cost: Cost { survey: seconds, run: seconds } })
+    }
 
-/// What the figures of the table are.
-pub fn about(sweep: &Sweep<'_>) -> String {
-    format!(
-        "Probe {} was left out, and rendered from the others; PSNR and SSIM are means over its pictures.",
-        sweep.probe
-    )
-}
-
-/// Commands for who wants to repeat a point, and what each is for.
-pub fn commands(sweep: &Sweep<'_>) -> Vec<(&'static str, String)> {
-    let container = Path::new("field.lfold");
-    let encode = ("Container", shell_line(&sweep.encode(container)));
-    let point = sweep.points().into_iter().next().map(|settings| sweep.command(container, &settings));
-    std::iter::once(encode).chain(point.map(|words| ("First point", shell_line(&words)))).collect()
-}
-
-/// Names of the files of a report, below its folder.
-pub fn files(folder: &Path) -> [PathBuf; 2] {
-    ["rendering.csv", "rendering.json"].map(|name| folder.join(name))
+    fn time(&mut self, runner: &dyn Runner, measured: &mut Measured) -> Result<()> {
+        self.run(runner, measured).map(drop)
+    }
 }
 
 #[cfg(test)]
@@ -297,12 +194,15 @@ mod tests {
 
     use super::*;
     use crate::monitor::Silent;
+    use crate::report::tradeoff::plan::{Sweep, grid};
+    use crate::report::tradeoff::schedule::{Extent, Lab, measure};
+    use crate::report::tradeoff::store::Store;
 
     /// Answers as `encode` and `render` would, and keeps the command lines.
     struct Told(RefCell<Vec<String>>);
 
     impl Runner for Told {
-        fn run(&self, words: &[OsString]) -> Result<Value> {
+        fn run(&self, words: &[OsString]) -> Result<Json> {
             let line = words.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");
             let few = line.contains("--steps=64");
             let psnr_db = if few { json!(31.5) } else { json!("inf") };
@@ -320,60 +220,39 @@ mod tests {
         }
     }
 
-    fn axes() -> [Axis; 2] {
-        let axis = |knob, values: &[&str]| Axis { knob, values: values.iter().map(ToString::to_string).collect() };
-        [axis("views", &["8"]), axis("steps", &["64", "256"])]
-    }
-
     #[test]
     fn one_container_serves_all_points_and_each_is_rendered_in_every_round() {
         let told = Told(RefCell::new(Vec::new()));
-        let (axes, fixed) = (axes(), ["--refine=4".to_owned()]);
-        let sweep = Sweep { dataset: "set", probe: "00", frames: Some("0"), fixed: &fixed, axes: &axes, repeats: 2 };
-        let mut kept = Vec::new();
-        let mut keep = |shown: &[Shown]| {
-            kept.push(shown.iter().map(|point| point.update_ms.runs.len()).collect::<Vec<_>>());
-            Ok(())
+        let mut bench = RenderingBench {
+            dataset: "set".to_owned(),
+            probe: "00".to_owned(),
+            frames: Some("0".to_owned()),
+            fixed: vec!["--refine=4".to_owned()],
+            container: "work/field.lfold".into(),
         };
-        let shown = sweep.measure(&told, Path::new("work"), &Silent, &mut keep).unwrap();
-        assert_eq!(kept, [vec![1], vec![1, 1], vec![2, 1], vec![2, 2]]);
+        let sweeps = ["views=8", "steps=64,256"].map(|text| Sweep::parse(text).unwrap());
+        let studies = [grid(&RENDERING, &sweeps).unwrap()];
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::new(&RENDERING, folder.path(), vec!["views", "steps"]);
+        let lab = Lab { runner: &told, bench: &mut bench, store: &mut store };
+        let extent = Extent { repeats: 2, budget_seconds: None };
+        measure(&studies, extent, lab, &Silent).unwrap();
         let lines = told.0.into_inner();
-        assert_eq!(lines.len() as u64, sweep.runs());
         assert_eq!(lines[0], "encode set --frames=0 -o work/field.lfold --json");
         assert_eq!(
-            lines[2],
+            lines[1],
             "render work/field.lfold --reference set --reference-probe=00 --exclude-probe=00 --frames=0 --refine=4 \
-             --views=8 --steps=256 --null --stats --json"
+             --views=8 --steps=64 --null --stats --json"
         );
-        assert_eq!((shown[0].psnr_db, shown[0].ms_per_megapixel(), shown[0].steps_per_ray), (31.5, 500.0, 64.0));
-        assert_eq!(shown[1].psnr_db, f64::INFINITY);
-        let csv = to_csv(&axes, &shown).unwrap();
-        assert!(csv.starts_with("settings_views,settings_steps,psnr_db,ssim,hole_percent,steps_per_ray,"), "{csv}");
-        assert!(csv.contains("\n8,64,31.5,,0.25,64.0,9000,500.0,1.5\n"), "{csv}");
-        assert!(table(&axes, &shown).to_string().contains("31.50"));
-        assert_eq!(json(&sweep, &shown)["points"][1]["psnr_db"], "inf");
-        assert!(figure(&sweep, &shown).shapes.len() > 5);
-        let [figure] = &figures(&sweep, &shown)[..] else { panic!("one figure") };
-        assert!(figure.name == "rendering" && figure.caption.contains("values of steps"), "{}", figure.caption);
-        let [(_, encode), (_, point)] = &commands(&sweep)[..] else { panic!("two commands") };
-        assert!(encode.starts_with("lightfold encode set ") && point.contains(" --views=8 --steps=64 "), "{point}");
-    }
-
-    #[test]
-    fn a_report_that_lacks_a_figure_is_named() {
-        /// Answers nothing.
-        struct Silence;
-        impl Runner for Silence {
-            fn run(&self, _words: &[OsString]) -> Result<Value> {
-                Ok(json!({ "reference": { "mean_psnr_db": 30.0 } }))
-            }
-            fn now_seconds(&self) -> f64 {
-                0.0
-            }
-        }
-        let axes = axes();
-        let sweep = Sweep { dataset: "set", probe: "00", frames: None, fixed: &[], axes: &axes, repeats: 1 };
-        let said = sweep.measure(&Silence, Path::new("work"), &Silent, &mut |_| Ok(())).unwrap_err().to_string();
-        assert!(said.contains("\"reference.hole_percent\""), "{said}");
+        assert_eq!(lines.len(), 1 + 2 * 2);
+        assert!(lines[3].contains("--steps=256") && lines[4].contains("--steps=64"), "{lines:?}");
+        let csv = std::fs::read_to_string(folder.path().join("rendering.csv")).unwrap();
+        assert_eq!(
+            csv,
+            "settings_views,settings_steps,psnr_db,ssim,hole_percent,steps_per_ray,bytes_read,ms_per_megapixel,update_ms\n\
+             8,64,31.5,,0.25,64.0,9000,500.0,1.5\n8,256,inf,,0.25,256.0,9000,2000.0,1.5\n"
+        );
+        let examples = bench.examples(&studies[0].points());
+        assert!(examples[1].line.starts_with("lightfold render field.lfold --reference set"), "{examples:?}");
     }
 }

@@ -1,8 +1,9 @@
 //! Results that were never measured, for tests of reports.
 
+use super::coding::CODING;
+use super::kind::{Measured, Point, Value};
 use super::knob;
-use super::point::{Measured, Point, Quality, Sizes, Timing};
-use super::study::{Axis, Results, Study, Weights};
+use super::study::{Axis, Results, Study, Weights, all_points};
 use crate::dataset::stream::StreamKind;
 use crate::depth::domain::Domain;
 use crate::depth::tile_psnr::TilePsnr;
@@ -11,38 +12,42 @@ use crate::effort::Effort;
 /// A point of depth with these settings, bytes and seconds of decoding.
 pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {
     let settings = settings.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
-    Measured {
-        point: Point::new(StreamKind::Depth, settings),
-        sizes: Sizes { raw: 20_000_000, temporal: bytes * 2, spatial: Some(bytes), container: bytes, lzma2: bytes / 2 },
-        quality: Quality {
-            psnr_db: 60.0,
-            min_psnr_db: None,
-            ssim: None,
-            max_error_codes: Some(50),
-            max_error_m: Some(0.01),
-        },
-        encode: Timing { runs: vec![1.0, 1.1, 0.9] },
-        decode: Timing { runs: vec![seconds * 0.97, seconds, seconds * 1.05] },
-        frames: 30,
-        images: 180,
-        pixels: 180 * 256 * 256,
-        updated_pixels: 60 * 256 * 256,
-        decode_passes: 9,
-        encode_peak_bytes: Some(50_000_000),
-        decode_peak_bytes: Some(20_000_000),
+    let mut of = Measured::new(&CODING, Point::new(&CODING, Some(StreamKind::Depth), settings));
+    for (name, count) in [
+        ("bytes_raw", 20_000_000),
+        ("bytes_temporal", bytes * 2),
+        ("bytes_spatial", bytes),
+        ("bytes_container", bytes),
+        ("bytes_lzma2", bytes / 2),
+        ("max_error_codes", 50),
+        ("frames", 30),
+        ("images", 180),
+        ("pixels", 180 * 256 * 256),
+        ("updated_pixels", 60 * 256 * 256),
+        ("decode_passes", 9),
+        ("encode_peak_bytes", 50_000_000),
+        ("decode_peak_bytes", 20_000_000),
+    ] {
+        of.set(name, Value::Count(count));
     }
+    of.set("psnr_db", Value::Number(60.0));
+    of.set("max_error_m", Value::Number(0.01));
+    of.set("encode_runs", Value::Runs(vec![1.0, 1.1, 0.9]));
+    of.set("decode_runs", Value::Runs(vec![seconds * 0.97, seconds, seconds * 1.05]));
+    of
 }
 
 /// A study of all values of some knobs.
 pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
     let axis = |(name, values): &(&str, &[&str])| Axis {
-        knob: knob::find(name).map_or("", |knob| knob.name),
+        knob: CODING.knob(name).map_or("", |knob| knob.name),
         values: values.iter().map(|value| (*value).to_owned()).collect(),
     };
     Study {
         name: name.to_owned(),
         title: format!("Study {name}"),
-        kind,
+        sweep: &CODING,
+        stream: Some(kind),
         axes: axes.iter().map(axis).collect(),
         fixed: vec![],
     }
@@ -50,20 +55,16 @@ pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
 
 /// Results of studies, each point as a function has it.
 pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measured>) -> Results {
-    let mut points: Vec<Point> = Vec::new();
-    for point in studies.iter().flat_map(Study::points) {
-        if !points.contains(&point) {
-            points.push(point);
-        }
-    }
+    let points = all_points(&studies);
     Results {
+        sweep: &CODING,
+        about: "Less is better for bytes, time and score.".to_owned(),
+        commands: vec![],
         input: "scene/lightfield.json".to_owned(),
         command_line: "lightfold tradeoff scene/lightfield.json --preset paper -o out".to_owned(),
         machine: "A Processor, 2 threads, 8 GiB of memory, linux".to_owned(),
-        measured: points.iter().filter_map(|point| Some(Measured { point: point.clone(), ..of(point)? })).collect(),
+        measured: points.iter().filter_map(|point| Some(of(point)?.at(point.clone()))).collect(),
         studies,
-        tiles: None,
-        tiles_how: String::new(),
         left_out: vec![],
         weights: Weights::default(),
     }
@@ -72,17 +73,14 @@ pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measure
 /// What a point of the papers' studies comes to where everything is as the papers say.
 pub fn as_in_the_papers(point: &Point) -> Measured {
     let number = |name: &str| point.value(name).and_then(knob::number);
-    if point.kind == StreamKind::Color {
+    if point.stream == Some(StreamKind::Color) {
         let (cell, psnr) = (number("color-cell").unwrap_or(64.0), number("psnr").unwrap_or(40.0));
         let bytes = 1e5 * 10f64.powf((psnr - 30.0) / 15.0) * (1.0 + 1.0 / cell);
         let mut of = measured(&[], bytes as u64, 0.05 * (1.0 + 30.0 / cell));
-        of.quality = Quality {
-            psnr_db: psnr + 3.0,
-            min_psnr_db: Some(psnr),
-            ssim: Some(0.99),
-            max_error_codes: None,
-            max_error_m: None,
-        };
+        of = of.without("max_error_codes").without("max_error_m");
+        of.set("psnr_db", Value::Number(psnr + 3.0));
+        of.set("min_psnr_db", Value::Number(psnr));
+        of.set("ssim", Value::Number(0.99));
         return of;
     }
     let (limit, window) = (number("max-aabbs").unwrap_or(8.0), number("depth-window").unwrap_or(1.0));
@@ -92,8 +90,9 @@ pub fn as_in_the_papers(point: &Point) -> Measured {
     let slower = if boxes { 4.0 } else { 1.0 };
     let seconds = 0.04 * slower * window.sqrt() * (1.0 + 0.03 * limit) / (1.0 + error / 400.0);
     let mut of = measured(&[], bytes as u64, seconds);
-    of.quality.psnr_db = if error == 0.0 { f64::INFINITY } else { 96.0 - 20.0 * (1.0 + error / 3.0).log10() };
-    of.quality.max_error_codes = Some(error as u32);
+    let psnr = if error == 0.0 { f64::INFINITY } else { 96.0 - 20.0 * (1.0 + error / 3.0).log10() };
+    of.set("psnr_db", Value::Number(psnr));
+    of.set("max_error_codes", Value::Count(error as u64));
     of
 }
 
@@ -135,7 +134,7 @@ pub fn tiles() -> TilePsnr {
 /// The papers' studies with results as the papers have them.
 pub fn paper() -> Results {
     let five: &[&str] = &["1", "2", "4", "8", "16"];
-    let mut results = results(
+    results(
         vec![
             study("boxes", StreamKind::Depth, &[("depth-window", five), ("max-aabbs", five)]),
             study(
@@ -147,8 +146,5 @@ pub fn paper() -> Results {
             study("codecs", StreamKind::Depth, &[("depth-codec", &["aabb"])]),
         ],
         |point| Some(as_in_the_papers(point)),
-    );
-    results.tiles = Some(tiles());
-    results.tiles_how = "effort fast, domain log".to_owned();
-    results
+    )
 }

@@ -1,15 +1,15 @@
-//! The order of runs: a first pass over all points for what is not time, then rounds of one timed run of each point, every
-//! other round backwards, so that a machine that becomes slower or faster does so for all points alike.
+//! The order of runs: first a survey of all points, then rounds of one timed run of each point, every other round backwards,
+//! so that a machine that becomes slower or faster does so for all points alike.
 //!
-//! With a budget the first pass begins with the ends of all axes and adds values between them, coarse to fine, as long as
-//! what was measured so far says that all rounds will fit. A value is added with all of its grid, or not at all.
+//! With a budget the surveys begin with the ends of all axes and add values between them, coarse to fine, as long as all
+//! rounds are expected to fit. A value is added with all of its grid, or not at all.
 
 use std::collections::BTreeMap;
 
-use super::bench::Bench;
-use super::point::Point;
-use super::store::{Row, Store};
-use super::study::{Axis, Study};
+use super::kind::Point;
+use super::runner::{Bench, Cost, Runner, Survey};
+use super::store::{Store, StoredPoint};
+use super::study::{Axis, Study, all_points};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 
@@ -22,21 +22,31 @@ pub struct Extent {
     pub budget_seconds: Option<f64>,
 }
 
-/// What was measured in the end.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Outcome {
+/// What was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
     /// The studies, without the values that did not fit into the budget.
     pub studies: Vec<Study>,
     /// What was left out, a sentence each.
     pub left_out: Vec<String>,
-    /// Points that failed, and what was said of it. The next time they are tried again.
-    pub failed: Vec<(Point, String)>,
+    /// Points that failed. The next time they are tried again.
+    pub failed: Vec<FailedPoint>,
+}
+
+/// A point that could not be measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FailedPoint {
+    /// The point.
+    pub point: Point,
+    /// The error's text.
+    pub error: String,
 }
 
 /// Runs that [`measure`] advances its monitor by at most.
 pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
+    let survey = |study: &Study| 1 + u64::from(extent.repeats.saturating_sub(study.sweep.survey_runs));
     let missing = |point: &Point| match store.row(point) {
-        None => u64::from(extent.repeats) + 1,
+        None => studies.first().map_or(0, survey),
         Some(_) => u64::from(extent.repeats).saturating_sub(store.runs(point) as u64),
     };
     all_points(studies).iter().map(missing).sum()
@@ -46,21 +56,14 @@ pub fn runs(studies: &[Study], extent: Extent, store: &Store) -> u64 {
 ///
 /// # Errors
 /// When the user asks to stop, when the store or a process fails, and when every point did: then what the first one said.
-pub fn measure(
-    studies: &[Study],
-    extent: Extent,
-    bench: &mut Bench<'_>,
-    store: &mut Store,
-    monitor: &dyn Monitor,
-) -> Result<Outcome> {
-    let mut work = Work {
-        bench,
-        store,
+pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a dyn Monitor) -> Result<Schedule> {
+    let mut work = Measurement {
+        lab,
         monitor,
         extent,
-        surveys: BTreeMap::new(),
-        runs: BTreeMap::new(),
+        known: BTreeMap::new(),
         failed: Vec::new(),
+        is_prepared: false,
         did_anything: false,
     };
     let (studies, left_out) = match extent.budget_seconds {
@@ -73,8 +76,9 @@ pub fn measure(
         }
         Some(budget) => work.within(budget, studies)?,
     };
-    let Work { store, failed, .. } = work;
-    let told = failed.iter().map(|(point, error)| (point.clone(), error.to_string())).collect();
+    let Measurement { lab: Lab { store, .. }, failed, .. } = work;
+    let told = failed.iter().map(|(point, error)| FailedPoint { point: point.clone(), error: error.to_string() });
+    let told = told.collect();
     if all_points(&studies).iter().all(|point| store.runs(point) == 0)
         && let Some((_, first)) = failed.into_iter().next()
     {
@@ -89,18 +93,7 @@ pub fn measure(
         }
     }
     store.save()?;
-    Ok(Outcome { studies, left_out, failed: told })
-}
-
-/// All points of studies, each once, in the order of the studies.
-pub fn all_points(studies: &[Study]) -> Vec<Point> {
-    let mut points: Vec<Point> = Vec::new();
-    for point in studies.iter().flat_map(Study::points) {
-        if !points.contains(&point) {
-            points.push(point);
-        }
-    }
-    points
+    Ok(Schedule { studies, left_out, failed: told })
 }
 
 /// Names of the studies that a point belongs to.
@@ -108,27 +101,34 @@ fn names_of(point: &Point, studies: &[Study]) -> Vec<String> {
     studies.iter().filter(|study| study.points().contains(point)).map(|study| study.name.clone()).collect()
 }
 
-struct Work<'a, 'b> {
-    bench: &'a mut Bench<'b>,
-    store: &'a mut Store,
+/// What measures, and where values go.
+pub struct Lab<'a> {
+    /// Runs commands.
+    pub runner: &'a dyn Runner,
+    /// Measures points.
+    pub bench: &'a mut dyn Bench,
+    /// Keeps each finished run.
+    pub store: &'a mut Store,
+}
+
+struct Measurement<'a> {
+    lab: Lab<'a>,
     monitor: &'a dyn Monitor,
     extent: Extent,
-    /// Seconds that the first pass took, of points of which it was done just now.
-    surveys: BTreeMap<Point, f64>,
-    /// Seconds that a timed run takes, of the same points and those that were timed just now.
-    runs: BTreeMap<Point, f64>,
-    /// Points that failed.
+    /// Costs of points that this process measured.
+    known: BTreeMap<Point, Cost>,
     failed: Vec<(Point, Error)>,
-    /// Whether any point was surveyed or timed just now.
+    is_prepared: bool,
+    /// Whether any point was measured by this process.
     did_anything: bool,
 }
 
-impl Work<'_, '_> {
+impl Measurement<'_> {
     fn elapsed(&self) -> f64 {
-        self.bench.now_seconds()
+        self.lab.runner.now_seconds()
     }
 
-    /// Whether so many seconds more are too many.
+    /// Whether so many more seconds exceed the budget.
     fn is_too_long(&self, seconds: f64) -> bool {
         self.extent.budget_seconds.is_some_and(|budget| self.elapsed() + seconds > budget)
     }
@@ -149,41 +149,52 @@ impl Work<'_, '_> {
         }
     }
 
-    /// Measures all of a point that is not time, unless that is known.
+    /// Surveys a point, unless that is done.
     fn survey(&mut self, point: &Point, studies: &[Study]) -> Result<()> {
-        if self.store.row(point).is_some() || self.has_failed(point) {
+        if self.lab.store.row(point).is_some() || self.has_failed(point) {
             return Ok(());
         }
-        self.monitor.check()?;
-        self.did_anything = true;
-        let done = self.bench.survey(point);
-        let Some((measured, cost)) = self.settle(point, done)? else {
+        self.prepare()?;
+        let done = self.lab.bench.survey(self.lab.runner, point);
+        let Some(Survey { measured, cost }) = self.settle(point, done)? else {
             self.monitor.advance(u64::from(self.extent.repeats) + 1);
             return Ok(());
         };
-        self.surveys.insert(point.clone(), cost.survey);
-        self.runs.insert(point.clone(), cost.run);
-        let (studies, command) = (names_of(point, studies), self.bench.command(point));
-        self.store.rows.push(Row { studies, measured, command, made_of: self.bench.made_of() });
-        self.store.save()?;
+        self.known.insert(point.clone(), cost);
+        let (studies, command) = (names_of(point, studies), self.lab.bench.command(point));
+        let made_of = self.lab.bench.made_of();
+        self.lab.store.rows.push(StoredPoint { studies, measured, command, made_of });
+        self.lab.store.save()?;
         self.monitor.advance(1);
         Ok(())
     }
 
-    /// One timed run of a point that was surveyed.
-    fn time(&mut self, point: &Point) -> Result<()> {
+    fn prepare(&mut self) -> Result<()> {
         self.monitor.check()?;
-        let Some(passes) = self.store.row(point).map(|row| row.measured.decode_passes) else { return Ok(()) };
         self.did_anything = true;
+        if !self.is_prepared {
+            self.lab.bench.prepare(self.lab.runner)?;
+            self.is_prepared = true;
+        }
+        Ok(())
+    }
+
+    /// Adds a timed run of a surveyed point.
+    fn time(&mut self, point: &Point) -> Result<()> {
+        let Some(row) = self.lab.store.row(point) else { return Ok(()) };
+        let mut measured = row.measured.clone();
+        self.prepare()?;
         let start = self.elapsed();
-        let done = self.bench.time(point, passes);
-        if let Some([encode, decode]) = self.settle(point, done)? {
-            self.runs.insert(point.clone(), self.elapsed() - start);
-            if let Some(row) = self.store.row_mut(point) {
-                row.measured.encode.runs.push(encode);
-                row.measured.decode.runs.push(decode);
+        let done = self.lab.bench.time(self.lab.runner, &mut measured);
+        if self.settle(point, done)?.is_some() {
+            let run = self.elapsed() - start;
+            let cost = self.known.get(point).copied().or_else(|| self.lab.bench.cost(&measured));
+            let survey = cost.map_or(run, |cost| cost.survey);
+            self.known.insert(point.clone(), Cost { survey, run });
+            if let Some(row) = self.lab.store.row_mut(point) {
+                row.measured = measured;
             }
-            self.store.save()?;
+            self.lab.store.save()?;
         }
         self.monitor.advance(1);
         Ok(())
@@ -193,9 +204,9 @@ impl Work<'_, '_> {
     fn rounds(&mut self, studies: &[Study]) -> Result<()> {
         let points = all_points(studies);
         for round in 1..=self.extent.repeats {
-            let lacks = |point: &&Point| !self.has_failed(point) && self.store.runs(point) < round as usize;
+            let lacks = |point: &&Point| !self.has_failed(point) && self.lab.store.runs(point) < round as usize;
             let mut order: Vec<&Point> = points.iter().filter(lacks).collect();
-            if round > 1 && self.is_too_long(order.iter().map(|point| self.run_seconds(point)).sum()) {
+            if round > 1 && self.is_too_long(order.iter().map(|point| self.estimate(point).run).sum()) {
                 return Ok(());
             }
             if round % 2 == 0 {
@@ -203,8 +214,8 @@ impl Work<'_, '_> {
             }
             for point in order {
                 // One run of one point there is always: nothing at all would be no answer.
-                let is_any = points.iter().any(|point| self.store.runs(point) > 0);
-                if !is_any || !self.is_too_long(self.run_seconds(point)) {
+                let is_any = points.iter().any(|point| self.lab.store.runs(point) > 0);
+                if !is_any || !self.is_too_long(self.estimate(point).run) {
                     self.time(point)?;
                 }
             }
@@ -212,39 +223,25 @@ impl Work<'_, '_> {
         Ok(())
     }
 
-    /// Seconds of a timed run of a point, where they are known: from just now, or from the medians of a run before.
-    fn known_run(&self, point: &Point) -> Option<f64> {
-        let kept = || {
-            let measured = &self.store.row(point)?.measured;
-            let passes = f64::from(measured.decode_passes) + 1.0;
-            Some(measured.encode.median()? + measured.decode.median()? * passes)
-        };
-        self.runs.get(point).copied().or_else(kept)
+    /// Cost of a point, as measured by this process or an earlier one.
+    fn known_cost(&self, point: &Point) -> Option<Cost> {
+        let earlier = || self.lab.bench.cost(&self.lab.store.row(point)?.measured);
+        self.known.get(point).copied().or_else(earlier)
     }
 
-    /// Seconds of the first pass of a point, likewise.
-    fn known_survey(&self, point: &Point) -> Option<f64> {
-        let kept = || {
-            let measured = &self.store.row(point)?.measured;
-            // It encodes twice or more, compares and packs; each takes about as long.
-            Some(measured.encode.median()? * 4.0 + measured.decode.median()? * 2.0)
-        };
-        self.surveys.get(point).copied().or_else(kept)
-    }
-
-    fn run_seconds(&self, point: &Point) -> f64 {
-        self.estimate(point, |point| self.known_run(point))
-    }
-
-    /// What a point takes: as known, or the mean of what others of its kind took, or of any kind.
-    fn estimate(&self, point: &Point, known: impl Fn(&Point) -> Option<f64>) -> f64 {
+    /// Cost of a point as far as known, or the mean of others of its kind of stream, or of all.
+    fn estimate(&self, point: &Point) -> Cost {
         let mean = |alike: &dyn Fn(&Point) -> bool| {
-            let points = self.store.rows.iter().map(|row| &row.measured.point).filter(|other| alike(other));
-            let seconds: Vec<f64> = points.filter_map(&known).collect();
-            (!seconds.is_empty()).then(|| seconds.iter().sum::<f64>() / seconds.len() as f64)
+            let points = self.lab.store.rows.iter().map(|row| &row.measured.point).filter(|other| alike(other));
+            let costs: Vec<Cost> = points.filter_map(|point| self.known_cost(point)).collect();
+            let count = costs.len() as f64;
+            (!costs.is_empty()).then(|| Cost {
+                survey: costs.iter().map(|cost| cost.survey).sum::<f64>() / count,
+                run: costs.iter().map(|cost| cost.run).sum::<f64>() / count,
+            })
         };
-        let of_kind = || mean(&|other| other.kind == point.kind);
-        known(point).or_else(of_kind).or_else(|| mean(&|_| true)).unwrap_or(0.0)
+        let alike = || mean(&|other| other.stream == point.stream);
+        self.known_cost(point).or_else(alike).or_else(|| mean(&|_| true)).unwrap_or_default()
     }
 
     /// Seconds that points still take with so many runs of each.
@@ -253,13 +250,13 @@ impl Work<'_, '_> {
             if self.has_failed(point) {
                 return 0.0;
             }
-            let survey = match self.store.row(point) {
+            let survey = match self.lab.store.row(point) {
                 Some(_) => 0.0,
-                None => self.estimate(point, |point| self.known_survey(point)),
+                None => self.estimate(point).survey,
             };
-            match repeats.saturating_sub(self.store.runs(point) as u32) {
+            match repeats.saturating_sub(self.lab.store.runs(point) as u32) {
                 0 => survey,
-                runs => survey + self.run_seconds(point) * f64::from(runs),
+                runs => survey + self.estimate(point).run * f64::from(runs),
             }
         };
         points.iter().map(of).sum()
@@ -267,7 +264,7 @@ impl Work<'_, '_> {
 
     /// Whether nothing of a point has to be measured for it to have one run.
     fn is_there(&self, point: &Point) -> bool {
-        self.has_failed(point) || self.store.runs(point) > 0
+        self.has_failed(point) || self.lab.store.runs(point) > 0
     }
 
     /// Runs of each point with which points, and those accepted before, fit into the budget. What is there already does.
@@ -288,7 +285,7 @@ impl Work<'_, '_> {
                 return Ok(false);
             };
             self.extent.repeats = repeats;
-            let lacks = |point: &&Point| self.store.row(point).is_none() && !self.has_failed(point);
+            let lacks = |point: &&Point| self.lab.store.row(point).is_none() && !self.has_failed(point);
             let Some(next) = new.iter().find(lacks) else { break };
             self.survey(next, studies)?;
         }
@@ -303,10 +300,10 @@ impl Work<'_, '_> {
                 break;
             }
             self.survey(point, studies)?;
-            if self.known_run(point).is_none() && !self.has_failed(point) {
+            if self.known_cost(point).is_none() && !self.has_failed(point) {
                 self.time(point)?;
             }
-            if self.known_run(point).is_some() {
+            if self.known_cost(point).is_some() {
                 return Ok(Some(point.clone()));
             }
         }
@@ -365,12 +362,13 @@ impl Work<'_, '_> {
     fn shortfall(&self, studies: &[Study], asked: u32, budget: f64) -> Vec<String> {
         let mut told = Vec::new();
         let points: Vec<Point> = all_points(studies).into_iter().filter(|point| !self.has_failed(point)).collect();
-        let (timed, untimed): (Vec<&Point>, Vec<&Point>) = points.iter().partition(|point| self.store.runs(point) > 0);
+        let (timed, untimed): (Vec<&Point>, Vec<&Point>) =
+            points.iter().partition(|point| self.lab.store.runs(point) > 0);
         if !untimed.is_empty() {
             let names: Vec<String> = untimed.iter().map(|point| point.to_string()).collect();
             told.push(format!("Not timed, since it did not fit into {budget} s: {}.", names.join("; ")));
         }
-        let runs = || timed.iter().map(|point| self.store.runs(point).min(asked as usize));
+        let runs = || timed.iter().map(|point| self.lab.store.runs(point).min(asked as usize));
         if let (Some(least), Some(most)) = (runs().min(), runs().max())
             && least < asked as usize
         {
@@ -453,7 +451,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The last value, or else the middle of the longest stretch of values that were not tried.
+/// The last value, or else the middle of the longest run of values that were not tried.
 fn farthest(tried: &[bool]) -> Option<usize> {
     if tried.last() == Some(&false) {
         return Some(tried.len() - 1);

@@ -1,10 +1,9 @@
 //! One number for size and decoding time: CALF's weighted geometric score (figures 7 and 8).
 
-use super::Results;
-use super::point::Measured;
-use super::study::{Study, Weights};
+use super::kind::Measured;
+use super::study::{Results, Study, Weights};
 
-/// What takes less than this counts as this much, so that a ratio to it exists.
+/// Least time that is counted, so that ratios exist.
 const LEAST_SECONDS: f64 = 1e-9;
 
 /// Points with their scores.
@@ -19,14 +18,11 @@ pub struct Scored<'a> {
 }
 
 impl<'a> Scored<'a> {
-    /// Scores points: a point's bytes and its decoding time, each to the power of its weight, multiplied, in parts of the least
-    /// such product. So 1 is the best of these points, and less is better. None for a point that was not measured or whose
-    /// decoding was not timed.
+    /// Scores points: bytes and decoding time, each to the power of its weight, multiplied, relative to the least such
+    /// product. So 1 is the best of these points, and less is better. None for a point that was not measured or timed.
     ///
-    /// CALF brings bytes and times into the range of what was captured: the least becomes 0 and the largest 1. In a
-    /// product of such numbers a point that is best in one has the score 0, however bad it is in the other. Products of
-    /// bytes and times as they are have no such points, so scores here are not those of the paper's figures, whose order
-    /// they need not keep. Neither knows anything of quality.
+    /// CALF maps bytes and times to 0..=1 first. In a product of such numbers a point that is best in one has the score 0,
+    /// however bad it is in the other; so scores here are not those of the paper. Neither accounts for quality.
     pub fn new(points: Vec<Option<&'a Measured>>, weights: Weights) -> Scored<'a> {
         let products: Vec<Option<f64>> = points.iter().map(|point| product((*point)?, weights)).collect();
         let best = best(&products);
@@ -36,27 +32,30 @@ impl<'a> Scored<'a> {
         Scored { points, scores, best }
     }
 
-    /// The points of a study, in its order.
+    /// The points of a study, in its order; no scores in a kind of sweep that has none.
     pub fn of_study(results: &'a Results, study: &Study) -> Scored<'a> {
+        if !results.sweep.is_scored {
+            return Scored { points: Vec::new(), scores: Vec::new(), best: None };
+        }
         Scored::new(study.points().iter().map(|point| results.of(point)).collect(), results.weights)
     }
 
-    /// The point of the least score, where another one has a score, too.
+    /// The point of the least score, if another one has a score, too.
     pub fn winner(&self) -> Option<&'a Measured> {
         if self.count() > 1 { self.points[self.best?] } else { None }
     }
 
-    /// How many points have a score.
+    /// Number of points that have a score.
     pub fn count(&self) -> usize {
         self.scores.iter().flatten().count()
     }
 
-    /// Whether points with scores differ in their quality, of which scores know nothing.
+    /// Whether points with scores differ in quality, which scores ignore.
     pub fn quality_differs(&self) -> bool {
         let scored = self.points.iter().zip(&self.scores).filter(|(_, score)| score.is_some());
-        let mut qualities = scored.filter_map(|(point, _)| Some(point.as_ref()?.quality));
+        let mut qualities = scored.filter_map(|(point, _)| *point);
         let first = qualities.next();
-        qualities.any(|quality| first.is_some_and(|first| !first.is_like(&quality)))
+        qualities.any(|other| first.is_some_and(|first| !is_of_like_quality(first, other)))
     }
 }
 
@@ -68,19 +67,29 @@ pub fn best(values: &[Option<f64>]) -> Option<usize> {
 
 /// The logarithm of the weighted product of bytes and decoding time.
 fn product(point: &Measured, weights: Weights) -> Option<f64> {
-    let seconds = point.decode.median()?.max(LEAST_SECONDS);
-    let bytes = point.sizes.container.max(1) as f64;
+    let seconds = point.number("decode_seconds")?.max(LEAST_SECONDS);
+    let bytes = point.number("bytes_container")?.max(1.0);
     Some(weights.compression * bytes.ln() + weights.decoding * seconds.ln())
+}
+
+/// Whether tables print the same quality: to 1/100 dB, 1/10,000 of SSIM and a code.
+fn is_of_like_quality(a: &Measured, b: &Measured) -> bool {
+    let near = |name: &str, reach: f64| match (a.number(name), b.number(name)) {
+        (Some(a), Some(b)) => a == b || (a - b).abs() < reach,
+        (a, b) => a.is_none() && b.is_none(),
+    };
+    near("psnr_db", 0.01) && near("min_psnr_db", 0.01) && near("ssim", 1e-4) && near("max_error_codes", 0.5)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::tradeoff::kind::Value;
     use crate::report::tradeoff::sample;
 
     fn point(bytes: u64, seconds: f64) -> Measured {
         let mut point = sample::measured(&[], bytes, seconds);
-        point.decode.runs = vec![seconds];
+        point.set("decode_runs", Value::Runs(vec![seconds]));
         point
     }
 
@@ -114,5 +123,21 @@ mod tests {
         let results = sample::paper();
         let differs = |at: usize| Scored::of_study(&results, &results.studies[at]).quality_differs();
         assert_eq!([0, 1, 2, 3].map(differs), [false, true, true, false]);
+    }
+
+    #[test]
+    fn qualities_are_alike_where_they_are_printed_alike() {
+        let of = |psnr_db, codes| {
+            let mut of = sample::measured(&[], 1, 1.0);
+            of.set("psnr_db", Value::Number(psnr_db));
+            of.set("max_error_codes", Value::Count(codes));
+            of
+        };
+        let inf = f64::INFINITY;
+        assert!(is_of_like_quality(&of(inf, 0), &of(inf, 0)) && is_of_like_quality(&of(40.0, 3), &of(40.004, 3)));
+        assert!(!is_of_like_quality(&of(inf, 0), &of(90.0, 0)) && !is_of_like_quality(&of(40.0, 3), &of(40.0, 4)));
+        let mut other = of(40.0, 3);
+        other.set("ssim", Value::Number(1.0));
+        assert!(!is_of_like_quality(&of(40.0, 3), &other));
     }
 }

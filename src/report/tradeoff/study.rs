@@ -1,8 +1,11 @@
-//! Grids of knob values, and what came of measuring them.
+//! Grids of knob values, and the results of measuring them.
 
-use super::point::{Measured, Point};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, json};
+
+use super::kind::{Measured, Point, Setting, SweepKind};
+use super::knob;
 use crate::dataset::stream::StreamKind;
-use crate::depth::tile_psnr::TilePsnr;
 
 /// A knob and the values that it is given in turn.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -14,55 +17,93 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// The values as numbers, where all of them are (`16`, `0.1%`).
+    /// The values as numbers, if all of them are (`16`, `0.1%`).
     pub fn numbers(&self) -> Option<Vec<f64>> {
-        self.values.iter().map(|value| super::knob::number(value)).collect()
+        self.values.iter().map(|value| knob::number(value)).collect()
     }
 }
 
-/// A grid of settings for one kind of stream: every value of every axis with every value of the others.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A grid of settings: every value of every axis with every value of the others.
+#[derive(Debug, Clone)]
 pub struct Study {
     /// A short name for files: lower case, words joined by hyphens, unique among the studies of a report.
     pub name: String,
-    /// What is looked at, such as `Boxes of depth (CALF figure 7)`.
+    /// Title, such as `Boxes of depth (CALF figure 7)`.
     pub title: String,
+    /// The kind of sweep.
+    pub sweep: &'static SweepKind,
     /// The kind of stream.
-    pub kind: StreamKind,
+    pub stream: Option<StreamKind>,
     /// What is varied; the first two with more than one value are those of heat maps.
     pub axes: Vec<Axis>,
-    /// Settings of all points that are not usual ones.
-    pub fixed: Vec<(&'static str, String)>,
+    /// Settings of all points that differ from the defaults.
+    pub fixed: Vec<Setting>,
+}
+
+impl Serialize for Study {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let key = |name| self.sweep.key(name);
+        let axis = |axis: &Axis| json!({ "knob": key(axis.knob), "values": axis.values });
+        let fixed: Map<_, _> = self.fixed.iter().map(|(name, value)| (key(name).to_owned(), json!(value))).collect();
+        let study = json!({
+            "name": self.name,
+            "title": self.title,
+            "kind": self.stream.map(StreamKind::name),
+            "axes": self.axes.iter().map(axis).collect::<Vec<_>>(),
+            "fixed": fixed,
+        });
+        study.serialize(to)
+    }
+}
+
+impl PartialEq for Study {
+    fn eq(&self, other: &Study) -> bool {
+        let of = |study: &Study| (study.sweep.stem, study.stream, study.name.clone(), study.title.clone());
+        of(self) == of(other) && self.axes == other.axes && self.fixed == other.fixed
+    }
 }
 
 impl Study {
     /// All points, the last axis fastest.
     pub fn points(&self) -> Vec<Point> {
         let grid = product(&self.fixed, &self.axes);
-        grid.into_iter().map(|settings| Point::new(self.kind, settings)).collect()
+        grid.into_iter().map(|settings| Point::new(self.sweep, self.stream, settings)).collect()
     }
 
     /// The axes with more than one value.
     pub fn varied(&self) -> Vec<&Axis> {
         self.axes.iter().filter(|axis| axis.values.len() > 1).collect()
     }
+
+    /// Label of an axis with its unit.
+    pub fn label(&self, axis: &Axis) -> &'static str {
+        self.sweep.knob(axis.knob).map_or(axis.knob, |knob| knob.label)
+    }
+}
+
+/// All points of studies, each once, in the order of the studies.
+pub fn all_points(studies: &[Study]) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    for point in studies.iter().flat_map(Study::points) {
+        if !points.contains(&point) {
+            points.push(point);
+        }
+    }
+    points
 }
 
 /// Some settings with every value of every axis, the last axis fastest.
-pub fn product<'a>(
-    settings: &[(&'static str, String)],
-    axes: impl IntoIterator<Item = &'a Axis>,
-) -> Vec<Vec<(&'static str, String)>> {
+pub fn product<'a>(settings: &[Setting], axes: impl IntoIterator<Item = &'a Axis>) -> Vec<Vec<Setting>> {
     axes.into_iter().fold(vec![settings.to_vec()], |grid, axis| {
-        let with = |settings: &Vec<(&'static str, String)>, value: &String| {
+        let with = |settings: &Vec<Setting>, value: &String| {
             settings.iter().cloned().chain([(axis.knob, value.clone())]).collect::<Vec<_>>()
         };
         grid.iter().flat_map(|settings| axis.values.iter().map(move |value| with(settings, value))).collect()
     })
 }
 
-/// How much size and decoding time count in a score; together 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Weights of size and decoding time in a score; their sum is 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
     /// Of bytes.
     pub compression: f64,
@@ -77,28 +118,38 @@ impl Default for Weights {
     }
 }
 
-/// All that a report shows.
+/// A command line that repeats a part of the sweep.
+#[derive(Debug, Clone)]
+pub struct ExampleCommand {
+    /// What it makes.
+    pub makes: &'static str,
+    /// The line.
+    pub line: String,
+}
+
+/// The results of a sweep.
 #[derive(Debug, Clone)]
 pub struct Results {
-    /// The footage, as the user named it.
+    /// The kind of sweep.
+    pub sweep: &'static SweepKind,
+    /// The input, as the user named it.
     pub input: String,
+    /// What the sweep is about, a sentence.
+    pub about: String,
     /// The command line that made the report.
     pub command_line: String,
-    /// The machine: processor, threads, memory, system, and the graphics device where one decoded.
+    /// The machine: processor, threads, memory, system, and graphics devices that were used.
     pub machine: String,
     /// What was swept. A point may belong to several studies.
     pub studies: Vec<Study>,
-    /// What was measured of each point, each once.
+    /// All points, each once.
     pub measured: Vec<Measured>,
-    /// PSNR of tiles of depth by modelling function, where it was measured.
-    pub tiles: Option<TilePsnr>,
-    /// How those tiles were modelled, by the values of the options, such as `effort fast, domain log`; empty where they were
-    /// not.
-    pub tiles_how: String,
-    /// What is missing, for want of time or because it failed, a sentence each.
+    /// What is missing and why, a sentence each.
     pub left_out: Vec<String>,
     /// Weights of the score.
     pub weights: Weights,
+    /// Commands that anyone can repeat.
+    pub commands: Vec<ExampleCommand>,
 }
 
 impl Results {
@@ -106,11 +157,18 @@ impl Results {
     pub fn of(&self, point: &Point) -> Option<&Measured> {
         self.measured.iter().find(|measured| measured.point == *point)
     }
+
+    /// Kinds of streams of the points, in order; `None` stands for points without one.
+    pub fn streams(&self) -> Vec<Option<StreamKind>> {
+        let all = StreamKind::ALL.into_iter().map(Some).chain([None]);
+        all.filter(|stream| self.measured.iter().any(|of| of.point.stream == *stream)).collect()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::tradeoff::kind::words;
 
     #[test]
     fn a_product_has_every_value_with_every_other_the_last_axis_fastest() {
@@ -118,11 +176,11 @@ mod tests {
             |knob, values: &[&str]| Axis { knob, values: values.iter().map(|value| value.to_string()).collect() };
         let axes = [axis("max-error", &["1", "2"]), axis("depth-tile", &["3", "4"])];
         let all = product(&[("effort", "fast".to_owned())], &axes);
-        let all: Vec<_> = all.iter().filter_map(|settings| super::super::point::words(settings)).collect();
+        let all: Vec<_> = all.iter().filter_map(|settings| words(settings)).collect();
         assert_eq!(
             all.join(", "),
-            "effort=fast max-error=1 depth-tile=3, effort=fast max-error=1 depth-tile=4, \
-            effort=fast max-error=2 depth-tile=3, effort=fast max-error=2 depth-tile=4"
+            "effort=fast max-error=1 tiles=3, effort=fast max-error=1 tiles=4, \
+            effort=fast max-error=2 tiles=3, effort=fast max-error=2 tiles=4"
         );
         assert_eq!(product(&[], &[] as &[Axis]), [vec![]]);
         assert!(product(&[], &[axis("max-error", &[])]).is_empty());

@@ -8,7 +8,8 @@ use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::evaluate::camera_file::CameraFile;
 use lightfold::image::{Face, FrameRange, Pattern};
-use lightfold::report::tradeoff::store::{FILE_NAME, Store};
+use lightfold::report::tradeoff::coding::CODING;
+use lightfold::report::tradeoff::store::Store;
 use lightfold::views::camera_units::CameraUnits;
 use tempfile::TempDir;
 
@@ -64,15 +65,15 @@ pub fn run_cameras(bytes: &[u8]) -> Judged {
 /// A sweep's CSV is opened, written and opened again.
 pub fn run_sweep(bytes: &[u8]) -> Judged {
     FOLDER.with(|folder| {
-        let path = folder.path().join(FILE_NAME);
+        let path = folder.path().join(CODING.csv_name());
         std::fs::write(&path, bytes).expect("the CSV is written");
-        let store = match Store::open(folder.path(), None) {
+        let store = match Store::open(&CODING, folder.path(), None) {
             Ok(store) => store,
             Err(error) => return refused(&error),
         };
         let text = store.text().map_err(|error| format!("a sweep that was taken is not written: {error}"))?;
         std::fs::write(&path, &text).expect("the CSV is written");
-        match Store::open(folder.path(), None).and_then(|again| again.text()) {
+        match Store::open(&CODING, folder.path(), None).and_then(|again| again.text()) {
             Ok(again) if again == text => Ok(Verdict::Accepted),
             Ok(_) => Err("a sweep comes back as another".into()),
             Err(error) => Err(format!("a sweep that was written is refused: {error}")),

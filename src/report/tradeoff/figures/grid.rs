@@ -1,159 +1,195 @@
-//! Two knobs against each other: heat maps of bytes, decoding time and score, and lines of the first two (CALF figures
-//! 7 and 8).
+//! Two knobs against each other: heat maps of the kind's mapped panels and of the score, and lines of the panels (CALF
+//! figures 7 and 8).
 
-use super::{
-    Figure, Mark, axis_of, extents, fixed_words, label_of, point_at, seconds_per_frame_ms, sheet, subtitle, timed,
+use super::common::{
+    Figure, KnobAxis, Mark, PanelUnit, axis_of, extents, fixed_words, mark, point_at, sheet, subtitle,
 };
 use crate::report::plot::Drawing;
-use crate::report::plot::axis;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::heat::{Cell, HeatMap};
 use crate::report::plot::marker::Look;
-use crate::report::plot::number::{self, Unit};
-use crate::report::tradeoff::point::Measured;
+use crate::report::plot::number;
+use crate::report::tradeoff::kind::{Better, Measured, Panel, PanelLine, Setting};
 use crate::report::tradeoff::score::{self, Scored};
 use crate::report::tradeoff::study::{Axis, Results, Study, product};
 
 /// Sizes of heat maps and of charts in pixels.
 const MAP: [u32; 2] = [410, 340];
 const CHART: [u32; 2] = [619, 340];
+/// Figures of one study at most, where it has more than two axes.
+const MOST_OF_A_STUDY: usize = 4;
+
+/// The varied axes of a study.
+pub struct Axes<'a> {
+    /// Rows of heat maps.
+    pub rows: &'a Axis,
+    /// Columns of heat maps.
+    pub columns: &'a Axis,
+    /// One figure for each combination of their values.
+    pub others: &'a [&'a Axis],
+}
 
 /// The points of one figure: rows of the first axis, in each those of the second.
 struct Grid<'a> {
-    rows: &'a Axis,
-    columns: &'a Axis,
+    results: &'a Results,
+    study: &'a Study,
+    axes: &'a Axes<'a>,
     points: Vec<Option<&'a Measured>>,
-    unit: Unit,
+    /// Values of the other axes.
+    chosen: Vec<Setting>,
+}
+
+/// Mapped values of all cells.
+struct MapValues {
+    title: String,
+    unit: &'static str,
+    values: Vec<Option<f64>>,
+    best: Option<usize>,
 }
 
 /// One figure for each combination of the other axes' values, the first few of them.
-pub(super) fn figures(
-    results: &Results,
-    study: &Study,
-    (rows, columns): (&Axis, &Axis),
-    others: &[&Axis],
-) -> Vec<Figure> {
-    let combinations = product(&[], others.iter().copied());
+pub fn figures(results: &Results, study: &Study, axes: Axes<'_>) -> Vec<Figure> {
+    let combinations = product(&[], axes.others.iter().copied());
     let count = combinations.len();
-    let shown = combinations.into_iter().take(super::MOST_OF_A_STUDY);
+    let left = count.saturating_sub(MOST_OF_A_STUDY);
+    let note = if left == 0 { String::new() } else { format!(" {left} more combinations are in the table only.") };
+    let shown = combinations.into_iter().take(MOST_OF_A_STUDY).enumerate();
     shown
-        .enumerate()
         .filter_map(|(at, chosen)| {
             let at_cell = |row: &String, column: &String| {
-                let cell = [(rows.knob, row.clone()), (columns.knob, column.clone())];
+                let cell = [(axes.rows.knob, row.clone()), (axes.columns.knob, column.clone())];
                 point_at(study, chosen.iter().cloned().chain(cell))
             };
-            let points = rows.values.iter().flat_map(|row| columns.values.iter().map(move |column| (row, column)));
-            let points: Vec<Option<&Measured>> =
-                points.map(|(row, column)| results.of(&at_cell(row, column))).collect();
+            let cells =
+                axes.rows.values.iter().flat_map(|row| axes.columns.values.iter().map(move |column| (row, column)));
+            let points: Vec<_> = cells.map(|(row, column)| results.of(&at_cell(row, column))).collect();
+            points.iter().flatten().next()?;
             let name = if count > 1 { format!("{}-{}", study.name, at + 1) } else { study.name.clone() };
-            let left = count.saturating_sub(super::MOST_OF_A_STUDY);
-            let note = match left {
-                0 => String::new(),
-                _ => format!(" {left} more combinations are in the table only."),
-            };
-            let largest = points.iter().flatten().map(|point| point.sizes.container).max()?;
-            let grid = Grid { rows, columns, points, unit: number::bytes_unit(largest as f64) };
-            let (drawing, caption) = grid.figure(results, study, &chosen);
-            Some(Figure { name, caption: format!("{caption}{note}"), drawing })
+            Some(Grid { results, study, axes: &axes, points, chosen }.figure(name, &note))
         })
         .collect()
 }
 
 impl Grid<'_> {
-    /// The picture and what is written under it.
-    fn figure(&self, results: &Results, study: &Study, chosen: &[(&'static str, String)]) -> (Drawing, String) {
-        let weights = results.weights;
-        let scored = Scored::new(self.points.clone(), weights);
-        let score_title =
-            format!("Score: size^{} × time^{}", number::short(weights.compression), number::short(weights.decoding));
-        let of = |value: &dyn Fn(&Measured) -> Option<f64>| -> Vec<Option<f64>> {
-            self.points.iter().map(|point| point.and_then(value)).collect()
-        };
-        let bytes = of(&|point| Some(point.sizes.container as f64 / self.unit.size));
-        let decode = of(&Measured::decode_ms_per_frame);
-        let size = format!("Container ({})", self.unit.name);
-        let time = "Decoding (ms a frame)";
-        let maps = vec![
-            self.map(&size, &bytes, score::best(&bytes), self.unit.name),
-            self.map(time, &decode, score::best(&decode), "ms"),
-            self.map(&score_title, &scored.scores, scored.best, "times the best"),
-        ];
-        let lines = vec![
-            self.lines(&size, |point, x| {
-                Some(Mark { x, y: point.sizes.container as f64 / self.unit.size, ..Mark::default() })
-            }),
-            self.lines(time, |point, x| timed(x, &point.decode, seconds_per_frame_ms(point))),
-        ];
+    fn figure(&self, name: String, note: &str) -> Figure {
+        let Grid { results, study, axes, .. } = self;
+        let mapped = study.sweep.panels.iter().filter(|panel| panel.concerns(study.stream));
+        let mapped = mapped.filter_map(|panel| Some((panel, panel.lines.first()?, panel.map?)));
+        let (mut maps, mut lines, mut titles) = (Vec::new(), Vec::new(), Vec::new());
+        for (panel, line, better) in mapped {
+            maps.push(self.map(&self.values(panel, line, better)));
+            lines.push(self.lines(panel, line));
+            titles.push(panel.title);
+        }
+        let scored = study.sweep.is_scored.then(|| Scored::new(self.points.clone(), results.weights));
+        if let Some(scored) = &scored {
+            maps.push(self.map(&MapValues {
+                title: format!(
+                    "Score: size^{} × time^{}",
+                    number::short(results.weights.compression),
+                    number::short(results.weights.decoding)
+                ),
+                unit: "times the best",
+                values: scored.scores.clone(),
+                best: scored.best,
+            }));
+        }
         let caption = format!(
-            "{} and {} against each other, {}: bytes of the container, median time of decoding a frame (all probes and \
-             faces), and a score of both in parts of the best of {} points, which has 1; less is better in all three, and \
-             the least is framed.{} Bars in the lower charts span the shortest and the longest run, and a bar without an end \
-             is cut.",
-            capital(&label_of(self.rows)),
-            label_of(self.columns),
-            fixed_words(chosen),
-            scored.count(),
-            self.least_words(&scored),
+            "{} and {} against each other, {}: {}{}. The best cell is framed.{} Bars in the lower charts span the shortest and \
+             the longest run, and a bar without an end is cut.{note}",
+            capital(study.label(axes.rows)),
+            study.label(axes.columns),
+            fixed_words(&self.chosen),
+            titles.join(", "),
+            scored.as_ref().map_or_else(String::new, |scored| {
+                format!(
+                    ", and a score of bytes and time relative to the best of {} points, which has 1",
+                    scored.count()
+                )
+            }),
+            scored.as_ref().map_or_else(String::new, |scored| self.least_words(scored)),
         );
         let measured = self.points.iter().flatten().copied();
-        let drawing = sheet(&study.title, &subtitle(results, study, chosen, measured), vec![maps, lines]);
-        (drawing, caption)
+        let subtitle = subtitle(results, study, &self.chosen, measured);
+        Figure { name, caption, drawing: sheet(&study.title, &subtitle, vec![maps, lines]) }
     }
 
-    /// Which point has the least score, and what that does not tell.
+    /// Which point has the least score, and that the score ignores quality.
     fn least_words(&self, scored: &Scored<'_>) -> String {
         let Some(at) = scored.best else { return String::new() };
-        let Grid { rows, columns, .. } = self;
+        let Axes { rows, columns, .. } = self.axes;
         let (row, column) = (&rows.values[at / columns.values.len()], &columns.values[at % columns.values.len()]);
         let settings = format!("{}={row} {}={column}", rows.knob, columns.knob);
         if scored.quality_differs() {
-            format!(
-                " The least bytes and time have {settings}, but points differ in quality, which the score does not know."
-            )
+            format!(" The least bytes and time have {settings}, but points differ in quality, which the score ignores.")
         } else {
             format!(" The best score has {settings}.")
         }
     }
-    fn map(&self, title: &str, values: &[Option<f64>], best: Option<usize>, unit: &str) -> Drawing {
+
+    fn unit(&self, panel: &Panel, line: &PanelLine) -> PanelUnit {
+        let values = self.points.iter().flatten().filter_map(|point| point.number(line.measure));
+        PanelUnit::new(panel.scale, panel.title, values)
+    }
+
+    fn values(&self, panel: &Panel, line: &PanelLine, better: Better) -> MapValues {
+        let unit = self.unit(panel, line);
+        let value = |point: &Measured| Some(point.number(line.measure)? * line.factor / unit.size);
+        let values: Vec<Option<f64>> = self.points.iter().map(|point| point.and_then(value)).collect();
+        let best = match better {
+            Better::Less => score::best(&values),
+            Better::More => score::best(&values.iter().map(|value| value.map(|value| -value)).collect::<Vec<_>>()),
+        };
+        MapValues { title: unit.title, unit: unit.name, values, best }
+    }
+
+    fn map(&self, of: &MapValues) -> Drawing {
+        let Axes { rows, columns, .. } = self.axes;
         let cell = |value: &Option<f64>| value.map(|value| Cell { value, text: number::even(value) });
+        let label = |axis: &Axis| (self.study.label(axis).to_owned(), axis.values.clone());
         let map = HeatMap {
-            title: title.to_owned(),
-            columns: (label_of(self.columns), self.columns.values.clone()),
-            rows: (label_of(self.rows), self.rows.values.clone()),
-            cells: values.iter().map(cell).collect(),
-            best,
-            unit: unit.to_owned(),
+            title: of.title.clone(),
+            columns: label(columns),
+            rows: label(rows),
+            cells: of.values.iter().map(cell).collect(),
+            best: of.best,
+            unit: of.unit.to_owned(),
         };
         map.draw(MAP[0], MAP[1])
     }
 
-    /// A line for each row, along the columns; words are no way along which a line could go.
-    fn lines(&self, title: &str, mark: impl Fn(&Measured, f64) -> Option<Mark>) -> Drawing {
-        let (x, numbers) = axis_of(self.columns);
-        let kind = if self.columns.numbers().is_some() { Kind::Line } else { Kind::Points };
-        let width = self.columns.values.len();
-        let series: Vec<Series> = self
-            .rows
+    /// A line for each row along the columns; values that are words are not joined.
+    fn lines(&self, panel: &Panel, line: &PanelLine) -> Drawing {
+        let Axes { rows, columns, .. } = self.axes;
+        let x = KnobAxis::new(self.study, columns);
+        let unit = self.unit(panel, line);
+        let kind = if columns.numbers().is_some() { Kind::Line } else { Kind::Points };
+        let width = columns.values.len();
+        let series: Vec<Series> = rows
             .values
             .iter()
             .enumerate()
             .map(|(row, name)| {
-                let points = self.points[row * width..(row + 1) * width].iter().zip(&numbers);
+                let points = self.points[row * width..(row + 1) * width].iter().zip(&x.places);
                 // A hole in the grid is a hole in the line.
                 let hole = |x: f64| Mark { x, y: f64::NAN, ..Mark::default() };
-                let marks = points.map(|(point, &x)| point.and_then(|point| mark(point, x)).unwrap_or(hole(x)));
-                Series { name: name.clone(), kind, look: Look::of(row), marks: marks.collect() }
+                let of = |(point, &x): (&Option<&Measured>, &f64)| {
+                    point.and_then(|point| mark(x, line, unit.size, point)).unwrap_or(hole(x))
+                };
+                Series { name: name.clone(), kind, look: Look::of(row), marks: points.map(of).collect() }
             })
             .collect();
-        let y = axis::Axis::linear(title, extents(series.iter().flat_map(|series| &series.marks)));
-        let title = format!("{title} by {}", label_of(self.columns));
-        Chart { series, legend: label_of(self.rows), ..Chart::new(title, x, y) }.draw(CHART[0], CHART[1])
+        let mut values = extents(series.iter().flat_map(|series| &series.marks));
+        values.retain(|value| !value.is_nan());
+        let y = axis_of(panel.scale, &unit.title, &values);
+        let title = format!("{} by {}", unit.title, self.study.label(columns));
+        let legend = self.study.label(rows).to_owned();
+        Chart { series, legend, ..Chart::new(title, x.axis, y) }.draw(CHART[0], CHART[1])
     }
 }
 
 /// With a capital at the beginning.
-fn capital(words: &str) -> String {
+pub fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -4,9 +4,12 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::dataset::stream::StreamKind;
-use crate::report::plot::drawing::{Anchor, Direction, Shape};
+use crate::report::plot::Drawing;
+use crate::report::plot::drawing::{Anchor, Direction, Shape, Text};
 use crate::report::plot::font;
 use crate::report::plot::save;
+use crate::report::tradeoff::coding;
+use crate::report::tradeoff::kind::{Measured, Point, Value};
 use crate::report::tradeoff::sample;
 
 /// Left, top, right, bottom of what a text's capitals cover.
@@ -73,7 +76,8 @@ fn check_xml(name: &str, svg: &str) {
 }
 
 fn check_all(results: &Results) -> Vec<Figure> {
-    let figures = all(results);
+    let mut figures = all(results);
+    figures.extend(coding::figures::bounds(results));
     let names: BTreeSet<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     assert_eq!(names.len(), figures.len(), "{names:?}");
     for figure in &figures {
@@ -86,19 +90,20 @@ fn check_all(results: &Results) -> Vec<Figure> {
 
 #[test]
 fn the_papers_figures_are_drawn() {
-    let figures = check_all(&sample::paper());
+    let mut figures = check_all(&sample::paper());
+    figures.extend(coding::figures::tiles(&sample::tiles(), "effort fast, domain log"));
     let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     let expected = [
         "boxes",
         "cells",
         "bound",
-        "bound-decoding",
         "color-rate-distortion",
         "color-time-distortion",
         "color-rate-time",
         "depth-rate-distortion",
         "depth-time-distortion",
         "depth-rate-time",
+        "bound-decoding",
         "tile-psnr",
     ];
     assert_eq!(names, expected);
@@ -113,7 +118,7 @@ fn the_papers_figures_are_drawn() {
     let boxes = &figures[0];
     assert!(boxes.caption.contains("best score has depth-window=1 max-aabbs=2"), "{}", boxes.caption);
     let svg = save::to_svg(&boxes.drawing).unwrap();
-    for said in ["Times: medians of 3 runs", "(all probes and faces)", "other settings by default", "\n1.00\n"] {
+    for said in ["Times: medians of 3 runs", "all probes and faces", "other settings by default", "\n1.00\n"] {
         assert!(svg.contains(said), "{said}");
     }
     for said in ["AABB limit", "depth window (frames)", "Container (MB)", "Decoding (ms a frame)", "Score: size^0.25"] {
@@ -152,7 +157,7 @@ fn odd() -> Vec<(&'static str, Results)> {
             .for_each(|value| *value = format!("{value} with words up to sixty letters, which is long"));
     }
     let points = long.studies[0].points();
-    long.measured = points.into_iter().map(|point| Measured { point, ..sample::measured(&[], 5, 0.1) }).collect();
+    long.measured = points.into_iter().map(|point| sample::measured(&[], 5, 0.1).at(point)).collect();
     vec![
         ("one point", of(&[("depth-window", &["1"])], &usual)),
         ("one by seven", of(&[("depth-window", &["4"]), ("max-aabbs", &["1", "2", "3", "4", "6", "8", "16"])], &usual)),
@@ -178,7 +183,7 @@ fn odd() -> Vec<(&'static str, Results)> {
             "untimed",
             of(&[("max-error", &["0", "10", "20"])], &|point| {
                 let mut of = sample::as_in_the_papers(point);
-                (of.decode.runs, of.encode.runs) = (vec![], vec![]);
+                of = of.without("decode_runs").without("encode_runs");
                 Some(of)
             }),
         ),
@@ -186,7 +191,7 @@ fn odd() -> Vec<(&'static str, Results)> {
             "lossless",
             of(&[("max-error", &["0", "10", "20"])], &|point| {
                 let mut of = sample::as_in_the_papers(point);
-                of.quality.psnr_db = f64::INFINITY;
+                of.set("psnr_db", Value::Number(f64::INFINITY));
                 Some(of)
             }),
         ),
@@ -215,8 +220,8 @@ fn odd() -> Vec<(&'static str, Results)> {
             "huge",
             of(&[("depth-window", window), ("max-aabbs", window)], &|point| {
                 let mut of = sample::as_in_the_papers(point);
-                of.sizes.container = u64::MAX / 2;
-                of.decode.runs = vec![1e9, 2e9];
+                of.set("bytes_container", Value::Count(u64::MAX / 2));
+                of.set("decode_runs", Value::Runs(vec![1e9, 2e9]));
                 Some(of)
             }),
         ),
@@ -286,7 +291,7 @@ proptest! {
         let results = sample::results(vec![sample::study("any", StreamKind::Depth, axes)], |_| {
             let (there, bytes, seconds, db) = rest.next()?;
             let mut of = sample::measured(&[], bytes, seconds);
-            of.quality.psnr_db = db;
+            of.set("psnr_db", Value::Number(db));
             there.then_some(of)
         });
         for figure in all(&results) {
@@ -303,6 +308,7 @@ fn write_figures() {
     for (name, results) in named {
         let folder = folder.join(name.replace(' ', "-"));
         std::fs::create_dir_all(&folder).unwrap();
-        crate::report::tradeoff::page::write(&results, &folder).unwrap();
+        let extras = crate::report::tradeoff::page::Extras::default();
+        crate::report::tradeoff::page::write(&results, &extras, &folder).unwrap();
     }
 }

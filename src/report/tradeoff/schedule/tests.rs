@@ -9,9 +9,12 @@ use super::*;
 use crate::dataset::stream::StreamKind;
 use crate::error::Error;
 use crate::monitor::Silent;
-use crate::report::tradeoff::bench::Runner;
-use crate::report::tradeoff::commands::{Form, Input, shell_line};
+use crate::report::tradeoff::coding::CODING;
+use crate::report::tradeoff::coding::bench::CodingBench;
+use crate::report::tradeoff::coding::commands::{Form, Input};
+use crate::report::tradeoff::kind::Value as Stored;
 use crate::report::tradeoff::plan::{Request, Sweep, plan};
+use crate::report::tradeoff::runner::shell_line;
 
 /// Runs nothing: keeps the command lines, moves a clock, and answers what a command would.
 #[derive(Default)]
@@ -92,14 +95,15 @@ fn input() -> Input {
 fn studies(sweeps: &[&str]) -> Vec<Study> {
     let sweeps: Vec<_> = sweeps.iter().map(|text| Sweep::parse(text).unwrap()).collect();
     let kinds = [StreamKind::Color, StreamKind::Depth];
-    plan(&Request { kinds: &kinds, sweeps: &sweeps, preset: None, fixed: &[] }).unwrap().studies
+    plan(&Request { streams: &kinds, sweeps: &sweeps, preset: None, fixed: &[] }).unwrap().studies
 }
 
 /// Measures into the folder with what is there already.
-fn run(fake: &Fake, sweeps: &[&str], extent: Extent, folder: &Path) -> Result<(Outcome, Store)> {
-    let (input, mut store) = (input(), Store::open(folder, Some(7)).unwrap());
-    let mut bench = Bench::new(fake, &input, Path::new("work"));
-    let outcome = measure(&studies(sweeps), extent, &mut bench, &mut store, &Silent)?;
+fn run(fake: &Fake, sweeps: &[&str], extent: Extent, folder: &Path) -> Result<(Schedule, Store)> {
+    let (input, mut store) = (input(), Store::open(&CODING, folder, Some(7)).unwrap());
+    let mut bench = CodingBench::new(&input, Path::new("work"));
+    let lab = Lab { runner: fake, bench: &mut bench, store: &mut store };
+    let outcome = measure(&studies(sweeps), extent, lab, &Silent)?;
     Ok((outcome, store))
 }
 
@@ -118,12 +122,13 @@ fn rounds_go_to_and_fro_after_a_first_pass_that_is_not_timed() {
     assert_eq!(&fake.told()[12..16], ["encode 30", "decode", "encode 40", "decode"]);
     assert!(fake.lines.borrow()[1].contains("--repeat=1 "), "{}", fake.lines.borrow()[1]);
     assert!(fake.lines.borrow()[13].contains("--repeat=200 "), "{}", fake.lines.borrow()[13]);
-    assert_eq!(outcome, Outcome { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new(), failed: Vec::new() });
-    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.clone()).collect();
+    assert_eq!(outcome, Schedule { studies: studies(&["psnr=30,40,50"]), left_out: Vec::new(), failed: Vec::new() });
+    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.runs("encode_runs").to_vec()).collect();
     assert_eq!(runs, [[12.0, 22.0, 24.0], [14.0, 20.0, 26.0], [16.0, 18.0, 28.0]]);
     let row = &store.rows[0];
-    assert_eq!((row.measured.frames, row.measured.images, row.measured.encode_peak_bytes), (6, 36, Some(77)));
-    assert_eq!((row.measured.quality.psnr_db, row.measured.quality.min_psnr_db), (f64::INFINITY, Some(41.5)));
+    let counts = ["frames", "images", "encode_peak_bytes"].map(|name| row.measured.count(name));
+    assert_eq!(counts, [6, 36, 77]);
+    assert_eq!(["psnr_db", "min_psnr_db"].map(|name| row.measured.number(name)), [Some(f64::INFINITY), Some(41.5)]);
     assert_eq!(row.command, "lightfold encode scene --stream=color --psnr=30 -o point.lfold");
 }
 
@@ -138,10 +143,11 @@ fn sizes_of_stages_are_encoded_once_for_all_points() {
     // Four points are each encoded twice; without LZMA2 two of them are others that are known.
     assert_eq!(count("encode scene"), 4 * 2 + 1);
     for row in &store.rows {
-        let sizes = row.measured.sizes;
+        let [spatial, container, lzma2] =
+            ["bytes_spatial", "bytes_container", "bytes_lzma2"].map(|name| row.measured.count(name));
         match row.measured.point.value("lzma2") {
-            Some("9") => assert!(sizes.lzma2 == sizes.container && sizes.spatial > Some(sizes.container)),
-            _ => assert!(sizes.spatial == Some(sizes.container) && sizes.lzma2 < sizes.container),
+            Some("9") => assert!(lzma2 == container && spatial > container),
+            _ => assert!(spatial == container && lzma2 < container),
         }
     }
 }
@@ -157,7 +163,7 @@ fn a_second_time_nothing_runs_and_more_repeats_add_rounds() {
     let more = Fake::default();
     let (_, third) = run(&more, &sweeps, all(3), folder.path()).unwrap();
     assert_eq!(more.told(), ["encode 30", "decode", "encode 40", "decode"]);
-    assert_eq!(third.rows[0].measured.encode.runs[..2], first.rows[0].measured.encode.runs);
+    assert_eq!(third.rows[0].measured.runs("encode_runs")[..2], *first.rows[0].measured.runs("encode_runs"));
     let wider = Fake::default();
     let (_, store) = run(&wider, &["psnr=30,35,40"], all(3), folder.path()).unwrap();
     assert_eq!(wider.encodes(), ["35"; 4]);
@@ -180,8 +186,10 @@ fn wherever_it_stops_it_goes_on() {
         assert!(rest.told().len() <= runs - stops_at + 3, "{stops_at}: {:?}", rest.told());
         assert_eq!(store.rows.len(), wanted.rows.len());
         for (row, wanted) in store.rows.iter().zip(&wanted.rows) {
-            assert_eq!((row.measured.sizes, row.measured.quality), (wanted.measured.sizes, wanted.measured.quality));
-            assert_eq!((row.measured.encode.runs.len(), row.measured.decode.runs.len()), (2, 2));
+            for name in ["bytes_container", "bytes_lzma2", "psnr_db", "ssim"] {
+                assert_eq!(row.measured.number(name), wanted.measured.number(name), "{name}");
+            }
+            assert_eq!((row.measured.runs("encode_runs").len(), row.measured.runs("decode_runs").len()), (2, 2));
         }
     }
 }
@@ -209,8 +217,8 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     assert_eq!(
         left_out,
         [
-            "Study color-psnr-color-cell: psnr 20, 40 did not fit into 40 s.",
-            "Study color-psnr-color-cell: color-cell 16 did not fit into 40 s."
+            "Study color-psnr-cell: psnr 20, 40 did not fit into 40 s.",
+            "Study color-psnr-cell: cell 16 did not fit into 40 s."
         ]
     );
     assert!(took <= 40.0, "{took}");
@@ -222,7 +230,7 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
     // No budget is too small for one run of one point.
     let (grid, left_out, took) = within(1.0, 3);
     assert_eq!((grid, took), (vec!["10".to_owned(), "8".to_owned()], 6.0));
-    assert_eq!(left_out[0], "Study color-psnr-color-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
+    assert_eq!(left_out[0], "Study color-psnr-cell: psnr 20, 30, 40, 50 did not fit into 1 s.");
     assert_eq!((left_out.len(), left_out[3].as_str()), (4, "It took 6.0 s instead of 1 s."));
     // Where the ends do not fit, one of them does.
     let (grid, _, took) = within(14.0, 1);
@@ -246,7 +254,7 @@ fn a_point_that_no_longer_fits_is_not_begun() {
     // The first pass promises 2 s for each run, and then each takes 22 s.
     let extent = Extent { repeats: 1, budget_seconds: Some(45.0) };
     let (outcome, store) = run(&fake, &["psnr=10,20,30"], extent, folder.path()).unwrap();
-    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.encode.runs.len()).collect();
+    let runs: Vec<_> = store.rows.iter().map(|row| row.measured.runs("encode_runs").len()).collect();
     assert_eq!(runs, [1, 0, 1], "12 s of first passes, 22 s, and 22 s that nobody could know of");
     let last = store.rows[1].measured.point.to_string();
     assert_eq!(outcome.left_out[0], format!("Not timed, since it did not fit into 45 s: {last}."));
@@ -265,10 +273,10 @@ fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
     assert_eq!((again.told().len(), outcome.left_out), (0, Vec::new()));
     assert_eq!(outcome.studies, studies(&sweeps));
     // Medians of the first time say that two more values, each of 3 points, do not fit.
-    let mut store = Store::open(folder.path(), Some(7)).unwrap();
+    let mut store = Store::open(&CODING, folder.path(), Some(7)).unwrap();
     for row in &mut store.rows {
-        row.measured.encode.runs = vec![1.0; 2];
-        row.measured.decode.runs = vec![0.005; 2];
+        row.measured.set("encode_runs", Stored::Runs(vec![1.0; 2]));
+        row.measured.set("decode_runs", Stored::Runs(vec![0.005; 2]));
     }
     store.save().unwrap();
     let more = Fake::default();
@@ -277,7 +285,7 @@ fn what_is_measured_costs_nothing_and_what_is_missing_costs_what_it_did() {
         run(&more, &["psnr=10,20,30,40,50,60,70", "color-cell=8,16,32"], extent, folder.path()).unwrap();
     assert!(more.now_seconds() <= 30.0, "{}", more.now_seconds());
     assert_eq!(outcome.studies[0].axes[0].values, ["10", "20", "30", "40", "50", "70"]);
-    assert_eq!(outcome.left_out[0], "Study color-psnr-color-cell: psnr 60 did not fit into 30 s.");
+    assert_eq!(outcome.left_out[0], "Study color-psnr-cell: psnr 60 did not fit into 30 s.");
     assert_eq!(store.rows.len(), 18);
 }
 
@@ -287,11 +295,11 @@ fn a_point_that_fails_leaves_a_hole_and_is_tried_again() {
     let sweeps = ["psnr=30,40,50"];
     let broken = Fake { fails: Some("--psnr=40"), ..Fake::default() };
     let (outcome, store) = run(&broken, &sweeps, all(2), folder.path()).unwrap();
-    let [(point, said)] = &outcome.failed[..] else { panic!("{outcome:?}") };
+    let [FailedPoint { point, error: said }] = &outcome.failed[..] else { panic!("{outcome:?}") };
     assert_eq!(point.to_string(), "color with psnr=40");
     assert!(said.contains("--psnr=40") && said.ends_with("it broke"), "{said}");
     assert_eq!(broken.encodes().iter().filter(|psnr| *psnr == "40").count(), 0, "the fake keeps no line of a failure");
-    assert_eq!(store.rows.iter().map(|row| row.measured.encode.runs.len()).collect::<Vec<_>>(), [2, 2]);
+    assert_eq!(store.rows.iter().map(|row| row.measured.runs("encode_runs").len()).collect::<Vec<_>>(), [2, 2]);
     let mended = Fake::default();
     let (outcome, store) = run(&mended, &sweeps, all(2), folder.path()).unwrap();
     assert_eq!((mended.encodes(), outcome.failed.len()), (vec!["40".to_owned(); 3], 0));
@@ -304,7 +312,7 @@ fn a_point_that_fails_when_it_is_timed_keeps_what_is_known_of_it() {
     let broken = Fake { fails: Some("--repeat=200 --threads=2"), ..Fake::default() };
     let (outcome, store) = run(&broken, &["psnr=30", "threads=1,2"], all(2), folder.path()).unwrap();
     assert_eq!(outcome.failed.len(), 1, "it is not tried in the second round");
-    assert_eq!(store.rows.iter().map(|row| row.measured.encode.runs.len()).collect::<Vec<_>>(), [2, 0]);
+    assert_eq!(store.rows.iter().map(|row| row.measured.runs("encode_runs").len()).collect::<Vec<_>>(), [2, 0]);
     // Within a budget as well.
     let extent = Extent { repeats: 2, budget_seconds: Some(1e6) };
     let (outcome, _) = run(&broken, &["psnr=30", "threads=1,2"], extent, folder.path()).unwrap();
@@ -326,7 +334,7 @@ fn sweeps_into_one_folder_keep_their_studies() {
     let folder = TempDir::new().unwrap();
     for (sweeps, names) in [
         (&["psnr=30,40"][..], &["color-psnr"; 2][..]),
-        (&["color-cell=8,16"], &["color-psnr", "color-psnr", "color-color-cell", "color-color-cell"]),
+        (&["color-cell=8,16"], &["color-psnr", "color-psnr", "color-cell", "color-cell"]),
     ] {
         let (_, store) = run(&Fake::default(), sweeps, all(1), folder.path()).unwrap();
         assert_eq!(store.rows.iter().map(|row| row.studies.join(" ")).collect::<Vec<_>>(), names);
@@ -335,9 +343,11 @@ fn sweeps_into_one_folder_keep_their_studies() {
     let quick = |name: &str| {
         let mut studies = studies(&["psnr=30,50"]);
         studies[0].name = name.to_owned();
-        let (input, fake, mut store) = (input(), Fake::default(), Store::open(folder.path(), Some(7)).unwrap());
-        let mut bench = Bench::new(&fake, &input, Path::new("work"));
-        measure(&studies, all(1), &mut bench, &mut store, &Silent).unwrap();
+        let (input, fake, mut store) =
+            (input(), Fake::default(), Store::open(&CODING, folder.path(), Some(7)).unwrap());
+        let mut bench = CodingBench::new(&input, Path::new("work"));
+        let lab = Lab { runner: &fake, bench: &mut bench, store: &mut store };
+        measure(&studies, all(1), lab, &Silent).unwrap();
         store.rows[0].studies.clone()
     };
     assert_eq!(quick("cells"), ["color-psnr", "cells"]);

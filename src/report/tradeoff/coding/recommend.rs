@@ -1,10 +1,10 @@
-//! Of the points at hand, the smallest that meets all demands; where nothing is asked of its quality, the closest to the
-//! source.
+//! The smallest point that meets all demands; or the closest to the source, if only time and bytes are limited.
 
-use super::point::Measured;
 use crate::dataset::stream::StreamKind;
+use crate::report::tradeoff::kind::Measured;
+use crate::report::tradeoff::store::StoredPoint;
 
-/// What is asked of a point. Each demand counts for the kinds of streams that it speaks of.
+/// Limits for a point. Each applies to the kinds of streams that have the measure.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Demands {
     /// Largest error: 16-bit log codes of depth, steps of 8 bits of material.
@@ -21,28 +21,32 @@ pub struct Demands {
     pub max_ratio_percent: Option<f64>,
 }
 
-/// Which of the points that meet all demands is named.
+/// Which of the points that meet all demands is recommended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aim {
-    /// The one with the fewest bytes, since a quality was asked for.
+    /// The one with the fewest bytes: quality is limited.
     Smallest,
-    /// The one that is closest to the source, since only bytes and time are limited.
+    /// The one that is closest to the source: only bytes and time are limited.
     Closest,
 }
 
-/// The point to use for a kind of stream, or the one that comes nearest.
+/// The recommended point of a kind of stream, or the one that misses the demands least.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice<'a> {
-    /// The point: what was aimed at among those that meet all demands, or the one that misses them least.
-    pub point: &'a Measured,
-    /// What was aimed at.
+    /// The point.
+    pub row: &'a StoredPoint,
+    /// The aim.
     pub aim: Aim,
-    /// Demands that it does not meet, a sentence each: none where the point is to be used.
+    /// Demands that it misses, a sentence each; empty for a point to be used.
     pub misses: Vec<String>,
 }
 
-/// A demand that a point misses: how it is put, and by how much, as a ratio above 1.
-type Miss = (String, f64);
+/// A demand that a point misses.
+struct Miss {
+    words: String,
+    /// By how much, above 1.
+    ratio: f64,
+}
 
 impl Demands {
     /// Whether there is none.
@@ -50,7 +54,7 @@ impl Demands {
         *self == Demands::default()
     }
 
-    /// What is aimed at for a kind of stream; none where nothing of it is asked.
+    /// The aim for a kind of stream; none without demands on it.
     pub fn aim(&self, kind: StreamKind) -> Option<Aim> {
         let quality = match kind {
             StreamKind::Depth => self.max_error_codes.is_some() || self.max_error_m.is_some(),
@@ -65,110 +69,104 @@ impl Demands {
         }
     }
 
-    fn misses(&self, measured: &Measured) -> Vec<Miss> {
+    fn misses(&self, of: &Measured) -> Vec<Miss> {
         let mut misses = Vec::new();
-        let kind = measured.point.kind;
-        if let (Some(limit), Some(codes)) = (self.max_error_codes, measured.quality.max_error_codes)
-            && codes > limit
-        {
-            let words = format!("--max-error {limit}: its largest error is {codes} codes");
-            misses.push((words, f64::from(codes) / f64::from(limit.max(1))));
-        }
-        if let (Some(limit), Some(metres)) = (self.max_error_m, measured.quality.max_error_m)
-            && metres > limit
-        {
-            let words = format!("--max-error-m {limit}: its largest error is {metres:.4} m");
-            misses.push((words, metres / limit.max(1e-9)));
-        }
-        if let (Some(limit), StreamKind::Color) = (self.min_psnr_db, kind) {
-            let found = measured.quality.min_psnr_db.unwrap_or(measured.quality.psnr_db);
-            // A PSNR is computed twice, on either side of a file: the last digit may differ.
-            if found < limit - 1e-6 {
-                let words = format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB");
-                misses.push((words, limit / found.max(1.0)));
+        let mut miss = |is_missed: bool, words: String, ratio: f64| {
+            if is_missed {
+                misses.push(Miss { words, ratio });
             }
+        };
+        if let (Some(limit), Some(codes)) = (self.max_error_codes.map(f64::from), of.number("max_error_codes")) {
+            let words = format!("--max-error {limit}: its largest error is {codes} codes");
+            miss(codes > limit, words, codes / limit.max(1.0));
+        }
+        if let (Some(limit), Some(metres)) = (self.max_error_m, of.number("max_error_m")) {
+            let words = format!("--max-error-m {limit}: its largest error is {metres:.4} m");
+            miss(metres > limit, words, metres / limit.max(1e-9));
+        }
+        if let (Some(limit), Some(StreamKind::Color)) = (self.min_psnr_db, of.point.stream) {
+            let found = closeness_db(of);
+            // A PSNR is computed twice, on either side of a file: the last digit may differ.
+            let words = format!("--min-psnr {limit}: its lowest PSNR of a frame of a cell is {found:.2} dB");
+            miss(found < limit - 1e-6, words, limit / found.max(1.0));
         }
         if let Some(limit) = self.decode_ms {
-            match measured.decode_ms_per_frame() {
-                Some(found) if found <= limit => {}
-                Some(found) => {
-                    let words = format!("--decode-ms {limit}: one point in time takes {found:.3} ms");
-                    misses.push((words, found / limit.max(1e-9)));
+            match of.number("decode_ms_per_frame") {
+                Some(ms) => {
+                    let words = format!("--decode-ms {limit}: decoding a frame takes {ms:.3} ms");
+                    miss(ms > limit, words, ms / limit.max(1e-9));
                 }
-                None => misses.push((format!("--decode-ms {limit}: its decoding has not been timed"), f64::INFINITY)),
+                None => miss(true, format!("--decode-ms {limit}: its decoding has not been timed"), f64::INFINITY),
             }
         }
-        let bytes = measured.sizes.container;
-        if let Some(limit) = self.max_bytes.filter(|limit| bytes > *limit) {
-            misses.push((format!("--max-bytes {limit}: it has {bytes}"), bytes as f64 / limit.max(1) as f64));
+        let bytes = of.count("bytes_container");
+        if let Some(limit) = self.max_bytes {
+            let ratio = bytes as f64 / limit.max(1) as f64;
+            miss(bytes > limit, format!("--max-bytes {limit}: it has {bytes}"), ratio);
         }
-        let ratio = measured.ratio_percent();
-        if let Some(limit) = self.max_ratio_percent.filter(|limit| ratio > *limit) {
-            misses.push((format!("--max-ratio {limit}: it has {ratio:.2}% of the footage"), ratio / limit.max(1e-9)));
+        if let (Some(limit), Some(percent)) = (self.max_ratio_percent, of.number("ratio_percent")) {
+            let words = format!("--max-ratio {limit}: it has {percent:.2}% of the footage");
+            miss(percent > limit, words, percent / limit.max(1e-9));
         }
         misses
     }
 }
 
 /// Advice for each kind of stream that was measured and of which something is asked, in the order of kinds.
-pub fn recommend<'a>(measured: &[&'a Measured], demands: &Demands) -> Vec<Advice<'a>> {
+pub fn recommend<'a>(rows: &[&'a StoredPoint], demands: &Demands) -> Vec<Advice<'a>> {
     let of_kind = |kind: StreamKind| {
         let aim = demands.aim(kind)?;
-        let points = measured.iter().filter(|measured| measured.point.kind == kind);
-        let judged = points.map(|&point| (point, demands.misses(point)));
-        let (point, misses) = judged.min_by(|(a, misses_a), (b, misses_b)| {
-            let by_how_much = |misses: &[Miss]| misses.iter().map(|(_, ratio)| ratio.ln()).sum::<f64>();
+        let own = rows.iter().filter(|row| row.measured.point.stream == Some(kind));
+        let judged = own.map(|&row| (row, demands.misses(&row.measured)));
+        let (row, misses) = judged.min_by(|(a, misses_a), (b, misses_b)| {
+            let (a, b) = (&a.measured, &b.measured);
+            let by_how_much = |misses: &[Miss]| misses.iter().map(|miss| miss.ratio.ln()).sum::<f64>();
             let order = misses_a.len().cmp(&misses_b.len());
             let order = order.then(by_how_much(misses_a).total_cmp(&by_how_much(misses_b)));
             let order = match aim {
                 Aim::Smallest => order,
                 Aim::Closest => order.then(closeness_db(b).total_cmp(&closeness_db(a))),
             };
-            order.then(a.sizes.container.cmp(&b.sizes.container)).then(a.point.cmp(&b.point))
+            order.then(a.count("bytes_container").cmp(&b.count("bytes_container"))).then(a.point.cmp(&b.point))
         })?;
-        Some(Advice { point, aim, misses: misses.into_iter().map(|(words, _)| words).collect() })
+        Some(Advice { row, aim, misses: misses.into_iter().map(|miss| miss.words).collect() })
     };
     StreamKind::ALL.into_iter().filter_map(of_kind).collect()
 }
 
-/// How close a point is to the source in dB: by its worst cell where it has cells.
+/// PSNR of the worst cell, or of all samples where there are no cells.
 fn closeness_db(of: &Measured) -> f64 {
-    of.quality.min_psnr_db.unwrap_or(of.quality.psnr_db)
+    of.number("min_psnr_db").or(of.number("psnr_db")).unwrap_or(0.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::tradeoff::point::{Point, Quality, Sizes, Timing};
+    use crate::report::tradeoff::coding::CODING;
+    use crate::report::tradeoff::kind::{Point, Value};
 
-    /// A point of depth of so many bytes, codes of error and seconds of decoding.
-    fn depth(error: &str, bytes: u64, codes: u32, seconds: f64) -> Measured {
-        Measured {
-            point: Point::new(StreamKind::Depth, vec![("max-error", error.to_owned())]),
-            sizes: Sizes { raw: 1000, temporal: bytes, spatial: None, container: bytes, lzma2: bytes },
-            quality: Quality {
-                psnr_db: 80.0,
-                min_psnr_db: None,
-                ssim: None,
-                max_error_codes: Some(codes),
-                max_error_m: Some(0.1),
-            },
-            encode: Timing { runs: vec![1.0] },
-            decode: Timing { runs: vec![seconds] },
-            frames: 10,
-            images: 60,
-            pixels: 1000,
-            updated_pixels: 500,
-            decode_passes: 9,
-            encode_peak_bytes: None,
-            decode_peak_bytes: None,
+    fn point(stream: StreamKind, setting: (&'static str, &str), bytes: u64, seconds: f64) -> StoredPoint {
+        let settings = vec![(setting.0, setting.1.to_owned())];
+        let mut of = Measured::new(&CODING, Point::new(&CODING, Some(stream), settings));
+        for (name, count) in [("bytes_raw", 1000), ("bytes_container", bytes), ("frames", 10)] {
+            of.set(name, Value::Count(count));
         }
+        of.set("psnr_db", Value::Number(80.0));
+        of.push_run("decode_runs", seconds);
+        StoredPoint { studies: vec![], measured: of, command: String::new(), made_of: 0 }
     }
 
-    fn color(psnr: &str, bytes: u64, min_psnr_db: f64) -> Measured {
-        let mut of = depth("0", bytes, 0, 0.01);
-        of.point = Point::new(StreamKind::Color, vec![("psnr", psnr.to_owned())]);
-        of.quality = Quality { min_psnr_db: Some(min_psnr_db), max_error_codes: None, max_error_m: None, ..of.quality };
+    /// A point of depth with these bytes, codes of error and seconds of decoding.
+    fn depth(error: &str, bytes: u64, codes: u64, seconds: f64) -> StoredPoint {
+        let mut of = point(StreamKind::Depth, ("max-error", error), bytes, seconds);
+        of.measured.set("max_error_codes", Value::Count(codes));
+        of.measured.set("max_error_m", Value::Number(0.1));
+        of
+    }
+
+    fn color(psnr: &str, bytes: u64, min_psnr_db: f64) -> StoredPoint {
+        let mut of = point(StreamKind::Color, ("psnr", psnr), bytes, 0.01);
+        of.measured.set("min_psnr_db", Value::Number(min_psnr_db));
         of
     }
 
@@ -184,7 +182,7 @@ mod tests {
         let all: Vec<_> = points.iter().collect();
         let ask = |demands: &Demands| -> Vec<(String, usize)> {
             let advice = recommend(&all, demands);
-            advice.iter().map(|advice| (advice.point.point.settings[0].1.clone(), advice.misses.len())).collect()
+            advice.iter().map(|advice| (advice.row.measured.point.settings[0].1.clone(), advice.misses.len())).collect()
         };
         let said = |values: &[(&str, usize)]| -> Vec<(String, usize)> {
             values.iter().map(|(value, misses)| ((*value).to_owned(), *misses)).collect()
@@ -212,9 +210,10 @@ mod tests {
         let all: Vec<_> = points.iter().collect();
         let strict = Demands { max_error_codes: Some(40), max_bytes: Some(150), ..Demands::default() };
         let advice = recommend(&all, &strict);
-        assert_eq!(advice[0].point.point.settings[0].1, "60");
+        assert_eq!(advice[0].row.measured.point.settings[0].1, "60");
         assert_eq!(advice[0].misses, ["--max-error 40: its largest error is 60 codes"]);
-        let untimed = Measured { decode: Timing::default(), ..points[2].clone() };
+        let mut untimed = points[2].clone();
+        untimed.measured.set("decode_runs", Value::Runs(vec![]));
         let advice = recommend(&[&untimed], &Demands { decode_ms: Some(1e9), ..Demands::default() });
         assert!(advice[0].misses[0].contains("not been timed"));
     }

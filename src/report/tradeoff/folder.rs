@@ -1,4 +1,4 @@
-//! The folder of a report: one process at a time, nothing that a killed one left, no pictures of other points.
+//! The folder of a sweep: one process at a time, no leftovers of a killed one, no pictures of other points.
 
 use std::fs::File;
 use std::io::ErrorKind;
@@ -7,46 +7,45 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::Value;
 use tempfile::TempDir;
 
+use super::kind::SweepKind;
+use super::page::PAGE;
 use crate::error::{Error, Result};
 use crate::files::open_locked;
 
-/// The report as JSON, which lists all files.
-pub const REPORT: &str = "tradeoff.json";
 /// The file that is locked.
 const LOCK: &str = ".tradeoff.lock";
-/// How names of unfinished files and folders begin and end.
+/// Prefix and ending of names of unfinished files and folders.
 const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];
-/// The page that each kind of sweep writes.
-pub const PAGE: &str = "index.html";
-/// Endings of files that are removed when they show other points.
+/// Extensions of files that are removed when they show other points.
 const PICTURES: &[&str] = &["svg", "png", "html"];
 
 /// A folder that no other process measures into.
 pub struct Folder {
     path: PathBuf,
-    /// Locked for as long as it is open.
+    kind: &'static SweepKind,
+    /// Locked while it is open.
     _lock: File,
 }
 
 impl Folder {
-    /// Makes the folder if there is none, locks it, and removes what killed processes left.
+    /// Creates the folder if there is none, locks it, and removes leftovers of killed processes.
     ///
     /// # Errors
     /// When another process has the lock, or the folder cannot be written.
-    pub fn open(path: &Path) -> Result<Folder> {
+    pub fn open(path: &Path, kind: &'static SweepKind) -> Result<Folder> {
         std::fs::create_dir_all(path).map_err(|error| Error::io(path, error))?;
         let busy = || {
             Error::Usage(format!("{}: another tradeoff measures into it; wait, or name another folder", path.display()))
         };
         let lock = path.join(LOCK);
         let _lock = open_locked(&lock).map_err(|error| Error::io(&lock, error))?.ok_or_else(busy)?.file;
-        let folder = Folder { path: path.to_path_buf(), _lock };
+        let folder = Folder { path: path.to_path_buf(), kind, _lock };
         let [begin, end] = UNFINISHED;
         for entry in std::fs::read_dir(path).map_err(|error| Error::io(path, error))?.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
             if name.starts_with(begin) && name.ends_with(end) {
-                // What cannot be removed is in nobody's way.
+                // What cannot be removed does no harm.
                 let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
                 let _ =
                     if is_folder { std::fs::remove_dir_all(entry.path()) } else { std::fs::remove_file(entry.path()) };
@@ -55,39 +54,35 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Refuses to replace files of these names that are not of the sweep itself.
-    pub fn refuse_to_replace(&self, names: &[&str], own: &[String]) -> Result<()> {
-        let is_lost = |name: &&&str| self.path.join(name).exists() && !own.iter().any(|other| other == **name);
-        match names.iter().find(is_lost) {
-            None => Ok(()),
-            Some(name) => Err(Error::Usage(format!(
-                "{}: there already, and would be lost; name another folder, or replace it by --overwrite",
-                self.path.join(name).display()
-            ))),
-        }
+    /// Where the JSON report goes.
+    pub fn report(&self) -> PathBuf {
+        self.path.join(self.kind.json_name())
     }
 
-    /// Removes files of these names, and pictures whose names begin with `stem`.
-    pub fn remove(&self, names: &[&str], stem: &str) -> Result<()> {
-        let is_picture = |path: &Path| {
-            let begins = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(stem));
-            begins && path.extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end))
+    /// A file that a sweep would replace without being resumed from it.
+    pub fn in_the_way(&self) -> Option<PathBuf> {
+        let own = if self.kind.is_resumable { self.files() } else { Vec::new() };
+        let names = match self.kind.is_resumable {
+            true => vec![PAGE.to_owned()],
+            false => vec![self.kind.csv_name(), self.kind.json_name(), PAGE.to_owned()],
         };
-        let entries = std::fs::read_dir(&self.path).map_err(|error| Error::io(&self.path, error))?;
-        let pictures = entries.flatten().map(|entry| entry.path()).filter(|path| is_picture(path));
-        names.iter().map(|name| self.path.join(name)).chain(pictures).try_for_each(|path| remove(&path))
+        let mut lost = names.into_iter().filter(|name| !own.contains(name)).map(|name| self.path.join(name));
+        lost.find(|path| path.exists())
     }
 
-    /// A folder in it for unfinished work, which goes when it is dropped.
+    /// A folder in it for unfinished work, which is removed when it is dropped.
+    ///
+    /// # Errors
+    /// When it cannot be made.
     pub fn work(&self) -> Result<TempDir> {
         let [begin, end] = UNFINISHED;
         let work = tempfile::Builder::new().prefix(begin).suffix(end).tempdir_in(&self.path);
         work.map_err(|error| Error::io(&self.path, error.kind().into()))
     }
 
-    /// Names of the files that the last report lists and that are there.
+    /// Names of existing files that the last report lists.
     pub fn files(&self) -> Vec<String> {
-        let text = std::fs::read_to_string(self.path.join(REPORT)).unwrap_or_default();
+        let text = std::fs::read_to_string(self.report()).unwrap_or_default();
         let report: Value = serde_json::from_str(&text).unwrap_or_default();
         let names = report["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
         let is_name = |name: &&str| {
@@ -97,18 +92,23 @@ impl Folder {
         names.filter(is_name).filter(|name| self.path.join(name).is_file()).map(str::to_owned).collect()
     }
 
-    /// Removes the last report and its pictures.
+    /// Removes the last report and its pictures; the CSV and the page, too, unless the sweep resumes from it.
+    ///
+    /// # Errors
+    /// When a file cannot be removed.
     pub fn clear(&self) -> Result<()> {
         let is_picture =
             |name: &String| Path::new(name).extension().is_some_and(|of| PICTURES.iter().any(|end| of == *end));
-        for name in self.files().into_iter().filter(is_picture).chain([REPORT.to_owned()]) {
-            remove(&self.path.join(name))?;
+        let mut names: Vec<String> = self.files().into_iter().filter(is_picture).collect();
+        names.push(self.kind.json_name());
+        if !self.kind.is_resumable {
+            names.extend([self.kind.csv_name(), PAGE.to_owned()]);
         }
-        Ok(())
+        names.into_iter().try_for_each(|name| remove(&self.path.join(name)))
     }
 }
 
-/// Removes a file, if it is there.
+/// Removes a file if it exists.
 fn remove(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Error::io(path, error)),
@@ -118,7 +118,7 @@ fn remove(path: &Path) -> Result<()> {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // A file that stays is in nobody's way: it is not locked.
+        // A leftover file is not locked.
         let _ = std::fs::remove_file(self.path.join(LOCK));
     }
 }
@@ -126,36 +126,45 @@ impl Drop for Folder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::tradeoff::coding::CODING;
+    use crate::report::tradeoff::rendering::RENDERING;
 
     #[test]
     fn one_process_at_a_time_and_nothing_stays() {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("out");
-        let first = Folder::open(&path).unwrap();
-        let said = Folder::open(&path).err().unwrap().to_string();
+        let first = Folder::open(&path, &CODING).unwrap();
+        let said = Folder::open(&path, &CODING).err().unwrap().to_string();
         assert!(said.contains("another tradeoff measures into it"), "{said}");
         drop(first);
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
-        drop(Folder::open(&path).unwrap());
+        drop(Folder::open(&path, &CODING).unwrap());
     }
 
     #[test]
     fn nothing_is_replaced_but_what_a_report_lists() {
         let place = tempfile::tempdir().unwrap();
-        let folder = Folder::open(place.path()).unwrap();
-        for name in [PAGE, "rendering.csv", "rendering.svg", "render.svg", "rendering.txt"] {
-            std::fs::write(place.path().join(name), "").unwrap();
+        let put = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+        put(PAGE, "");
+        {
+            let folder = Folder::open(place.path(), &CODING).unwrap();
+            assert_eq!(folder.in_the_way(), Some(place.path().join(PAGE)));
+            put("tradeoff.json", r#"{ "files": ["index.html"] }"#);
+            assert_eq!(folder.in_the_way(), None);
+            assert!(folder.work().unwrap().path().starts_with(place.path()));
         }
-        let said = folder.refuse_to_replace(&["a.csv", PAGE], &folder.files()).unwrap_err().to_string();
-        assert!(said.contains(PAGE) && said.contains("another folder") && said.contains("--overwrite"), "{said}");
-        std::fs::write(place.path().join(REPORT), r#"{ "files": ["index.html"] }"#).unwrap();
-        folder.refuse_to_replace(&["a.csv", PAGE], &folder.files()).unwrap();
-        assert!(folder.refuse_to_replace(&["rendering.csv"], &folder.files()).is_err());
-        let work = folder.work().unwrap();
-        assert!(work.path().starts_with(place.path()));
-        folder.remove(&["rendering.csv", "a.csv"], "rendering").unwrap();
-        let left = [PAGE, "rendering.csv", "rendering.svg", "render.svg", "rendering.txt"];
-        assert_eq!(left.map(|name| place.path().join(name).exists()), [true, false, false, true, true]);
+        let folder = Folder::open(place.path(), &RENDERING).unwrap();
+        assert_eq!(folder.in_the_way(), Some(place.path().join(PAGE)));
+        put("rendering.csv", "");
+        put("rendering.svg", "");
+        put("render.svg", "");
+        put("rendering.json", r#"{ "files": ["rendering.svg"] }"#);
+        assert_eq!(folder.in_the_way(), Some(place.path().join("rendering.csv")));
+        folder.clear().unwrap();
+        let left = [PAGE, "rendering.csv", "rendering.svg", "rendering.json", "render.svg", "tradeoff.json"];
+        let left = left.map(|name| place.path().join(name).exists());
+        assert_eq!(left, [false, false, false, false, true, true]);
+        assert_eq!(folder.in_the_way(), None);
     }
 
     #[test]
@@ -166,7 +175,7 @@ mod tests {
         {
             std::fs::write(place.path().join(name), "").unwrap();
         }
-        drop(Folder::open(place.path()).unwrap());
+        drop(Folder::open(place.path(), &CODING).unwrap());
         let mut left: Vec<_> =
             std::fs::read_dir(place.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
@@ -182,8 +191,8 @@ mod tests {
             std::fs::write(path.join(name), "").unwrap();
         }
         let files = r#"{ "files": ["a.png", "notes.txt", "index.html", "../c.png", "gone.svg", 5] }"#;
-        std::fs::write(path.join(REPORT), files).unwrap();
-        let folder = Folder::open(&path).unwrap();
+        std::fs::write(path.join("tradeoff.json"), files).unwrap();
+        let folder = Folder::open(&path, &CODING).unwrap();
         assert_eq!(folder.files(), ["a.png", "notes.txt", "index.html"]);
         folder.clear().unwrap();
         drop(folder);

@@ -1,14 +1,22 @@
 use super::*;
+use crate::report::tradeoff::kind::Value;
 use crate::report::tradeoff::sample;
 
+fn judge_all(results: &Results) -> Vec<Finding> {
+    judge(results, Some(&sample::tiles()))
+}
+
 fn verdict(results: &Results, name: &str) -> Verdict {
-    let findings = judge(results);
+    let findings = judge_all(results);
     findings.iter().find(|finding| finding.name == name).expect(name).verdict
 }
 
 fn with_runs(results: &Results, of: impl Fn(&Measured) -> Vec<f64>) -> Results {
     let mut results = results.clone();
-    results.measured.iter_mut().for_each(|point| point.decode.runs = of(point));
+    for point in &mut results.measured {
+        let runs = of(point);
+        point.set("decode_runs", Value::Runs(runs));
+    }
     results
 }
 
@@ -18,17 +26,18 @@ const TIMED: [&str; 3] = ["short_windows_decoding", "cells_time_over_size", "fun
 fn what_is_so_is_found_and_what_is_not_is_not() {
     use Verdict::{Found, NotFound, NotMeasured};
     let results = sample::paper();
-    let findings = judge(&results);
+    let findings = judge_all(&results);
     assert!(findings.iter().all(|finding| finding.verdict == Found), "{findings:#?}");
-    let nothing = Results { measured: vec![], tiles: None, ..results.clone() };
-    assert!(judge(&nothing).iter().all(|finding| finding.verdict == NotMeasured));
+    let nothing = Results { measured: vec![], ..results.clone() };
+    assert!(judge(&nothing, None).iter().all(|finding| finding.verdict == NotMeasured));
 
     // The same with bytes and times turned round.
-    let mut turned = with_runs(&results, |point| point.decode.runs.iter().map(|seconds| 0.01 / seconds).collect());
+    let mut turned =
+        with_runs(&results, |point| point.runs("decode_runs").iter().map(|seconds| 0.01 / seconds).collect());
     for point in &mut turned.measured {
-        point.sizes.container = 100_000_000_000 / point.sizes.container;
+        point.set("bytes_container", Value::Count(100_000_000_000 / point.count("bytes_container")));
     }
-    for finding in judge(&turned).iter().filter(|finding| finding.name != "bc4w_few_bad_few_perfect") {
+    for finding in judge_all(&turned).iter().filter(|finding| finding.name != "bc4w_few_bad_few_perfect") {
         assert_eq!(finding.verdict, NotFound, "{finding:#?}");
     }
     for name in TIMED {
@@ -41,27 +50,28 @@ fn what_is_so_is_found_and_what_is_not_is_not() {
 fn a_difference_within_the_spread_is_no_finding() {
     let results = sample::paper();
     let noisy = with_runs(&results, |point| {
-        let median = point.decode.median().unwrap_or(1.0);
+        let median = point.number("decode_seconds").unwrap_or(1.0);
         vec![median / 100.0, median, median * 100.0]
     });
     assert_eq!(verdict(&noisy, "short_windows_decoding"), Verdict::NotFound);
     assert_eq!(verdict(&noisy, "functions_faster_than_codes"), Verdict::NotFound);
     // One run has no spread to tell.
-    let single = with_runs(&results, |point| point.decode.runs[..1].to_vec());
+    let single = with_runs(&results, |point| point.runs("decode_runs")[..1].to_vec());
     assert_eq!(verdict(&single, "short_windows_decoding"), Verdict::NotFound);
     assert_eq!(verdict(&single, "functions_faster_than_codes"), Verdict::NotFound);
     assert_eq!(verdict(&single, "cells_time_over_size"), Verdict::NotMeasured);
-    let overlapping = judge(&noisy).iter().any(|finding| finding.rests_on.contains("fewer than 3 runs: 5."));
-    assert!(overlapping, "{:#?}", judge(&noisy));
+    let overlapping = judge_all(&noisy).iter().any(|finding| finding.rests_on.contains("fewer than 3 runs: 5."));
+    assert!(overlapping, "{:#?}", judge_all(&noisy));
 }
 
 #[test]
 fn what_curves_upwards_need_not_be_exponential() {
     let mut results = sample::paper();
-    for point in results.measured.iter_mut().filter(|point| point.point.kind == StreamKind::Color) {
+    for point in results.measured.iter_mut().filter(|point| point.point.stream == Some(StreamKind::Color)) {
         // It jumps at 45 dB.
         let psnr: f64 = point.point.value("psnr").unwrap().parse().unwrap();
-        point.sizes.container = if psnr < 45.0 { 1000 } else { (psnr * 1000.0) as u64 };
+        let bytes = if psnr < 45.0 { 1000 } else { (psnr * 1000.0) as u64 };
+        point.set("bytes_container", Value::Count(bytes));
     }
     assert_eq!(verdict(&results, "psnr_exponential"), Verdict::NotFound);
 }

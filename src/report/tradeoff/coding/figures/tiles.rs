@@ -1,10 +1,10 @@
 //! PSNR of tiles of 8x8 pixels by modelling function: histograms above, sorted curves below (GDC figure 6).
 
-use super::{Figure, Mark, sheet};
 use crate::depth::tile_psnr::{BIN_COUNT, BIN_DB, PsnrDistribution, TILE_SIDE, TileModel, TilePsnr};
 use crate::report::plot::axis::Axis;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
+use crate::report::tradeoff::figures::{Figure, Mark, sheet};
 
 /// Sizes of a histogram and of the chart of curves in pixels.
 const HISTOGRAM: [u32; 2] = [340, 280];
@@ -13,7 +13,7 @@ const CURVES: [u32; 2] = [1732, 400];
 const QUANTILES: u32 = 400;
 
 /// The figure of tiles that were modelled in some way; none without tiles.
-pub(super) fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
+pub fn figure(tiles: &TilePsnr, how: &str) -> Option<Figure> {
     if tiles.tiles() == 0 {
         return None;
     }

@@ -1,15 +1,16 @@
 //! Points that differ in one knob only.
 
-use super::knob;
-use super::point::{Measured, Point};
-use super::study::Results;
+use super::table::CODING;
 use crate::dataset::stream::StreamKind;
+use crate::report::tradeoff::kind::{Measured, Point, Setting};
+use crate::report::tradeoff::knob;
+use crate::report::tradeoff::study::Results;
 
 /// Points that have all settings but one in common.
 #[derive(Debug, Clone)]
 pub struct Run<'a> {
     /// What they have in common, in the order of reports.
-    pub others: Vec<(&'static str, String)>,
+    pub others: Vec<Setting>,
     /// The number that the knob has, and what was measured; by rising number.
     pub points: Vec<(f64, &'a Measured)>,
 }
@@ -17,7 +18,7 @@ pub struct Run<'a> {
 /// All runs along a knob of a kind of stream with at least `least` different numbers.
 pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usize) -> Vec<Run<'a>> {
     let mut runs: Vec<Run<'a>> = Vec::new();
-    for measured in results.measured.iter().filter(|measured| measured.point.kind == kind) {
+    for measured in results.measured.iter().filter(|measured| measured.point.stream == Some(kind)) {
         let Some(number) = measured.point.value(name).and_then(knob::number) else { continue };
         let others: Vec<_> = measured.point.settings.iter().filter(|(knob, _)| *knob != name).cloned().collect();
         match runs.iter_mut().find(|run| run.others == others) {
@@ -32,9 +33,9 @@ pub fn along<'a>(results: &'a Results, kind: StreamKind, name: &str, least: usiz
     runs
 }
 
-/// Depth as boxes of codes, without modelling functions; all else as given.
-pub fn in_boxes<'a>(results: &'a Results, others: &[(&'static str, String)]) -> Option<&'a Measured> {
+/// Depth as boxes of codes, without modelling functions, with these settings otherwise.
+pub fn in_boxes<'a>(results: &'a Results, others: &[Setting]) -> Option<&'a Measured> {
     let others = others.iter().filter(|(name, _)| *name != "depth-codec").cloned();
     let settings = others.chain([("depth-codec", "aabb".to_owned())]).collect();
-    results.of(&Point::new(StreamKind::Depth, settings))
+    results.of(&Point::new(&CODING, Some(StreamKind::Depth), settings))
 }

@@ -1,23 +1,23 @@
-//! The command lines that measure a point: the program's own, so that anybody can repeat a row of a report.
+//! The command lines that measure a point.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-use super::knob::{self, Stage};
-use super::point::Point;
+use super::table::CODING;
 use crate::dataset::stream::StreamKind;
 use crate::encode::ColorBlockSettings;
+use crate::report::tradeoff::kind::{Point, Setting};
+use crate::report::tradeoff::knob::Stage;
 use crate::streams::ColorBlocks;
 
-/// Seconds of decoding in one timed run of a point, about: what takes a fraction of a millisecond varies most, and is
-/// decoded more often.
+/// Seconds of decoding in one timed run of a point, about: short decodes vary most, and are repeated more often.
 const TIMED_SECONDS: f64 = 0.3;
 /// Passes of a decoder at least, and at most.
 const DECODER_PASSES: [u32; 2] = [9, 200];
 /// LZMA2 level of the column of sizes that have it on top.
 pub const LZMA2_LEVEL: u32 = 6;
 
-/// Passes over all frames that one timed run of a point takes the median of, where each takes so many seconds.
+/// Passes over all frames in one timed run of a point, whose median counts; `pass_seconds` is the time of one.
 pub fn decoder_passes(pass_seconds: f64) -> u32 {
     let [least, most] = DECODER_PASSES;
     ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)
@@ -47,11 +47,9 @@ pub struct Input {
     pub diff: Vec<String>,
     /// Options of decoding.
     pub decode: Vec<String>,
-    /// Changes whenever anything does that figures depend on and that is not a knob.
+    /// Configuration hash: changes with all that values depend on and that is not a knob.
     pub made_of: u32,
 }
-
-type Settings = [(&'static str, String)];
 
 impl Input {
     /// Points in time of a kind.
@@ -59,15 +57,15 @@ impl Input {
         self.kinds.iter().find(|(other, _)| *other == kind).map_or(0, |(_, frames)| *frames)
     }
 
-    /// Encodes a point, but for `-o`.
+    /// Encodes a point; without `-o`.
     pub fn encode(&self, point: &Point) -> Vec<OsString> {
-        self.encode_settings(point.kind, &point.settings, &self.encode)
+        self.encode_settings(stream_of(point), &point.settings, &self.encode)
     }
 
     /// The same coding in time with samples as they are, in neither blocks nor functions, without LZMA2.
     pub fn temporal(&self, point: &Point) -> Vec<OsString> {
         let mut settings = without(&point.settings, &["lzma2", "threads", "device"]);
-        match point.kind {
+        match stream_of(point) {
             StreamKind::Depth => {
                 let of_functions = [
                     "depth-codec",
@@ -93,13 +91,13 @@ impl Input {
         }
         let options: Vec<String> =
             self.encode.iter().filter(|option| !option.starts_with("--material-")).cloned().collect();
-        self.encode_settings(point.kind, &Point::new(point.kind, settings).settings, &options)
+        self.encode_settings(stream_of(point), &Point::new(&CODING, point.stream, settings).settings, &options)
     }
 
     /// The same without LZMA2, where the point is in blocks or functions.
     pub fn spatial(&self, point: &Point) -> Option<Vec<OsString>> {
         let value = |knob: &str| point.value(knob);
-        let has = match point.kind {
+        let has = match stream_of(point) {
             StreamKind::Depth => {
                 value("depth-codec") != Some("aabb") || value("depth-block").is_some_and(|of| of != "none")
             }
@@ -108,13 +106,13 @@ impl Input {
                 self.encode.iter().any(|option| option.starts_with("--material-block=") && !option.ends_with("=none"))
             }
         };
-        has.then(|| self.encode_settings(point.kind, &without(&point.settings, &["lzma2"]), &self.encode))
+        has.then(|| self.encode_settings(stream_of(point), &without(&point.settings, &["lzma2"]), &self.encode))
     }
 
-    fn encode_settings(&self, kind: StreamKind, settings: &Settings, options: &[String]) -> Vec<OsString> {
-        let mut words: Vec<OsString> = match (self.form, kind) {
+    fn encode_settings(&self, stream: StreamKind, settings: &[Setting], options: &[String]) -> Vec<OsString> {
+        let mut words: Vec<OsString> = match (self.form, stream) {
             (Form::Dataset, _) => {
-                vec!["encode".into(), self.path.clone().into(), format!("--stream={}", kind.name()).into()]
+                vec!["encode".into(), self.path.clone().into(), format!("--stream={}", stream.name()).into()]
             }
             (Form::Sequence, StreamKind::Color) => vec!["encode-color".into(), self.path.clone().into()],
             (Form::Sequence, _) => vec!["encode-depth".into(), self.path.clone().into()],
@@ -124,7 +122,7 @@ impl Input {
         words
     }
 
-    /// Decodes the container of a point so many times, after once that does not count.
+    /// Decodes the container of a point `passes` times, after a warm-up.
     pub fn decode(&self, point: &Point, container: &Path, passes: u32) -> Vec<OsString> {
         let mut words = vec!["decode".into(), container.into(), "--null".into(), format!("--repeat={passes}").into()];
         words.extend(knob_options(&point.settings, Stage::Decode));
@@ -136,8 +134,8 @@ impl Input {
     /// Compares the container of a point with the footage.
     pub fn diff(&self, point: &Point, container: &Path) -> Vec<OsString> {
         let mut words = vec!["diff".into(), self.path.clone().into(), container.into()];
-        words.push(format!("--stream={}", point.kind.name()).into());
-        if point.kind != StreamKind::Color {
+        words.push(format!("--stream={}", stream_of(point).name()).into());
+        if stream_of(point) != StreamKind::Color {
             words.push("--ssim=none".into());
         }
         words.extend(self.diff.iter().map(OsString::from));
@@ -158,30 +156,19 @@ pub fn into_file(mut words: Vec<OsString>, output: &Path) -> Vec<OsString> {
     words
 }
 
-/// A command line of this program as a POSIX shell takes it.
-pub fn shell_line<S: AsRef<std::ffi::OsStr>>(words: &[S]) -> String {
-    let words = words.iter().map(|word| shell_word(&word.as_ref().to_string_lossy()));
-    std::iter::once("lightfold".to_owned()).chain(words).collect::<Vec<_>>().join(" ")
+/// The kind of stream of a point; points of coding have one.
+fn stream_of(point: &Point) -> StreamKind {
+    point.stream.unwrap_or(StreamKind::Color)
 }
 
-/// A word as a POSIX shell takes it: in quotes where it holds more than plain characters.
-pub fn shell_word(text: &str) -> String {
-    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+,:@%=".contains(c);
-    if !text.is_empty() && text.chars().all(plain) {
-        text.to_owned()
-    } else {
-        format!("'{}'", text.replace('\'', r"'\''"))
-    }
-}
-
-fn knob_options(settings: &Settings, stage: Stage) -> impl Iterator<Item = OsString> {
+fn knob_options(settings: &[Setting], stage: Stage) -> impl Iterator<Item = OsString> {
     settings.iter().filter_map(move |(name, value)| {
-        let knob = knob::find(name)?;
+        let knob = CODING.knob(name)?;
         (knob.stage == stage || knob.stage == Stage::Both).then(|| knob.option(value))?.map(OsString::from)
     })
 }
 
-fn without(settings: &Settings, names: &[&str]) -> Vec<(&'static str, String)> {
+fn without(settings: &[Setting], names: &[&str]) -> Vec<Setting> {
     settings.iter().filter(|(name, _)| !names.contains(name)).cloned().collect()
 }
 
@@ -205,6 +192,7 @@ fn psnr_in_time(point: &Point, options: &[String]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::tradeoff::runner::shell_line;
     use StreamKind::{Color, Depth};
 
     fn input(form: Form, encode: &[&str]) -> Input {
@@ -219,8 +207,8 @@ mod tests {
         }
     }
 
-    fn point(kind: StreamKind, settings: &[(&'static str, &str)]) -> Point {
-        Point::new(kind, settings.iter().map(|&(name, value)| (name, value.to_owned())).collect())
+    fn point(stream: StreamKind, settings: &[(&'static str, &str)]) -> Point {
+        Point::new(&CODING, Some(stream), settings.iter().map(|&(name, value)| (name, value.to_owned())).collect())
     }
 
     #[test]
@@ -272,12 +260,5 @@ mod tests {
     fn what_is_quick_is_decoded_more_often() {
         let passes = [0.0, 0.001, 0.002, 0.01, 0.1, 10.0].map(decoder_passes);
         assert_eq!(passes, [200, 200, 150, 30, 9, 9]);
-    }
-
-    #[test]
-    fn words_of_a_shell() {
-        assert_eq!(shell_word("a/b-c_1.%04d"), "a/b-c_1.%04d");
-        assert_eq!(shell_word("it's"), r"'it'\''s'");
-        assert_eq!(shell_word(""), "''");
     }
 }

@@ -1,0 +1,150 @@
+//! Sweeps of coding, and recommendations from their points.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::measure::{Opened, Sweeping};
+use super::{Args, input, text, tiles};
+use crate::cli::{ExitStatus, GlobalArgs, output};
+use crate::dataset::stream::StreamKind;
+use crate::error::{Error, Result};
+use crate::report::tradeoff::coding::bench::CodingBench;
+use crate::report::tradeoff::coding::recommend::{Advice, Demands, recommend};
+use crate::report::tradeoff::coding::{CODING, figures, findings, json as report};
+use crate::report::tradeoff::kind::Setting;
+use crate::report::tradeoff::page::Extras;
+use crate::report::tradeoff::plan::{self, Preset};
+use crate::report::tradeoff::store::{Store, StoredPoint};
+use crate::report::tradeoff::study::{Study, all_points};
+
+/// Recommends from the points of a folder.
+pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatus> {
+    let store = Store::open(&CODING, &args.output, None)?;
+    let is_chosen = |row: &&StoredPoint| {
+        args.stream.is_empty() || row.measured.point.stream.is_some_and(|stream| args.stream.contains(&stream))
+    };
+    let rows: Vec<&StoredPoint> = store.rows.iter().filter(is_chosen).collect();
+    if rows.is_empty() {
+        return Err(Error::Usage(format!(
+            "{}: no point has been measured; name the footage and what to sweep",
+            store.path().display()
+        )));
+    }
+    let advised = Advised::new(&rows, demands);
+    if advised.advice.is_empty() {
+        return Err(Error::Usage(advised.text().trim_end().to_owned()));
+    }
+    if args.json {
+        output::print_json(&json!({ "recommended": advised.json() }))?;
+    } else {
+        output::print_text(&advised.text())?;
+    }
+    Ok(advised.status())
+}
+
+/// Recommendations.
+struct Advised<'a> {
+    advice: Vec<Advice<'a>>,
+    /// Kinds of streams that were measured and have no demands.
+    unasked: Vec<StreamKind>,
+}
+
+impl<'a> Advised<'a> {
+    fn new(rows: &[&'a StoredPoint], demands: &Demands) -> Advised<'a> {
+        let measured = |stream: &StreamKind| rows.iter().any(|row| row.measured.point.stream == Some(*stream));
+        let unasked =
+            StreamKind::ALL.into_iter().filter(measured).filter(|stream| demands.aim(*stream).is_none()).collect();
+        Advised { advice: recommend(rows, demands), unasked }
+    }
+
+    fn json(&self) -> Vec<Value> {
+        self.advice.iter().map(report::advice).collect()
+    }
+
+    fn text(&self) -> String {
+        text::advice(&self.advice, &self.unasked)
+    }
+
+    fn status(&self) -> ExitStatus {
+        match self.advice.iter().all(|advice| advice.misses.is_empty()) {
+            true => ExitStatus::Passed,
+            false => ExitStatus::Failed,
+        }
+    }
+}
+
+/// Measures footage; recommends where there are demands.
+pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<ExitStatus> {
+    let start = Instant::now();
+    let (footage, fixed) = input::open(path, &args.stream, &args.fixed, global)?;
+    let streams: Vec<StreamKind> = footage.input.kinds.iter().map(|(stream, _)| *stream).collect();
+    let nothing = args.sweep.is_empty() && args.preset.is_none();
+    // Demands alone need some points.
+    let preset = args.preset.map(Into::into).or((nothing && demands.is_some()).then_some(Preset::Quick));
+    let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &fixed.knobs };
+    let plan = plan::plan(&request)?;
+    input::check(&footage.input, &all_points(&plan.studies))?;
+    let made_of = footage.input.made_of;
+    let mut opened = Opened::new(args, &CODING, |folder: &Path| Store::open(&CODING, folder, Some(made_of)))?;
+    if !global.quiet {
+        implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
+    }
+    let mut left_out = plan.left_out;
+    // They are first, so that the points have all of the time that is left.
+    let tiles = plan.tiles.then(|| tiles::measure(&footage, args.budget_seconds, global)).transpose()?;
+    let tiles = tiles.and_then(|tiles| tiles.map_err(|why| left_out.push(why)).ok());
+    let sweeping = Sweeping {
+        args,
+        global,
+        start,
+        studies: plan.studies,
+        left_out,
+        about: "Less is better for bytes, time and score.".to_owned(),
+        commands: Vec::new(),
+    };
+    let finished = sweeping.measure(&CODING, &mut opened, |work| Box::new(CodingBench::new(&footage.input, work)))?;
+    if input::made_of(path, &footage.source, &fixed)? != made_of {
+        return Err(Error::invalid(format!(
+            "{path}: the footage, or this program, changed while it was measured; measure again with --overwrite"
+        )));
+    }
+    let mut extras = Extras {
+        figures: figures::bounds(&finished.results),
+        findings: findings::judge(&finished.results, tiles.as_ref()),
+    };
+    let mut more = json!({});
+    if let Some(tiles) = &tiles {
+        extras.figures.extend(figures::tiles(tiles, &footage.tiles_how));
+        more["tiles"] = report::tile_psnr(tiles);
+        more["tiles"]["how"] = json!(footage.tiles_how);
+    }
+    let is_of_input = |row: &&StoredPoint| row.measured.point.stream.is_some_and(|stream| streams.contains(&stream));
+    let at_hand: Vec<&StoredPoint> = opened.store.rows.iter().filter(is_of_input).collect();
+    let advised = demands.map(|demands| Advised::new(&at_hand, &demands));
+    if let Some(advised) = &advised {
+        more["recommended"] = advised.json().into();
+    }
+    let words = advised.as_ref().map_or_else(String::new, |advised| format!("\n{}", advised.text()));
+    finished.tell(&opened, &extras, more, &words)?;
+    Ok(advised.map_or(ExitStatus::Passed, |advised| advised.status()))
+}
+
+/// Settings that knobs require and that were not given, a sentence each.
+fn implied(studies: &[Study], given: &[Setting]) -> Vec<String> {
+    let mut told: Vec<String> = Vec::new();
+    for study in studies {
+        for knob in study.axes.iter().filter_map(|axis| CODING.knob(axis.knob)) {
+            for (name, value) in knob.implies {
+                let is_fixed = study.fixed.iter().any(|(other, fixed)| other == name && fixed == value);
+                let stream = study.stream.map_or("", StreamKind::name);
+                let sentence = format!("{stream} is measured with --{name} {value}, which {} is of", knob.name);
+                if is_fixed && given.iter().all(|(other, _)| other != name) && !told.contains(&sentence) {
+                    told.push(sentence);
+                }
+            }
+        }
+    }
+    told
+}

@@ -1,0 +1,120 @@
+//! Options after `--`, which all points have.
+
+use std::ffi::OsString;
+
+use clap::parser::ValueSource;
+use clap::{CommandFactory, Parser};
+
+use crate::cli::Cli;
+use crate::error::{Error, Result};
+use crate::report::tradeoff::study::Axis;
+
+/// An option that was given.
+#[derive(Debug, PartialEq)]
+pub struct FixedOption {
+    /// The option without its dashes.
+    pub name: String,
+    /// The value of each occurrence; empty for a switch.
+    pub values: Vec<String>,
+}
+
+impl FixedOption {
+    /// As words of a command line.
+    pub fn words(&self) -> Vec<String> {
+        match self.values.is_empty() {
+            true => vec![format!("--{}", self.name)],
+            false => self.values.iter().map(|value| format!("--{}={value}", self.name)).collect(),
+        }
+    }
+
+    /// All values; none for a switch.
+    pub fn value(&self) -> Option<String> {
+        (!self.values.is_empty()).then(|| self.values.join(","))
+    }
+}
+
+/// The subcommand whose options are read.
+pub struct OptionsOf<'a> {
+    /// Its name.
+    pub command: &'a str,
+    /// Words that make a line of it complete.
+    pub line: &'a [&'a str],
+    /// Options that tradeoff sets itself.
+    pub own: &'a [&'a str],
+    /// Options of another subcommand that are taken as well: its name, and theirs.
+    pub also: Option<(&'a str, &'a [&'a str])>,
+}
+
+impl OptionsOf<'_> {
+    /// The options among `words`, in the order of the help.
+    ///
+    /// # Errors
+    /// When the subcommand refuses them, or tradeoff sets or sweeps them itself.
+    pub fn read(&self, words: &[String], axes: &[Axis]) -> Result<Vec<FixedOption>> {
+        let mut root = Cli::command();
+        root.build();
+        let arguments = |command: &str| {
+            let found = root.find_subcommand(command).into_iter().flat_map(clap::Command::get_arguments);
+            found.filter(|argument| argument.get_long().is_some()).cloned().collect::<Vec<_>>()
+        };
+        let mut known = arguments(self.command);
+        let mut more = self.also.map_or(Vec::new(), |(command, _)| arguments(command));
+        more.retain(|argument| {
+            self.also.is_some_and(|(_, names)| argument.get_long().is_some_and(|name| names.contains(&name)))
+        });
+        let parser = Cli::command().mut_subcommand(self.command, |command| command.args(more.clone()));
+        known.extend(more);
+        let line = [&["lightfold", self.command], self.line].concat();
+        let line = line.into_iter().map(str::to_owned).chain(words.iter().cloned());
+        let matches = parser.try_get_matches_from(line).map_err(|error| refused(&error))?;
+        let Some((_, matches)) = matches.subcommand() else { return Ok(Vec::new()) };
+        let mut found = Vec::new();
+        for argument in &known {
+            let (id, Some(name)) = (argument.get_id().as_str(), argument.get_long()) else { continue };
+            let option = format!("--{name}");
+            let is_given = matches!(matches.try_contains_id(id), Ok(true))
+                && matches.value_source(id) == Some(ValueSource::CommandLine);
+            let is_of_line = self.line.contains(&option.as_str())
+                && words.iter().all(|word| word.split('=').next() != Some(&option));
+            if !is_given || is_of_line || name == "output" {
+                continue;
+            }
+            if self.own.contains(&name) {
+                return Err(Error::Usage(format!("{option} after --: tradeoff gives it to its points itself")));
+            }
+            if axes.iter().any(|axis| axis.knob == name) {
+                return Err(Error::Usage(format!("{option}: it is swept, so that it cannot be fixed as well")));
+            }
+            let mut values = Vec::new();
+            if argument.get_action().takes_values() {
+                for each in matches.get_raw_occurrences(id).into_iter().flatten() {
+                    let each: Vec<_> = each.map(|value| value.to_string_lossy().into_owned()).collect();
+                    values.push(each.join(","));
+                }
+            }
+            found.push(FixedOption { name: name.to_owned(), values });
+        }
+        Ok(found)
+    }
+}
+
+/// Parses a command line of this program.
+///
+/// # Errors
+/// When it is refused.
+pub fn parse(words: &[OsString]) -> Result<Cli> {
+    let words = std::iter::once("lightfold".into()).chain(words.iter().cloned());
+    Cli::try_parse_from(words).map_err(|error| refused(&error))
+}
+
+/// The first sentence of a parser's message.
+fn refused(error: &clap::Error) -> Error {
+    use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
+    if matches!(error.kind(), DisplayHelp | DisplayVersion) {
+        return Error::Usage("--help and --version are no options of encoding: give them before --".into());
+    }
+    let text = error.to_string();
+    let text = text.strip_prefix("error: ").unwrap_or(&text);
+    let sentence: Vec<&str> = text.split("\n\n").next().unwrap_or(text).lines().map(str::trim).collect();
+    Error::Usage(sentence.join(" "))
+}

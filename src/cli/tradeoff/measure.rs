@@ -1,0 +1,190 @@
+//! The steps of every sweep: lock the folder, measure, write the files, print.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::child::Children;
+use super::{Args, text};
+use crate::cli::progress::Progress;
+use crate::cli::{GlobalArgs, output};
+use crate::error::{Error, Result};
+use crate::files::OutputFile;
+use crate::report::machine;
+use crate::report::tradeoff::folder::Folder;
+use crate::report::tradeoff::json::Report;
+use crate::report::tradeoff::kind::SweepKind;
+use crate::report::tradeoff::page::{self, Extras};
+use crate::report::tradeoff::runner::{Bench, shell_line};
+use crate::report::tradeoff::schedule::{self, Extent, FailedPoint, Lab};
+use crate::report::tradeoff::store::{Store, StoredPoint};
+use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points};
+
+/// The locked folder of a sweep, and its points so far.
+pub struct Opened {
+    /// The folder.
+    pub folder: Folder,
+    /// The points.
+    pub store: Store,
+}
+
+impl Opened {
+    /// Opens the folder of a sweep.
+    ///
+    /// # Errors
+    /// When it has files of another sweep, or points with another configuration hash, that are not to be replaced.
+    pub fn new(args: &Args, kind: &'static SweepKind, store: impl FnOnce(&Path) -> Result<Store>) -> Result<Opened> {
+        let folder = Folder::open(&args.output, kind)?;
+        match folder.in_the_way() {
+            Some(path) if !args.overwrite => {
+                return Err(Error::Usage(format!(
+                    "{}: exists and would be lost; name another folder, or replace it by --overwrite",
+                    path.display()
+                )));
+            }
+            _ => {}
+        }
+        let store = store(&args.output)?;
+        if args.overwrite && (store.dropped > 0 || !kind.is_resumable) {
+            folder.clear()?;
+        } else if store.dropped > 0 {
+            let count = store.dropped;
+            let are = if count == 1 { "1 point is" } else { &format!("{count} points are") };
+            return Err(Error::Usage(format!(
+                "{}: {are} of other footage, options, machine or program; name another folder, or replace all of it by \
+                 --overwrite",
+                store.path().display()
+            )));
+        }
+        Ok(Opened { folder, store })
+    }
+}
+
+/// A sweep that is to be measured.
+pub struct Sweeping<'a> {
+    /// The arguments.
+    pub args: &'a Args,
+    /// The global ones.
+    pub global: &'a GlobalArgs,
+    /// When the command began.
+    pub start: Instant,
+    /// What is swept.
+    pub studies: Vec<Study>,
+    /// What a preset has and the input has no streams for.
+    pub left_out: Vec<String>,
+    /// What the sweep is about, a sentence.
+    pub about: String,
+    /// Commands that anyone can repeat.
+    pub commands: Vec<ExampleCommand>,
+}
+
+/// A measured sweep.
+pub struct Finished<'a> {
+    args: &'a Args,
+    global: &'a GlobalArgs,
+    /// Its results.
+    pub results: Results,
+    /// Points that failed.
+    pub failed: Vec<FailedPoint>,
+}
+
+impl<'a> Sweeping<'a> {
+    /// Measures all points. `bench` is given the folder of unfinished work.
+    ///
+    /// # Errors
+    /// When the user asks to stop, a file cannot be written, or every point fails.
+    pub fn measure<'b>(
+        self,
+        kind: &'static SweepKind,
+        opened: &mut Opened,
+        bench: impl FnOnce(&Path) -> Box<dyn Bench + 'b>,
+    ) -> Result<Finished<'a>> {
+        let Opened { folder, store } = opened;
+        let extent = Extent { repeats: self.args.repeats, budget_seconds: self.args.budget_seconds };
+        let work = folder.work()?;
+        let progress = Progress::start(self.global, "measuring", schedule::runs(&self.studies, extent, store))?;
+        let children = Children::new(&progress, self.start)?;
+        let mut bench = bench(work.path());
+        let lab = Lab { runner: &children, bench: bench.as_mut(), store };
+        let done = schedule::measure(&self.studies, extent, lab, &progress);
+        drop(progress);
+        if done.is_err() && !store.rows.is_empty() {
+            let next =
+                if kind.is_resumable { "the same command goes on from there" } else { "measuring again starts over" };
+            output::note(format_args!("{}: {} points are kept; {next}", store.path().display(), store.rows.len()));
+        }
+        let done = done?;
+        let mut left_out = self.left_out;
+        left_out.extend(done.left_out);
+        left_out.extend(done.failed.iter().map(|of| format!("Point {} failed: {}", of.point, of.error)));
+        let points = all_points(&done.studies);
+        // Without a run there is no time to show.
+        let timed = points.iter().filter(|point| store.runs(point) > 0);
+        let machine = std::iter::once(machine::describe()).chain(bench.devices().iter().cloned());
+        let results = Results {
+            sweep: kind,
+            input: self.args.input.clone().unwrap_or_default(),
+            about: self.about,
+            command_line: shell_line(&std::env::args_os().skip(1).collect::<Vec<_>>()),
+            machine: machine.collect::<Vec<_>>().join("; "),
+            measured: timed.filter_map(|point| Some(store.row(point)?.measured.clone())).collect(),
+            studies: done.studies,
+            left_out,
+            weights: self.args.weights.unwrap_or_default(),
+            commands: self.commands,
+        };
+        Ok(Finished { args: self.args, global: self.global, results, failed: done.failed })
+    }
+}
+
+impl Finished<'_> {
+    /// Writes pictures, page and JSON, and prints; `more` has further keys of the JSON, and `words` further text.
+    ///
+    /// # Errors
+    /// When a file cannot be written, or a point failed.
+    pub fn tell(&self, opened: &Opened, extras: &Extras, more: Value, words: &str) -> Result<()> {
+        let (Opened { folder, store }, args) = (opened, self.args);
+        let rows: Vec<&StoredPoint> =
+            self.results.measured.iter().filter_map(|measured| store.row(&measured.point)).collect();
+        let mut files = vec![store.path().to_path_buf(), folder.report()];
+        files.extend(page::write(&self.results, extras, &args.output)?);
+        // Pictures of other sweeps over the same footage stay, and are listed.
+        let mut names = folder.files();
+        names.extend(files.iter().filter_map(|path| Some(path.file_name()?.to_string_lossy().into_owned())));
+        names.sort();
+        names.dedup();
+        let report = Report::new(&self.results, &extras.findings, &rows, &self.failed);
+        let mut all = serde_json::to_value(report).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+        all["files"] = json!(names);
+        if let Value::Object(more) = more {
+            more.into_iter().for_each(|(key, value)| all[key] = value);
+        }
+        write_json(&all, &folder.report())?;
+        if args.json {
+            output::print_json(&all)?;
+        } else {
+            output::print_text(&format!("{}{words}", text::report(&self.results, &extras.findings, &files)))?;
+        }
+        if !self.global.quiet {
+            self.results.left_out.iter().for_each(output::note);
+        }
+        match self.failed.first() {
+            None => Ok(()),
+            Some(FailedPoint { point, error }) => Err(Error::invalid(format!(
+                "{} of {} points failed, and are tried again by the same command; {point}: {error}",
+                self.failed.len(),
+                all_points(&self.results.studies).len()
+            ))),
+        }
+    }
+}
+
+fn write_json(all: &Value, path: &Path) -> Result<PathBuf> {
+    let text = serde_json::to_string_pretty(all).map_err(|error| Error::invalid(format!("JSON: {error}")))?;
+    let mut file = OutputFile::create(path)?;
+    writeln!(file, "{text}").map_err(|error| Error::io(path, error))?;
+    file.commit()?;
+    Ok(path.to_path_buf())
+}

@@ -1,0 +1,36 @@
+//! JSON of what only coding has: PSNR of tiles, recommendations.
+
+use serde_json::{Map, Value, json};
+
+use super::recommend::Advice;
+use crate::depth::tile_psnr::{BIN_DB, EXACT_DB, PsnrDistribution, TileModel, TilePsnr};
+use crate::report::tradeoff::json::{json_number, point};
+
+/// A recommendation, with its point.
+pub fn advice(advice: &Advice<'_>) -> Value {
+    json!({
+        "kind": advice.row.measured.point.stream.map(|stream| stream.name()),
+        "found": advice.misses.is_empty(),
+        "misses": advice.misses,
+        "command": advice.row.command,
+        "point": point(advice.row),
+    })
+}
+
+/// PSNR of tiles by modelling function.
+pub fn tile_psnr(found: &TilePsnr) -> Value {
+    let model = |psnr: &PsnrDistribution| {
+        json!({
+            "mean_db": psnr.mean_db(),
+            "min_db": json_number(psnr.min_db()),
+            "p05_db": json_number(psnr.quantile_db(0.05)),
+            "p50_db": json_number(psnr.quantile_db(0.5)),
+            "p95_db": json_number(psnr.quantile_db(0.95)),
+            "exact_tiles": psnr.exact,
+            "unmodelled_tiles": psnr.unmodelled,
+            "histogram": psnr.histogram(),
+        })
+    };
+    let models: Map<_, _> = TileModel::ALL.into_iter().map(|of| (of.name().to_owned(), model(found.of(of)))).collect();
+    json!({ "count": found.tiles(), "bin_db": BIN_DB, "exact_counts_as_db": EXACT_DB, "models": models })
+}

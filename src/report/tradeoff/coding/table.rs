@@ -1,0 +1,201 @@
+//! Sweeps of encoding and decoding: bytes, quality and time of footage (CALF figures 7 and 8, GDC figures 5, 6 and 8).
+
+use StreamKind::{Color, Depth, Material};
+
+use crate::dataset::stream::StreamKind;
+use crate::report::timing::{median, spread};
+use crate::report::tradeoff::kind::{
+    Better, Format, Measure, Measured, Panel, PanelLine, Scale, SweepKind, Trade, TradeAxis,
+};
+use crate::report::tradeoff::knob::{ALL_STREAMS, Knob, Stage};
+/// Sweeps of encoding and decoding.
+pub static CODING: SweepKind = SweepKind {
+    stem: "tradeoff",
+    title: "What accuracy costs",
+    input_label: "Footage",
+    knobs: KNOBS,
+    measures: MEASURES,
+    panels: PANELS,
+    trades: TRADES,
+    is_scored: true,
+    is_resumable: true,
+    survey_runs: 0,
+    method: "Each point was encoded, decoded and compared by the commands that tradeoff.csv lists. A decoding run is the median \
+             of several passes with the container in memory, without LZMA2; encoding includes reading the source. A frame \
+             has the images of all probes and faces.",
+};
+
+const fn encode(
+    name: &'static str,
+    label: &'static str,
+    streams: &'static [StreamKind],
+    default: &'static str,
+    usual: &'static [&'static str],
+) -> Knob {
+    Knob::new(Stage::Encode, name, label, default, usual).of(streams)
+}
+
+/// Knobs of encoding and decoding, in the order of reports.
+pub const KNOBS: &[Knob] = &[
+    encode("depth-codec", "depth codec", &[Depth], "quadtree", &["quadtree", "aabb", "bc4w"]),
+    encode("depth-window", "depth window (frames)", &[Depth], "2", &["1", "2", "4", "8", "16"]),
+    encode("max-aabbs", "AABB limit", &[Depth, Material], "8", &["1", "2", "4", "8", "16"])
+        .with(&[("depth-codec", "aabb")]),
+    encode("update-threshold", "update threshold (codes)", &[Depth], "0, with bc5 100", &["0", "10", "30", "100"])
+        .formerly("epsilon"),
+    encode("max-error", "error bound E (codes)", &[Depth], "100", &["0", "10", "25", "50", "100", "200", "400", "800"])
+        .formerly("error"),
+    encode(
+        "max-error-relative",
+        "error bound (relative to the depth)",
+        &[Depth],
+        "as max-error",
+        &["0%", "0.05%", "0.1%", "0.2%", "0.5%"],
+    )
+    .formerly("error-relative"),
+    encode("depth-domain", "domain of functions", &[Depth], "log", &["log", "linear", "inverse"]),
+    encode("optimize", "optimization goal", &[Depth], "quality", &["quality", "size"]).formerly("decide"),
+    encode("min-children", "children changed before one function is tried", &[Depth], "3", &["1", "2", "3", "4"]),
+    encode("depth-block", "depth blocks", &[Depth], "none", &["none", "bc5"]).with(&[("depth-codec", "aabb")]),
+    encode("depth-tile", "tile size (pixels)", &[Depth, Material], "half of the face", &["32", "64", "128", "256"]),
+    encode("keyframe-interval", "keyframe interval (frames)", &[Depth, Material], "64", &["4", "8", "16", "32", "64"]),
+    encode("color-cell", "cell size (pixels)", &[Color], "64", &["8", "16", "32", "64", "128"]).formerly("cell"),
+    encode("psnr", "PSNR threshold (dB)", &[Color], "50, in blocks as psnr-final", &["30", "35", "40", "45", "50"]),
+    encode("color-block", "colour blocks", &[Color], "none", &["none", "bc1", "bc7"]),
+    encode("psnr-final", "PSNR threshold in blocks (dB)", &[Color], "30 for bc1, else 40", &["30", "35", "40", "45"])
+        .with(&[("color-block", "bc7")]),
+    encode("keyframe-reach", "keyframe reach (pictures)", &[Color], "64", &["4", "16", "64", "256"]),
+    encode(
+        "material-error",
+        "error bound of material (steps of 8 bits)",
+        &[Material],
+        "0",
+        &["0", "2", "4", "8", "16"],
+    ),
+    encode("effort", "effort", ALL_STREAMS, "normal", &["fast", "normal"]),
+    Knob { without: Some("none"), ..encode("lzma2", "LZMA2 level", ALL_STREAMS, "none", &["none", "1", "6", "9"]) },
+    Knob::new(Stage::Both, "threads", "threads", "all", &["1", "2", "4"]).of(ALL_STREAMS),
+    Knob::new(Stage::Decode, "device", "device", "cpu", &["cpu", "gpu"]).of(ALL_STREAMS),
+];
+
+/// Sizes are those of CALF table 1: the footage, coded in time, with blocks or functions, the container, with LZMA2 on top.
+/// Depth errors are in 16-bit log codes, those of material in steps of 8 bits.
+const MEASURES: &[Measure] = &[
+    Measure::count("bytes_raw", 1).shown("raw", Format::Bytes),
+    Measure::count("bytes_temporal", 1).shown("in time", Format::Bytes),
+    Measure::optional_count("bytes_spatial").shown("blocks or functions", Format::Bytes),
+    Measure::count("bytes_container", 1).shown("container", Format::Bytes),
+    Measure::count("bytes_lzma2", 1).shown("+ LZMA2", Format::Bytes),
+    Measure::derived("ratio_percent", |of| Some(percent(of, "bytes_container", "bytes_raw")))
+        .shown("% of raw", Format::Decimals(2)),
+    Measure::derived("ratio_lzma2_percent", |of| Some(percent(of, "bytes_lzma2", "bytes_raw"))),
+    Measure::derived("encode_seconds", |of| median(of.runs("encode_runs")))
+        .median_of("encode_runs")
+        .shown("encode s", Format::Even),
+    Measure::derived("encode_seconds_min", |of| Some(spread(of.runs("encode_runs"))?.low)),
+    Measure::derived("encode_seconds_max", |of| Some(spread(of.runs("encode_runs"))?.high)),
+    Measure::runs("encode_runs"),
+    Measure::derived("decode_seconds", |of| median(of.runs("decode_runs"))).median_of("decode_runs"),
+    Measure::derived("decode_seconds_min", |of| Some(spread(of.runs("decode_runs"))?.low)),
+    Measure::derived("decode_seconds_max", |of| Some(spread(of.runs("decode_runs"))?.high)),
+    Measure::runs("decode_runs"),
+    Measure::count("decode_passes", 0),
+    Measure::derived("decode_ms_per_frame", |of| {
+        Some(median(of.runs("decode_runs"))? * 1000.0 / of.count("frames").max(1) as f64)
+    })
+    .median_of("decode_runs")
+    .shown("decode ms a frame", Format::Even),
+    Measure::derived("megapixels_per_second", |of| {
+        Some(of.count("pixels") as f64 / 1e6 / median(of.runs("decode_runs"))?.max(1e-9))
+    })
+    .shown("Mpixel/s", Format::Decimals(0)),
+    Measure::derived("changed_percent", |of| Some(percent(of, "updated_pixels", "pixels")))
+        .shown("changed %", Format::Decimals(1)),
+    Measure::count("frames", 1),
+    Measure::count("images", 1),
+    Measure::count("pixels", 1),
+    Measure::count("updated_pixels", 0),
+    Measure::decibels("psnr_db", true).shown("PSNR dB", Format::Decimals(2)),
+    Measure::decibels("min_psnr_db", false).shown("worst cell dB", Format::Decimals(2)),
+    Measure::signed("ssim").shown("SSIM", Format::Decimals(4)),
+    Measure::optional_count("max_error_codes").shown("max error", Format::Decimals(0)),
+    Measure::optional("max_error_m").shown("max error m", Format::Even),
+    Measure::optional_count("encode_peak_bytes").shown("encode memory", Format::Bytes),
+    Measure::optional_count("decode_peak_bytes").shown("decode memory", Format::Bytes),
+];
+
+fn percent(of: &Measured, part: &str, whole: &str) -> f64 {
+    100.0 * of.count(part) as f64 / of.count(whole).max(1) as f64
+}
+
+const fn line(label: &'static str, measure: &'static str) -> PanelLine {
+    PanelLine { label, measure, factor: 1.0 }
+}
+
+const fn panel(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
+    Panel { title, lines, scale, streams: &[], map: None }
+}
+
+const PANELS: &[Panel] = &[
+    Panel {
+        map: Some(Better::Less),
+        ..panel("Container", Scale::Bytes, &[line("container", "bytes_container"), line("with LZMA2", "bytes_lzma2")])
+    },
+    Panel {
+        streams: &[Color],
+        ..panel("PSNR (dB)", Scale::Decibels, &[line("all samples", "psnr_db"), line("worst cell", "min_psnr_db")])
+    },
+    Panel { streams: &[Depth, Material], ..panel("PSNR (dB)", Scale::Decibels, &[line("", "psnr_db")]) },
+    Panel { streams: &[Color], ..panel("SSIM", Scale::Linear, &[line("", "ssim")]) },
+    Panel { streams: &[Depth], ..panel("Largest error (16-bit codes)", Scale::Linear, &[line("", "max_error_codes")]) },
+    Panel {
+        streams: &[Material],
+        ..panel("Largest error (8-bit steps)", Scale::Linear, &[line("", "max_error_codes")])
+    },
+    Panel {
+        map: Some(Better::Less),
+        ..panel("Decoding (ms a frame)", Scale::Linear, &[line("", "decode_ms_per_frame")])
+    },
+    panel("Encoding (s)", Scale::Linear, &[line("", "encode_seconds")]),
+];
+
+const RATE: TradeAxis = TradeAxis {
+    label: "container (% of raw footage)",
+    measure: "ratio_percent",
+    factor: 1.0,
+    scale: Scale::Logarithmic,
+    better: Better::Less,
+    is_time: false,
+};
+const TIME: TradeAxis =
+    TradeAxis { label: "decoding (ms a frame)", measure: "decode_ms_per_frame", is_time: true, ..RATE };
+const DISTORTION: TradeAxis =
+    TradeAxis { label: "PSNR (dB)", measure: "psnr_db", scale: Scale::Decibels, better: Better::More, ..RATE };
+const PSNR_NOTE: &str = " PSNR is that of all samples; of depth, in 16-bit logarithmic codes.";
+
+const TRADES: &[Trade] = &[
+    Trade {
+        name: "rate-distortion",
+        title: "Rate and distortion",
+        across: RATE,
+        up: DISTORTION,
+        note: PSNR_NOTE,
+        is_by_last_knob: false,
+    },
+    Trade {
+        name: "time-distortion",
+        title: "Decoding time and distortion",
+        across: TIME,
+        up: DISTORTION,
+        note: PSNR_NOTE,
+        is_by_last_knob: false,
+    },
+    Trade {
+        name: "rate-time",
+        title: "Rate and decoding time",
+        across: RATE,
+        up: TIME,
+        note: " Quality is not in this figure.",
+        is_by_last_knob: false,
+    },
+];

@@ -1,0 +1,175 @@
+//! What figures share: sheets of charts with a title, axes of knobs, marks with their range.
+
+use crate::report::plot::Drawing;
+use crate::report::plot::axis;
+use crate::report::plot::drawing::Text;
+use crate::report::plot::number;
+use crate::report::plot::palette;
+use crate::report::timing::runs_in_words;
+use crate::report::tradeoff::kind::{Measured, PanelLine, Point, Scale, Setting, words};
+use crate::report::tradeoff::study::{Axis, Results, Study};
+
+pub use crate::report::plot::chart::Mark;
+
+/// A picture with its caption.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its files, without an ending.
+    pub name: String,
+    /// What it shows and how it is read, in sentences.
+    pub caption: String,
+    /// The picture.
+    pub drawing: Drawing,
+}
+
+/// The axis of a knob, and the place of each value on it.
+pub struct KnobAxis {
+    /// The axis.
+    pub axis: axis::Axis,
+    /// One place for each value.
+    pub places: Vec<f64>,
+}
+
+impl KnobAxis {
+    /// Numbers are placed by their value, words in their order.
+    pub fn new(study: &Study, along: &Axis) -> KnobAxis {
+        let label = study.label(along);
+        match along.numbers() {
+            Some(places) => KnobAxis { axis: axis::Axis::of_settings(label, &places), places },
+            None => {
+                let places = (0..along.values.len()).map(|at| at as f64).collect();
+                KnobAxis { axis: axis::Axis::of_words(label, &along.values), places }
+            }
+        }
+    }
+}
+
+/// The point of a study whose varied axes have these values.
+pub fn point_at(study: &Study, values: impl IntoIterator<Item = Setting>) -> Point {
+    let single =
+        study.axes.iter().filter(|axis| axis.values.len() == 1).map(|axis| (axis.knob, axis.values[0].clone()));
+    Point::new(study.sweep, study.stream, study.fixed.iter().cloned().chain(single).chain(values).collect())
+}
+
+/// The mark of a point, with the range of its runs; `unit` divides values.
+pub fn mark(x: f64, line: &PanelLine, unit: f64, point: &Measured) -> Option<Mark> {
+    let factor = line.factor / unit;
+    let spread = point.spread(line.measure).map(|spread| (spread.low * factor, spread.high * factor));
+    Some(Mark { x, y: point.number(line.measure)? * factor, spread, name: None })
+}
+
+/// The values that an axis has to show: those of marks and of their ranges, up to twice the largest mark, so that one
+/// disturbed run does not flatten all others.
+pub fn extents<'a>(marks: impl Iterator<Item = &'a Mark> + Clone) -> Vec<f64> {
+    let finite = marks.clone().map(|mark| mark.y).filter(|y| y.is_finite());
+    let most = 2.0 * finite.fold(0.0, f64::max);
+    marks
+        .flat_map(|mark| {
+            let (low, high) = mark.spread.unwrap_or((mark.y, mark.y));
+            [mark.y, low, high.min(most.max(mark.y))]
+        })
+        .collect()
+}
+
+/// A vertical axis with its label for values, which are in the unit of the label.
+pub fn axis_of(scale: Scale, label: &str, values: &[f64]) -> axis::Axis {
+    let each = values.iter().copied();
+    match scale {
+        Scale::Bytes | Scale::Linear => axis::Axis::linear(label, each),
+        Scale::Logarithmic => axis::Axis::logarithmic(label, each),
+        Scale::WithoutZero => axis::Axis::without_zero(label, each),
+        Scale::Decibels => {
+            let axis = axis::Axis::without_zero(label, each);
+            if values.contains(&f64::INFINITY) { axis.with_infinite("lossless") } else { axis }
+        }
+    }
+}
+
+/// The unit of a panel's values, and its title with the unit.
+pub struct PanelUnit {
+    /// Divides values.
+    pub size: f64,
+    /// Name of the unit; empty where the title has it.
+    pub name: &'static str,
+    /// The title.
+    pub title: String,
+}
+
+impl PanelUnit {
+    /// The unit in which the largest of some values is shown.
+    pub fn new(scale: Scale, title: &str, values: impl Iterator<Item = f64>) -> PanelUnit {
+        if scale == Scale::Bytes {
+            let unit = number::bytes_unit(values.fold(0.0, f64::max));
+            PanelUnit { size: unit.size, name: unit.name, title: format!("{title} ({})", unit.name) }
+        } else {
+            PanelUnit { size: 1.0, name: "", title: title.to_owned() }
+        }
+    }
+}
+
+/// Settings that points have besides those of a study's axes.
+pub fn fixed_words(settings: &[Setting]) -> String {
+    match words(settings) {
+        Some(words) => format!("with {words}, other settings by default"),
+        None => "other settings by default".to_owned(),
+    }
+}
+
+/// Height of the title, and of each line under it, in pixels.
+const HEAD: f64 = 30.0;
+const LINE: f64 = 16.0;
+/// Between drawings, in pixels.
+const GAP: f64 = 8.0;
+
+/// Rows of drawings.
+pub type Tiling = Vec<Vec<Drawing>>;
+
+/// A picture with a title, lines under it, and rows of drawings below.
+pub fn sheet(title: &str, lines: &[String], rows: Tiling) -> Drawing {
+    let head = HEAD + LINE * lines.len() as f64;
+    let row_width = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.width) + GAP).sum::<f64>();
+    let row_height = |row: &Vec<Drawing>| row.iter().map(|one| f64::from(one.height)).fold(0.0, f64::max) + GAP;
+    let width = rows.iter().map(row_width).fold(480.0, f64::max);
+    let height = head + rows.iter().map(row_height).sum::<f64>();
+    let mut all = Drawing::new(width.ceil() as u32, height.ceil() as u32, title);
+    let text_width = width - 24.0;
+    all.text([12.0, 24.0], Text::new(title, 17.0).bold().ink(palette::TEXT).fit(text_width));
+    for (at, line) in lines.iter().enumerate() {
+        let baseline = HEAD - 4.0 + LINE * (at + 1) as f64;
+        all.text([12.0, baseline], Text::new(line, 12.0).ink(palette::FAINT_TEXT).fit(text_width));
+    }
+    let mut y = head;
+    for row in rows {
+        let below = row_height(&row);
+        let mut x = 0.0;
+        for drawing in row {
+            let next = x + f64::from(drawing.width) + GAP;
+            all.place([x, y], drawing);
+            x = next;
+        }
+        y += below;
+    }
+    all
+}
+
+/// The lines under a title: input, settings, number of runs.
+pub fn subtitle<'a>(
+    results: &Results,
+    study: &Study,
+    others: &[Setting],
+    points: impl IntoIterator<Item = &'a Measured>,
+) -> Vec<String> {
+    let settings: Vec<Setting> = study.fixed.iter().chain(others).cloned().collect();
+    let of = study.stream.map_or_else(String::new, |stream| format!("{} of ", stream.name()));
+    let first = format!("{of}{}, {}", results.input, fixed_words(&settings));
+    [first].into_iter().chain(times(points)).collect()
+}
+
+/// How often points were timed; none without runs.
+pub fn times<'a>(points: impl IntoIterator<Item = &'a Measured>) -> Option<String> {
+    let mut points = points.into_iter().peekable();
+    let of_streams = points.peek()?.point.stream.is_some();
+    let runs = runs_in_words(points.map(Measured::timed_runs))?;
+    let frame = if of_streams { " A frame has the images of all probes and faces." } else { "" };
+    Some(format!("Times: {runs}.{frame}"))
+}

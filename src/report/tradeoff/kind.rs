@@ -1,0 +1,458 @@
+//! What a kind of sweep is made of, and what was measured of its points.
+//!
+//! A [`SweepKind`] is a table: knobs, measures, charts. Stores, pages and charts look measures up by name, so they hold no
+//! code of a kind.
+
+use std::collections::BTreeMap;
+
+use super::knob::Knob;
+use crate::dataset::stream::StreamKind;
+use crate::report::timing::{Spread, median, spread};
+
+/// A kind of sweep.
+#[derive(Debug)]
+pub struct SweepKind {
+    /// Stem of the names of the CSV and JSON files.
+    pub stem: &'static str,
+    /// Title of the page, before the name of the input.
+    pub title: &'static str,
+    /// What the input is called.
+    pub input_label: &'static str,
+    /// Options that can be swept, in the order of reports.
+    pub knobs: &'static [Knob],
+    /// What is known of a point, in the order of CSV columns.
+    pub measures: &'static [Measure],
+    /// Charts along one knob; those with [`Panel::map`] are heat maps of two.
+    pub panels: &'static [Panel],
+    /// Charts of one measure against another.
+    pub trades: &'static [Trade],
+    /// Whether studies have a score of bytes and decoding time.
+    pub is_scored: bool,
+    /// Whether the CSV holds all runs, so that a later process resumes the sweep.
+    pub is_resumable: bool,
+    /// Timed runs that the first measurement of a point includes.
+    pub survey_runs: u32,
+    /// How points were measured, for the foot of the page.
+    pub method: &'static str,
+}
+
+impl SweepKind {
+    /// The knob of a name, or of a former name.
+    pub fn knob(&self, name: &str) -> Option<&'static Knob> {
+        self.knobs.iter().find(|knob| knob.name == name || knob.former == Some(name))
+    }
+
+    /// The key of a knob in CSV and JSON.
+    pub fn key(&self, name: &'static str) -> &'static str {
+        self.knob(name).map_or(name, Knob::key)
+    }
+
+    /// The measure of a name.
+    pub fn measure(&self, name: &str) -> Option<&'static Measure> {
+        self.measures.iter().find(|measure| measure.name == name)
+    }
+
+    /// Name of the CSV file.
+    pub fn csv_name(&self) -> String {
+        format!("{}.csv", self.stem)
+    }
+
+    /// Name of the JSON file.
+    pub fn json_name(&self) -> String {
+        format!("{}.json", self.stem)
+    }
+}
+
+/// A figure of a point.
+#[derive(Debug, Clone, Copy)]
+pub struct Measure {
+    /// CSV column and JSON key.
+    pub name: &'static str,
+    /// Heading of tables; empty where they leave it out.
+    pub heading: &'static str,
+    /// How tables print it.
+    pub format: Format,
+    /// Where its value comes from.
+    pub source: Source,
+    /// The measure of runs that it is the median of, for its range.
+    pub runs: Option<&'static str>,
+}
+
+/// How tables print a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// With a unit of bytes.
+    Bytes,
+    /// With so many decimals; infinite is "lossless".
+    Decimals(usize),
+    /// In percent of 1, with two decimals.
+    Percent,
+    /// With three significant digits.
+    Even,
+}
+
+/// Where the value of a measure comes from.
+#[derive(Debug, Clone, Copy)]
+pub enum Source {
+    /// A stored count of at least this much; `None` where it may be missing.
+    Count(Option<u64>),
+    /// A stored number of at least 0.
+    Number {
+        /// Whether every point has it.
+        is_needed: bool,
+        /// Whether it may be infinite.
+        may_be_infinite: bool,
+    },
+    /// A stored finite number of any sign, which may be missing.
+    Signed,
+    /// Stored, one number for each timed run.
+    Runs,
+    /// Computed from other measures.
+    Derived(fn(&Measured) -> Option<f64>),
+}
+
+impl Measure {
+    const fn new(name: &'static str, source: Source) -> Measure {
+        Measure { name, heading: "", format: Format::Decimals(0), source, runs: None }
+    }
+
+    /// A count of at least `least`.
+    pub const fn count(name: &'static str, least: u64) -> Measure {
+        Measure::new(name, Source::Count(Some(least)))
+    }
+
+    /// A count that may be missing.
+    pub const fn optional_count(name: &'static str) -> Measure {
+        Measure::new(name, Source::Count(None))
+    }
+
+    /// A finite number that may be missing.
+    pub const fn optional(name: &'static str) -> Measure {
+        Measure::new(name, Source::Number { is_needed: false, may_be_infinite: false })
+    }
+
+    /// A finite number.
+    pub const fn number(name: &'static str) -> Measure {
+        Measure::new(name, Source::Number { is_needed: true, may_be_infinite: false })
+    }
+
+    /// A finite number of any sign that may be missing.
+    pub const fn signed(name: &'static str) -> Measure {
+        Measure::new(name, Source::Signed)
+    }
+
+    /// A number that may be infinite.
+    pub const fn decibels(name: &'static str, is_needed: bool) -> Measure {
+        Measure::new(name, Source::Number { is_needed, may_be_infinite: true })
+    }
+
+    /// Numbers of timed runs.
+    pub const fn runs(name: &'static str) -> Measure {
+        Measure::new(name, Source::Runs)
+    }
+
+    /// A number that follows from others.
+    pub const fn derived(name: &'static str, of: fn(&Measured) -> Option<f64>) -> Measure {
+        Measure::new(name, Source::Derived(of))
+    }
+
+    /// Shows it in tables.
+    pub const fn shown(self, heading: &'static str, format: Format) -> Measure {
+        Measure { heading, format, ..self }
+    }
+
+    /// Gives it the range of these runs.
+    pub const fn median_of(self, runs: &'static str) -> Measure {
+        Measure { runs: Some(runs), ..self }
+    }
+}
+
+/// Which end of a measure is better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Better {
+    /// The least value.
+    Less,
+    /// The largest value.
+    More,
+}
+
+/// The axis of a chart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Bytes from 0, in the unit of the largest.
+    Bytes,
+    /// From 0.
+    Linear,
+    /// From the least value.
+    WithoutZero,
+    /// From the least value; infinite values are "lossless".
+    Decibels,
+    /// Logarithmic.
+    Logarithmic,
+}
+
+/// A line of a [`Panel`].
+#[derive(Debug, Clone, Copy)]
+pub struct PanelLine {
+    /// Name in the legend; empty for a single line.
+    pub label: &'static str,
+    /// The measure's name.
+    pub measure: &'static str,
+    /// What values are multiplied by.
+    pub factor: f64,
+}
+
+/// A chart of measures along a knob.
+#[derive(Debug, Clone, Copy)]
+pub struct Panel {
+    /// Title with unit; that of bytes follows from the values.
+    pub title: &'static str,
+    /// What it shows.
+    pub lines: &'static [PanelLine],
+    /// Its vertical axis.
+    pub scale: Scale,
+    /// Kinds of streams that have it; empty for all points.
+    pub streams: &'static [StreamKind],
+    /// Where two knobs vary, a heat map shows the first line; the best cell is framed.
+    pub map: Option<Better>,
+}
+
+impl Panel {
+    /// Whether points of a kind of stream have it.
+    pub fn concerns(&self, stream: Option<StreamKind>) -> bool {
+        self.streams.is_empty() || stream.is_some_and(|stream| self.streams.contains(&stream))
+    }
+}
+
+/// An axis of a [`Trade`].
+#[derive(Debug, Clone, Copy)]
+pub struct TradeAxis {
+    /// Label with unit.
+    pub label: &'static str,
+    /// The measure's name.
+    pub measure: &'static str,
+    /// What values are multiplied by.
+    pub factor: f64,
+    /// The axis.
+    pub scale: Scale,
+    /// Which end is better.
+    pub better: Better,
+    /// Whether it is a time.
+    pub is_time: bool,
+}
+
+/// All points by two measures, with their Pareto front. Less is better across.
+#[derive(Debug, Clone, Copy)]
+pub struct Trade {
+    /// End of the name of its files.
+    pub name: &'static str,
+    /// Title.
+    pub title: &'static str,
+    /// Horizontal axis.
+    pub across: TradeAxis,
+    /// Vertical axis.
+    pub up: TradeAxis,
+    /// Sentence of the caption about the measures.
+    pub note: &'static str,
+    /// Whether a line joins points that differ in the last knob only, instead of the points of a study of one knob.
+    pub is_by_last_knob: bool,
+}
+
+/// A knob and its value, as the command line has it.
+pub type Setting = (&'static str, String);
+
+/// A setting of the knobs. Knobs that are not named have their default.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Point {
+    /// The kind of stream that is coded, in sweeps of coding.
+    pub stream: Option<StreamKind>,
+    /// In the order of the kind's knobs.
+    pub settings: Vec<Setting>,
+}
+
+impl Point {
+    /// Sorts settings into the order of the kind's knobs.
+    pub fn new(kind: &SweepKind, stream: Option<StreamKind>, mut settings: Vec<Setting>) -> Point {
+        let order = |name: &str| kind.knobs.iter().position(|knob| knob.name == name);
+        settings.sort_by_key(|(name, _)| order(name));
+        Point { stream, settings }
+    }
+
+    /// The settings as `name=value name=value`; `default settings` without any.
+    pub fn words(&self) -> String {
+        words(&self.settings).unwrap_or_else(|| "default settings".to_owned())
+    }
+
+    /// The value of a knob, unless it has its default.
+    pub fn value(&self, knob: &str) -> Option<&str> {
+        self.settings.iter().find(|(name, _)| *name == knob).map(|(_, value)| value.as_str())
+    }
+}
+
+impl std::fmt::Display for Point {
+    /// Such as `depth with max-error=50 threads=1`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.stream {
+            Some(stream) => write!(f, "{} with {}", stream.name(), self.words()),
+            None => f.write_str(&self.words()),
+        }
+    }
+}
+
+/// Settings as `name=value name=value`; none without settings.
+pub fn words(settings: &[Setting]) -> Option<String> {
+    let words: Vec<String> = settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    (!words.is_empty()).then(|| words.join(" "))
+}
+
+/// A stored value.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A count.
+    Count(u64),
+    /// A number, perhaps infinite.
+    Number(f64),
+    /// One number for each timed run, in the order of the runs.
+    Runs(Vec<f64>),
+}
+
+/// What was measured of a point.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// The kind of sweep, which names the measures.
+    pub kind: &'static SweepKind,
+    /// The point.
+    pub point: Point,
+    values: BTreeMap<&'static str, Value>,
+}
+
+impl PartialEq for Measured {
+    fn eq(&self, other: &Measured) -> bool {
+        self.point == other.point && self.values == other.values
+    }
+}
+
+impl Measured {
+    /// A point of which nothing is known.
+    pub fn new(kind: &'static SweepKind, point: Point) -> Measured {
+        Measured { kind, point, values: BTreeMap::new() }
+    }
+
+    /// The same values of another point.
+    #[cfg(test)]
+    pub fn at(&self, point: Point) -> Measured {
+        Measured { point, ..self.clone() }
+    }
+
+    /// The point without a value.
+    #[cfg(test)]
+    pub fn without(mut self, name: &str) -> Measured {
+        self.values.remove(name);
+        self
+    }
+
+    /// Stores a value.
+    pub fn set(&mut self, name: &'static str, value: Value) {
+        debug_assert!(self.kind.measure(name).is_some(), "{name}");
+        self.values.insert(name, value);
+    }
+
+    /// Stores a count.
+    pub fn set_count(&mut self, name: &'static str, count: Option<u64>) {
+        if let Some(count) = count {
+            self.set(name, Value::Count(count));
+        }
+    }
+
+    /// Stores a number.
+    pub fn set_number(&mut self, name: &'static str, number: Option<f64>) {
+        if let Some(number) = number {
+            self.set(name, Value::Number(number));
+        }
+    }
+
+    /// Adds a timed run.
+    pub fn push_run(&mut self, name: &'static str, number: f64) {
+        debug_assert!(self.kind.measure(name).is_some(), "{name}");
+        match self.values.get_mut(name) {
+            Some(Value::Runs(runs)) => runs.push(number),
+            _ => self.set(name, Value::Runs(vec![number])),
+        }
+    }
+
+    /// A value by the name of its measure, also one that follows from others.
+    pub fn value(&self, name: &str) -> Option<Value> {
+        match self.kind.measure(name)?.source {
+            Source::Derived(of) => of(self).map(Value::Number),
+            Source::Runs => Some(Value::Runs(self.runs(name).to_vec())),
+            _ => self.values.get(name).cloned(),
+        }
+    }
+
+    /// A count or number by the name of its measure.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        debug_assert!(self.kind.measure(name).is_some(), "{name}");
+        match self.value(name)? {
+            Value::Count(count) => Some(count as f64),
+            Value::Number(number) => Some(number),
+            Value::Runs(_) => None,
+        }
+    }
+
+    /// A count; 0 where it is missing.
+    pub fn count(&self, name: &str) -> u64 {
+        match self.values.get(name) {
+            Some(Value::Count(count)) => *count,
+            _ => 0,
+        }
+    }
+
+    /// Numbers of timed runs.
+    pub fn runs(&self, name: &str) -> &[f64] {
+        match self.values.get(name) {
+            Some(Value::Runs(runs)) => runs,
+            _ => &[],
+        }
+    }
+
+    /// Timed runs that are complete.
+    pub fn timed_runs(&self) -> usize {
+        let measures = self.kind.measures.iter().filter(|measure| matches!(measure.source, Source::Runs));
+        measures.map(|measure| self.runs(measure.name).len()).min().unwrap_or(0)
+    }
+
+    /// The range of a median of runs; none for other measures and without runs.
+    pub fn spread(&self, name: &str) -> Option<Spread> {
+        let value = self.number(name)?;
+        let runs = self.runs(self.kind.measure(name)?.runs?);
+        let (middle, Spread { low, high }) = (median(runs)?, spread(runs)?);
+        let factor = if middle > 0.0 { value / middle } else { 1.0 };
+        Some(Spread { low: low * factor, high: high * factor })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::tradeoff::coding::CODING;
+    use crate::report::tradeoff::sample;
+
+    #[test]
+    fn points_have_a_name_for_people() {
+        let settings = vec![("threads", "1".to_owned()), ("max-error", "50".to_owned())];
+        let point = Point::new(&CODING, Some(StreamKind::Depth), settings);
+        assert_eq!(point.to_string(), "depth with max-error=50 threads=1");
+        assert_eq!(Point::new(&CODING, Some(StreamKind::Color), vec![]).to_string(), "color with default settings");
+    }
+
+    #[test]
+    fn medians_and_ranges() {
+        let mut of = sample::measured(&[], 1, 1.0);
+        of.set("decode_runs", Value::Runs(vec![3.0, 1.5, 2.0]));
+        assert_eq!(of.spread("decode_seconds"), Some(Spread { low: 1.5, high: 3.0 }));
+        assert_eq!(of.number("decode_ms_per_frame"), Some(2000.0 / 30.0));
+        let spread = of.spread("decode_ms_per_frame").unwrap();
+        assert!((spread.low - 50.0).abs() < 1e-9 && (spread.high - 100.0).abs() < 1e-9, "{spread:?}");
+        assert_eq!((of.spread("psnr_db"), of.timed_runs()), (None, 3));
+    }
+}

@@ -1,0 +1,93 @@
+//! All points of a sweep as a table, for the page and for standard output.
+
+use super::kind::{Format, Measure, Measured};
+use super::study::Results;
+use crate::dataset::stream::StreamKind;
+use crate::report::plot::number;
+use crate::report::{Column, Table};
+
+/// A table of points: columns for knobs, and for measures that any of them has.
+pub struct PointTable<'a> {
+    /// Headings.
+    pub headings: Vec<&'a str>,
+    /// One for each point.
+    pub rows: Vec<PointRow<'a>>,
+}
+
+/// A row of a [`PointTable`].
+pub struct PointRow<'a> {
+    /// The point.
+    pub point: &'a Measured,
+    /// One for each heading.
+    pub cells: Vec<Cell>,
+}
+
+/// A value and its range.
+pub struct Cell {
+    /// The value.
+    pub text: String,
+    /// The shortest and the longest run, if there are several.
+    pub range: Option<String>,
+}
+
+impl Cell {
+    fn plain(text: impl Into<String>) -> Cell {
+        Cell { text: text.into(), range: None }
+    }
+}
+
+/// The points of a kind of stream.
+pub fn of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
+    let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.stream == stream).collect();
+    let has = |name: &str| points.iter().any(|of| of.point.value(name).is_some());
+    let knobs: Vec<&str> = results.sweep.knobs.iter().map(|knob| knob.name).filter(|name| has(name)).collect();
+    let shown = results.sweep.measures.iter().filter(|measure| !measure.heading.is_empty());
+    let measures: Vec<&Measure> =
+        shown.filter(|measure| points.iter().any(|of| of.number(measure.name).is_some())).collect();
+    let row = |point: &&'_ Measured| {
+        let values = knobs.iter().map(|name| Cell::plain(point.point.value(name).unwrap_or("default")));
+        values.chain(measures.iter().map(|measure| cell(point, measure))).collect()
+    };
+    let rows = points.iter().map(|point| PointRow { point, cells: row(point) }).collect();
+    let headings = knobs.iter().copied().chain(measures.iter().map(|measure| measure.heading)).collect();
+    PointTable { headings, rows }
+}
+
+fn cell(point: &Measured, measure: &Measure) -> Cell {
+    let Some(value) = point.number(measure.name) else { return Cell::plain("–") };
+    let print = |value: f64| print(value, measure.format);
+    let runs = measure.runs.map_or(0, |runs| point.runs(runs).len());
+    let spread = point.spread(measure.name).filter(|_| runs > 1);
+    Cell { text: print(value), range: spread.map(|spread| format!("{}–{}", print(spread.low), print(spread.high))) }
+}
+
+fn print(value: f64, format: Format) -> String {
+    match format {
+        _ if value.is_infinite() => "lossless".to_owned(),
+        Format::Bytes => number::bytes(value),
+        Format::Decimals(decimals) => format!("{value:.decimals$}"),
+        Format::Percent => format!("{:.2}", 100.0 * value),
+        Format::Even => number::even(value),
+    }
+}
+
+impl PointTable<'_> {
+    /// For standard output, without ranges.
+    pub fn text(&self) -> String {
+        let columns: Vec<Column<'_>> = self.headings.iter().map(|heading| Column::Right(heading)).collect();
+        let mut table = Table::new(&columns);
+        for row in &self.rows {
+            table.row(row.cells.iter().map(|cell| cell.text.clone()));
+        }
+        table.to_string()
+    }
+}
+
+/// All measures of a point that tables show, with their headings.
+pub fn words(point: &Measured) -> String {
+    let shown = point.kind.measures.iter().filter(|measure| !measure.heading.is_empty());
+    let words = shown.filter_map(|measure| {
+        Some(format!("{} {}", measure.heading, print(point.number(measure.name)?, measure.format)))
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
