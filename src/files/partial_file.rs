@@ -17,9 +17,7 @@ const JOURNAL: &str = "journal";
 /// How much of an unfinished file and of its journal is intact, from the start.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct IntactBytes {
-    /// Of the file.
     pub file: u64,
-    /// Of the journal.
     pub journal: u64,
 }
 

@@ -61,9 +61,7 @@ impl What {
 pub struct Plot<'a> {
     /// The file's name in the folder.
     pub file: String,
-    /// The stream.
     pub stream: &'a StreamInfo,
-    /// The frame.
     pub frame: u32,
     /// What it shows.
     pub what: What,
@@ -74,7 +72,6 @@ pub struct Plot<'a> {
 pub struct Request<'a> {
     /// The container.
     pub decoder: &'a Decoder,
-    /// Its streams.
     pub streams: &'a [&'a StreamInfo],
     /// The frame. None: of depth and material the first one, which shows whole pictures, and the one that changes most
     /// besides keyframes; of colour the one with most pixels between keyframes, or where none is, with most keyframes after

@@ -24,7 +24,6 @@ use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points}
 
 /// The locked folder of a sweep, and its points so far.
 pub struct Opened {
-    /// The folder.
     pub folder: Folder,
     /// The points.
     pub store: Store,
@@ -84,9 +83,7 @@ pub struct Sweeping<'a> {
 pub struct Finished<'a> {
     args: &'a Args,
     global: &'a GlobalArgs,
-    /// Its results.
     pub results: Results,
-    /// Points that failed.
     pub failed: Vec<FailedPoint>,
 }
 

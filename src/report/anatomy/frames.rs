@@ -195,7 +195,6 @@ pub(super) fn sentence(subject: &Subject<'_>, anatomy: &FrameAnatomy, parts: Opt
     format!("{updated} of {pixels} pixels ({}) are written{parts}{in_units}{keyframes}.", percent(updated, pixels))
 }
 
-/// The sheet of a frame.
 pub(super) fn sheet(subject: &Subject<'_>, anatomy: &FrameAnatomy, picture: &Picture) -> (What, Sheet) {
     let scale = Scale::of(subject.size(), ROOM);
     let shades = Shades::of(subject, picture);

@@ -69,7 +69,6 @@ pub struct Bar {
 pub struct Panel {
     /// Above the image.
     pub caption: String,
-    /// The image.
     pub image: Plane<Rgb>,
     /// Below the image.
     pub key: Vec<Entry>,

@@ -15,9 +15,7 @@ pub struct Ink {
 }
 
 impl Ink {
-    /// Black.
     pub const BLACK: Ink = Ink::opaque([0, 0, 0]);
-    /// White.
     pub const WHITE: Ink = Ink::opaque([255, 255, 255]);
 
     /// An opaque colour from sRGB codes.
@@ -60,9 +58,7 @@ impl Stroke {
 pub enum Anchor {
     /// Its beginning.
     Start,
-    /// Its middle.
     Middle,
-    /// Its end.
     End,
 }
 
@@ -99,7 +95,6 @@ impl Text {
         Text { text, em, weight: Weight::Regular, ink: Ink::BLACK, anchor: Anchor::Start, direction: Direction::Across }
     }
 
-    /// The text in bold.
     #[must_use]
     pub fn bold(self) -> Text {
         Text { weight: Weight::Bold, ..self }
@@ -156,12 +151,10 @@ pub enum Shape {
     },
     /// A polygon, filled.
     Polygon {
-        /// Its corners.
         corners: Vec<Spot>,
         /// Filled with it.
         ink: Ink,
     },
-    /// A disc.
     Disc {
         /// Its centre.
         at: Spot,
@@ -170,11 +163,9 @@ pub enum Shape {
         /// Filled with it.
         ink: Ink,
     },
-    /// A text.
     Text {
         /// Where the part of the baseline is that its anchor names.
         at: Spot,
-        /// The text.
         text: Text,
     },
 }

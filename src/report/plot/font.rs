@@ -18,9 +18,7 @@ pub const LINE_PER_EM: f64 = 1.164;
 /// Weight of letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
-    /// Regular.
     Regular,
-    /// Bold.
     Bold,
 }
 

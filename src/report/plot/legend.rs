@@ -16,11 +16,8 @@ const MOST: usize = 28;
 /// What a series looks like in the legend.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Swatch {
-    /// A line with a marker on it.
     LineAndMarker(Look),
-    /// A marker.
     Marker(Look),
-    /// A line.
     Line(Stroke),
     /// A filled rectangle.
     Patch(Ink),

@@ -29,7 +29,6 @@ const VIRIDIS: [[u8; 3]; 20] = [
 
 /// Blue of Okabe and Ito.
 pub const BLUE: Ink = Ink::opaque([0, 114, 178]);
-/// Their vermilion.
 pub const VERMILION: Ink = Ink::opaque([213, 94, 0]);
 /// Their bluish green.
 pub const GREEN: Ink = Ink::opaque([0, 158, 115]);
@@ -37,7 +36,6 @@ pub const GREEN: Ink = Ink::opaque([0, 158, 115]);
 pub const PURPLE: Ink = Ink::opaque([204, 121, 167]);
 /// Their sky blue.
 pub const SKY: Ink = Ink::opaque([86, 180, 233]);
-/// Their orange.
 pub const ORANGE: Ink = Ink::opaque([230, 159, 0]);
 /// Their yellow, for areas; it is too bright for lines on white.
 pub const YELLOW: Ink = Ink::opaque([240, 228, 66]);

@@ -9,7 +9,6 @@ use super::schedule::FailedPoint;
 use super::store::StoredPoint;
 use super::study::{Results, Study, Weights};
 
-/// The report.
 #[derive(Serialize)]
 pub struct Report<'a> {
     input: &'a str,

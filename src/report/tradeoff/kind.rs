@@ -9,7 +9,6 @@ use super::knob::Knob;
 use crate::dataset::stream::StreamKind;
 use crate::report::timing::{Spread, median, spread};
 
-/// A kind of sweep.
 #[derive(Debug)]
 pub struct SweepKind {
     /// Stem of the names of the CSV and JSON files.
@@ -47,7 +46,6 @@ impl SweepKind {
         self.knob(name).map_or(name, Knob::key)
     }
 
-    /// The measure of a name.
     pub fn measure(&self, name: &str) -> Option<&'static Measure> {
         self.measures.iter().find(|measure| measure.name == name)
     }
@@ -100,7 +98,6 @@ pub enum Source {
     Number {
         /// Whether every point has it.
         is_needed: bool,
-        /// Whether it may be infinite.
         may_be_infinite: bool,
     },
     /// A stored finite number of any sign, which may be missing.
@@ -187,7 +184,6 @@ pub enum Scale {
     WithoutZero,
     /// From the least value; infinite values are "lossless".
     Decibels,
-    /// Logarithmic.
     Logarithmic,
 }
 
@@ -237,7 +233,6 @@ pub struct TradeAxis {
     pub scale: Scale,
     /// Which end is better.
     pub better: Better,
-    /// Whether it is a time.
     pub is_time: bool,
 }
 
@@ -246,7 +241,6 @@ pub struct TradeAxis {
 pub struct Trade {
     /// End of the name of its files.
     pub name: &'static str,
-    /// Title.
     pub title: &'static str,
     /// Horizontal axis.
     pub across: TradeAxis,
@@ -308,7 +302,6 @@ pub fn words(settings: &[Setting]) -> Option<String> {
 /// A stored value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// A count.
     Count(u64),
     /// A number, perhaps infinite.
     Number(f64),
@@ -321,7 +314,6 @@ pub enum Value {
 pub struct Measured {
     /// The kind of sweep, which names the measures.
     pub kind: &'static SweepKind,
-    /// The point.
     pub point: Point,
     values: BTreeMap<&'static str, Value>,
 }

@@ -53,7 +53,6 @@ pub struct Knob {
     pub usual: &'static [&'static str],
 }
 
-/// All kinds of streams.
 pub const ALL_STREAMS: &[StreamKind] = &[StreamKind::Color, StreamKind::Depth, StreamKind::Material];
 
 impl Knob {

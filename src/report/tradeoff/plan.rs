@@ -21,7 +21,6 @@ fn names(kind: &SweepKind) -> String {
 /// A knob and the values that it is given.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// The knob.
     pub knob: &'static Knob,
     /// Its values, in the order of reports.
     pub values: Vec<String>,
@@ -89,7 +88,6 @@ pub struct Plan {
     pub left_out: Vec<String>,
 }
 
-/// A study of a preset.
 struct PresetStudy {
     name: &'static str,
     title: &'static str,

@@ -14,7 +14,6 @@ use super::study::ExampleCommand;
 use crate::error::Result;
 use crate::report::timing::median;
 
-/// Sweeps of rendering.
 pub static RENDERING: SweepKind = SweepKind {
     stem: "rendering",
     title: "What rendering costs",

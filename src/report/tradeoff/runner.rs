@@ -68,14 +68,12 @@ pub trait Bench {
 pub struct Survey {
     /// Its values.
     pub measured: Measured,
-    /// What it cost.
     pub cost: Cost,
 }
 
 /// Seconds that measuring a point takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cost {
-    /// The survey.
     pub survey: f64,
     /// Each timed run.
     pub run: f64,
@@ -97,7 +95,6 @@ impl Report {
         Ok(Report { value: runner.run(words)?, command: shell_line(words) })
     }
 
-    /// A part of the report.
     pub fn part(&self, key: &str) -> Report {
         Report { value: self.value[key].clone(), command: self.command.clone() }
     }

@@ -36,7 +36,6 @@ pub struct Schedule {
 /// A point that could not be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FailedPoint {
-    /// The point.
     pub point: Point,
     /// The error's text.
     pub error: String,

@@ -87,7 +87,6 @@ impl Store {
         &self.path
     }
 
-    /// The row of a point.
     pub fn row(&self, point: &Point) -> Option<&StoredPoint> {
         self.rows.iter().find(|row| row.measured.point == *point)
     }

@@ -30,9 +30,7 @@ pub struct Study {
     pub name: String,
     /// Title, such as `Boxes of depth (CALF figure 7)`.
     pub title: String,
-    /// The kind of sweep.
     pub sweep: &'static SweepKind,
-    /// The kind of stream.
     pub stream: Option<StreamKind>,
     /// What is varied; the first two with more than one value are those of heat maps.
     pub axes: Vec<Axis>,
@@ -121,16 +119,13 @@ impl Default for Weights {
 /// A command line that repeats a part of the sweep.
 #[derive(Debug, Clone)]
 pub struct ExampleCommand {
-    /// What it makes.
     pub makes: &'static str,
-    /// The line.
     pub line: String,
 }
 
 /// The results of a sweep.
 #[derive(Debug, Clone)]
 pub struct Results {
-    /// The kind of sweep.
     pub sweep: &'static SweepKind,
     /// The input, as the user named it.
     pub input: String,

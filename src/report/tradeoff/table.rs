@@ -8,15 +8,12 @@ use crate::report::{Column, Table};
 
 /// A table of points: columns for knobs, and for measures that any of them has.
 pub struct PointTable<'a> {
-    /// Headings.
     pub headings: Vec<&'a str>,
-    /// One for each point.
     pub rows: Vec<PointRow<'a>>,
 }
 
 /// A row of a [`PointTable`].
 pub struct PointRow<'a> {
-    /// The point.
     pub point: &'a Measured,
     /// One for each heading.
     pub cells: Vec<Cell>,
@@ -36,7 +33,6 @@ impl Cell {
     }
 }
 
-/// The points of a kind of stream.
 pub fn of(results: &Results, stream: Option<StreamKind>) -> PointTable<'_> {
     let points: Vec<&Measured> = results.measured.iter().filter(|of| of.point.stream == stream).collect();
     let has = |name: &str| points.iter().any(|of| of.point.value(name).is_some());

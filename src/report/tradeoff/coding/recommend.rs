@@ -33,9 +33,7 @@ pub enum Aim {
 /// The recommended point of a kind of stream, or the one that misses the demands least.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice<'a> {
-    /// The point.
     pub row: &'a StoredPoint,
-    /// The aim.
     pub aim: Aim,
     /// Demands that it misses, a sentence each; empty for a point to be used.
     pub misses: Vec<String>,

@@ -24,7 +24,6 @@ pub struct Figure {
 
 /// The axis of a knob, and the place of each value on it.
 pub struct KnobAxis {
-    /// The axis.
     pub axis: axis::Axis,
     /// One place for each value.
     pub places: Vec<f64>,
@@ -91,7 +90,6 @@ pub struct PanelUnit {
     pub size: f64,
     /// Name of the unit; empty where the title has it.
     pub name: &'static str,
-    /// The title.
     pub title: String,
 }
 

@@ -21,7 +21,6 @@ pub struct Along<'a> {
 pub struct PlacedPoint<'a> {
     /// The place.
     pub x: f64,
-    /// The point.
     pub point: &'a Measured,
 }
 
