@@ -1,4 +1,4 @@
-//! `cameras.json`: where probes are to stand. Written by `place`, read by `capture`, and easy to write by hand.
+//! `cameras.json`: poses of probes to capture. Written by `place`, read by `capture`.
 //!
 //! ```json
 //! { "lightfold_cameras": 1, "cameras": [ { "name": "00", "position": [0, 1.5, 0] } ] }
@@ -22,18 +22,18 @@ pub const CAMERAS_VERSION: u32 = 1;
 pub struct CameraSet {
     /// Version of the schema, 1.
     pub lightfold_cameras: u32,
-    /// The cameras, in the order in which they were placed.
+    /// In order of placement.
     pub cameras: Vec<PlacedCamera>,
-    /// Anything else, such as what they were placed for; kept, never read.
+    /// Other data, such as the settings of the placement; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// One camera: what becomes a probe when it is captured.
+/// The pose of a probe to capture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlacedCamera {
-    /// Name of the probe; its number in two digits or more when absent.
+    /// Name of the probe; its index in two digits or more when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
     /// Centre in metres.
@@ -47,16 +47,16 @@ pub struct PlacedCamera {
     /// First and last frame to capture; all when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frames: Option<[u32; 2]>,
-    /// What it added to the objective when it was placed, as a fraction of the surfaces' area (times frames).
+    /// Gain of the placement objective, as a fraction of the surfaces' area (times frames).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// What it and the cameras before it cover, 0..=1.
+    /// Coverage by it and the cameras before it, 0..=1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<f64>,
 }
 
 impl PlacedCamera {
-    /// A camera of which only the place is known.
+    /// A camera of a position.
     pub fn at(position: [f64; 3]) -> PlacedCamera {
         PlacedCamera {
             name: None,
@@ -71,12 +71,12 @@ impl PlacedCamera {
 }
 
 impl CameraSet {
-    /// A set without anything else.
+    /// A set without other data.
     pub fn new(cameras: Vec<PlacedCamera>) -> CameraSet {
         CameraSet { lightfold_cameras: CAMERAS_VERSION, cameras, extra: None }
     }
 
-    /// Reads a set, `-` for standard input. A `lightfield.json` is taken for the set of its probes.
+    /// Reads a set, `-` for standard input. A `lightfield.json` is read as the set of its probes.
     pub fn read(path: &Path) -> Result<CameraSet> {
         Self::from_json(&Self::read_text(path)?).map_err(|error| error.in_file(path))
     }
@@ -137,7 +137,7 @@ impl CameraSet {
         Ok(text)
     }
 
-    /// Name of the probe that a camera becomes.
+    /// Name of a camera's probe.
     pub fn name_of(&self, camera: usize) -> String {
         let digits = (self.cameras.len().saturating_sub(1)).to_string().len().max(2);
         match self.cameras.get(camera).and_then(|camera| camera.name.clone()) {

@@ -1,4 +1,4 @@
-//! `lightfield.json`: what a dataset holds and where its files are.
+//! `lightfield.json`: the manifest of a dataset.
 
 use std::collections::BTreeSet;
 use std::io::Read;
@@ -14,7 +14,7 @@ use crate::image::{ColorSpace, Face, FrameRange, Pattern};
 pub const MANIFEST_NAME: &str = "lightfield.json";
 /// Version of the schema that this program reads and writes.
 pub const MANIFEST_VERSION: u32 = 1;
-/// Larger manifests are refused before they are parsed.
+/// Larger manifests are refused.
 pub const MAX_MANIFEST_BYTES: u64 = 16 << 20;
 /// Longest side, in pixels, of the images that a manifest may declare.
 pub const MAX_SIDE: u32 = 65_536;
@@ -44,15 +44,14 @@ pub struct Manifest {
     pub fps: f64,
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
-    /// How the images were projected.
     #[serde(with = "ProjectionName")]
     pub projection: Projection,
     /// Width and height of each image file, in pixels.
     pub size: [u32; 2],
-    /// How the faces of a cube map lie in files; six files when absent.
+    /// File layout of cube maps; six files when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces: Option<FaceFiles>,
-    /// Names of the faces that there are; all six when absent.
+    /// Names of the faces present; all six when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub faces_present: Option<Vec<String>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,12 +63,12 @@ pub struct Manifest {
     pub material: Option<MaterialInfo>,
     pub files: Files,
     pub probes: Vec<Probe>,
-    /// Anything else; kept, never read.
+    /// Other data; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
-/// How the six faces are stored.
+/// File layout of the six faces.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FaceFiles {
     /// Six files; the pattern holds `{face}`.
@@ -110,13 +109,13 @@ pub struct DepthInfo {
     /// Distance or planar Z.
     #[serde(default, with = "DepthKindName")]
     pub kind: DepthKind,
-    /// Unit of the values. Metres when neither it nor `scale` is there, except in integer files, which need one.
+    /// Unit of the values. Metres when it and `scale` are absent, except in integer files, which need one of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<Unit>,
-    /// Metres per unit, where `unit` does not say it; for integer files.
+    /// Metres per unit instead of `unit`; for integer files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<f64>,
-    /// The value in the files, before unit and scale, that means "nothing there". +inf always does, too.
+    /// The value of the background in the files, before unit and scale. So is +inf.
     #[serde(default)]
     pub background: Background,
     /// Nearest depth in metres, above 0.
@@ -128,7 +127,7 @@ pub struct DepthInfo {
 }
 
 impl Default for DepthInfo {
-    /// Distances in metres, and a unit that says so.
+    /// Distances in metres, with the unit stated.
     fn default() -> Self {
         DepthInfo {
             kind: DepthKind::Distance,
@@ -142,7 +141,7 @@ impl Default for DepthInfo {
 }
 
 impl DepthInfo {
-    /// Metres per unit of the files, if the manifest says it.
+    /// Metres per unit of the files, if stated.
     pub fn stated_scale(&self) -> Option<f64> {
         self.scale.or(self.unit.map(Unit::metres))
     }
@@ -264,13 +263,13 @@ pub struct Probe {
     /// fx, fy, cx, cy in pixels; perspective only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub intrinsics: Option<[f64; 4]>,
-    /// Anything else; kept, never read.
+    /// Other data; kept, never read.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extra: Option<serde_json::Value>,
 }
 
 impl Probe {
-    /// fx, fy, cx, cy for images of that size, from either way of writing them.
+    /// fx, fy, cx, cy for images of a size, from either key.
     pub fn intrinsics_for(&self, size: [u32; 2]) -> Option<[f64; 4]> {
         self.intrinsics.or_else(|| Some(intrinsics_of(self.fov_y_deg?, size)))
     }
@@ -329,7 +328,7 @@ impl Manifest {
         FrameRange { first: self.frames[0], last: self.frames[1] }
     }
 
-    /// How faces lie in files; only cube maps have any.
+    /// File layout of the faces of a cube map.
     pub fn face_files(&self) -> FaceFiles {
         self.faces.unwrap_or_default()
     }
@@ -357,7 +356,7 @@ impl Manifest {
         Pattern::parse(&text).map(Some)
     }
 
-    /// Checks everything that the types do not: see the sentences of the errors.
+    /// Checks constraints that the types do not express.
     pub fn validate(&self) -> Result<()> {
         let wrong = |message: String| Err(Error::invalid(message));
         if self.lightfield != MANIFEST_VERSION {
@@ -509,7 +508,7 @@ impl Manifest {
     }
 }
 
-/// Whether a probe may be called that: file names are made of it.
+/// Whether a name is valid for a probe: file names contain it.
 pub fn is_probe_name(name: &str) -> bool {
     let allowed = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'.' | b'_' | b'-');
     (1..=100).contains(&name.len()) && name.bytes().all(allowed) && !name.starts_with('.')

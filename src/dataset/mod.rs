@@ -1,5 +1,4 @@
-//! Datasets: the manifest beside a set of EXR or PNG sequences, and the reader that turns either into planes of
-//! metres and linear light.
+//! Datasets: manifests, and readers of EXR or PNG sequences as planes of metres and linear light.
 
 mod as_stored;
 pub mod cameras;

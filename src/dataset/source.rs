@@ -1,6 +1,6 @@
-//! Where frames come from: a manifest or a single sequence in, planes of metres and linear light out.
+//! Reads a dataset or an image sequence as planes of metres and linear light.
 //!
-//! All files are known to exist once a source is open; what is in them is checked when they are read.
+//! Opening checks that all files exist; reading checks their content.
 
 mod reading;
 
@@ -23,37 +23,35 @@ use crate::image::{
     Plane, ReadLimits, Sequence, exr, png,
 };
 
-/// Frames per second where nothing says otherwise.
+/// Default frames per second.
 const DEFAULT_FPS: f64 = 24.0;
 
-/// What the caller says about the input; `None` leaves it to the manifest, else to the default of the field.
+/// Settings of the caller; `None` takes the manifest's, else the default of the field.
 #[derive(Debug, Clone, Default)]
 pub struct SourceOptions {
-    /// Depth channel; for a single sequence the channel or channels of whatever it holds ([`ChannelSelect::Named`]).
+    /// Depth channel; for an image sequence the channel or channels of its kind ([`ChannelSelect::Named`]).
     pub channel: Option<String>,
     /// Colour layer or channels of a manifest's colour files ([`ChannelSelect::Named`]).
     pub color_channel: Option<String>,
     /// Metres per unit of depth, above 0. Default 1, except for integer (PNG) depth, which has no default.
     pub depth_scale: Option<f64>,
-    /// The value in the files, before scaling, that means "nothing there". Default +inf.
+    /// The value of the background in the files, before scaling. Default +inf.
     pub background: Option<f32>,
-    /// What depth values measure. Default distance.
+    /// Default distance.
     pub depth_kind: Option<DepthKind>,
-    /// What colour values mean. Default linear for EXR, sRGB for PNG.
+    /// Default linear for EXR, sRGB for PNG.
     pub color_space: Option<ColorSpace>,
-    /// What becomes of invalid depth.
     pub invalid_depth: InvalidDepth,
-    /// What becomes of invalid colour and material.
+    /// Of colour and material.
     pub invalid_color: InvalidColor,
     pub frames: Option<FrameRange>,
     /// Side in pixels of cube faces that are resampled from equirectangular images, at most half the width. Default a
     /// quarter of the width.
     pub face_size: Option<u32>,
-    /// Caps on what files may claim.
     pub limits: ReadLimits,
 }
 
-/// How a single sequence shows its probe.
+/// Projection and layout of an image sequence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Arrangement {
     /// One image, one face: a cube face, or [`Face::View`] for a perspective image.
@@ -65,10 +63,9 @@ pub enum Arrangement {
     Equirect,
 }
 
-/// What is known about a single sequence.
+/// Description of an image sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SequenceLayout {
-    /// What each image shows.
     pub arrangement: Arrangement,
     /// Name of the probe, of letters, digits, `.`, `_` and `-`.
     pub probe: String,
@@ -89,8 +86,8 @@ pub struct ProbeInfo {
     pub position: [f64; 3],
     /// Unit quaternion x, y, z, w from the probe's axes to the world's.
     pub orientation: [f64; 4],
-    /// Frames that the probe has and the caller wants. A probe with none of those keeps its own frames here and is
-    /// absent from the groups.
+    /// Frames of the probe within those of the caller. A probe without any keeps its own frames here and is absent from the
+    /// groups.
     pub frames: FrameRange,
     /// fx, fy, cx, cy in pixels; perspective only.
     pub intrinsics: Option<[f64; 4]>,
@@ -106,24 +103,22 @@ impl ProbeInfo {
     }
 }
 
-/// Streams that are cut from the same files: one face when faces are files, six when one image holds them all.
+/// Streams of the same files: one face per file, or six in one image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceGroup {
-    /// What the pixels are.
     pub kind: StreamKind,
     /// Index into [`Source::probes`].
     pub probe: usize,
-    /// The faces that reading delivers, in the order of their numbers.
+    /// The faces read, in the order of their numbers.
     pub faces: Vec<Face>,
-    /// The frames that there are.
     pub frames: FrameRange,
-    /// Width of one face as it is delivered.
+    /// Width of a face as read.
     pub width: u32,
-    /// Height of one face as it is delivered.
+    /// Height of a face as read.
     pub height: u32,
 }
 
-/// What one image file holds.
+/// Content of an image file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Content {
     Face,
@@ -145,10 +140,10 @@ pub struct Source {
     content: Content,
     /// Size of each file.
     file_size: (u32, u32),
-    /// Size of each face as it is delivered.
+    /// Size of each face as read.
     delivered_size: (u32, u32),
     pub(super) rules: DepthRules,
-    /// Whether anyone said how many metres a unit of depth is.
+    /// Whether the scale of depth is stated.
     scale_stated: bool,
     depth_stored: DepthKind,
     pub(super) depth_kind: DepthKind,

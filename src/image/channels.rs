@@ -1,14 +1,13 @@
-//! Which channels of a file are colour and which is depth: the usual names, or the one asked for.
+//! Selects the colour and depth channels of a file: common names, or a given one.
 //!
-//! A channel is known by its own name and, in a file of several layers (parts), by `layer.name` too. Looking goes
-//! through the tables in order, first by full name, then by the channel's own name; a name that several layers
-//! share and no table decides is an error that lists them, never a guess.
+//! A channel has its own name and, in a file of several layers (parts), `layer.name`. The tables are searched in order,
+//! first by full name, then by the channel's own name. An ambiguous name is an error that lists the candidates.
 
 use std::collections::BTreeSet;
 
 use crate::error::{Error, Result};
 
-/// Names under which depth is looked for, in this order: first as written, then with case ignored.
+/// Names of depth in order of preference: first as written, then ignoring case.
 pub const DEPTH_CHANNELS: &[&str] = &[
     "Z",
     "depth.Z",
@@ -30,10 +29,10 @@ pub const DEPTH_CHANNELS: &[&str] = &[
     "distance.V",
 ];
 
-/// Endings that make any other channel a depth channel, when exactly one channel of the file has one of them.
+/// Suffixes of depth channels, used where exactly one channel of the file has one.
 pub const DEPTH_ENDINGS: &[&str] = &[".depth.z", ".depth.v", ".depth.y", ".depth"];
 
-/// Layers (prefixes of channel names) under which colour is looked for, in this order; the first is no prefix.
+/// Layers (prefixes of channel names) of colour in order of preference; the first is no prefix.
 pub const COLOR_LAYERS: &[&str] = &[
     "",
     "rgba",
@@ -52,17 +51,17 @@ pub const COLOR_LAYERS: &[&str] = &[
 /// Names of the three colour components inside a layer.
 pub const COLOR_COMPONENTS: &[[&str; 3]] = &[["R", "G", "B"], ["r", "g", "b"], ["red", "green", "blue"]];
 
-/// Names of a single channel that is read as gray when there are no three.
+/// Names of a channel that is read as gray where there is no RGB.
 pub const GRAY_CHANNELS: &[&str] = &["Y", "L", "luminance", "gray"];
 
-/// Which channel, or channels, of a file to read.
+/// Channels of a file to read.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum ChannelSelect {
-    /// The usual names: [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
+    /// [`DEPTH_CHANNELS`] for depth, [`COLOR_LAYERS`] and [`COLOR_COMPONENTS`] for colour.
     #[default]
     Auto,
-    /// For depth the name of the channel. For colour the name of a layer that has R, G and B, three names with
-    /// commas between them, or the name of one channel that is read as gray.
+    /// For depth the name of a channel. For colour the name of a layer with R, G and B, three names separated by commas, or
+    /// the name of a channel that is read as gray.
     Named(String),
 }
 
@@ -72,10 +71,10 @@ impl From<Option<String>> for ChannelSelect {
     }
 }
 
-/// What a file calls one of its channels.
+/// Name of a channel.
 #[derive(Debug, Clone)]
 pub(crate) struct ChannelName {
-    /// Name of the layer (part) it is in; empty where the file gives none.
+    /// Name of its layer (part); empty where the file has none.
     pub layer: String,
     pub part: usize,
     pub name: String,
@@ -89,10 +88,10 @@ impl ChannelName {
     }
 }
 
-/// The options that name a channel, as messages spell them.
+/// Settings that name a channel, for messages.
 const OPTIONS: &str = "`channel` (`depth_channel` or `color_channel` for a dataset)";
 
-/// At most this many channels are listed in a message.
+/// Limit of channels that a message lists.
 const LISTED: usize = 24;
 
 fn list(names: &[ChannelName]) -> String {
@@ -106,18 +105,18 @@ fn list(names: &[ChannelName]) -> String {
     text.join(", ")
 }
 
-/// By which of its names a channel is looked for.
+/// Which name of a channel is compared.
 #[derive(Clone, Copy)]
 enum By {
     /// `layer.name`.
     Full,
-    /// The name inside the layer, where the full name gave nothing.
+    /// The name inside the layer.
     Plain,
 }
 
 type Same = fn(&str, &str) -> bool;
 
-/// The order in which usual names are tried: full before plain, as written before case ignored.
+/// Order of comparison: full before plain names, as written before ignoring case.
 const TRIES: [(By, Same); 4] =
     [(By::Full, exact), (By::Full, ignoring_case), (By::Plain, exact), (By::Plain, ignoring_case)];
 
@@ -154,7 +153,7 @@ pub(crate) fn find_named(names: &[ChannelName], wanted: &str) -> Result<usize> {
     found.ok_or_else(|| Error::invalid(format!("there is no channel {wanted}; the channels are: {}", list(names))))
 }
 
-/// Whether the channel is one of three coordinates, as the Z of a normal or a position is.
+/// Whether the channel is a coordinate of a vector, as the Z of a normal or a position.
 fn is_coordinate(names: &[ChannelName], index: usize) -> bool {
     let channel = &names[index];
     let Some(stem) = channel.name.strip_suffix(['Z', 'z']) else { return false };

@@ -15,12 +15,11 @@ use crate::error::{Error, Result};
 /// Lookups along each side of a cube pixel.
 const SUPERSAMPLES: u32 = 4;
 
-/// Longest side of a face, so that the six plans for colour stay within 30 GiB.
+/// Limit of a face's side, so that the filters of six faces stay within 30 GiB.
 pub const MAX_FACE_SIDE: u32 = 8192;
 
-/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the image it is cut from.
-///
-/// A quarter of the width keeps the resolution of the equator; beyond half, four pixels and more would show one.
+/// Checks the side of a cube face: at most [`MAX_FACE_SIDE`], and at most half the width of the equirectangular image. A
+/// quarter of the width keeps the resolution of the equator.
 pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     if size > MAX_FACE_SIDE {
         return Err(Error::unsupported(format!(
@@ -38,11 +37,11 @@ pub fn check_face_size(size: u32, width: u32) -> Result<()> {
     )))
 }
 
-/// Where each pixel of a cube face finds its samples in equirectangular images of one size.
+/// Sample positions of a cube face in equirectangular images of one size.
 ///
-/// Planning costs far more than resampling, so each of two plans is made once for all frames, and only when it is first
-/// asked for: nearest samples, for depth and material, take 4 bytes for each pixel of the face; filters, for colour,
-/// about 75 bytes at a quarter of the image's width, and up to 520 for faces far smaller.
+/// Two tables are computed once for all frames, when first needed, since that costs far more than resampling. Nearest
+/// samples, for depth and material, take 4 bytes per pixel of the face; filters, for colour, about 75 bytes at a quarter of
+/// the image's width, and up to 520 for much smaller faces.
 #[derive(Debug, Clone)]
 pub struct FaceMap {
     face: Face,
@@ -62,7 +61,7 @@ struct FilterRow {
 }
 
 impl FaceMap {
-    /// Plans a face of `size`×`size` pixels cut from images of `width`×`height`.
+    /// A face of `size`×`size` pixels of images of `width`×`height`.
     pub fn new(face: Face, size: u32, width: u32, height: u32) -> Result<FaceMap> {
         if size == 0 || width == 0 || height == 0 {
             return Err(Error::invalid("an image without pixels cannot be resampled"));
@@ -121,7 +120,7 @@ impl FaceMap {
         FilterRow { ends: ends.into(), taps: all.into() }
     }
 
-    /// Adds the four pixels around a direction. Columns wrap; beyond a pole the picture goes on half a turn away.
+    /// Adds the four pixels around a direction. Columns wrap; beyond a pole the image continues 180° away.
     fn add_bilinear(&self, direction: DVec3, pixel: &mut Vec<(u32, f64)>) {
         let [x, y] = self.panorama().project(direction).unwrap_or_default().map(|at| at - 0.5);
         let (left, top) = (x.floor(), y.floor());
@@ -148,10 +147,9 @@ impl FaceMap {
     }
 }
 
-/// Makes rows 0 to `count` on several threads; the order in which they are made changes nothing.
+/// Computes rows 0 to `count` on several threads.
 ///
-/// The threads are not those of rayon: its workers wait for the plan, and one that waits must not be given work that
-/// asks for the same plan again.
+/// Not on those of rayon: a worker that waits for the table must not steal work that waits for the same table.
 fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
     let next = AtomicU32::new(0);
     let work = || {
@@ -173,7 +171,7 @@ fn rows<T: Send>(count: u32, make: impl Fn(u32) -> T + Sync) -> Vec<T> {
     made.into_iter().map(|(_, row)| row).collect()
 }
 
-/// Filtered colour of a face: 4×4 bilinear lookups a pixel, weighted equally.
+/// Colour of a face: the mean of 4×4 bilinear lookups per pixel.
 pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     map.check(image.width(), image.height())?;
     let data = image.data();
@@ -194,12 +192,12 @@ pub fn resample_color(image: &ColorPlane, map: &FaceMap) -> Result<ColorPlane> {
     Plane::new(map.size, map.size, pixels)
 }
 
-/// Depth of a face: the sample nearest to the direction of each pixel's centre, so that two surfaces never mix.
+/// Depth of a face: the nearest sample, so that surfaces never mix.
 pub fn resample_depth(image: &DepthPlane, map: &FaceMap) -> Result<DepthPlane> {
     resample_nearest(image, map)
 }
 
-/// Any other pixels, by nearest sample.
+/// Other pixels by nearest sample.
 pub fn resample_nearest<T: Copy>(image: &Plane<T>, map: &FaceMap) -> Result<Plane<T>> {
     map.check(image.width(), image.height())?;
     Plane::new(map.size, map.size, map.nearest().iter().flatten().map(|&index| image.data()[index as usize]).collect())

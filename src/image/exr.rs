@@ -1,8 +1,7 @@
-//! OpenEXR files: in, chosen channels as planes; out, planes as half or float ZIP files.
+//! OpenEXR files: reads selected channels as planes; writes planes as half or float ZIP files.
 //!
-//! A header is believed only as far as its file could hold what it claims: the sum of all pixels is checked before
-//! anything of that size is allocated. Chunks of layers that are not asked for are neither read nor decompressed.
-//! Files are decoded on the calling thread; callers read several at once.
+//! A header may claim only as many pixels as its file could hold, which is checked before memory is allocated. Chunks of other
+//! layers are neither read nor decompressed. Files are decoded on the calling thread; callers read several at once.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Read, Seek, Write};

@@ -1,4 +1,4 @@
-//! One image that holds all six faces of a cube: crosses and strips.
+//! Images with all six faces of a cube: crosses and strips.
 //!
 //! ```text
 //! cross 4:3          cross 3:4           strips 6:1, 1:6
@@ -13,7 +13,7 @@ use super::cube::Face;
 use super::plane::Plane;
 use crate::error::{Error, Result};
 
-/// How the faces are arranged; lying or standing follows from the image's shape.
+/// Layout of the faces; horizontal or vertical by the image's shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaceLayout {
     /// An unfolded cube, 4:3 or 3:4.

@@ -1,9 +1,9 @@
-//! How much memory a file may ask for.
+//! Limits of the memory that image files may claim.
 
-/// Caps that are checked before anything is allocated for an image.
+/// Checked before memory is allocated for an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReadLimits {
-    /// Most bytes that the decoded pixels of one image file may take, over all its layers and channels.
+    /// Limit of bytes of decoded pixels of an image file, over all layers and channels.
     pub max_image_bytes: u64,
 }
 
@@ -15,13 +15,13 @@ impl Default for ReadLimits {
 }
 
 impl ReadLimits {
-    /// Most bytes that reading an image file of `file_len` bytes takes: its decoded pixels twice (as the file has them and
-    /// as they leave), or three times where integers become floats, the display window, and the decoder's tables.
+    /// Peak memory in bytes of reading an image file of `file_len` bytes: its decoded pixels twice (as stored and as
+    /// returned), three times where integers become floats, the display window, and the decoder's tables.
     pub fn memory_bound(&self, file_len: u64) -> u64 {
         self.believable(file_len, 64 << 20).saturating_mul(4).saturating_add(64 << 20)
     }
 
-    /// Bytes of pixels that a file of `file_len` bytes can be believed to hold, never above the cap.
+    /// Plausible bytes of pixels of a file of `file_len` bytes, within the limit.
     ///
     /// `floor` is allowed to any file. Beyond it no compression of real images exceeds 4096 to 1, so a header that
     /// claims more is damaged or hostile.

@@ -12,12 +12,12 @@ pub struct Plane<T> {
     data: Vec<T>,
 }
 
-/// Linear scene-referred Rec. 709 colour, one `[r, g, b]` a pixel. Half floats: what renderers write, and few
-/// enough values (65,536) that every transfer function and metric is a table.
+/// Linear scene-referred Rec. 709 colour, `[r, g, b]` per pixel. Half floats, since renderers write them, and their 65,536
+/// values make every transfer function and metric a table.
 pub type ColorPlane = Plane<[f16; 3]>;
-/// Depth in metres, or `f32::INFINITY` where there is nothing.
+/// Depth in metres, `f32::INFINITY` for the background.
 pub type DepthPlane = Plane<f32>;
-/// Reflection weight, refraction weight, index of refraction, one triple a pixel.
+/// Reflection weight, refraction weight and index of refraction per pixel.
 pub type MaterialPlane = Plane<[f32; 3]>;
 
 impl<T> Plane<T> {
@@ -29,7 +29,7 @@ impl<T> Plane<T> {
         Ok(Plane { width, height, data })
     }
 
-    /// Builds a plane by asking for the value at every `(x, y)`.
+    /// A plane of `value(x, y)`.
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
         let mut data = Vec::with_capacity(width as usize * height as usize);
         for y in 0..height {

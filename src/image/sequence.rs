@@ -1,4 +1,4 @@
-//! Frame numbers, and file names that carry them.
+//! Frame ranges, and file names with frame numbers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -27,14 +27,14 @@ impl FrameRange {
         (self.first..=self.last).contains(&frame)
     }
 
-    /// The frames that both have, if any.
+    /// The common frames, if any.
     pub fn intersect(self, other: FrameRange) -> Option<FrameRange> {
         let first = self.first.max(other.first);
         let last = self.last.min(other.last);
         (first <= last).then_some(FrameRange { first, last })
     }
 
-    /// The least range that holds both.
+    /// The smallest range that contains both.
     #[must_use]
     pub fn hull(self, other: FrameRange) -> FrameRange {
         FrameRange { first: self.first.min(other.first), last: self.last.max(other.last) }
@@ -70,11 +70,10 @@ impl FromStr for FrameRange {
     }
 }
 
-/// A file name with a place for the frame number.
+/// A file name pattern with a field for the frame number.
 ///
-/// Only the file name may hold the place, once: `%d`, `%04d`; a run of n `#` for n digits (a single `#` stands for
-/// four); a run of n `@` for n digits. `%%` is a percent sign. Numbers with more digits than asked for are written
-/// in full.
+/// Fields are `%d` and `%04d`, n `#` for n digits (a single `#` for four), n `@` for n digits. There is at most one, in the
+/// file name. `%%` is a percent sign. Longer numbers are written in full.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     directory: PathBuf,
@@ -84,22 +83,22 @@ pub struct Pattern {
     after: String,
 }
 
-/// The place of the frame number.
+/// The field of the frame number.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Field {
-    /// Least number of digits.
+    /// Minimum number of digits.
     digits: usize,
-    /// As it was written, `####` or `%04d`, for messages.
+    /// As written, `####` or `%04d`, for messages.
     text: String,
 }
 
 impl Field {
-    /// Written the way of `%04d`.
+    /// Of the form `%04d`.
     fn percent(digits: usize) -> Field {
         Field { digits, text: if digits == 1 { "%d".into() } else { format!("%0{digits}d") } }
     }
 
-    /// A field of other width, written the same way as this one.
+    /// A field of another width and the same form.
     fn of_width(&self, digits: usize) -> Field {
         match self.text.chars().next() {
             Some(mark @ ('#' | '@')) if (mark, digits) != ('#', 1) => {
@@ -111,7 +110,7 @@ impl Field {
 }
 
 impl Pattern {
-    /// Reads a pattern; a name without a place for a number is a pattern that means one file.
+    /// Parses a pattern; without a field it names one file.
     pub fn parse(text: &str) -> Result<Pattern> {
         let path = Path::new(text);
         let name = path
@@ -157,12 +156,12 @@ impl Pattern {
         Ok(pattern)
     }
 
-    /// Whether the name has a place for the frame number.
+    /// Whether it has a field.
     pub fn has_field(&self) -> bool {
         self.field.is_some()
     }
 
-    /// The file of a frame; without a place for the number, the one file.
+    /// The file of a frame; without a field, the one file.
     pub fn path(&self, frame: u32) -> PathBuf {
         let name = match &self.field {
             Some(Field { digits, .. }) => format!("{}{frame:0digits$}{}", self.before, self.after),
@@ -178,13 +177,13 @@ impl Pattern {
         self
     }
 
-    /// The digits in a file name, if it differs from the pattern in nothing but their number.
+    /// The digits in a file name that matches the pattern with any number of digits.
     fn number_of<'a>(&self, name: &'a str) -> Option<&'a str> {
         let number = name.strip_prefix(self.before.as_str())?.strip_suffix(self.after.as_str())?;
         (!number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit())).then_some(number)
     }
 
-    /// The frame number in a file name, if the name is one that [`Pattern::path`] would write.
+    /// The frame number in a file name that [`Pattern::path`] would write.
     fn frame_of(&self, name: &str) -> Option<u32> {
         let digits = self.field.as_ref()?.digits;
         let number = self.number_of(name)?;
@@ -192,7 +191,7 @@ impl Pattern {
         if padded { number.parse().ok() } else { None }
     }
 
-    /// What to ask for instead where none of `names` matches but some differ in the width of the number.
+    /// A suggestion where no name matches but some differ in the number of digits.
     fn other_width(&self, names: &[String]) -> Option<String> {
         let field = self.field.as_ref()?;
         // The shortest number tells the padding, as in a folder.
@@ -229,7 +228,7 @@ fn percent_field(text: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// A pattern and the frames of it that are on disk, without a hole.
+/// A pattern and a contiguous range of its files on disk.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sequence {
     pattern: Pattern,
@@ -237,8 +236,8 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Finds the files that `spec` names: a pattern, a folder that holds one sequence of .exr or .png files, or one
-    /// file. Without `frames` the first and last file on disk are the range.
+    /// Finds the files of `spec`: a pattern, a folder with one sequence of .exr or .png files, or one file. The range defaults
+    /// to the first and last file on disk.
     pub fn find(spec: &str, frames: Option<FrameRange>) -> Result<Sequence> {
         let path = Path::new(spec);
         if path.is_dir() {
@@ -313,18 +312,17 @@ impl Sequence {
         Ok(Sequence { pattern, frames: FrameRange { first, last } })
     }
 
-    /// The file of a frame. Frames outside [`Sequence::frames`] answer with a name that may not exist.
+    /// The file of a frame; outside [`Sequence::frames`] it may not exist.
     pub fn path(&self, frame: u32) -> PathBuf {
         self.pattern.path(frame)
     }
 
-    /// First and last frame; all between are there.
     pub fn frames(&self) -> FrameRange {
         self.frames
     }
 }
 
-/// Names, as far as they are UTF-8, of the files in a folder.
+/// UTF-8 names of the files in a folder.
 fn file_names(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(|error| Error::io(folder, error))?;
     let mut names = Vec::new();
@@ -335,7 +333,7 @@ fn file_names(folder: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Splits a file name at the last run of digits before its extension: what is before, the digits, what is after.
+/// Splits a file name at the last digits before its extension: prefix, digits, suffix.
 fn split_number(name: &str) -> Option<(&str, &str, &str)> {
     let stem = name.rfind('.').map_or(name, |dot| &name[..dot]);
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;

@@ -1,13 +1,13 @@
-//! Between scene-referred half floats and 8-bit display codes, as tables.
+//! Conversion of scene-referred half floats to and from 8-bit display codes, by tables.
 //!
-//! Encoding: value × 2^exposure, transfer curve, × 255, rounded to nearest, clamped to 0..255. Decoding undoes it.
-//! Every code comes back to itself for exposures in −8..8 EV.
+//! Encoding: value × 2^exposure, transfer curve, × 255, rounded to nearest, clamped to 0..255. Decoding is its inverse:
+//! codes round-trip for exposures in −8..8 EV.
 
 use std::sync::OnceLock;
 
 use half::f16;
 
-/// How light becomes code values.
+/// Transfer function from light to codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Transfer {
     /// The piecewise curve of IEC 61966-2-1.
@@ -37,11 +37,11 @@ impl Transfer {
     }
 }
 
-/// Everything between scene light and display codes.
+/// Conversion of scene light to display codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ToneMap {
     pub transfer: Transfer,
-    /// Stops by which light is brightened before the curve, −8..8; 0 keeps 1.0 as the brightest code.
+    /// Exposure in stops, −8..8; with 0, light of 1.0 is the brightest code.
     pub exposure_ev: f32,
 }
 
@@ -89,7 +89,7 @@ impl EncodeTable {
         self.entries[value.to_bits() as usize] as u8
     }
 
-    /// Whether the value is brighter than the brightest code or darker than black, by more than rounding.
+    /// Whether the value is clipped, by more than rounding.
     pub fn is_clipped(&self, value: f16) -> bool {
         self.entries[value.to_bits() as usize] & CLIPPED != 0
     }

@@ -19,7 +19,7 @@ use crate::views::backend::{CpuBackend, FaceUpdate, NewFace, TexelBackend};
 use crate::views::catalogue::{Catalogue, ProbeChoice, ViewStreams};
 use crate::views::face_cache::{CachedUnit, FaceCache, FaceStreams};
 use crate::views::inverse_depth::InverseDepth;
-use crate::views::light_field::{FaceTexels, LightField, View};
+use crate::views::light_field::{FaceTexels, LightField};
 use crate::views::rects::Rect;
 
 /// Bytes of idle views that are kept where there is no memory budget.

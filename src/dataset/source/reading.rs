@@ -1,10 +1,9 @@
-//! What pixels depend on besides the files they are read from.
+//! Settings that decoded pixels depend on.
 
 use super::Source;
 
 impl Source {
-    /// Everything that decides what reading a file delivers, except the file: a name and a value for each. Two sources
-    /// with equal values deliver the same pixels of the same files.
+    /// Names and values of all settings that affect pixels. Sources with equal values read equal pixels from equal files.
     pub fn reading_rules(&self) -> Vec<(&'static str, String)> {
         let range = self.manifest().and_then(|manifest| manifest.depth.as_ref());
         vec![
