@@ -187,7 +187,7 @@ mod tests {
         assert_eq!(seen.collect::<Vec<_>>(), [(3, 0.0), (4, 2.0), (5, 4.0)]);
         assert!(CameraFile::as_probes(text.as_bytes()).unwrap_err().to_string().contains("stands still"));
         for (second, words) in
-            [("", "all must have"), (r#", "frame": 3"#, "greater"), (r#", "frame": 5, "frames": [5, 5]"#, "none may")]
+            [("", "all must have"), (r#", "frame": 3"#, "increase"), (r#", "frame": 5, "frames": [5, 5]"#, "none may")]
         {
             let text = file(&[pose(0.0, r#", "frame": 3"#), pose(4.0, second)]);
             let said = CameraFile::parse(text.as_bytes()).unwrap_err().to_string();
