@@ -71,13 +71,18 @@ pub fn mismatch(a: &[f32], b: &[f32], reversed: bool, cap: f64) -> Mismatch {
     found
 }
 
-/// An edge of the cube: a side of one face that is a side of another.
+/// A side of a face, both by number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct FaceSide {
+    pub face: usize,
+    pub side: usize,
+}
+
+/// Two sides of different faces that may be one edge of the cube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
-    /// Face and side.
-    pub a: (usize, usize),
-    /// The other face and its side.
-    pub b: (usize, usize),
+    pub a: FaceSide,
+    pub b: FaceSide,
     /// Whether the sides run in opposite directions.
     pub reversed: bool,
 }
@@ -110,7 +115,8 @@ pub fn edges() -> Vec<Edge> {
                 direction_to_face(forward + beyond(u) * right + beyond(v) * down);
             let (other, along) = side_of([nu, nv]);
             if face < next {
-                found.push(Edge { a: (face as usize, side), b: (next as usize, other), reversed: along < 0.0 });
+                let (a, b) = (FaceSide { face: face as usize, side }, FaceSide { face: next as usize, side: other });
+                found.push(Edge { a, b, reversed: along < 0.0 });
             }
         }
     }
@@ -143,7 +149,7 @@ mod tests {
         for edge in edges() {
             for at in 0..size {
                 let other = if edge.reversed { size - 1 - at } else { at };
-                let direction = |(face, side): (usize, usize), at: u32| {
+                let direction = |FaceSide { face, side }, at: u32| {
                     let (x, y) = pixel(side, at);
                     Face::CUBE[face].direction(x, y, size).normalize()
                 };

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::borders::{Edge, SIDES, edges, side_of, side_point};
+use super::borders::{Edge, FaceSide, SIDES, edges, side_of, side_point};
 use crate::image::Face;
 use crate::image::cube::{FacePoint, direction_to_face};
 
@@ -83,13 +83,14 @@ pub struct Fit {
 }
 
 impl CostTable {
-    /// `cost` compares (file, side) with (file, side), one of them reversed or not.
-    pub fn new(cost: impl Fn((usize, usize), (usize, usize), bool) -> f64) -> CostTable {
+    /// `cost` compares any two sides of different files.
+    pub fn new(cost: impl Fn(&Edge) -> f64) -> CostTable {
         let mut costs = vec![0.0; (FACES * SIDES) * (FACES * SIDES) * 2];
         for a in 0..FACES * SIDES {
             for b in (0..FACES * SIDES).filter(|b| b / SIDES != a / SIDES) {
                 for reversed in [false, true] {
-                    costs[Self::index(a, b, reversed)] = cost((a / SIDES, a % SIDES), (b / SIDES, b % SIDES), reversed);
+                    let [side_a, side_b] = [a, b].map(|at| FaceSide { face: at / SIDES, side: at % SIDES });
+                    costs[Self::index(a, b, reversed)] = cost(&Edge { a: side_a, b: side_b, reversed });
                 }
             }
         }
@@ -102,7 +103,7 @@ impl CostTable {
 
     /// Cost of an edge; 0 where one of its faces is missing.
     fn edge(&self, edge: &Edge, permutation: &FacePermutation) -> f64 {
-        let place = |(face, side): (usize, usize)| {
+        let place = |FaceSide { face, side }| {
             let PlacedFile { file, turn } = permutation[face]?;
             let (side, along) = side_of(turn.in_file(side_point(side, 0.5)));
             Some((file * SIDES + side, along < 0.0))
@@ -120,7 +121,7 @@ impl CostTable {
     }
 
     pub fn of_face(&self, face: usize, permutation: &FacePermutation) -> f64 {
-        let own = |edge: &&Edge| edge.a.0 == face || edge.b.0 == face;
+        let own = |edge: &&Edge| edge.a.face == face || edge.b.face == face;
         self.edges.iter().filter(own).map(|edge| self.edge(edge, permutation)).sum()
     }
 
@@ -222,16 +223,16 @@ mod tests {
         let belongs: Vec<_> = edges()
             .iter()
             .map(|edge| {
-                let place = |(face, side): (usize, usize)| {
+                let place = |FaceSide { face, side }| {
                     let PlacedFile { file, turn } = truth[face].unwrap();
                     let (side, along) = side_of(turn.in_file(side_point(side, 0.5)));
-                    ((file, side), along < 0.0)
+                    (FaceSide { face: file, side }, along < 0.0)
                 };
                 let ((a, back_a), (b, back_b)) = (place(edge.a), place(edge.b));
                 (a, b, edge.reversed ^ back_a ^ back_b)
             })
             .collect();
-        CostTable::new(|a, b, reversed| {
+        CostTable::new(|&Edge { a, b, reversed }| {
             let fits = belongs.iter().any(|&(x, y, r)| r == reversed && ((x, y) == (a, b) || (x, y) == (b, a)));
             if fits { 0.0 } else { 1.0 }
         })

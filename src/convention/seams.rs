@@ -2,7 +2,7 @@
 //!
 //! Edges tell neither planar depth from distance nor the world from one that is turned or mirrored as a whole.
 
-use super::borders::{Borders, Mismatch, mismatch};
+use super::borders::{Borders, Edge, FaceSide, Mismatch, edges, mismatch};
 use super::face_permutation::{self, CostTable, FacePermutation, Fit, PlacedFile, Turn};
 use super::finding::{Finding, Verdict, listed, percent};
 use crate::image::Face;
@@ -56,15 +56,16 @@ pub fn check(stream: Stream, probes: &[(String, CubeBorders)]) -> Vec<Finding> {
 }
 
 fn judge(stream: Stream, probes: &[(String, CubeBorders)], present: [bool; 6]) -> Finding {
-    let pair = |a: (usize, usize), b: (usize, usize), reversed: bool| -> Mismatch {
+    let pair = |&Edge { a, b, reversed }: &Edge| -> Mismatch {
         let of = |(_, borders): &(String, CubeBorders)| {
-            let (a, b) = (borders[a.0].as_ref()?.sides.get(a.1)?, borders[b.0].as_ref()?.sides.get(b.1)?);
+            let of = |at: FaceSide| borders[at.face].as_ref()?.sides.get(at.side);
+            let (a, b) = (of(a)?, of(b)?);
             Some(mismatch(a, b, reversed, stream.cap))
         };
         probes.iter().filter_map(of).fold(Mismatch::default(), Mismatch::add)
     };
-    let table = CostTable::new(|a, b, reversed| pair(a, b, reversed).cost);
-    let samples: u64 = super::borders::edges().iter().map(|edge| pair(edge.a, edge.b, edge.reversed).samples).sum();
+    let table = CostTable::new(|edge| pair(edge).cost);
+    let samples: u64 = edges().iter().map(|edge| pair(edge).samples).sum();
     let declared = face_permutation::declared(present);
     let own = table.total(&declared);
     let share = |cost: f64| cost / samples.max(1) as f64;
