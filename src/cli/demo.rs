@@ -8,16 +8,14 @@ use serde_json::json;
 use crate::cli::output::{self, human_bytes, json_number};
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::compare::comparison::Comparison;
-use crate::compare::side::{self, SideOptions};
-use crate::compare::streams::{self, CompareSettings, Pairing, SsimFrames};
+use crate::compare::{self, CompareSettings, Comparison, Pairing, SideOptions, SsimFrames};
 use crate::dataset::source::{Source, SourceOptions};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{self, Decoder, Destination, FileFormat, OnCpu, OnDamage, Selection, StreamInfo};
 use crate::encode::{self, EncodeSettings, ErrorBound};
 use crate::error::Result;
 use crate::files::{OutputFile, OutputFolder};
-use crate::inspect::container::{self, InspectSettings, Totals};
+use crate::inspect::{self, InspectSettings, Totals};
 use crate::report::tradeoff::runner::shell_word;
 use crate::report::{Column, Table};
 use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan, Scene};
@@ -155,19 +153,19 @@ fn decode(decoder: &Decoder, path: &Path, global: &GlobalArgs) -> Result<()> {
 
 fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     let paths = [&places.scene, &places.decoded].map(|path| path.to_string_lossy());
-    let sides = side::open_both([&paths[0], &paths[1]], &SideOptions::default())?;
+    let sides = compare::open_both([&paths[0], &paths[1]], &SideOptions::default())?;
     let settings = CompareSettings { ssim: SsimFrames::None, ..CompareSettings::default() };
     let pairing = Pairing::new(&sides, settings.coverage)?;
     let progress = Progress::start(global, "comparing", pairing.images())?;
-    streams::compare(&pairing, &settings, &progress)
+    compare::compare(&pairing, &settings, &progress)
 }
 
 /// Sizes from the container, and the time to decode each kind without writing files.
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Totals)> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
-    let progress = Progress::start(global, "measuring", container::steps(decoder, &streams))?;
+    let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
     let settings = InspectSettings::default();
-    let inspection = container::inspect(decoder, &streams, settings, &progress)?;
+    let inspection = inspect::inspect(decoder, &streams, settings, &progress)?;
     let mut rows = Vec::new();
     for kind in StreamKind::ALL.into_iter().filter(|kind| streams.iter().any(|stream| stream.kind == *kind)) {
         let chosen = Selection { kinds: vec![kind], ..Selection::default() }.choose(decoder)?;

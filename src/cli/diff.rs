@@ -6,9 +6,7 @@ use crate::cli::options::{self, FrameArgs, MemoryArgs, SideArgs};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
-use crate::compare::bounds::Bounds;
-use crate::compare::side::{self, SideOptions};
-use crate::compare::streams::{CompareSettings, Coverage, Measure, Pairing, SsimFrames, compare};
+use crate::compare::{self, Bounds, CompareSettings, Coverage, Measure, Pairing, SideOptions, SsimFrames, compare};
 use crate::dataset::stream::StreamKind;
 use crate::decode::Selection;
 use crate::error::Result;
@@ -98,7 +96,7 @@ fn parse_db(text: &str) -> Result<f64, String> {
 
 /// Compares.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
-    let sides = side::open_both([&args.a, &args.b], &side_options(args)?)?;
+    let sides = compare::open_both([&args.a, &args.b], &side_options(args)?)?;
     let settings = CompareSettings {
         coverage: if args.common { Coverage::Common } else { Coverage::Whole },
         measure: if args.exact { Measure::Bits } else { Measure::Codes },

@@ -3,12 +3,10 @@
 use comfy_table::{Table, presets};
 
 use crate::color::quality::PU_STEPS;
-use crate::compare::bounds::{Bound, Judgement, Violation};
-use crate::compare::comparison::{Comparison, Measured, StreamReport};
-use crate::compare::difference::{Lowest, SampleErrors};
-use crate::compare::domain::{Domain, Origin};
-use crate::compare::report::side_name;
-use crate::compare::side::{Coding, Side};
+use crate::compare::{
+    Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, Side, StreamReport,
+    Violation, side_name,
+};
 use crate::dataset::stream::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
@@ -253,11 +251,11 @@ fn domain_text(domain: &Domain) -> String {
     let of = match domain.origin {
         Origin::Container(side) => format!(" of {}", side_name(side)),
         Origin::Manifest(side) => format!(" of {}'s manifest", side_name(side)),
-        Origin::Chosen => String::new(),
+        Origin::Default => String::new(),
     };
     match domain.coding {
         Coding::Depth(range) => {
-            let found = if domain.origin == Origin::Chosen { ", as far as both sides reach" } else { "" };
+            let found = if domain.origin == Origin::Default { ", as far as both sides reach" } else { "" };
             format!("16-bit log codes{of}, {} m to {} m{found}", range.near_m(), range.far_m())
         }
         Coding::Color(ColorFormat::EightBit(tone), cell) => {

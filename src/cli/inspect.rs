@@ -15,8 +15,7 @@ use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::dataset::manifest;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
-use crate::inspect::container::{self, Check, FrameRows, InspectSettings};
-use crate::inspect::report::{ChunksReport, ContainerReport, FrameReport};
+use crate::inspect::{self, Check, ChunksReport, ContainerReport, FrameReport, FrameRows, InspectSettings};
 use crate::report;
 use crate::scene::Scene;
 
@@ -67,8 +66,8 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         check: if args.verify { Check::ListAll } else { Check::StopAtFirst },
         memory: args.memory.get(),
     };
-    let progress = Progress::start(global, "inspecting", container::steps(&decoder, &streams))?;
-    let inspection = container::inspect(&decoder, &streams, settings, &progress)?;
+    let progress = Progress::start(global, "inspecting", inspect::steps(&decoder, &streams))?;
+    let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
     drop(progress);
     let report = Report { args, decoder: &decoder, inspection: &inspection };
     // Of a damaged container there is no picture: the verdict is what counts.

@@ -9,8 +9,7 @@ use crate::cli::{ExitStatus, GlobalArgs};
 use crate::container::Reader;
 use crate::error::Result;
 use crate::files::OutputFile;
-use crate::pack::flatten::FlattenSettings;
-use crate::pack::merge::{self, PackReport, PackSettings, Repack};
+use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
@@ -74,7 +73,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let path = &args.output.path;
     let file = OutputFile::create(path)?;
     let (mut file, summary) =
-        merge::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
+        pack::pack(&inputs, &settings, file, &progress).map_err(|error| output::name_output(error, path))?;
     file.commit()?;
     drop(progress);
     let input_bytes: u64 = inputs.iter().map(Reader::file_bytes).sum();

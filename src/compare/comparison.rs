@@ -1,50 +1,42 @@
-//! What comparing two sides has found, stream by stream and in all.
+//! The result of a comparison, by stream and in total.
 
 use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::Domain;
 use crate::compare::side::StreamId;
-use crate::image::sequence::FrameRange;
+use crate::image::FrameRange;
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::metrics::psnr::SquaredError;
 
-/// Frames of a stream that one side alone has.
+/// Frames of a stream that only one side has.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Missing {
-    /// The side that has them: 0 or 1.
+    /// The side that has them, 0 or 1.
     pub only_in: usize,
-    /// The stream.
     pub id: StreamId,
-    /// The frames.
     pub frames: FrameRange,
 }
 
-/// What was measured of a pair of streams.
+/// Errors of a pair of streams.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
-    /// Depth.
     Depth(DepthErrors),
-    /// Colour.
     Color(SampleErrors),
-    /// Material.
     Material(SampleErrors),
 }
 
 /// A pair of streams, compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamReport {
-    /// The stream, by its name on the first side.
+    /// On the first side.
     pub id: StreamId,
-    /// Its name on the second side, where it is another.
+    /// On the second side, where it is another.
     pub other_id: Option<StreamId>,
-    /// Width and height.
     pub size: [u32; 2],
-    /// Frames compared, in the numbers of the first side.
+    /// In the numbers of the first side.
     pub frames: FrameRange,
-    /// What they were compared in.
     pub domain: Domain,
-    /// Errors in the domain.
     pub measured: Measured,
-    /// Differences in bits, where they were asked for.
+    /// With [`crate::compare::Measure::Bits`].
     pub bits: Option<BitErrors>,
 }
 
@@ -69,56 +61,50 @@ impl StreamReport {
         }
     }
 
-    /// The errors of a colour stream.
     pub fn color(&self) -> Option<&SampleErrors> {
         if let Measured::Color(errors) = &self.measured { Some(errors) } else { None }
     }
 
-    /// The errors of a depth stream.
     pub fn depth(&self) -> Option<&DepthErrors> {
         if let Measured::Depth(errors) = &self.measured { Some(errors) } else { None }
     }
 
-    /// The errors of a material stream.
     pub fn material(&self) -> Option<&SampleErrors> {
         if let Measured::Material(errors) = &self.measured { Some(errors) } else { None }
     }
 }
 
-/// Two sides, compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// By kind, then probe, then face.
     pub streams: Vec<StreamReport>,
-    /// What one side alone has.
+    /// What only one side has.
     pub missing: Vec<Missing>,
 }
 
 /// All streams of colour or of material together.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct SampleTotal {
-    /// Squared errors, one for each peak, as 8-bit and half-float streams have different ones.
+    /// One for each peak: 8-bit and half-float streams have different ones.
     errors: Vec<SquaredError>,
-    /// Index of the stream that has the frame of lowest PSNR, and that frame.
+    /// With the index of the stream.
     pub lowest_frame: Option<(usize, Lowest)>,
-    /// Index of the stream that has the cell of lowest PSNR, and that cell.
+    /// With the index of the stream.
     pub lowest_cell: Option<(usize, Lowest)>,
-    /// Index of the stream that has the largest error, relative to its peak.
+    /// Index of the stream with the largest error relative to its peak.
     pub worst: Option<usize>,
     /// Largest error in the steps of that stream.
     pub max_error: u32,
-    /// Sum of SSIM over frames.
     ssim_sum: f64,
-    /// Frames that SSIM was computed for.
+    /// Frames of which SSIM was computed.
     pub ssim_frames: u64,
-    /// Pixels that differ.
     pub differing_pixels: u64,
-    /// Pixels clipped on their way into 8 bits.
+    /// Pixels that 8 bits clipped.
     pub clipped_pixels: u64,
 }
 
 impl SampleTotal {
-    /// PSNR over all samples; those of different peaks are put in proportion.
+    /// PSNR over all samples, relative to their peaks.
     pub fn psnr_db(&self) -> f64 {
         if let [only] = self.errors.as_slice() {
             return only.psnr_db();
@@ -128,14 +114,13 @@ impl SampleTotal {
         if sum == 0.0 { f64::INFINITY } else { 10.0 * (samples as f64 / sum).log10() }
     }
 
-    /// Mean SSIM of the frames that it was computed for.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
     }
 }
 
 impl Comparison {
-    /// Whether nothing differs, in bits where they were compared and else in codes, and nothing is missing.
+    /// Whether nothing is missing or differs, in bits where these were compared, else in codes.
     pub fn equal(&self) -> bool {
         let same = |stream: &StreamReport| match &stream.bits {
             Some(bits) => bits.differing_pixels == 0,
@@ -144,7 +129,7 @@ impl Comparison {
         self.missing.is_empty() && self.streams.iter().all(same)
     }
 
-    /// Depth errors of all streams, and the index of the one that has the worst pixel.
+    /// Depth errors of all streams, and the index of the stream with the worst pixel.
     pub fn depth(&self) -> Option<(DepthErrors, Option<usize>)> {
         let mut total: Option<(DepthErrors, Option<usize>)> = None;
         for (at, errors) in self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.depth()?))) {
@@ -156,12 +141,10 @@ impl Comparison {
         total
     }
 
-    /// Colour errors of all streams.
     pub fn color(&self) -> Option<SampleTotal> {
         self.samples(StreamReport::color)
     }
 
-    /// Material errors of all streams.
     pub fn material(&self) -> Option<SampleTotal> {
         self.samples(StreamReport::material)
     }
@@ -171,17 +154,7 @@ impl Comparison {
         let mut worst = 0.0;
         for (at, stream) in self.streams.iter().enumerate() {
             let Some(errors) = of(stream) else { continue };
-            let total = total.get_or_insert_with(|| SampleTotal {
-                errors: Vec::new(),
-                lowest_frame: None,
-                lowest_cell: None,
-                worst: None,
-                max_error: 0,
-                ssim_sum: 0.0,
-                ssim_frames: 0,
-                differing_pixels: 0,
-                clipped_pixels: 0,
-            });
+            let total = total.get_or_insert_default();
             match total.errors.iter_mut().find(|error| error.peak == errors.error.peak) {
                 Some(error) => {
                     error.sum += errors.error.sum;
@@ -204,7 +177,7 @@ impl Comparison {
         total
     }
 
-    /// The stream and pixel whose error is the largest part of its metric's peak.
+    /// The pixel with the largest error relative to its metric's peak, with the index of its stream.
     pub fn worst(&self) -> Option<(usize, Spot)> {
         let mut worst: Option<(usize, Spot, f64)> = None;
         for (at, stream) in self.streams.iter().enumerate() {
@@ -217,7 +190,7 @@ impl Comparison {
         worst.map(|(at, spot, _)| (at, spot))
     }
 
-    /// The first stream and pixel whose bits differ, and the number of pixels that do.
+    /// Number of pixels whose bits differ, and the first with the index of its stream; `None` where bits were not compared.
     pub fn bits(&self) -> Option<(u64, Option<(usize, Spot)>)> {
         let mut streams = self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, stream.bits?)));
         let count = streams.clone().map(|(_, bits)| bits.differing_pixels).sum();

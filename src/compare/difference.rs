@@ -1,4 +1,4 @@
-//! What is counted pixel by pixel when two images are compared.
+//! Errors of colour and material between two images, counted pixel by pixel.
 
 use half::f16;
 use serde::Serialize;
@@ -10,9 +10,8 @@ use crate::image::plane::{ColorPlane, Plane};
 use crate::metrics::depth_error::Spot;
 use crate::metrics::psnr::{SquaredError, U8_PEAK};
 
-/// A sample of colour or material, as its metric sees it.
+/// A sample of colour or material in steps of its metric.
 pub trait Level: Copy + PartialEq {
-    /// The sample in steps of the metric.
     fn steps(self) -> i32;
 }
 
@@ -22,7 +21,7 @@ impl Level for u8 {
     }
 }
 
-/// A half float and its PU21 encoding; two that look alike may differ in bits.
+/// A half float and its PU21 encoding; equal encodings may differ in bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HalfLevel {
     bits: u16,
@@ -49,42 +48,39 @@ pub fn half_peak(metric: &Pu21) -> f64 {
 /// The lowest PSNR of a frame, or of a frame of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lowest {
-    /// Its PSNR, +inf where all are equal.
+    /// +inf where all are equal.
     pub psnr_db: f64,
-    /// The frame, and the upper left corner of the cell.
+    /// Frame, and upper left corner of the cell.
     pub spot: Spot,
 }
 
-/// Errors of colour and material.
+/// Errors of colour or material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleErrors {
     /// Largest error of a sample in the metric's steps: 8-bit codes, or 64ths of PU21.
     pub max_error: u32,
     /// Squared error in steps.
     pub error: SquaredError,
-    /// The first pixel that has the largest error; `None` where all are equal.
+    /// The first pixel with the largest error; `None` where all are equal.
     pub worst: Option<Spot>,
-    /// Pixels that differ.
     pub differing_pixels: u64,
-    /// The frame of lowest PSNR.
     pub lowest_frame: Option<Lowest>,
-    /// The cell and frame of lowest PSNR.
+    /// The lowest PSNR of a cell in one frame.
     pub lowest_cell: Option<Lowest>,
-    /// Sum of the SSIM of some frames.
     pub ssim_sum: f64,
-    /// Their number.
+    /// Frames of the sum.
     pub ssim_frames: u64,
-    /// Pixels that were clipped on their way into 8 bits, on both sides together.
+    /// Pixels that 8 bits clipped, on both sides together.
     pub clipped_pixels: u64,
 }
 
 impl SampleErrors {
-    /// Mean SSIM of the frames that it was computed for.
+    /// Mean SSIM of the frames of which it was computed.
     pub fn ssim(&self) -> Option<f64> {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
     }
 
-    /// Nothing compared yet, with a metric of that peak.
+    /// No samples, for a metric of this peak.
     pub fn empty(peak: f64) -> SampleErrors {
         SampleErrors {
             max_error: 0,
@@ -99,7 +95,6 @@ impl SampleErrors {
         }
     }
 
-    /// Nothing compared yet, in 8 bits.
     pub fn empty_8bit() -> SampleErrors {
         SampleErrors::empty(U8_PEAK)
     }
@@ -133,7 +128,7 @@ impl SampleErrors {
         self.error.samples += total.samples;
     }
 
-    /// Adds a run of pixels that starts at a spot; answers its squared error.
+    /// Adds a run of pixels from `start` on; returns its squared error.
     fn add_run<T: Level>(&mut self, start: Spot, a: &[[T; 3]], b: &[[T; 3]]) -> u128 {
         let mut sum = 0;
         for (offset, (a, b)) in a.iter().zip(b).enumerate() {
@@ -141,8 +136,8 @@ impl SampleErrors {
                 continue;
             }
             self.differing_pixels += 1;
-            let (squares, largest) = sample_error(a, b);
-            sum += squares;
+            let SampleError { squared, largest } = sample_error(a, b);
+            sum += squared;
             let spot = Spot { x: start.x + offset as u32, ..start };
             // Cells are not in row order: of equal errors in a frame, the first in row order is kept.
             let earlier = |worst: Spot| worst.frame == spot.frame && (spot.y, spot.x) < (worst.y, worst.x);
@@ -155,16 +150,25 @@ impl SampleErrors {
         u128::from(sum)
     }
 
-    /// The PSNR of everything compared.
     pub fn psnr_db(&self) -> f64 {
         self.error.psnr_db()
     }
 }
 
-/// The squared error of a pixel's samples, and the largest error of one of them, in steps.
-pub fn sample_error<T: Level>(a: &[T; 3], b: &[T; 3]) -> (u64, u32) {
+/// Errors of a pixel's three samples in steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct SampleError {
+    /// Sum of squares.
+    pub squared: u64,
+    pub largest: u32,
+}
+
+pub(super) fn sample_error<T: Level>(a: &[T; 3], b: &[T; 3]) -> SampleError {
     let errors = a.iter().zip(b).map(|(a, b)| a.steps().abs_diff(b.steps()));
-    errors.fold((0, 0), |(sum, largest), error| (sum + u64::from(error) * u64::from(error), largest.max(error)))
+    errors.fold(SampleError::default(), |SampleError { squared, largest }, error| SampleError {
+        squared: squared + u64::from(error) * u64::from(error),
+        largest: largest.max(error),
+    })
 }
 
 fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {
@@ -173,17 +177,15 @@ fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {
     }
 }
 
-/// Differences in bits.
+/// Pixels that differ in bits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct BitErrors {
-    /// Pixels that differ.
     pub differing_pixels: u64,
-    /// The first of them.
     pub first: Option<Spot>,
 }
 
 impl BitErrors {
-    /// Adds a frame of values as files hold them.
+    /// Adds a frame of values as in files.
     pub fn add(&mut self, frame: u32, a: &Values, b: &Values) -> Result<()> {
         match (a, b) {
             (Values::Metres(a), Values::Metres(b)) => self.compare(frame, a, b, |z| z.to_bits()),

@@ -1,18 +1,19 @@
-//! The codes that two streams are compared in, and the way there from what either side delivers.
+//! The codes that two streams are compared in, and the conversion of either side into them.
 
 use half::f16;
 
 use crate::compare::side::{Coding, Image, Side, SideForm, SideStream};
-use crate::dataset::stream::StreamKind;
 use crate::decode::Picture;
-use crate::depth::quantise::{BACKGROUND_CODE, CodeTable, DepthRange, FAR_CODE, Quantiser};
+use crate::depth::quantise::FAR_CODE;
+use crate::depth::{BACKGROUND_CODE, CodeTable, DepthRange, Quantiser};
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap};
 use crate::metrics::depth_error::{DepthPicture, OUTSIDE};
 use crate::streams::{ColorFormat, convert};
 
-/// Cells where nothing says how large they are.
+/// Width of cells where neither side states it.
 const DEFAULT_CELL: u32 = 64;
 
 /// Where the codes of a comparison come from.
@@ -22,21 +23,19 @@ pub enum Origin {
     Container(usize),
     /// The manifest of the decoded dataset on side 0 or 1.
     Manifest(usize),
-    /// Neither side was ever coded: depth spans what both hold, colour is 8-bit sRGB.
-    Chosen,
+    /// Neither side was coded: depth spans both sides' surfaces, colour is 8-bit sRGB.
+    Default,
 }
 
-/// What two streams are compared in.
+/// Domain in which two streams are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
-    /// The codes.
     pub coding: Coding,
-    /// Whose they are.
     pub origin: Origin,
 }
 
 impl Domain {
-    /// The domain of a pair of streams; `None` where a range of depths must be found first.
+    /// The domain of a pair of streams; `None` where the range of depth must be found first.
     pub fn of_pair(sides: &[Side; 2], streams: [&SideStream; 2]) -> Option<Domain> {
         for (origin, container) in [(Origin::Container as fn(usize) -> Origin, true), (Origin::Manifest, false)] {
             for at in 0..2 {
@@ -51,9 +50,9 @@ impl Domain {
             StreamKind::Depth => None,
             StreamKind::Color => {
                 let format = ColorFormat::EightBit(ToneMap::default());
-                Some(Domain { coding: Coding::Color(format, DEFAULT_CELL), origin: Origin::Chosen })
+                Some(Domain { coding: Coding::Color(format, DEFAULT_CELL), origin: Origin::Default })
             }
-            StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Chosen }),
+            StreamKind::Material => Some(Domain { coding: Coding::Material, origin: Origin::Default }),
         }
     }
 }
@@ -61,23 +60,26 @@ impl Domain {
 /// An image in the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Converted {
-    /// Depth.
     Depth(DepthPicture),
     /// 8-bit colour or material.
     Bytes(Plane<[u8; 3]>),
-    /// Half-float colour.
     Half(ColorPlane),
 }
 
-/// An image as a file of it would hold it.
+/// An image in the values of files.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// Metres, +inf for background.
     Metres(DepthPlane),
-    /// Linear light.
     Light(ColorPlane),
-    /// Material weights.
     Weights(MaterialPlane),
+}
+
+/// An image in the domain, with the number of its pixels that 8 bits clipped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ConvertedImage {
+    pub image: Converted,
+    pub clipped_pixels: u64,
 }
 
 /// Brings the images of one stream of one side into the domain.
@@ -93,7 +95,6 @@ pub struct Converter {
 }
 
 impl Converter {
-    /// A converter of `stream`'s images.
     pub fn new(domain: Coding, side: &Side, stream: &SideStream) -> Converter {
         let own = if side.form == SideForm::Container { stream.coding } else { None };
         let mut converter = Converter { domain, own, quantiser: None, metres: None, codes: None, light: None };
@@ -111,8 +112,8 @@ impl Converter {
         converter
     }
 
-    /// Whether the side's own codes are those of the domain; cells may differ, they are no part of a code.
-    pub fn keeps_codes(&self) -> bool {
+    /// Whether the side's own codes are those of the domain; the size of cells does not matter.
+    fn keeps_codes(&self) -> bool {
         match (self.own, self.domain) {
             (Some(Coding::Color(own, _)), Coding::Color(domain, _)) => match (own, domain) {
                 (ColorFormat::Half { .. }, ColorFormat::Half { .. }) => true,
@@ -122,12 +123,12 @@ impl Converter {
         }
     }
 
-    /// The image in the domain, and how many of its pixels 8 bits clipped.
+    /// The image in the domain.
     ///
     /// # Errors
     /// When a material has weights that 8 bits cannot express.
-    pub fn convert(&self, image: Image) -> Result<(Converted, u64)> {
-        let unclipped = |converted| Ok((converted, 0));
+    pub fn convert(&self, image: Image) -> Result<ConvertedImage> {
+        let unclipped = |image| Ok(ConvertedImage { image, clipped_pixels: 0 });
         match (image, self.domain) {
             (Image::Coded(Picture::Depth(codes)), Coding::Depth(range)) => {
                 let metres = self.metres_of(&codes);
@@ -153,17 +154,17 @@ impl Converter {
                 let Values::Light(light) = self.values(&image) else { return Err(wrong_kind()) };
                 Ok(match &self.codes {
                     Some(table) => {
-                        let (codes, clipped) = convert::color_codes(&light, table);
-                        (Converted::Bytes(codes), clipped)
+                        let (codes, clipped_pixels) = convert::color_codes(&light, table);
+                        ConvertedImage { image: Converted::Bytes(codes), clipped_pixels }
                     }
-                    None => (Converted::Half(light), 0),
+                    None => ConvertedImage { image: Converted::Half(light), clipped_pixels: 0 },
                 })
             }
             _ => Err(wrong_kind()),
         }
     }
 
-    /// The image as a file would hold it.
+    /// The image in the values of files.
     pub fn values(&self, image: &Image) -> Values {
         match image {
             Image::Coded(Picture::Depth(codes)) => Values::Metres(self.metres_of(codes)),
@@ -190,29 +191,29 @@ impl Converter {
     fn quantise(&self, mut metres: DepthPlane, range: DepthRange) -> DepthPicture {
         // A container of another range has rounded by up to half a step of its own.
         let own = if let Some(Coding::Depth(own)) = self.own { own.step_ratio() } else { 0.0 };
-        let slack = (range.step_ratio() + own) / 2.0;
+        let tolerance = (range.step_ratio() + own) / 2.0;
         let code = |&z: &f32| match self.quantiser.as_ref().and_then(|quantiser| quantiser.code(z)) {
             Some(code) => i32::from(code),
-            None => code_beyond(z, range, slack),
+            None => code_beyond(z, range, tolerance),
         };
         let codes = metres.data().iter().map(code).collect();
         for z in metres.data_mut().iter_mut().filter(|z| **z == 0.0) {
-            // An invalid reading that was asked to be taken for near.
+            // An invalid depth that becomes near.
             *z = range.near_m();
         }
         DepthPicture { width: metres.width(), codes, metres: metres.into_data() }
     }
 }
 
-/// The code of a depth beyond the range's ends: that of the end where no more than `slack`, a ratio, lies between, so
-/// that the rounding of another coding does not count, and none anywhere else.
-fn code_beyond(z_m: f32, range: DepthRange, slack: f64) -> i32 {
+/// The code of a depth outside the range: that of an end within `tolerance`, a ratio, so that the rounding of another coding
+/// does not count, else none.
+fn code_beyond(z_m: f32, range: DepthRange, tolerance: f64) -> i32 {
     let (near, far, z) = (f64::from(range.near_m()), f64::from(range.far_m()), f64::from(z_m));
     if z_m == f32::INFINITY {
         i32::from(BACKGROUND_CODE)
-    } else if z < near && near <= z * (1.0 + slack) {
+    } else if z < near && near <= z * (1.0 + tolerance) {
         0
-    } else if z > far && z <= far * (1.0 + slack) {
+    } else if z > far && z <= far * (1.0 + tolerance) {
         i32::from(FAR_CODE)
     } else {
         OUTSIDE

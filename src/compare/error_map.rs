@@ -1,13 +1,10 @@
-//! How far each pixel of one decoded image is from its source, for pictures (GDC figure 1c).
-//!
-//! Enters: a pair of streams of two sides, and a frame. Leaves: an error for each pixel, in the codes that a comparison of
-//! the two counts, and for colour the PSNR of each cell, which is what its encoder promises.
+//! Errors of one image, pixel by pixel (GDC figure 1c), and for colour the PSNR of each cell, which its encoder bounds.
 
 use crate::color::quality::Pu21;
 use crate::compare::difference::{Level, half_levels, half_peak, sample_error};
 use crate::compare::domain::{Converted, Converter, Domain};
+use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
-use crate::compare::streams::Pair;
 use crate::error::{Error, Result};
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::{PixelError, depth_errors};
@@ -19,50 +16,61 @@ use crate::streams::ColorFormat;
 pub struct CellPsnr {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
-    /// In dB, +inf where nothing differs.
+    /// +inf where nothing differs.
     pub psnr_db: f64,
 }
 
 /// The errors of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
-    /// What was compared in: codes of depth, 8-bit codes, or steps of PU21.
     pub domain: Domain,
-    /// One for each pixel; of colour and material the largest error of its three samples.
+    /// For colour and material the largest error of the three samples.
     pub pixels: Plane<PixelError>,
     /// Cells of colour, row by row; empty for depth and material.
     pub cells: Vec<CellPsnr>,
 }
 
+/// The largest error of an image, and the pixels without an error in steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct LargestError {
+    /// Codes, or steps of the metric.
+    pub steps: u32,
+    /// Background on one side only.
+    pub background_pixels: u64,
+    /// Outside the range of the codes.
+    pub outside_pixels: u64,
+}
+
 impl ErrorMap {
-    /// The largest error in codes or steps, and the pixels that have no such error: background on one side only, and
-    /// depths outside of the range.
-    pub fn largest(&self) -> (u32, u64, u64) {
-        self.pixels.data().iter().fold((0, 0, 0), |(most, background, outside), error| match error {
-            PixelError::Steps(steps) => (most.max(*steps), background, outside),
-            PixelError::Background => (most, background + 1, outside),
-            PixelError::Outside => (most, background, outside + 1),
-        })
+    pub fn largest(&self) -> LargestError {
+        let mut largest = LargestError::default();
+        for error in self.pixels.data() {
+            match error {
+                PixelError::Steps(steps) => largest.steps = largest.steps.max(*steps),
+                PixelError::Background => largest.background_pixels += 1,
+                PixelError::Outside => largest.outside_pixels += 1,
+            }
+        }
+        largest
     }
 
-    /// Pixels that differ.
     pub fn differing_pixels(&self) -> u64 {
         self.pixels.data().iter().filter(|error| **error != PixelError::Steps(0)).count() as u64
     }
 }
 
-/// Compares one frame of a pair of streams, one of which is a container's. The frame's number is that of the first side.
+/// Compares one frame, in the number of the first side, of a pair of streams, one of which is a container's.
 ///
 /// # Errors
-/// An image cannot be read or decoded, or the pair does not tell the codes to compare in.
+/// An image cannot be read or decoded, or neither side has the range of its depth codes.
 pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<ErrorMap> {
     let streams = pair.streams();
     let named = |error: Error| error.context(format!("{}, frame {frame}", streams[0].id));
     let domain = Domain::of_pair(sides, streams)
-        .ok_or_else(|| named(Error::invalid("neither side tells the range of its depth codes")))?;
+        .ok_or_else(|| named(Error::invalid("neither side has the range of its depth codes")))?;
     let convert = |at: usize, frame: u32| {
         let image = SideReader::new(&sides[at], vec![streams[at]]).image(0, frame)?;
-        Ok(Converter::new(domain.coding, &sides[at], streams[at]).convert(image)?.0)
+        Ok(Converter::new(domain.coding, &sides[at], streams[at]).convert(image)?.image)
     };
     let images = [convert(0, frame).map_err(named)?, convert(1, pair.other_frame(frame)).map_err(named)?];
     let (pixels, cells) = match (&images, domain.coding) {
@@ -85,7 +93,7 @@ pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<Error
 }
 
 fn of_samples<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>) -> Plane<PixelError> {
-    Plane::from_fn(a.width(), a.height(), |x, y| PixelError::Steps(sample_error(&a.get(x, y), &b.get(x, y)).1))
+    Plane::from_fn(a.width(), a.height(), |x, y| PixelError::Steps(sample_error(&a.get(x, y), &b.get(x, y)).largest))
 }
 
 fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -> Vec<CellPsnr> {
@@ -96,7 +104,7 @@ fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -
         let mut error = SquaredError { samples: 3 * u64::from(width) * u64::from(height), ..SquaredError::empty(peak) };
         for y in top..top + height {
             let row = |plane: &Plane<[T; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
-            let sums = row(a).iter().zip(&row(b)).map(|(a, b)| u128::from(sample_error(a, b).0)).sum::<u128>();
+            let sums = row(a).iter().zip(&row(b)).map(|(a, b)| u128::from(sample_error(a, b).squared)).sum::<u128>();
             error.sum += sums;
         }
         CellPsnr { rect: [left, top, width, height], psnr_db: error.psnr_db() }

@@ -2,11 +2,25 @@
 
 #![doc(hidden)]
 
-pub mod bounds;
-pub mod comparison;
-pub mod difference;
-pub mod domain;
-pub mod error_map;
-pub mod report;
-pub mod side;
-pub mod streams;
+mod bounds;
+mod comparison;
+mod difference;
+mod domain;
+mod error_map;
+mod manifest_coding;
+mod measure;
+mod open;
+mod pairing;
+mod report;
+mod side;
+
+pub use bounds::{Bound, Bounds, Judgement, Violation};
+pub use comparison::{Comparison, Measured, Missing, SampleTotal, StreamReport};
+pub use difference::{BitErrors, Lowest, SampleErrors};
+pub use domain::{Domain, Origin};
+pub use error_map::{CellPsnr, ErrorMap, LargestError, error_map};
+pub use measure::{CompareSettings, Measure, SsimFrames, compare};
+pub use open::{SideOptions, open_both};
+pub use pairing::{Coverage, Pair, Pairing};
+pub use report::{ComparisonReport, side_name};
+pub use side::{Coding, Image, Side, SideForm, SideReader, SideStream, StreamId};

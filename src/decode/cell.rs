@@ -22,7 +22,6 @@ pub(super) struct CellState<S> {
     keyframes: [Keyframe<S>; 2],
 }
 
-/// What the samples were blended from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Blended {
     keyframe: KeyframeId,
@@ -30,7 +29,6 @@ struct Blended {
     weight: u8,
 }
 
-/// Index of a chunk, and of a keyframe in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct KeyframeId {
     chunk: usize,

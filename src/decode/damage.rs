@@ -9,7 +9,6 @@ use crate::container::ChunkEntry;
 use crate::error::Error;
 use crate::image::sequence::FrameRange;
 
-/// What to do about damaged chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OnDamage {
     /// The first one is an error.

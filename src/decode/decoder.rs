@@ -75,7 +75,6 @@ impl Decoder {
         self.streams.iter().find(|s| s.kind == kind && s.face == face && self.probe(s).name == probe)
     }
 
-    /// The container underneath.
     #[doc(hidden)]
     pub fn reader(&self) -> &Reader {
         &self.reader

@@ -59,7 +59,6 @@ impl<'a> FaceDecoder<'a> {
         units.iter().try_for_each(|unit| self.conversion.write(unit.pixels(), unit.rect(), &mut pixels, width))
     }
 
-    /// The image of a frame.
     #[doc(hidden)]
     pub fn decode(&mut self, frame: u32) -> Result<Picture> {
         self.decode_filtered(frame, &AllUnits)
@@ -96,7 +95,6 @@ impl<'a> FaceDecoder<'a> {
         picture(stream, &units).map(Some)
     }
 
-    /// Damaged chunks of all units, by unit and frame.
     #[doc(hidden)]
     pub fn damaged(&self) -> Vec<DamagedChunk> {
         let mut damaged: Vec<_> = self.units.iter().flat_map(UnitDecoder::damaged).cloned().collect();
@@ -126,7 +124,6 @@ fn select<'d, 'a>(
     all.filter(|(unit, _)| filter.wants(stream, *unit, frame)).map(|(_, unit)| unit).collect()
 }
 
-/// The image that units show.
 fn picture(stream: &StreamInfo, units: &[&UnitDecoder<'_>]) -> Result<Picture> {
     let [width, height] = stream.size();
     let conversion = Conversion::new(stream.header);

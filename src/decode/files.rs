@@ -24,10 +24,8 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
 use crate::streams::{CodecHeader, ColorFormat, StreamInfo, convert};
 
-/// Channels of material files.
 const MATERIAL_CHANNELS: [&str; 3] = ["reflect", "refract", "ior"];
 
-/// Destination of decoded images.
 #[derive(Debug, Clone)]
 pub enum Destination {
     /// A folder that becomes a dataset: `probe_NAME/face_FACE/KIND.0000.exr` and a manifest.
@@ -37,7 +35,6 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// The pattern of a stream's files.
     fn pattern(&self, decoder: &Decoder, stream: &StreamInfo, format: FileFormat) -> Result<Pattern> {
         match self {
             Destination::Files(pattern) => Ok(pattern.clone()),
@@ -127,7 +124,6 @@ pub fn decode_to_files(
     Ok(decoded)
 }
 
-/// Turns pictures into files.
 struct ImageWriter {
     format: FileFormat,
     depth: Option<CodeTable>,

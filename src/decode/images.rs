@@ -24,7 +24,6 @@ pub trait Images {
         self.decode_filtered(frame, filter).map(Some)
     }
 
-    /// Damaged chunks so far.
     fn damaged(&self) -> Vec<DamagedChunk> {
         Vec::new()
     }
@@ -32,7 +31,6 @@ pub trait Images {
     /// Pixels of the selected units, over all frames so far.
     fn selected_pixels(&self) -> u64;
 
-    /// Cost so far.
     fn cost(&self) -> DecodeCost;
 }
 
@@ -45,7 +43,6 @@ pub trait ImageSource: Sync {
     fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>>;
 }
 
-/// Decodes on the CPU.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct OnCpu(pub OnDamage);
 

@@ -10,7 +10,6 @@ use crate::image::sequence::FrameRange;
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::streams::{CodecHeader, ColorFormat, Projection, StreamKind};
 
-/// File format of decoded images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FileFormat {
     /// OpenEXR: linear light, metres, weights.
@@ -29,7 +28,6 @@ impl FileFormat {
     }
 }
 
-/// File pattern of a kind.
 pub(super) fn file_pattern(decoder: &Decoder, kind: StreamKind, format: FileFormat) -> String {
     let face = if decoder.reader().index().projection == 0 { "/face_{face}" } else { "" };
     format!("probe_{{probe}}{face}/{}.%04d.{}", kind.name(), format.extension())

@@ -17,7 +17,6 @@ pub struct Selection {
     pub frames: Option<FrameRange>,
 }
 
-/// Frames of one stream.
 #[derive(Debug, Clone, Copy)]
 pub struct StreamFrames<'a> {
     pub stream: &'a StreamInfo,

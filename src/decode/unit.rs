@@ -106,7 +106,6 @@ impl<'a> UnitDecoder<'a> {
         with_state!(self.state, state => state.chunk.map(|(_, chunk)| chunk.into_spare())).unwrap_or(self.source.buffer)
     }
 
-    /// Number of pixels.
     #[doc(hidden)]
     pub fn pixel_count(&self) -> u64 {
         u64::from(self.rect[2]) * u64::from(self.rect[3])

@@ -2,13 +2,11 @@
 
 use crate::streams::StreamInfo;
 
-/// Selects units of streams.
 pub trait UnitFilter: Sync {
     /// Whether a unit of a stream is decoded in a frame.
     fn wants(&self, stream: &StreamInfo, unit: u32, frame: u32) -> bool;
 }
 
-/// All units, always.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct AllUnits;
 

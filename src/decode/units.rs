@@ -14,10 +14,8 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once_with;
 use crate::streams::{CodecHeader, ColorFormat, StreamInfo};
 
-/// Figures of a decoding.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct DecodeSummary {
-    /// Images.
     pub frames: u64,
     /// Pixels of the selected units of these images.
     pub pixels: u64,
@@ -27,7 +25,6 @@ pub struct DecodeSummary {
 }
 
 impl DecodeSummary {
-    /// The sum of two.
     #[must_use]
     pub fn plus(self, other: DecodeSummary) -> DecodeSummary {
         DecodeSummary {
@@ -64,7 +61,6 @@ pub fn stored_bytes(decoder: &Decoder, streams: &[StreamFrames<'_>]) -> u64 {
     streams.iter().map(of_stream).sum()
 }
 
-/// Result of a decoding.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Decoded {
     pub summary: DecodeSummary,
@@ -97,7 +93,6 @@ impl Decoded {
         decoded
     }
 
-    /// Number of missing images.
     pub fn missing_images(&self) -> u64 {
         self.missing.iter().map(MissingImages::count).sum()
     }

@@ -15,14 +15,12 @@ use crate::image::transfer::EncodeTable;
 use crate::image::{DepthPlane, Plane, StreamKind};
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
-/// An image in the domain of its codec.
 pub(super) enum Coded {
     Depth(Plane<u16>),
     Bytes(Plane<[u8; 3]>),
     Half(Plane<[HalfKey; 3]>),
 }
 
-/// Time of all threads.
 #[derive(Debug, Default)]
 pub(super) struct Times {
     reading: AtomicU64,
@@ -51,14 +49,12 @@ fn timed<T>(nanos: &AtomicU64, work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Converts the images of a group.
 pub(super) struct GroupCoder<'a> {
     pub group: &'a SourceGroup,
     pub header: CodecHeader,
     pub settings: &'a EncodeSettings,
     /// Of depth. Its table takes longer than a small frame; all faces of a probe share one.
     pub quantiser: Option<Arc<Quantiser>>,
-    /// Of half-float colour.
     pub pu21: Option<Pu21>,
     table: Option<EncodeTable>,
 }

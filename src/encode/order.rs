@@ -34,7 +34,6 @@ impl<'a> Order<'a> {
         Order(numbered.collect())
     }
 
-    /// The group and the face of a stream.
     pub fn stream(&self, stream: u32) -> Option<(&'a SourceGroup, Face)> {
         let found = self.0.iter().rfind(|group| group.first_stream <= stream)?;
         let group = found.group.group;

@@ -42,7 +42,6 @@ pub(super) struct Stamp {
 }
 
 impl Stamp {
-    /// The stamp of a frame's file now.
     pub fn of(source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> Result<Stamp> {
         source.file(group, frame)?.map_or(Ok(Stamp::default()), |path| Stamp::of_file(&path))
     }
@@ -67,7 +66,6 @@ impl Stamp {
     }
 }
 
-/// A frame of a group that was read.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrameNote {
     /// The file before it was read.
@@ -118,7 +116,6 @@ pub(super) fn stamps(source: &dyn FrameSource, groups: &[GroupRef<'_>]) -> Resul
     frames.map(|(GroupRef { at, group }, frame)| Ok(((at, frame), Stamp::of(source, group, frame)?))).collect()
 }
 
-/// The work of an earlier run.
 #[derive(Debug, Default)]
 pub(super) struct Completed {
     /// The frame behind the last complete chunk, by stream and unit.
@@ -127,9 +124,7 @@ pub(super) struct Completed {
     last_frames: HashMap<u32, u32>,
     /// By index of the group and frame; of a frame that was read twice, the second reading.
     frames: HashMap<(usize, u32), FrameNote>,
-    /// By probe.
     pub scans: HashMap<usize, ScanNote>,
-    /// Complete chunks.
     pub chunks: u64,
 }
 

@@ -139,7 +139,6 @@ pub struct GroupRef<'a> {
 }
 
 impl GroupRef<'_> {
-    /// Number of images: frames of all faces.
     pub fn images(&self) -> u64 {
         self.group.frames.count() * self.group.faces.len() as u64
     }
@@ -151,7 +150,6 @@ pub fn selected_groups<'a>(source: &'a dyn FrameSource, settings: &EncodeSetting
     groups.filter(|group| settings.kinds.contains(&group.group.kind)).collect()
 }
 
-/// Kind, probe, faces and frame, for errors.
 pub(super) fn name_frame(source: &dyn FrameSource, group: &SourceGroup, frame: u32) -> String {
     let probe = &source.probes()[group.probe].name;
     let faces: Vec<_> = group.faces.iter().map(|face| face.name()).collect();

@@ -21,7 +21,6 @@ use crate::image::Plane;
 use crate::monitor::Monitor;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 
-/// The encoder of one unit.
 enum Unit {
     Depth(TemporalEncoder<u16>),
     DepthInBlocks(TemporalEncoder<u16, HeldBlocks<u16>>),
@@ -37,7 +36,6 @@ enum Unit {
 /// Progress in images, whose units are done in any order.
 pub(super) struct Pace<'a> {
     monitor: &'a dyn Monitor,
-    /// Of all faces.
     units: u64,
     faces: u64,
     done: AtomicU64,
@@ -68,7 +66,6 @@ pub(super) struct Batch {
     pub pictures: Vec<Vec<Coded>>,
 }
 
-/// A unit of a stream.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct UnitPlace {
     /// Index among the faces of the group.
@@ -81,7 +78,6 @@ pub(super) struct UnitPlace {
     pub start: u32,
 }
 
-/// A unit with its encoder.
 pub(super) struct UnitJob {
     place: UnitPlace,
     encoder: Unit,

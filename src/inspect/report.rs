@@ -12,7 +12,7 @@ use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::image::transfer::Transfer;
-use crate::inspect::container::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
+use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 

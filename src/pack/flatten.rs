@@ -1,7 +1,6 @@
-//! Packs the intermediate form: a chunk of trees becomes chunks of packed nodes at a bound of its own (depth.md 11, 9).
+//! Packs the intermediate form: a chunk of trees becomes chunks of packed nodes at an error bound (depth.md 11, 9).
 //!
-//! Enters: a chunk of a tree stream. Leaves: chunks of the stream that takes its place. Each chunk of trees starts with
-//! all leaves, so that chunks are packed without regard to each other, in any order.
+//! Each chunk of trees starts with all leaves, so that chunks are packed independently, in any order.
 
 use crate::container::{ChunkEntry, EncodedChunk, Reader, StreamEntry};
 use crate::depth::domain::Domain;
@@ -15,29 +14,29 @@ use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
 
-/// How trees are packed.
+/// Settings of packed nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlattenSettings {
     /// Largest error of a node; at most what the tree was built for.
     pub error: ErrorBound,
     /// W: a decoder may step over up to W − 1 frames. 1 to 255.
     pub window: u8,
-    /// How far the source may move away from what is held, in codes, on top of the bound, before it is sent again.
+    /// Change of the source, in codes on top of the bound, below which a pixel is not updated.
     pub epsilon: u16,
-    /// Which of the functions within the bound is taken where the tree has none.
+    /// Choice among the functions within the bound where the tree has none.
     pub decide: Decide,
-    /// How hard BC4w blocks are searched for where the tree has none.
+    /// Search effort of BC4w blocks where the tree has none.
     pub effort: Effort,
-    /// Children of a place that must have changed before a function is tried for all of it, 1 to 4.
+    /// Children of a node that must have changed before a function is tried for the whole node, 1 to 4.
     pub min_children: u8,
 }
 
-/// One stream of trees on its way to packed nodes.
+/// Packs one stream of trees.
 #[derive(Debug)]
 pub struct Flattener {
     entry: StreamEntry,
     settings: NodeSettings,
-    /// What functions are fitted and evaluated in, here as in the tree.
+    /// The tree's.
     domain: Domain,
     header: CodecHeader,
 }
@@ -75,12 +74,12 @@ impl Flattener {
         })
     }
 
-    /// The stream that takes the tree's place.
+    /// The stream of packed nodes.
     pub fn entry(&self) -> StreamEntry {
         StreamEntry { codec: self.header.codec(), codec_header: self.header.write(), ..self.entry.clone() }
     }
 
-    /// Packs a chunk. The frames of what comes out are numbered as those of the chunk's key.
+    /// Packs a chunk; frames are numbered as in its key.
     pub fn flatten(&self, reader: &Reader, chunk: &ChunkEntry, monitor: &dyn Monitor) -> Result<Vec<EncodedChunk>> {
         let [_, _, width, height] = self.entry.unit_rect(chunk.key.unit);
         let grid = Grid { width, height };

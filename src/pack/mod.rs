@@ -2,5 +2,8 @@
 
 #![doc(hidden)]
 
-pub mod flatten;
-pub mod merge;
+mod flatten;
+mod join;
+
+pub use flatten::FlattenSettings;
+pub use join::{PackReport, PackSettings, PackSummary, Repack, pack};

@@ -15,14 +15,12 @@ pub(super) mod sheet;
 
 use std::path::Path;
 
-use crate::compare::error_map::error_map;
-use crate::compare::side::Side;
-use crate::compare::streams::{Pair, Pairing};
+use crate::compare::{Pair, Pairing, Side, error_map};
 use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::png;
-use crate::inspect::coding_map::{Survey, frame_anatomy, survey, survey_steps};
+use crate::inspect::{Survey, coding_map, survey, survey_steps};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
@@ -135,7 +133,7 @@ fn plot_stream<'a>(
     let mut plots = Vec::new();
     for frame in frames_of(request.frame, stream, surveyed.as_ref()) {
         monitor.check()?;
-        let anatomy = frame_anatomy(decoder, stream, frame)?;
+        let anatomy = coding_map(decoder, stream, frame)?;
         let picture = decoder.face(stream).decode(frame)?;
         let (what, sheet) = match &surveyed {
             Some(survey) if stream.kind == StreamKind::Color => {

@@ -44,7 +44,6 @@ pub fn color_codes(plane: &ColorPlane, table: &EncodeTable) -> (Plane<[u8; 3]>, 
     (codes, clipped)
 }
 
-/// Linear light from 8-bit colour.
 pub fn color_light(codes: &Plane<[u8; 3]>, table: &DecodeTable) -> ColorPlane {
     codes.map(|pixel| pixel.map(|code| table.value(code)))
 }
@@ -75,14 +74,12 @@ pub fn material_codes(plane: &MaterialPlane) -> Result<Plane<[u8; 3]>> {
     Plane::new(plane.width(), plane.height(), codes)
 }
 
-/// Weights and index of refraction of a pixel of 8-bit codes.
 pub fn material_value(&[reflect, refract, ior]: &[u8; 3]) -> [f32; 3] {
     let [low, high] = IOR_RANGE;
     let unit = |code: u8| f32::from(code) / 255.0;
     [unit(reflect), unit(refract), low + unit(ior) * (high - low)]
 }
 
-/// Weights and indices of refraction from 8-bit codes.
 pub fn material_values(codes: &Plane<[u8; 3]>) -> MaterialPlane {
     codes.map(material_value)
 }
@@ -106,7 +103,6 @@ impl DepthExtent {
         (near_m <= far_m).then_some(DepthExtent { near_m, far_m })
     }
 
-    /// The extent of both.
     #[must_use]
     pub fn union(self, other: DepthExtent) -> DepthExtent {
         DepthExtent { near_m: self.near_m.min(other.near_m), far_m: self.far_m.max(other.far_m) }

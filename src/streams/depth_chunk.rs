@@ -12,18 +12,12 @@ use crate::error::Result;
 use crate::streams::header::{DepthCoding, DepthHeader};
 use crate::streams::picture_chunk::PictureChunk;
 
-/// A parsed payload by codec.
 #[derive(Debug, Clone)]
 pub enum DepthChunk {
-    /// Codes in boxes.
     Boxes(TemporalChunk<u16>),
-    /// Codes in boxes, block tiles of them in BC5 blocks.
     BoxesInBlocks(TemporalChunk<u16, BlockTiles>),
-    /// Packed nodes.
     Nodes(NodeChunk),
-    /// The intermediate form.
     Tree(TreeChunk),
-    /// BC4w blocks.
     Blocks(BlockChunk),
 }
 

@@ -7,29 +7,18 @@ use crate::depth::{DepthRange, DomainParts, TemporalSettings};
 use crate::image::transfer::ToneMap;
 use crate::image::{DepthKind, StreamKind};
 
-/// Depth codes in boxes.
+// Codecs by their four characters (depth.md, color.md).
 pub const DEPTH_AABB: [u8; 4] = *b"DAAB";
-/// Depth as packed nodes of a quadtree.
 pub const DEPTH_NODES: [u8; 4] = *b"DQPN";
-/// Depth in the intermediate form of the quadtree.
 pub const DEPTH_TREE: [u8; 4] = *b"DQTR";
-/// Depth as plain BC4w blocks.
 pub const DEPTH_BLOCKS: [u8; 4] = *b"DB4W";
-/// Depth codes in boxes, block tiles of them in BC5 blocks.
 pub const DEPTH_AABB_BC5: [u8; 4] = *b"DAB5";
-/// Material triples in boxes.
 pub const MATERIAL_AABB: [u8; 4] = *b"MAAB";
-/// Material triples in boxes, block tiles of them in BC1 blocks.
 pub const MATERIAL_AABB_BC1: [u8; 4] = *b"MAB1";
-/// 8-bit colour cells.
 pub const COLOR_CELLS_8: [u8; 4] = *b"CCL8";
-/// Half-float colour cells.
 pub const COLOR_CELLS_HALF: [u8; 4] = *b"CCLH";
-/// 8-bit colour cells with keyframes in BC1 blocks.
 pub const COLOR_CELLS_BC1: [u8; 4] = *b"CCB1";
-/// 8-bit colour cells with keyframes in BC7 blocks.
 pub const COLOR_CELLS_BC7: [u8; 4] = *b"CCB7";
-/// Half-float colour cells with keyframes in BC6H blocks.
 pub const COLOR_CELLS_BC6H: [u8; 4] = *b"CCB6";
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,14 +31,12 @@ pub struct DepthHeader {
     pub coding: DepthCoding,
 }
 
-/// How depth codes are stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DepthCoding {
     /// Codes as they are, in boxes around what changes; only the window matters to a decoder.
     Boxes(TemporalSettings),
     /// The same with block tiles of the boxes in BC5 blocks.
     BoxesInBlocks(TemporalSettings),
-    /// Packed nodes of a quadtree.
     Nodes(NodeHeader),
     /// The quadtree itself, with all leaves as they are.
     Tree(NodeHeader),
@@ -75,30 +62,23 @@ pub struct NodeHeader {
 pub struct MaterialHeader {
     /// Decoders need the window.
     pub temporal: TemporalSettings,
-    /// Whether block tiles of the boxes are in BC1 blocks.
     pub in_blocks: bool,
 }
 
-/// Domain that colour is coded and measured in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorFormat {
     /// 8 bits a sample behind a transfer function.
     EightBit(ToneMap),
-    /// Half floats.
     Half {
         /// Luminance of 1.0 in cd/m², for the metric.
         white_cd_m2: f64,
     },
 }
 
-/// Texture format of colour keyframes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ColorBlocks {
-    /// 8 bytes for 4x4 pixels of 8 bits.
     Bc1,
-    /// 16 bytes for 4x4 pixels of 8 bits.
     Bc7,
-    /// 16 bytes for 4x4 pixels of half floats.
     Bc6h,
 }
 
@@ -107,11 +87,9 @@ pub struct ColorHeader {
     pub format: ColorFormat,
     /// Keyframes in BC1 or BC7 (8 bits) or BC6H (half floats); `None` for samples.
     pub blocks: Option<ColorBlocks>,
-    /// The PSNR that every frame of every cell reaches.
     pub min_psnr_db: f64,
 }
 
-/// Codec header of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CodecHeader {
     Depth(DepthHeader),
@@ -141,7 +119,6 @@ impl DepthHeader {
 }
 
 impl ColorHeader {
-    /// Format of a cell of this width and height in a stream of 8 bits.
     pub fn cell_of_bytes(&self, [width, height]: [u32; 2]) -> CellFormat<u8> {
         let blocks = self.blocks.map(|blocks| match blocks {
             ColorBlocks::Bc1 => KeyframeBlocks::BC1,
@@ -150,7 +127,6 @@ impl ColorHeader {
         CellFormat { size: [width as usize, height as usize], blocks }
     }
 
-    /// Format of a cell of this width and height in a stream of half floats.
     pub fn cell_of_halves(&self, [width, height]: [u32; 2]) -> CellFormat<HalfKey> {
         CellFormat { size: [width as usize, height as usize], blocks: self.blocks.map(|_| KeyframeBlocks::BC6H) }
     }
@@ -165,7 +141,6 @@ impl CodecHeader {
         }
     }
 
-    /// The four characters of the codec.
     pub fn codec(&self) -> [u8; 4] {
         match self {
             CodecHeader::Depth(header) => match header.coding {
@@ -223,7 +198,6 @@ impl CodecHeader {
         }
     }
 
-    /// Name of the codec in reports.
     pub fn codec_name(&self) -> &'static str {
         match self.codec() {
             COLOR_CELLS_8 => "cells-8bit",

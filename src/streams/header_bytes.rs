@@ -18,7 +18,6 @@ use crate::streams::header::{
 };
 
 impl CodecHeader {
-    /// The header as bytes.
     pub fn write(&self) -> Vec<u8> {
         let mut out = Vec::new();
         match self {

@@ -8,12 +8,9 @@ use crate::error::Result;
 use crate::streams::header::MaterialHeader;
 use crate::streams::picture_chunk::PictureChunk;
 
-/// A parsed payload by codec.
 #[derive(Debug, Clone)]
 pub enum MaterialChunk {
-    /// Triples in boxes.
     Boxes(TemporalChunk<[u8; 3]>),
-    /// Triples in boxes, block tiles of them in BC1 blocks.
     BoxesInBlocks(TemporalChunk<[u8; 3], BlockTiles>),
 }
 

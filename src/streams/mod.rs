@@ -9,6 +9,7 @@ mod header_bytes;
 mod info;
 mod material_chunk;
 mod picture_chunk;
+mod stream_chunk;
 
 pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use depth_chunk::DepthChunk;
@@ -20,3 +21,4 @@ pub use header::{
 pub use info::{StreamInfo, check_memory, check_written, streams};
 pub use material_chunk::MaterialChunk;
 pub use picture_chunk::PictureChunk;
+pub use stream_chunk::StreamChunk;

@@ -6,7 +6,6 @@ use crate::error::Result;
 /// A parsed chunk whose frames are reached by updating a picture.
 pub trait PictureChunk: Sized {
     type Pixel: Copy + Default;
-    /// The stream's codec header.
     type Header;
 
     /// Checks a payload for a unit of `size` (width, height) pixels and `frames` frames.

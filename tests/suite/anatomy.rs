@@ -4,14 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use half::f16;
-use lightfold::compare::comparison::Measured;
-use lightfold::compare::error_map::error_map;
-use lightfold::compare::side::{SideOptions, open_both};
-use lightfold::compare::streams::{CompareSettings, Coverage, Pairing, compare};
+use lightfold::compare::{CompareSettings, Coverage, Measured, Pairing, SideOptions, compare, error_map, open_both};
 use lightfold::decode::{Decoder, Picture, StreamInfo};
 use lightfold::image::{DepthPlane, Face, Plane};
-use lightfold::inspect::coding_map::{FrameAnatomy, Writing, frame_anatomy, survey, survey_steps};
-use lightfold::inspect::container::{FrameRows, InspectSettings, inspect};
+use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, survey, survey_steps};
 use lightfold::monitor::Silent;
 use lightfold::report::anatomy::{Request, plot};
 use serde_json::Value;
@@ -29,7 +25,7 @@ fn vectors(folder: &str) -> Vec<PathBuf> {
 }
 
 /// Which patch each pixel lies in; fails where two overlap or one reaches beyond the image.
-fn owners(stream: &StreamInfo, anatomy: &FrameAnatomy) -> Plane<Option<usize>> {
+fn owners(stream: &StreamInfo, anatomy: &CodingMap) -> Plane<Option<usize>> {
     let mut owners = Plane::filled(stream.entry.width, stream.entry.height, None);
     for (at, patch) in anatomy.patches.iter().enumerate() {
         let [left, top, width, height] = patch.rect;
@@ -68,7 +64,7 @@ fn rectangles_are_the_pixels_that_a_decoder_writes() {
             for frame in stream.frames.iter() {
                 let named = format!("{} {} frame {frame}", path.display(), stream.header.codec_name());
                 let picture = face.decode(frame).unwrap();
-                let anatomy = frame_anatomy(&decoder, stream, frame).unwrap();
+                let anatomy = coding_map(&decoder, stream, frame).unwrap();
                 let owners = owners(stream, &anatomy);
                 let updated = face.cost().updated_pixels - written;
                 written += updated;
@@ -134,7 +130,7 @@ fn surveys_agree_with_counts_of_all_frames() {
             match found.busiest {
                 None => assert_eq!(plain.max().unwrap_or(0), 0, "{}", path.display()),
                 Some(frame) => {
-                    let most = frame_anatomy(&decoder, stream, frame).unwrap().updated_pixels();
+                    let most = coding_map(&decoder, stream, frame).unwrap().updated_pixels();
                     assert!(stream.frames.contains(frame) && plain.max().unwrap_or(0) <= most, "{}", path.display());
                 }
             }
@@ -355,7 +351,7 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
         assert_eq!(comparison.streams.len(), 2);
         for (report, pair) in comparison.streams.iter().zip(pairing.pairs()) {
             let maps: Vec<_> = pair.frames().iter().map(|frame| error_map(&sides, pair, frame).unwrap()).collect();
-            let largest = maps.iter().map(|map| map.largest().0).max().unwrap();
+            let largest = maps.iter().map(|map| map.largest().steps).max().unwrap();
             let differing: u64 = maps.iter().map(|map| map.differing_pixels()).sum();
             match &report.measured {
                 Measured::Depth(errors) => {

@@ -13,7 +13,7 @@ use lightfold::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::{DepthCodec, EncodeSettings, encode};
 use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
-use lightfold::inspect::container::{Check, FrameRows, InspectSettings, Inspection, inspect};
+use lightfold::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
 use tempfile::TempDir;
@@ -171,7 +171,7 @@ fn rows_of_frames_are_what_a_decoder_does() {
                 let updated: u64 = units.iter_mut().map(|unit| unit.decode(frame).unwrap()).sum();
                 assert_eq!(row.cost.updated_pixels, updated, "{} frame {frame}", stream.kind.name());
             }
-            let sum = |count: fn(&lightfold::inspect::container::FrameCost) -> u64| -> u64 {
+            let sum = |count: fn(&lightfold::inspect::FrameCost) -> u64| -> u64 {
                 rows.iter().map(|row| count(&row.cost)).sum()
             };
             assert_eq!(stats.updated_pixels, sum(|cost| cost.updated_pixels));

@@ -23,6 +23,7 @@ mod input;
 mod inspect;
 mod interrupted;
 mod keep_going;
+mod library;
 mod memory;
 mod model_files;
 mod models;

@@ -8,8 +8,7 @@ use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::decode::Decoder;
 use lightfold::gpu::prepare;
-use lightfold::inspect::coding_map::{frame_anatomy, survey};
-use lightfold::inspect::container::{self, InspectSettings};
+use lightfold::inspect::{self, InspectSettings, coding_map, survey};
 use lightfold::monitor::Silent;
 
 use crate::samples;
@@ -54,9 +53,9 @@ fn a_last_chunk_that_leads_nowhere_is_refused_whatever_is_asked_for() {
     let said = [
         decoder.unit(stream, 0).decode(0).err(),
         decoder.face(stream).decode(0).err(),
-        frame_anatomy(&decoder, stream, 0).err(),
+        coding_map(&decoder, stream, 0).err(),
         survey(&decoder, stream, &Silent).err(),
-        container::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
+        inspect::inspect(&decoder, &[stream], InspectSettings::default(), &Silent).err(),
         prepare::prepare(&stream.header, reader.fetch(&chunk).unwrap(), [1, 1], 3, place).err(),
     ];
     for (way, error) in said.into_iter().enumerate() {

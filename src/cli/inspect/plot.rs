@@ -8,8 +8,7 @@ use serde::Serialize;
 use super::args::{Args, Report};
 use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
-use crate::compare::side;
-use crate::compare::streams::{Coverage, Pairing};
+use crate::compare::{Coverage, Pairing, side};
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
@@ -50,7 +49,7 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     let sides = match &args.source {
         Some(source) => {
             let input = args.input.to_string_lossy();
-            let sides = side::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?;
+            let sides = compare::open_both([&input, source], &args.reading.options(args.selection.with(None))?)?;
             Some(sides)
         }
         None => None,

@@ -13,8 +13,7 @@ use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
-use crate::inspect::container::{BlockCount, StreamStats, Totals};
-use crate::inspect::report::{depth_kind_name, percent, projection_name, transfer_name};
+use crate::inspect::{BlockCount, StreamStats, Totals, depth_kind_name, percent, projection_name, transfer_name};
 use crate::report::{Column, Table};
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
 

@@ -5,7 +5,7 @@ use clap::Args;
 use super::depth::InvalidDepthArg;
 use super::sequence::LayoutArg;
 use super::{ColorSpaceArg, DepthReadingArgs, ImageArgs, InvalidColorArg};
-use crate::compare::side::SideOptions;
+use crate::compare::SideOptions;
 use crate::dataset::source::{SequenceLayout, SourceOptions};
 use crate::decode::Selection;
 use crate::error::Result;

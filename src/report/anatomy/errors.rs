@@ -6,8 +6,7 @@ use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
 use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use super::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
-use crate::compare::error_map::ErrorMap;
-use crate::compare::side::Coding;
+use crate::compare::{Coding, ErrorMap, LargestError};
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
@@ -17,7 +16,7 @@ use crate::streams::{CodecHeader, ColorFormat};
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {
     let size = subject.size();
     let scale = Scale::of(size, if map.cells.is_empty() { ROOM } else { HALF_ROOM });
-    let (largest, background, outside) = map.largest();
+    let LargestError { steps: largest, background_pixels: background, outside_pixels: outside } = map.largest();
     let scale_of = ErrorScale::of(largest, bound(subject));
     let (unit, steps) = match map.domain.coding {
         Coding::Depth(_) => ("16-bit log codes", 1.0),
@@ -138,7 +137,7 @@ fn cells(subject: &Subject<'_>, scale: Scale, map: &ErrorMap) -> Result<Panel> {
     let most = finite().chain(asked).fold(f64::NEG_INFINITY, f64::max).ceil().max(least + 1.0);
     // What is worse is lighter, as in the picture beside it.
     let part = |db: f64| 1.0 - (db - least) / (most - least);
-    let mark = |cell: &crate::compare::error_map::CellPsnr| CellMark {
+    let mark = |cell: &crate::compare::CellPsnr| CellMark {
         rect: cell.rect,
         color: if cell.psnr_db.is_finite() { palette::heat(part(cell.psnr_db)) } else { palette::EXACT },
         words: if cell.psnr_db.is_finite() { format!("{:.1}", cell.psnr_db) } else { String::new() },

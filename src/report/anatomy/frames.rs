@@ -9,7 +9,7 @@ use crate::decode::Picture;
 use crate::depth::nodes::Function;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use crate::image::plane::Plane;
-use crate::inspect::coding_map::{FrameAnatomy, Writing};
+use crate::inspect::{CodingMap, Writing};
 use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
 
 /// An image in shades of grey.
@@ -97,7 +97,7 @@ fn significant(value: f64) -> String {
 }
 
 /// The image with what is written in it tinted and outlined.
-pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anatomy: &FrameAnatomy) -> Plane<Rgb> {
+pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anatomy: &CodingMap) -> Plane<Rgb> {
     let size = subject.size();
     let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
     for patch in &anatomy.patches {
@@ -142,7 +142,7 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
 }
 
 /// A line for each way of writing, and one for what is not written.
-pub(super) fn key(subject: &Subject<'_>, anatomy: &FrameAnatomy) -> Vec<Entry> {
+pub(super) fn key(subject: &Subject<'_>, anatomy: &CodingMap) -> Vec<Entry> {
     let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
     let word = match &subject.stream.header {
         CodecHeader::Depth(header) => match header.coding {
@@ -174,7 +174,7 @@ pub(super) fn key(subject: &Subject<'_>, anatomy: &FrameAnatomy) -> Vec<Entry> {
 }
 
 /// What the frame's record comes to, in a sentence.
-pub(super) fn sentence(subject: &Subject<'_>, anatomy: &FrameAnatomy, parts: Option<&str>) -> String {
+pub(super) fn sentence(subject: &Subject<'_>, anatomy: &CodingMap, parts: Option<&str>) -> String {
     if anatomy.patches.is_empty() {
         return "No pixel is written in this frame: the image is that of an earlier one.".to_owned();
     }
@@ -195,7 +195,7 @@ pub(super) fn sentence(subject: &Subject<'_>, anatomy: &FrameAnatomy, parts: Opt
     format!("{updated} of {pixels} pixels ({}) are written{parts}{in_units}{keyframes}.", percent(updated, pixels))
 }
 
-pub(super) fn sheet(subject: &Subject<'_>, anatomy: &FrameAnatomy, picture: &Picture) -> (What, Sheet) {
+pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Picture) -> (What, Sheet) {
     let scale = Scale::of(subject.size(), ROOM);
     let shades = Shades::of(subject, picture);
     let (what, part, note) = match &subject.stream.header {

@@ -9,7 +9,7 @@ use crate::decode::Picture;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
-use crate::inspect::coding_map::{FrameAnatomy, Survey};
+use crate::inspect::{CodingMap, Survey};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
@@ -59,12 +59,7 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
 }
 
 /// The sheet of a stream of colour.
-pub(super) fn sheet(
-    subject: &Subject<'_>,
-    anatomy: &FrameAnatomy,
-    picture: &Picture,
-    survey: &Survey,
-) -> Result<Sheet> {
+pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Picture, survey: &Survey) -> Result<Sheet> {
     let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_ROOM));
     let shades = Shades::plain(light(subject, picture));
     let frames = subject.stream.frames;

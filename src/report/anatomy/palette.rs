@@ -2,7 +2,7 @@
 //! all the way, so that they can be read in grey.
 
 use crate::depth::nodes::Function;
-use crate::inspect::coding_map::Writing;
+use crate::inspect::Writing;
 use crate::report::plot::{Ink, palette};
 
 /// sRGB codes.

@@ -2,7 +2,7 @@
 
 use super::palette::{Rgb, contrast, hatched, outlined};
 use crate::image::plane::Plane;
-use crate::inspect::coding_map::Patch;
+use crate::inspect::Patch;
 
 /// The longest side of a drawn image in pixels, where there is one in a picture.
 pub const ROOM: u32 = 2048;
@@ -167,7 +167,7 @@ pub fn is_hatched(x: u32, y: u32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inspect::coding_map::Writing;
+    use crate::inspect::Writing;
 
     #[test]
     fn factors_are_whole_and_images_stay_within_their_room() {

@@ -9,12 +9,10 @@ use lightfold::effort::Effort;
 use lightfold::encode::ErrorBound;
 use lightfold::error::{Error, Result};
 use lightfold::image::FrameRange;
-use lightfold::inspect::coding_map::frame_anatomy;
-use lightfold::inspect::container::{self, Check, FrameRows, InspectSettings};
+use lightfold::inspect::{self, Check, FrameRows, InspectSettings, coding_map};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
-use lightfold::pack::flatten::FlattenSettings;
-use lightfold::pack::merge::{self, PackSettings, Repack};
+use lightfold::pack::{self, FlattenSettings, PackSettings, Repack};
 use lightfold::streams::CodecHeader;
 
 use super::{Judged, Verdict, judge, refused};
@@ -97,16 +95,16 @@ fn pack_again(bytes: &[u8], limits: OpenLimits) -> Judged {
             min_children: 3,
         };
         let settings = PackSettings { repack: Repack::Lzma2(0), flatten: Some(flatten), memory: Budget::UNLIMITED };
-        judge(&merge::pack(&readers, &settings, Vec::new(), &Silent))?;
+        judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))?;
     }
     let settings = PackSettings { repack: Repack::Keep, flatten: None, memory: Budget::UNLIMITED };
-    judge(&merge::pack(&readers, &settings, Vec::new(), &Silent))
+    judge(&pack::pack(&readers, &settings, Vec::new(), &Silent))
 }
 
 fn inspect_all(decoder: &Decoder) -> Judged {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().take(MAX_STREAMS).collect();
     let listed = InspectSettings { rows: FrameRows::None, check: Check::ListAll, memory: Budget::UNLIMITED };
-    let inspection = match container::inspect(decoder, &streams, listed, &Silent) {
+    let inspection = match inspect::inspect(decoder, &streams, listed, &Silent) {
         Ok(inspection) => inspection,
         Err(error) => return refused(&error),
     };
@@ -117,7 +115,7 @@ fn inspect_all(decoder: &Decoder) -> Judged {
         return Ok(Verdict::Accepted);
     }
     // The first error is that of the list.
-    match container::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
+    match inspect::inspect(decoder, &streams, InspectSettings::default(), &Silent) {
         Err(error) => refused(&error),
         // Only the comparison of two decoders finds that.
         Ok(_) => Ok(Verdict::Refused),
@@ -180,7 +178,7 @@ fn decode_by_two_ways(decoder: &Decoder, stream: &StreamInfo) -> Judged {
         let result = decoder.unit(stream, unit).decode(frames[frames.len() - 1]);
         judge(&result)?;
     }
-    judge(&frame_anatomy(decoder, stream, frames[frames.len() / 2]))?;
+    judge(&coding_map(decoder, stream, frames[frames.len() / 2]))?;
     Ok(verdict)
 }
 

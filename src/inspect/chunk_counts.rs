@@ -1,8 +1,7 @@
-//! What one chunk holds and changes, frame by frame: keyframes, boxes, pixels, bytes.
+//! Counts of one chunk, frame by frame: keyframes, boxes, nodes, pixels, bytes.
 
 use crate::color::blend::Sample;
-use crate::color::cells::{CellChunk, CellFormat};
-use crate::container::ChunkPlace;
+use crate::color::cells::CellChunk;
 use crate::depth::block_chunk::BlockChunk;
 use crate::depth::block_tiles::{BlockTexel, BlockTileCount, BlockTiles};
 use crate::depth::mode_statistics::ModeStatistics;
@@ -10,23 +9,12 @@ use crate::depth::node_chunk::{NodeChunk, NodeRecord};
 use crate::depth::records::{Body, Layout, Record, TemporalChunk};
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
-use crate::error::Result;
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk};
+use crate::streams::{DepthChunk, MaterialChunk, StreamChunk};
 
-/// What becomes of damaged chunks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Check {
-    /// The first one is an error.
-    #[default]
-    StopAtFirst,
-    /// All are listed. Two independent decoders must agree on chunks of LZMA2, and chunks must keep the window rule (depth.md 4).
-    ListAll,
-}
-
-/// What a frame holds and changes.
+/// Contents and changes of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {
-    /// Units that have a keyframe here.
+    /// Units with a keyframe.
     pub keyframe_units: u64,
     /// Boxes.
     pub aabbs: u64,
@@ -48,87 +36,52 @@ impl FrameCost {
     }
 }
 
-/// Keyframes of colour, and pieces of depth or material, by how they are stored.
+/// Keyframes of colour, and block tiles of depth or material, by storage.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct BlockCount {
-    /// Keyframes of colour.
     pub keyframes: BlockTileCount,
-    /// Pieces of whole units and of boxes.
+    /// Block tiles of whole units and of boxes.
     pub pieces: BlockTileCount,
 }
 
 impl BlockCount {
-    /// Adds another count.
     pub fn add(&mut self, other: BlockCount) {
         self.keyframes.add(other.keyframes);
         self.pieces.add(other.pieces);
     }
 }
 
-/// What a chunk holds at one of its frames.
+/// Contents of a chunk in one of its frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Event {
-    /// The frame, counted as streams count.
+    /// Counted from the chunk's first; [`crate::inspect::inspect`] adds its number.
     pub frame: u32,
-    /// What it holds and changes.
     pub cost: FrameCost,
 }
 
 /// A parsed chunk, counted.
 pub(super) struct ChunkMeasure {
-    /// By frame, at least one.
+    /// In order, at least one.
     pub events: Vec<Event>,
     /// Every record fills the unit with one value.
     pub constant: bool,
-    /// Nodes of all frames.
-    pub census: ModeStatistics,
-    /// What is in blocks, in codecs that have them.
+    pub modes: ModeStatistics,
     pub blocks: BlockCount,
 }
 
-/// Parses and counts a payload, which stands at `place` in its unit of `size` (width, height) pixels.
-pub(super) fn count_chunk(
-    header: &CodecHeader,
-    payload: Vec<u8>,
-    size: [u32; 2],
-    frames: u32,
-    place: ChunkPlace,
-    check: Check,
-) -> Result<ChunkMeasure> {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    Ok(match header {
-        CodecHeader::Depth(header) => {
-            let chunk = DepthChunk::parse(header, payload.into(), size, frames)?;
-            if check == Check::ListAll {
-                chunk.check_window(header.window(), frames)?;
-            }
-            match chunk {
-                DepthChunk::Boxes(chunk) => count_records(&chunk),
-                DepthChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
-                DepthChunk::Nodes(chunk) => count_nodes(&chunk),
-                DepthChunk::Tree(chunk) => count_tree(&chunk),
-                DepthChunk::Blocks(chunk) => count_blocks(&chunk, pixels, frames),
-            }
-        }
-        CodecHeader::Material(header) => {
-            let chunk = MaterialChunk::parse(header, payload.into(), size, frames)?;
-            if check == Check::ListAll {
-                chunk.check_window(header.temporal.window, frames)?;
-            }
-            match chunk {
-                MaterialChunk::Boxes(chunk) => count_records(&chunk),
-                MaterialChunk::BoxesInBlocks(chunk) => count_pieces(&chunk),
-            }
-        }
-        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            let format = header.cell_of_bytes(size);
-            count_blends(&CellChunk::parse_at(payload, format, frames, place)?, format, frames)
-        }
-        CodecHeader::Color(header) => {
-            let format = header.cell_of_halves(size);
-            count_blends(&CellChunk::parse_at(payload, format, frames, place)?, format, frames)
-        }
-    })
+/// Counts a chunk of a unit of `pixels` pixels.
+pub(super) fn count_chunk(chunk: &StreamChunk, pixels: u64, frames: u32) -> ChunkMeasure {
+    match chunk {
+        StreamChunk::Depth(DepthChunk::Boxes(chunk)) => count_records(chunk),
+        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => count_block_tiles(chunk),
+        StreamChunk::Depth(DepthChunk::Nodes(chunk)) => count_nodes(chunk),
+        StreamChunk::Depth(DepthChunk::Tree(chunk)) => count_tree(chunk),
+        StreamChunk::Depth(DepthChunk::Blocks(chunk)) => count_blocks(chunk, pixels, frames),
+        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => count_records(chunk),
+        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => count_block_tiles(chunk),
+        StreamChunk::Color8(chunk) => count_blends(chunk, frames),
+        StreamChunk::ColorHalf(chunk) => count_blends(chunk, frames),
+    }
 }
 
 fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMeasure {
@@ -146,12 +99,12 @@ fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMe
     ChunkMeasure {
         events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
-        census: ModeStatistics::default(),
+        modes: ModeStatistics::default(),
         blocks: BlockCount::default(),
     }
 }
 
-fn count_pieces<T: BlockTexel>(chunk: &TemporalChunk<T, BlockTiles>) -> ChunkMeasure {
+fn count_block_tiles<T: BlockTexel>(chunk: &TemporalChunk<T, BlockTiles>) -> ChunkMeasure {
     let mut measure = count_records(chunk);
     for (size, bytes) in chunk.records().iter().flat_map(|record| chunk.rectangles(record.body)) {
         measure.blocks.pieces.add(BlockTileCount::of_rectangle(bytes, size));
@@ -159,49 +112,35 @@ fn count_pieces<T: BlockTexel>(chunk: &TemporalChunk<T, BlockTiles>) -> ChunkMea
     measure
 }
 
+fn node_event(record: NodeRecord, is_keyframe: bool) -> Event {
+    let NodeRecord { frame, updated_pixels, bytes, nodes, .. } = record;
+    Event { frame, cost: FrameCost { keyframe_units: u64::from(is_keyframe), aabbs: 0, nodes, updated_pixels, bytes } }
+}
+
 fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
-    let event = |record: NodeRecord| Event {
-        frame: record.frame,
-        cost: FrameCost {
-            keyframe_units: u64::from(record.complete),
-            aabbs: 0,
-            nodes: record.nodes,
-            updated_pixels: record.updated_pixels,
-            bytes: record.bytes,
-        },
-    };
     ChunkMeasure {
-        events: chunk.records().map(event).collect(),
+        events: chunk.records().map(|record| node_event(record, record.complete)).collect(),
         constant: chunk.is_constant(),
-        census: chunk.mode_statistics(),
+        modes: chunk.mode_statistics(),
         blocks: BlockCount::default(),
     }
 }
 
 fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
-    let event = |(at, record): (usize, NodeRecord)| Event {
-        frame: record.frame,
-        cost: FrameCost {
-            keyframe_units: u64::from(at == 0),
-            aabbs: 0,
-            nodes: record.nodes,
-            updated_pixels: record.updated_pixels,
-            bytes: record.bytes,
-        },
-    };
-    let events = chunk.records().enumerate().map(event).collect();
-    ChunkMeasure { events, constant: false, census: chunk.mode_statistics(), blocks: BlockCount::default() }
+    let events = chunk.records().enumerate().map(|(at, record)| node_event(record, at == 0)).collect();
+    ChunkMeasure { events, constant: false, modes: chunk.mode_statistics(), blocks: BlockCount::default() }
 }
 
 fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
-    let census = chunk.mode_statistics();
+    let modes = chunk.mode_statistics();
     let nodes = chunk.blocks_of_frame();
     let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
     let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
-    ChunkMeasure { events, constant: false, census, blocks: BlockCount::default() }
+    ChunkMeasure { events, constant: false, modes, blocks: BlockCount::default() }
 }
 
-fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_count: u32) -> ChunkMeasure {
+fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasure {
+    let format = chunk.format();
     // Behind the weights nothing changes but at keyframes.
     let mut frames: Vec<u32> = (0..frame_count.min(chunk.weight_count().saturating_add(1))).collect();
     frames.extend_from_slice(chunk.keyframes());
@@ -210,7 +149,7 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, format: CellFormat<S>, frame_co
     let mut measure = ChunkMeasure {
         events: Vec::with_capacity(frames.len()),
         constant: false,
-        census: ModeStatistics::default(),
+        modes: ModeStatistics::default(),
         blocks: BlockCount::default(),
     };
     if format.blocks.is_some() {

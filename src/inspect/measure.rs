@@ -1,185 +1,31 @@
-//! Measures a container: what each stream, unit and frame costs and changes, and whether every chunk is sound.
+//! Measures a container: bytes, keyframes, nodes and changed pixels of each stream and frame, and whether chunks are sound.
 //!
-//! Enters: an open container. Leaves: numbers. Chunks are fetched, counted and dropped, units in parallel, so memory
-//! stays at one chunk for each thread. Counts are those of a decoder that shows all frames in order.
-
-use serde::Serialize;
+//! Chunks are fetched, counted and dropped, units in parallel, so that memory is one chunk for each thread. Counts are those of
+//! a decoder that shows all frames in order.
 
 use crate::container::{ChunkEntry, Reader, Storage, lzma2, lzma2_independent};
-use crate::dataset::stream::StreamKind;
 use crate::decode::{DamagedChunk, Decoder, StreamInfo, memory};
 use crate::depth::mode_statistics::ModeStatistics;
 use crate::error::{Error, Result};
-use crate::image::sequence::FrameRange;
+use crate::image::FrameRange;
+use crate::inspect::chunk_counts::{BlockCount, ChunkMeasure, Event, FrameCost, count_chunk};
+use crate::inspect::statistics::{
+    Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats,
+};
 use crate::memory::{Budget, Need};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_at_once;
+use crate::streams::StreamChunk;
 
-pub use crate::inspect::counts::{BlockCount, Check, FrameCost};
-use crate::inspect::counts::{ChunkMeasure, Event, count_chunk};
-
-/// Rows of frames that one inspection may list.
-pub const MAX_ROWS: u64 = 1_000_000;
-
-/// Which frames get a row of their own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FrameRows {
-    /// None.
-    #[default]
-    None,
-    /// All.
-    All,
-    /// Those of a range.
-    Range(FrameRange),
-}
-
-/// What to find out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct InspectSettings {
-    /// Rows of frames.
-    pub rows: FrameRows,
-    /// Damaged chunks.
-    pub check: Check,
-    /// Memory that chunks may take.
-    pub memory: Budget,
-}
-
-/// How much the chunks of a stream hold. Chunks that share their place in the file count for the first stream that
-/// has them, so that the streams' `bytes` add up.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct StorageStats {
-    /// Rows of the chunk table.
-    pub chunks: u64,
-    /// Those stored as LZMA2.
-    pub lzma2_chunks: u64,
-    /// Bytes in the file, each counted once.
-    pub bytes: u64,
-    /// Bytes in the file, counted for every chunk that uses them.
-    pub stored_bytes: u64,
-    /// Payload before LZMA2, shared chunks counted once.
-    pub temporal_bytes: u64,
-    /// Payload before LZMA2, counted for every chunk.
-    pub payload_bytes: u64,
-}
-
-/// Least, mean and most.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Spread {
-    /// Least.
-    pub min: u64,
-    /// Mean.
-    pub mean: f64,
-    /// Most.
-    pub max: u64,
-}
-
-/// A stream, measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StreamStats<'a> {
-    /// The stream.
-    pub stream: &'a StreamInfo,
-    /// Its size as CALF's table 1 counts it ([`crate::streams::CodecHeader::raw_pixel_bytes`]).
-    pub raw_bytes: u64,
-    /// Bytes.
-    pub storage: StorageStats,
-    /// Tiles or cells.
-    pub units: u64,
-    /// Keyframes of all units.
-    pub keyframes: u64,
-    /// Keyframes of each unit.
-    pub keyframes_per_unit: Spread,
-    /// Boxes of all frames.
-    pub aabbs: u64,
-    /// Nodes of all frames, by level and function; of a tree all that it holds, whatever it will be flattened to.
-    pub nodes: ModeStatistics,
-    /// Keyframes and pieces by how they are stored, in codecs of blocks.
-    pub blocks: BlockCount,
-    /// Pixels written, keyframes included, when all frames are shown in order.
-    pub updated_pixels: u64,
-    /// Units whose picture never changes; keyframes that repeat it do not count as change.
-    pub static_units: u64,
-    /// Units that have one value in each frame, such as empty space; colour cells are not looked at.
-    pub constant_units: u64,
-}
-
-impl StreamStats<'_> {
-    /// Pixels of all frames.
-    pub fn pixels(&self) -> u64 {
-        let entry = &self.stream.entry;
-        self.stream.frames.count() * u64::from(entry.width) * u64::from(entry.height)
-    }
-}
-
-/// A frame of a stream, measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrameRow<'a> {
-    /// The stream.
-    pub stream: &'a StreamInfo,
-    /// The frame.
-    pub frame: u32,
-    /// What it holds and changes.
-    pub cost: FrameCost,
-}
-
-/// A container, measured.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Inspection<'a> {
-    /// The streams asked for.
-    pub streams: Vec<StreamStats<'a>>,
-    /// The frames asked for, by stream and frame.
-    pub rows: Vec<FrameRow<'a>>,
-    /// Damaged chunks of the streams asked for; what they hold is in no count of pixels, boxes or keyframes.
-    pub damaged: Vec<DamagedChunk>,
-    /// Bytes between head and index that no chunk of any stream refers to.
-    pub unreferenced_bytes: u64,
-}
-
-/// Sums of the streams of one kind: a row of CALF's table 1.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub struct Totals {
-    /// Streams.
-    pub streams: u64,
-    /// Images.
-    pub frames: u64,
-    /// Raw size.
-    pub raw_bytes: u64,
-    /// After the coding in time.
-    pub temporal_bytes: u64,
-    /// In the file.
-    pub bytes: u64,
-    /// Chunks.
-    pub chunks: u64,
-    /// Those stored as LZMA2.
-    pub lzma2_chunks: u64,
-    /// Bytes that would be stored on top, were no chunk shared.
-    pub shared_bytes_saved: u64,
-}
-
-impl Inspection<'_> {
-    /// Sums of the streams of a kind, or of all.
-    pub fn totals(&self, kind: Option<StreamKind>) -> Totals {
-        let mut totals = Totals::default();
-        for stats in self.streams.iter().filter(|stats| kind.is_none_or(|kind| stats.stream.kind == kind)) {
-            totals.streams += 1;
-            totals.frames += stats.stream.frames.count();
-            // A damaged index may claim frames without end.
-            totals.raw_bytes = totals.raw_bytes.saturating_add(stats.raw_bytes);
-            totals.temporal_bytes += stats.storage.temporal_bytes;
-            totals.bytes += stats.storage.bytes;
-            totals.chunks += stats.storage.chunks;
-            totals.lzma2_chunks += stats.storage.lzma2_chunks;
-            totals.shared_bytes_saved += stats.storage.stored_bytes - stats.storage.bytes;
-        }
-        totals
-    }
-}
-
-/// Number of steps that [`inspect`] advances its monitor by: one for each chunk.
+/// Steps that [`inspect`] advances its monitor by: one for each chunk.
 pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {
     streams.iter().map(|stream| decoder.reader().index().stream_chunks(stream.index).len() as u64).sum()
 }
 
-/// Measures some streams of a container.
+/// Statistics of some streams of a container.
+///
+/// # Errors
+/// A damaged chunk with [`Check::StopAtFirst`]; frames that no stream has; a stop by the monitor.
 pub fn inspect<'a>(
     decoder: &'a Decoder,
     streams: &[&'a StreamInfo],
@@ -202,14 +48,14 @@ pub fn inspect<'a>(
             "{row_count} rows of frames, more than {MAX_ROWS}: choose fewer frames or streams"
         )));
     }
-    // Where fewer chunks fit than there are threads, streams are taken one by one.
+    // Where fewer chunks fit than there are threads, streams are measured one by one.
     let threads = rayon::current_num_threads();
     let at_once = chunks_at_once(decoder, streams, settings.memory, threads)?;
     let streams_at_once = if at_once < threads { 1 } else { usize::MAX };
     let (storage, unreferenced_bytes) = storage_of(decoder.reader());
     let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
-        let watch = Watch { reader: decoder.reader(), stream, settings, monitor };
-        let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| watch.unit(unit))?;
+        let measure = Measure { reader: decoder.reader(), stream, settings, monitor };
+        let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| measure.unit(unit))?;
         Ok(StreamMeasure::new(stream, listed(stream), storage[stream.index as usize], units))
     })?;
     let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
@@ -221,7 +67,16 @@ pub fn inspect<'a>(
     Ok(inspection)
 }
 
-/// How many chunks may be counted at once.
+/// Statistics of all streams of a container, with the default settings.
+///
+/// # Errors
+/// [`Error::Invalid`] names the first damaged chunk.
+pub fn statistics(decoder: &Decoder) -> Result<Inspection<'_>> {
+    let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
+    inspect(decoder, &streams, InspectSettings::default(), &Silent)
+}
+
+/// How many chunks may be counted at once within the limit of memory.
 fn chunks_at_once(decoder: &Decoder, streams: &[&StreamInfo], memory: Budget, threads: usize) -> Result<usize> {
     if memory.bytes().is_none() {
         return Ok(usize::MAX);
@@ -270,30 +125,31 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
 struct UnitMeasure {
     /// Sums of all frames.
     total: FrameCost,
-    census: ModeStatistics,
+    modes: ModeStatistics,
     blocks: BlockCount,
     /// Every chunk writes one picture, and all chunks hold the same bytes.
     is_static: bool,
     constant: bool,
-    /// Kept only where frames are listed.
+    /// Only for frame rows.
     events: Vec<Event>,
     damaged: Vec<DamagedChunk>,
 }
 
-struct Watch<'a> {
+/// Measures units of a stream.
+struct Measure<'a> {
     reader: &'a Reader,
     stream: &'a StreamInfo,
     settings: InspectSettings,
     monitor: &'a dyn Monitor,
 }
 
-impl Watch<'_> {
+impl Measure<'_> {
     fn unit(&self, unit: u32) -> Result<UnitMeasure> {
         let [_, _, width, height] = self.stream.entry.unit_rect(unit);
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
         let mut measure = UnitMeasure {
             total: FrameCost::default(),
-            census: ModeStatistics::default(),
+            modes: ModeStatistics::default(),
             blocks: BlockCount::default(),
             is_static: true,
             constant: true,
@@ -304,7 +160,7 @@ impl Watch<'_> {
         measure.is_static = chunks.iter().all(|chunk| identity(chunk) == identity(&chunks[0]));
         for chunk in chunks {
             self.monitor.check()?;
-            let counted = self.chunk(chunk, [width, height]);
+            let counted = self.chunk(chunk, u64::from(width) * u64::from(height));
             self.monitor.advance(1);
             match (counted, self.settings.check) {
                 (Ok(counted), _) => measure.add(counted, self.settings.rows),
@@ -317,7 +173,7 @@ impl Watch<'_> {
         Ok(measure)
     }
 
-    fn chunk(&self, chunk: &ChunkEntry, size: [u32; 2]) -> Result<ChunkMeasure> {
+    fn chunk(&self, chunk: &ChunkEntry, pixels: u64) -> Result<ChunkMeasure> {
         let stored = self.reader.load_stored(chunk)?;
         let payload = match chunk.storage {
             Storage::Raw => stored,
@@ -331,9 +187,12 @@ impl Watch<'_> {
                 payload
             }
         };
-        let place = self.reader.index().place(chunk);
-        let mut counted =
-            count_chunk(&self.stream.header, payload, size, chunk.key.frame_count, place, self.settings.check)?;
+        let frames = chunk.key.frame_count;
+        let parsed = StreamChunk::parse(self.stream, self.reader.index(), chunk, payload.into())?;
+        if self.settings.check == Check::ListAll {
+            parsed.check_window(self.stream, frames)?;
+        }
+        let mut counted = count_chunk(&parsed, pixels, frames);
         // What belongs to the whole chunk is read with its first frame.
         let counted_bytes: u64 = counted.events.iter().map(|event| event.cost.bytes).sum();
         if let Some(first) = counted.events.first_mut() {
@@ -349,7 +208,7 @@ impl UnitMeasure {
         for event in &chunk.events {
             self.total.add(event.cost);
         }
-        self.census.add(&chunk.census);
+        self.modes.add(&chunk.modes);
         self.blocks.add(chunk.blocks);
         self.is_static &= chunk.events.iter().filter(|event| event.cost.updated_pixels > 0).count() == 1;
         self.constant &= chunk.constant;
@@ -374,7 +233,7 @@ impl<'a> StreamMeasure<'a> {
     ) -> StreamMeasure<'a> {
         let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
-        let (mut total, mut census) = (FrameCost::default(), ModeStatistics::default());
+        let (mut total, mut modes) = (FrameCost::default(), ModeStatistics::default());
         let mut blocks = BlockCount::default();
         let (mut static_units, mut constant_units) = (0, 0);
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
@@ -383,7 +242,7 @@ impl<'a> StreamMeasure<'a> {
         let unit_count = units.len() as u64;
         for unit in units {
             total.add(unit.total);
-            census.add(&unit.census);
+            modes.add(&unit.modes);
             blocks.add(unit.blocks);
             let sound = unit.damaged.is_empty();
             static_units += u64::from(sound && unit.is_static);
@@ -407,7 +266,7 @@ impl<'a> StreamMeasure<'a> {
                 max: spread.1,
             },
             aabbs: total.aabbs,
-            nodes: census,
+            nodes: modes,
             blocks,
             updated_pixels: total.updated_pixels,
             static_units,

@@ -1,10 +1,9 @@
-//! What a chunk of one unit writes in one frame, by codec; places count from the unit's upper left pixel.
+//! The part of one unit in a coding map, by codec; rectangles count from the unit's upper left pixel.
 
 use std::collections::HashMap;
 
 use crate::color::blend::Sample;
 use crate::color::cells::CellChunk;
-use crate::container::{ChunkPlace, Payload};
 use crate::depth::block_chunk;
 use crate::depth::block_tiles::{BlockTexel, stored_tiles};
 use crate::depth::node_chunk::NodeChunk;
@@ -13,65 +12,49 @@ use crate::depth::records::{Body, Layout, TemporalChunk};
 use crate::depth::runtime::Runtime;
 use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
-use crate::error::Result;
-use crate::inspect::coding_map::{Patch, Writing};
-use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk};
+use crate::inspect::patch::{Patch, Writing};
+use crate::streams::{DepthChunk, MaterialChunk, StreamChunk};
 
-/// What a unit's record of a frame writes.
+/// The rectangles that a unit's record of a frame writes.
 #[derive(Debug, Default)]
-pub(super) struct UnitAnatomy {
+pub(super) struct UnitMap {
     pub patches: Vec<Patch>,
-    /// Complete in itself.
     pub keyframe: bool,
 }
 
-/// What a chunk comes to.
+/// Activity of a chunk.
 #[derive(Debug, Default)]
 pub(super) struct ChunkSurvey {
     pub keyframes_in_blocks: u64,
     pub keyframes_in_samples: u64,
-    /// Frames of the chunk that change something, counted from its first, with pixels: of depth and material all records
-    /// but the first, of colour frames between keyframes.
+    /// Frames counted from the chunk's first, with pixels: for depth and material all records but the first, for colour frames
+    /// between keyframes.
     pub changed: Vec<(u32, u64)>,
-    /// Of colour, frames of keyframes but the first, with pixels.
+    /// Frames of all keyframes of colour but the first, with pixels.
     pub later_keyframes: Vec<(u32, u64)>,
 }
 
-/// What a payload, which stands at `place` in its unit of `size` (width, height) pixels, writes in frame `at` of `frames`.
-pub(super) fn unit_anatomy(
-    header: &CodecHeader,
-    payload: Payload,
-    size: [u32; 2],
-    (at, frames): (u32, u32),
-    place: ChunkPlace,
-) -> Result<UnitAnatomy> {
+/// The map of frame `at` of a chunk of a unit of `size` (width, height) pixels.
+pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap {
     let grid = Grid { width: size[0], height: size[1] };
-    let patches = match header {
-        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
-            DepthChunk::Boxes(chunk) => of_record(&chunk, at, of_values),
-            DepthChunk::BoxesInBlocks(chunk) => of_record(&chunk, at, of_pieces::<u16>),
-            DepthChunk::Nodes(chunk) => of_nodes(&chunk, at),
-            DepthChunk::Tree(chunk) => of_tree(&chunk, at),
-            DepthChunk::Blocks(_) => {
-                let bc4w = |place| (place, Writing::Function(Function::Bc4w));
-                of_places(grid, block_chunk::places(grid).map(bc4w))
-            }
-        },
-        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
-            MaterialChunk::Boxes(chunk) => of_record(&chunk, at, of_values),
-            MaterialChunk::BoxesInBlocks(chunk) => of_record(&chunk, at, of_pieces::<[u8; 3]>),
-        },
-        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?, at));
+    let patches = match chunk {
+        StreamChunk::Depth(DepthChunk::Boxes(chunk)) => of_record(chunk, at, of_values),
+        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => of_record(chunk, at, of_block_tiles::<u16>),
+        StreamChunk::Depth(DepthChunk::Nodes(chunk)) => of_nodes(chunk, at),
+        StreamChunk::Depth(DepthChunk::Tree(chunk)) => of_tree(chunk, at),
+        StreamChunk::Depth(DepthChunk::Blocks(_)) => {
+            let bc4w = |place| (place, Writing::Function(Function::Bc4w));
+            of_places(grid, block_chunk::places(grid).map(bc4w))
         }
-        CodecHeader::Color(header) => {
-            return Ok(of_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?, at));
-        }
+        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => of_record(chunk, at, of_values),
+        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => of_record(chunk, at, of_block_tiles::<[u8; 3]>),
+        StreamChunk::Color8(chunk) => return of_cell(chunk, at),
+        StreamChunk::ColorHalf(chunk) => return of_cell(chunk, at),
     };
-    Ok(UnitAnatomy { patches, keyframe: at == 0 })
+    UnitMap { patches, keyframe: at == 0 }
 }
 
-/// Where the frames of a runtime form have nodes for frame `at`.
+/// The nodes of frame `at` of a runtime form.
 fn nodes_at(runtime: &Runtime, at: u32) -> Vec<(Place, Function)> {
     let Ok(found) = runtime.frames().binary_search_by_key(&at, |frame| frame.frame) else { return Vec::new() };
     let nodes = runtime.nodes(runtime.frames()[found]);
@@ -87,7 +70,7 @@ fn of_nodes(chunk: &NodeChunk, at: u32) -> Vec<Patch> {
     of_places(chunk.runtime().grid(), nodes.map(|(place, function)| (place, Writing::Function(function))))
 }
 
-/// The leaves that decoding writes, each with the coarsest function that was found for it.
+/// The leaves of a tree, each with its coarsest function.
 fn of_tree(chunk: &TreeChunk, at: u32) -> Vec<Patch> {
     let (grid, known) = (chunk.runtime().grid(), chunk.known(at));
     let coarsest = |leaf: Place| {
@@ -145,15 +128,15 @@ fn of_values([width, height]: [usize; 2], _: &[u8]) -> Vec<([usize; 4], Writing)
     vec![([0, 0, width, height], Writing::Values)]
 }
 
-fn of_pieces<T: BlockTexel>(size: [usize; 2], bytes: &[u8]) -> Vec<([usize; 4], Writing)> {
+fn of_block_tiles<T: BlockTexel>(size: [usize; 2], bytes: &[u8]) -> Vec<([usize; 4], Writing)> {
     let writing = |in_blocks| if in_blocks { Writing::Blocks } else { Writing::Values };
-    stored_tiles::<T>(bytes, size).map(|piece| (piece.rect, writing(piece.in_blocks))).collect()
+    stored_tiles::<T>(bytes, size).map(|tile| (tile.rect, writing(tile.in_blocks))).collect()
 }
 
-fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {
+fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitMap {
     let shown = chunk.blend(at);
     if at.checked_sub(1).is_some_and(|before| chunk.blend(before) == shown) {
-        return UnitAnatomy::default();
+        return UnitMap::default();
     }
     let keyframe = chunk.keyframes()[shown.keyframe] == at;
     let writing = match keyframe {
@@ -162,38 +145,23 @@ fn of_cell<S: Sample>(chunk: &CellChunk<S>, at: u32) -> UnitAnatomy {
         false => Writing::Blend,
     };
     let [width, height] = chunk.format().size.map(|pixels| pixels as u32);
-    UnitAnatomy { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
+    UnitMap { patches: vec![Patch { rect: [0, 0, width, height], writing, part: 0 }], keyframe }
 }
 
-/// Goes through a payload, which stands at `place` in its unit of `size` (width, height) pixels.
-pub(super) fn survey_chunk(
-    header: &CodecHeader,
-    payload: Payload,
-    size: [u32; 2],
-    frames: u32,
-    place: ChunkPlace,
-) -> Result<ChunkSurvey> {
-    let changed = match header {
-        CodecHeader::Depth(header) => match DepthChunk::parse(header, payload, size, frames)? {
-            DepthChunk::Boxes(chunk) => changes(&chunk),
-            DepthChunk::BoxesInBlocks(chunk) => changes(&chunk),
-            DepthChunk::Nodes(chunk) => node_changes(chunk.runtime()),
-            DepthChunk::Tree(chunk) => node_changes(chunk.runtime()),
-            // Each frame is whole.
-            DepthChunk::Blocks(_) => Vec::new(),
-        },
-        CodecHeader::Material(header) => match MaterialChunk::parse(header, payload, size, frames)? {
-            MaterialChunk::Boxes(chunk) => changes(&chunk),
-            MaterialChunk::BoxesInBlocks(chunk) => changes(&chunk),
-        },
-        CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
-            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_bytes(size), frames, place)?));
-        }
-        CodecHeader::Color(header) => {
-            return Ok(survey_cell(&CellChunk::parse_at(payload, header.cell_of_halves(size), frames, place)?));
-        }
+pub(super) fn survey_chunk(chunk: &StreamChunk) -> ChunkSurvey {
+    let changed = match chunk {
+        StreamChunk::Depth(DepthChunk::Boxes(chunk)) => changes(chunk),
+        StreamChunk::Depth(DepthChunk::BoxesInBlocks(chunk)) => changes(chunk),
+        StreamChunk::Depth(DepthChunk::Nodes(chunk)) => node_changes(chunk.runtime()),
+        StreamChunk::Depth(DepthChunk::Tree(chunk)) => node_changes(chunk.runtime()),
+        // Each frame is complete.
+        StreamChunk::Depth(DepthChunk::Blocks(_)) => Vec::new(),
+        StreamChunk::Material(MaterialChunk::Boxes(chunk)) => changes(chunk),
+        StreamChunk::Material(MaterialChunk::BoxesInBlocks(chunk)) => changes(chunk),
+        StreamChunk::Color8(chunk) => return survey_cell(chunk),
+        StreamChunk::ColorHalf(chunk) => return survey_cell(chunk),
     };
-    Ok(ChunkSurvey { changed, ..ChunkSurvey::default() })
+    ChunkSurvey { changed, ..ChunkSurvey::default() }
 }
 
 fn changes<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> Vec<(u32, u64)> {

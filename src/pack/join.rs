@@ -11,19 +11,19 @@ use crate::error::{Error, Result};
 use crate::memory::{Budget, Need};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
-use crate::pack::flatten::{self, FlattenSettings, Flattener};
+use crate::pack::flatten::{FlattenSettings, Flattener, is_tree};
 use crate::streams;
 use crate::streams::CodecHeader;
 
 /// Payload bytes fetched and compressed together, unless a single chunk has more.
 const BATCH_BYTES: u64 = 256 << 20;
 
-/// Bytes for each pixel of a tile whose tree is packed, beside the chunk as it is read: the encoder of nodes as for an encode
-/// (24); functions that are known, that a frame changes, and that are tried, each at most 4/3 for 16 pixels with 56 bytes, in
-/// maps that are half empty (3 times 10); the source's codes, and what is shown of them (4); 6 to spare.
+/// Bytes for each pixel of a tile whose tree is packed, besides its chunk: the encoder of nodes (24); known, changed and tried
+/// functions, each at most 4/3 for 16 pixels with 56 bytes, in maps that are half empty (3 times 10); codes of source and
+/// picture (4); 6 to spare.
 const PACKING_BYTES: u64 = 64;
 
-/// How chunks are stored in the result.
+/// Storage of chunks in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repack {
     /// As the input stored them.
@@ -35,18 +35,17 @@ pub enum Repack {
     Raw,
 }
 
-/// What becomes of the streams.
+/// Settings of a pack.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PackSettings {
-    /// How chunks are stored.
     pub repack: Repack,
-    /// How trees are packed; without it they are copied as any other stream.
+    /// Packs trees at a bound; without it they are copied as any other stream.
     pub flatten: Option<FlattenSettings>,
-    /// Memory that chunks may take; the result does not depend on it.
+    /// Limit of memory for chunks; the result does not depend on it.
     pub memory: Budget,
 }
 
-/// What a pack did.
+/// Figures of a pack.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PackSummary {
     /// Size of the container.
@@ -55,11 +54,9 @@ pub struct PackSummary {
     pub raw_bytes: u64,
     /// Images: frames of all streams.
     pub frames: u64,
-    /// Streams.
     pub streams: u64,
     /// Streams of trees that became packed nodes.
     pub flattened_streams: u64,
-    /// Chunks written.
     pub chunks: u64,
 }
 
@@ -75,7 +72,7 @@ pub struct PackReport {
     pub seconds: f64,
 }
 
-/// Writes all streams of `inputs` into `out`; answers the sink and what was done.
+/// Writes all streams of `inputs` into `out`; returns it with the figures.
 ///
 /// Probes of one name must agree; streams of one kind, probe and face must not occur twice. All
 /// probes are kept, also those without streams. Name, frame rate and projection are the first input's; another frame
@@ -138,13 +135,13 @@ pub fn pack<W: Write>(
         while !left.is_empty() {
             let (batch, rest) = left.split_at(batch_length(left, batch_bytes));
             left = rest;
-            let carrier = Carrier { reader, repack: settings.repack, monitor };
+            let copier = Copier { reader, repack: settings.repack, monitor };
             let packed = try_map_at_once(batch.iter().collect(), chunks_at_once, |chunk| {
                 monitor.check()?;
                 let stream = stream_of[chunk.key.stream as usize];
                 match &flatteners[chunk.key.stream as usize] {
-                    Some(flattener) => carrier.flatten(chunk, stream, flattener),
-                    None => Ok(vec![carrier.copy(chunk, stream)?]),
+                    Some(flattener) => copier.flatten(chunk, stream, flattener),
+                    None => Ok(vec![copier.copy(chunk, stream)?]),
                 }
             })?;
             for packed in &packed {
@@ -173,7 +170,7 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
         };
         // Packing a tree takes its pictures, and what comes out may be as large as what went in.
         let packing = match &settings.flatten {
-            Some(_) if flatten::is_tree(stream) => {
+            Some(_) if is_tree(stream) => {
                 let [_, _, width, height] = stream.unit_rect(chunk.key.unit);
                 raw + PACKING_BYTES * u64::from(width) * u64::from(height)
             }
@@ -187,7 +184,7 @@ fn limits(inputs: &[Reader], settings: &PackSettings) -> Result<(usize, u64)> {
     let each = chunks.max().unwrap_or(0);
     // The new index is built while those of the inputs are open.
     let fixed = inputs.iter().map(|reader| 2 * memory::container_bytes(reader)).sum::<u64>();
-    // What a batch came to waits until all of it is there.
+    // A batch is written when all of it is packed.
     let batch_bytes = (bytes.saturating_sub(fixed + each) / 2).min(BATCH_BYTES);
     let need = Need { what: "packing", fixed: fixed + batch_bytes, each, instead: "" };
     Ok((settings.memory.at_once(&need, rayon::current_num_threads())?, batch_bytes))
@@ -203,11 +200,11 @@ impl PackSummary {
     }
 }
 
-/// What packs each stream of a container: something for its trees, nothing for the others.
+/// For each stream of a container a flattener, if it holds trees.
 fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Flattener>>> {
     let streams = reader.index().streams.iter().enumerate();
     let flatteners = streams.map(|(at, stream)| match &settings.flatten {
-        Some(flatten) if flatten::is_tree(stream) => Flattener::new(stream, flatten)
+        Some(flatten) if is_tree(stream) => Flattener::new(stream, flatten)
             .map(Some)
             .map_err(|error| error.context(format!("{}, stream {at}", reader.path().display()))),
         _ => Ok(None),
@@ -215,14 +212,14 @@ fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Fla
     flatteners.collect()
 }
 
-/// Carries chunks from one container into another.
-struct Carrier<'a> {
+/// Copies chunks from one container into another.
+struct Copier<'a> {
     reader: &'a Reader,
     repack: Repack,
     monitor: &'a dyn Monitor,
 }
 
-impl Carrier<'_> {
+impl Copier<'_> {
     /// A chunk as it is, for a stream of the result.
     fn copy(&self, chunk: &ChunkEntry, stream: u32) -> Result<PackedChunk> {
         let key = ChunkKey { stream, ..chunk.key };
@@ -248,7 +245,7 @@ impl Carrier<'_> {
     }
 }
 
-/// Adds a probe to those of the inputs before, or widens the one of its name; answers its index.
+/// Adds a probe, or widens the frames of the one with its name; returns its index.
 fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, probe: &ProbeEntry) -> Result<u16> {
     let Some(&at) = known.get(&probe.name) else {
         let at = u16::try_from(merged.len()).map_err(|_| Error::unsupported("more than 65536 probes"))?;
@@ -256,7 +253,7 @@ fn merge_probe(merged: &mut Vec<ProbeEntry>, known: &mut HashMap<String, u16>, p
         known.insert(probe.name.clone(), at);
         return Ok(at);
     };
-    // A probe may be known from another stretch of frames; where it stands must agree.
+    // Only the frames may differ.
     let earlier = &mut merged[usize::from(at)];
     if (ProbeEntry { frames: probe.frames, ..earlier.clone() }) != *probe {
         return Err(Error::invalid(format!(

@@ -1,0 +1,78 @@
+//! The coding of a decoded dataset, from its manifest.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::compare::side::Coding;
+use crate::dataset::Manifest;
+use crate::depth::DepthRange;
+use crate::error::{Error, Result};
+use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::{Face, StreamKind};
+use crate::streams::ColorFormat;
+
+/// `extra.lightfold` of a decoded dataset's manifest.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub(super) struct ManifestCoding {
+    color: Option<ColorCoding>,
+    /// By `probe/face`.
+    depth: Option<BTreeMap<String, DepthCoding>>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct DepthCoding {
+    near_m: f32,
+    far_m: f32,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "format")]
+enum ColorCoding {
+    #[serde(rename = "8bit")]
+    EightBit { transfer: TransferName, exposure_ev: f32, cell: u32 },
+    #[serde(rename = "half")]
+    Half { white_cd_m2: f64, cell: u32 },
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum TransferName {
+    Srgb,
+    Linear,
+}
+
+impl ManifestCoding {
+    pub fn of(manifest: &Manifest) -> Result<Option<ManifestCoding>> {
+        let Some(coding) = manifest.extra.as_ref().and_then(|extra| extra.get("lightfold")) else {
+            return Ok(None);
+        };
+        ManifestCoding::deserialize(coding)
+            .map(Some)
+            .map_err(|error| Error::invalid(format!("extra.lightfold is not as lightfold writes it: {error}")))
+    }
+
+    pub fn stream(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Coding>> {
+        Ok(match kind {
+            StreamKind::Depth => {
+                match self.depth.as_ref().and_then(|ranges| ranges.get(&format!("{probe}/{}", face.name()))) {
+                    Some(range) => Some(Coding::Depth(DepthRange::new(range.near_m, range.far_m)?)),
+                    None => None,
+                }
+            }
+            StreamKind::Color => self.color.as_ref().map(|coding| match *coding {
+                ColorCoding::EightBit { transfer, exposure_ev, cell } => {
+                    let transfer = match transfer {
+                        TransferName::Srgb => Transfer::Srgb,
+                        TransferName::Linear => Transfer::Linear,
+                    };
+                    Coding::Color(ColorFormat::EightBit(ToneMap { transfer, exposure_ev }), cell.max(1))
+                }
+                ColorCoding::Half { white_cd_m2, cell } => {
+                    Coding::Color(ColorFormat::Half { white_cd_m2 }, cell.max(1))
+                }
+            }),
+            StreamKind::Material => Some(Coding::Material),
+        })
+    }
+}

@@ -1,0 +1,267 @@
+//! Compares two sides stream by stream.
+//!
+//! Each pair of streams is brought into one [`Domain`]: depth into 16-bit log codes, colour into the codes of a transfer
+//! function or half floats, as the side that is a container codes them. One frame of each stream is in memory at a time.
+//! Streams are compared in parallel; the result does not depend on how many at once.
+
+use crate::color::quality::Pu21;
+use crate::compare::comparison::{Comparison, Measured, StreamReport};
+use crate::compare::difference::{BitErrors, SampleErrors, half_levels, half_peak};
+use crate::compare::domain::{Converted, Converter, Domain, Origin, Values};
+use crate::compare::pairing::{Coverage, Pair, Pairing};
+use crate::compare::side::{Coding, Image, Side, SideReader};
+use crate::depth::DepthRange;
+use crate::error::{Error, Result};
+use crate::image::{FrameRange, Plane};
+use crate::memory::{Budget, Need};
+use crate::metrics::depth_error::DepthErrors;
+use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
+use crate::monitor::Monitor;
+use crate::ordered::try_map_at_once;
+use crate::streams::ColorFormat;
+use crate::streams::convert::DepthExtent;
+
+/// Bytes for each pixel of a pair of images. Each side is read as at most three floats (12) and converted to at most as many
+/// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).
+const COMPARING_BYTES: u64 = 64;
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Measure {
+    #[default]
+    Codes,
+    /// Codes, and bits of metres, light and weights.
+    Bits,
+}
+
+/// Frames of which SSIM is computed.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum SsimFrames {
+    Every,
+    /// The first, the middle and the last.
+    #[default]
+    Sampled,
+    None,
+}
+
+/// Settings of a comparison.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CompareSettings {
+    pub coverage: Coverage,
+    pub measure: Measure,
+    pub ssim: SsimFrames,
+    /// Limit of memory for images and decoders.
+    pub memory: Budget,
+}
+
+/// Compares all pairs. The monitor advances by one for every pair of images.
+///
+/// # Errors
+/// When an image cannot be read or decoded.
+pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
+    let at_once = streams_at_once(pairing, settings.memory)?;
+    let domains = domains(pairing, at_once, monitor)?;
+    let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs().iter().copied().zip(domains).collect();
+    let job = Job { sides: pairing.sides, settings, monitor };
+    let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
+    let reports = try_map_at_once(jobs, at_once, |pairs| job.run(pairs))?;
+    Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
+}
+
+/// How many groups of pairs that share files may be compared at once.
+fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
+    if memory.bytes().is_none() {
+        return Ok(usize::MAX);
+    }
+    let of_pair = |pair: &Pair<'_>| {
+        let pixels = u64::from(pair.streams[0].size[0]) * u64::from(pair.streams[0].size[1]);
+        let decoding: u64 = pairing.sides.iter().zip(pair.streams).map(|(side, of)| side.stream_bytes(of)).sum();
+        decoding + pixels * COMPARING_BYTES
+    };
+    let runs = pairing.pairs().chunk_by(Pair::shares_files);
+    let each = runs.map(|pairs| pairs.iter().map(of_pair).sum()).max().unwrap_or(0);
+    let fixed = pairing.sides.iter().map(Side::open_bytes).sum();
+    memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
+}
+
+/// Reads the images of some pairs, frame by frame.
+fn visit(
+    sides: &[Side; 2],
+    pairs: &[Pair<'_>],
+    monitor: &dyn Monitor,
+    mut compare: impl FnMut(usize, u32, [Image; 2]) -> Result<()>,
+) -> Result<()> {
+    let [mut first, mut second] =
+        [0, 1].map(|at| SideReader::new(&sides[at], pairs.iter().map(|pair| pair.streams[at]).collect()));
+    let ranges = pairs.iter().map(|pair| pair.frames);
+    let all = ranges.reduce(FrameRange::hull);
+    for frame in all.iter().flat_map(|range| range.iter()) {
+        for (at, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.frames.contains(frame)) {
+            monitor.check()?;
+            let images = [first.image(at, frame)?, second.image(at, pair.other_frame(frame))?];
+            compare(at, frame, images)
+                .map_err(|error| error.context(format!("{}, frame {frame}", pair.streams[0].id)))?;
+        }
+    }
+    Ok(())
+}
+
+/// The domain of each pair; unknown ranges of depth are found by reading both sides.
+fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
+    let known: Vec<_> = pairing.pairs().iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
+    let unknown: Vec<Pair<'_>> =
+        pairing.pairs().iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
+    let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();
+    let extents = try_map_at_once(chunks, at_once, |pairs| {
+        let mut extents = vec![None; pairs.len()];
+        visit(pairing.sides, pairs, monitor, |at, _, images| {
+            for image in &images {
+                if let Image::Depth(plane) = image {
+                    let found = DepthExtent::of(plane);
+                    extents[at] = [extents[at], found].into_iter().flatten().reduce(DepthExtent::union);
+                }
+            }
+            Ok(())
+        })?;
+        Ok(extents)
+    })?;
+    let scanned: Vec<_> = unknown.iter().zip(extents.into_iter().flatten()).collect();
+    let range_of = |pair: &Pair<'_>| {
+        // One range for all faces of a probe, as a container has it.
+        let probe = |pair: &Pair<'_>| pair.streams.map(|stream| stream.id.probe.clone());
+        let same = scanned.iter().filter(|(other, _)| probe(other) == probe(pair)).map(|(_, extent)| *extent);
+        match same.flatten().reduce(DepthExtent::union) {
+            Some(extent) => DepthRange::new(extent.near_m, extent.far_m),
+            None => Ok(DepthRange::empty()),
+        }
+    };
+    pairing
+        .pairs()
+        .iter()
+        .zip(known)
+        .map(|(pair, domain)| match domain {
+            Some(domain) => Ok(domain),
+            None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Chosen }),
+        })
+        .collect()
+}
+
+struct Job<'a> {
+    sides: &'a [Side; 2],
+    settings: &'a CompareSettings,
+    monitor: &'a dyn Monitor,
+}
+
+/// A pair of streams while it is compared.
+struct PairComparison {
+    domain: Domain,
+    frames: FrameRange,
+    converters: [Converter; 2],
+    metric: Option<Pu21>,
+    measured: Measured,
+    bits: Option<BitErrors>,
+}
+
+impl Job<'_> {
+    fn run(&self, pairs: &[(Pair<'_>, Domain)]) -> Result<Vec<StreamReport>> {
+        let mut work = pairs.iter().map(|(pair, domain)| self.prepare(pair, *domain)).collect::<Result<Vec<_>>>()?;
+        let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
+        visit(self.sides, &alone, self.monitor, |at, frame, images| {
+            work[at].add(frame, images, self.settings)?;
+            self.monitor.advance(1);
+            Ok(())
+        })?;
+        let report = |(pair, work): (Pair<'_>, PairComparison)| {
+            let [a, b] = pair.streams;
+            StreamReport {
+                id: a.id.clone(),
+                other_id: (a.id != b.id).then(|| b.id.clone()),
+                size: a.size,
+                frames: pair.frames,
+                domain: work.domain,
+                measured: work.measured,
+                bits: work.bits,
+            }
+        };
+        Ok(alone.into_iter().zip(work).map(report).collect())
+    }
+
+    fn prepare(&self, pair: &Pair<'_>, domain: Domain) -> Result<PairComparison> {
+        let converter = |at: usize| Converter::new(domain.coding, &self.sides[at], pair.streams[at]);
+        let metric = match domain.coding {
+            Coding::Color(ColorFormat::Half { white_cd_m2 }, _) => Some(Pu21::new(white_cd_m2)?),
+            _ => None,
+        };
+        let measured = match domain.coding {
+            Coding::Depth(_) => Measured::Depth(DepthErrors::default()),
+            Coding::Color(..) => Measured::Color(match &metric {
+                Some(metric) => SampleErrors::empty(half_peak(metric)),
+                None => SampleErrors::empty_8bit(),
+            }),
+            Coding::Material => Measured::Material(SampleErrors::empty_8bit()),
+        };
+        let bits = (self.settings.measure == Measure::Bits).then(BitErrors::default);
+        Ok(PairComparison {
+            domain,
+            frames: pair.frames,
+            converters: [converter(0), converter(1)],
+            metric,
+            measured,
+            bits,
+        })
+    }
+}
+
+impl PairComparison {
+    fn add(&mut self, frame: u32, images: [Image; 2], settings: &CompareSettings) -> Result<()> {
+        if let Some(bits) = &mut self.bits {
+            let values: [Values; 2] = [0, 1].map(|at| self.converters[at].values(&images[at]));
+            bits.add(frame, &values[0], &values[1])?;
+        }
+        let [a, b] = images;
+        let (a, b) = (self.converters[0].convert(a)?, self.converters[1].convert(b)?);
+        let clipped_pixels = a.clipped_pixels + b.clipped_pixels;
+        let cell = match self.domain.coding {
+            Coding::Color(_, cell) => cell,
+            _ => u32::MAX,
+        };
+        match (&mut self.measured, &a.image, &b.image) {
+            (Measured::Depth(errors), Converted::Depth(a), Converted::Depth(b)) => errors.add(frame, a, b),
+            (Measured::Color(errors), Converted::Bytes(a), Converted::Bytes(b)) => {
+                errors.add(frame, a, b, cell);
+                errors.clipped_pixels += clipped_pixels;
+                if wants_ssim(settings.ssim, frame, self.frames)
+                    && let Some(ssim) = ssim(a, b)?
+                {
+                    errors.ssim_sum += ssim;
+                    errors.ssim_frames += 1;
+                }
+            }
+            (Measured::Color(errors), Converted::Half(a), Converted::Half(b)) => {
+                if let Some(metric) = &self.metric {
+                    errors.add(frame, &half_levels(a, metric), &half_levels(b, metric), cell);
+                }
+            }
+            (Measured::Material(errors), Converted::Bytes(a), Converted::Bytes(b)) => errors.add(frame, a, b, cell),
+            _ => return Err(Error::invalid("images of two kinds cannot be compared")),
+        }
+        Ok(())
+    }
+}
+
+/// SSIM, at once where it is known; `None` for images that are too small.
+fn ssim(a: &Plane<[u8; 3]>, b: &Plane<[u8; 3]>) -> Result<Option<f64>> {
+    let large = a.width().min(a.height()) >= SSIM_WINDOW;
+    if large && a == b { Ok(Some(1.0)) } else { ssim_rgb8(a, b) }
+}
+
+fn wants_ssim(which: SsimFrames, frame: u32, frames: FrameRange) -> bool {
+    match which {
+        SsimFrames::Every => true,
+        SsimFrames::None => false,
+        SsimFrames::Sampled => {
+            let middle = frames.first + (frames.last - frames.first) / 2;
+            [frames.first, middle, frames.last].contains(&frame)
+        }
+    }
+}

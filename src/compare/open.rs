@@ -1,0 +1,277 @@
+//! Opens the two sides of a comparison.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::compare::manifest_coding::ManifestCoding;
+use crate::compare::side::{Coding, Content, Place, Side, SideForm, SideStream, StreamId};
+use crate::container::header::MAGIC;
+use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
+use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
+use crate::decode::{Decoder, Selection};
+use crate::error::{Error, Result};
+use crate::image::{DepthKind, Face, Pattern, Projection, StreamKind};
+use crate::streams::CodecHeader;
+
+/// How sides are read.
+#[derive(Debug, Clone, Default)]
+pub struct SideOptions {
+    /// How files are read; decoded datasets need none of it.
+    pub source: SourceOptions,
+    /// Content of image sequences; the face of single images where neither side has it.
+    pub layout: SequenceLayout,
+    pub selection: Selection,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Form {
+    Container,
+    /// Cube faces or views.
+    Faces,
+    /// Equirectangular images, whose faces take the other side's size.
+    Panorama,
+    /// Takes kind, probe and face from the other side.
+    Sequence,
+}
+
+/// Opens both sides; the second takes face size, probe and kind from the first, which is the one that states more.
+///
+/// # Errors
+/// A side cannot be opened, or has no selected stream.
+pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
+    if paths == ["-", "-"] {
+        return Err(Error::Usage("standard input can be only one of the two sides".into()));
+    }
+    let forms = [form_of(paths[0])?, form_of(paths[1])?];
+    let first = usize::from(forms[1] < forms[0]);
+    let other_path = paths[1 - first];
+    let one = open(paths[first], forms[first], options, &Other::Path(other_path))?;
+    let other = open(other_path, forms[1 - first], options, &Other::Open(&one))?;
+    let mut sides = if first == 0 { [one, other] } else { [other, one] };
+    check_selection(&sides, &options.selection)?;
+    let mut selection = options.selection.clone();
+    if let Some(sequence) = sides.iter().find(|side| side.form == SideForm::Sequence) {
+        // Beside an image sequence only streams of its kind are compared.
+        selection.kinds = sequence.streams.iter().take(1).map(|stream| stream.id.kind).collect();
+    }
+    for side in &mut sides {
+        select(side, &selection)?;
+    }
+    Ok(sides)
+}
+
+fn form_of(path: &str) -> Result<Form> {
+    let file = Path::new(path);
+    let has = |extension: &str| file.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension));
+    if has("json") || file.join(MANIFEST_NAME).is_file() {
+        let panorama = Manifest::read(file)?.projection == Projection::Equirect;
+        return Ok(if panorama { Form::Panorama } else { Form::Faces });
+    }
+    let container = path == "-" || has("lfold") || (file.is_file() && starts_with_magic(file)?);
+    if container {
+        return Ok(Form::Container);
+    }
+    if !file.exists() && !Pattern::parse(path)?.has_field() {
+        return Err(Error::invalid("there is no such file or folder").in_file(path));
+    }
+    Ok(Form::Sequence)
+}
+
+fn starts_with_magic(path: &Path) -> Result<bool> {
+    let mut head = Vec::new();
+    let file = std::fs::File::open(path).map_err(|error| Error::io(path, error))?;
+    file.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(|error| Error::io(path, error))?;
+    Ok(head == MAGIC)
+}
+
+/// The other side: its path, or the side that was opened before.
+enum Other<'a> {
+    Path(&'a str),
+    Open(&'a Side),
+}
+
+impl Other<'_> {
+    fn streams(&self) -> &[SideStream] {
+        match self {
+            Other::Path(_) => &[],
+            Other::Open(side) => &side.streams,
+        }
+    }
+}
+
+fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
+    match form {
+        Form::Container => open_container(path),
+        Form::Faces | Form::Panorama => open_dataset(path, form, options, other),
+        Form::Sequence => open_sequence(path, options, other),
+    }
+}
+
+/// Keeps the selected streams.
+fn select(side: &mut Side, selection: &Selection) -> Result<()> {
+    // Probe and face of an image sequence are only its defaults.
+    let sequence = side.form == SideForm::Sequence;
+    side.streams.retain_mut(|stream| {
+        let frames = selection.frames.map_or(Some(stream.frames), |frames| stream.frames.intersect(frames));
+        stream.frames = frames.unwrap_or(stream.frames);
+        frames.is_some() && (sequence || is_selected(&stream.id, selection))
+    });
+    if side.streams.is_empty() {
+        return Err(Error::Usage(format!("{}: there is no stream that matches the options", side.path)));
+    }
+    Ok(())
+}
+
+fn is_selected(id: &StreamId, selection: &Selection) -> bool {
+    (selection.kinds.is_empty() || selection.kinds.contains(&id.kind))
+        && (selection.probes.is_empty() || selection.probes.contains(&id.probe))
+        && (selection.faces.is_empty() || selection.faces.contains(&id.face))
+}
+
+/// Refuses names that neither side has.
+fn check_selection(sides: &[Side; 2], selection: &Selection) -> Result<()> {
+    if sides.iter().any(|side| side.form == SideForm::Sequence) {
+        return Ok(());
+    }
+    let has = |test: &dyn Fn(&StreamId) -> bool| sides.iter().flat_map(|side| &side.streams).any(|s| test(&s.id));
+    let missing = |what: String| Err(Error::Usage(format!("neither side has {what}")));
+    if let Some(probe) = selection.probes.iter().find(|probe| !has(&|id| id.probe == **probe)) {
+        return missing(format!("a probe '{probe}'"));
+    }
+    if let Some(face) = selection.faces.iter().find(|face| !has(&|id| id.face == **face)) {
+        return missing(format!("a face {}", face.name()));
+    }
+    match selection.kinds.iter().find(|kind| !has(&|id| id.kind == **kind)) {
+        Some(kind) => missing(format!("a {} stream", kind.name())),
+        None => Ok(()),
+    }
+}
+
+fn open_container(path: &str) -> Result<Side> {
+    let decoder = Decoder::open(PathBuf::from(path))?;
+    let streams = decoder.streams().iter().enumerate().map(|(at, stream)| {
+        let (coding, depth_kind) = match stream.header {
+            CodecHeader::Depth(header) => (Coding::Depth(header.range), header.kind),
+            CodecHeader::Color(header) => (Coding::Color(header.format, stream.entry.unit_width), DepthKind::default()),
+            CodecHeader::Material(_) => (Coding::Material, DepthKind::default()),
+        };
+        SideStream {
+            id: StreamId { kind: stream.kind, probe: decoder.probe(stream).name.clone(), face: stream.face },
+            probe_order: stream.probe,
+            frames: stream.frames,
+            size: [stream.entry.width, stream.entry.height],
+            coding: Some(coding),
+            depth_kind,
+            place: Place::Stream(at),
+        }
+    });
+    let streams = streams.collect();
+    Ok(Side {
+        path: path.to_owned(),
+        form: SideForm::Container,
+        streams,
+        content: Content::Container(Box::new(decoder)),
+    })
+}
+
+fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
+    let manifest = Manifest::read(Path::new(path))?;
+    let coding = ManifestCoding::of(&manifest).map_err(|error| error.in_file(path))?;
+    let mut source = options.source.clone();
+    if coding.is_some() {
+        source.depth_scale = None;
+        source.background = None;
+        source.depth_kind = None;
+        source.color_space = None;
+    }
+    source.frames = options.selection.frames;
+    source.face_size = match form {
+        Form::Panorama => options.source.face_size.or(other.streams().first().map(|stream| stream.size[0])),
+        _ => None,
+    };
+    let source = Source::open(Path::new(path), &source)?;
+    let form = if coding.is_some() { SideForm::Decoded } else { SideForm::Dataset };
+    from_source(path, form, source, &coding.unwrap_or_default())
+}
+
+fn open_sequence(path: &str, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
+    let kind = sequence_kind(path, options, other)?;
+    let selection = &options.selection;
+    let known: Vec<&SideStream> =
+        other.streams().iter().filter(|stream| stream.id.kind == kind && is_selected(&stream.id, selection)).collect();
+    let mut source = options.source.clone();
+    let mut layout = options.layout.clone();
+    source.frames = selection.frames;
+    if let Some(first) = known.first() {
+        if known.iter().all(|stream| stream.id.probe == first.id.probe) {
+            layout.probe.clone_from(&first.id.probe);
+        }
+        if let (Arrangement::Single(_), 1) = (layout.arrangement, known.len()) {
+            layout.arrangement = Arrangement::Single(first.id.face);
+        }
+        if layout.arrangement == Arrangement::Equirect {
+            source.face_size = source.face_size.or(Some(first.size[0]));
+        }
+        if kind == StreamKind::Depth && first.depth_kind == DepthKind::Planar {
+            source.depth_kind = source.depth_kind.or(Some(DepthKind::Planar));
+        }
+    }
+    if let [probe] = selection.probes.as_slice() {
+        layout.probe.clone_from(probe);
+    }
+    if let (Arrangement::Single(_), [face]) = (layout.arrangement, selection.faces.as_slice()) {
+        layout.arrangement = Arrangement::Single(*face);
+    }
+    let source = Source::from_sequence(kind, path, &layout, &source)?;
+    from_source(path, SideForm::Sequence, source, &ManifestCoding::default())
+}
+
+/// Kind of an image sequence, from the options, its name, or the other side.
+fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result<StreamKind> {
+    if let [kind] = options.selection.kinds.as_slice() {
+        return Ok(*kind);
+    }
+    let of_other = || match other {
+        Other::Path(path) => kind_in_name(path),
+        Other::Open(side) => {
+            let mut kinds = side.streams.iter().map(|stream| stream.id.kind);
+            let first = kinds.next();
+            first.filter(|&kind| kinds.all(|other| other == kind))
+        }
+    };
+    kind_in_name(path).or_else(of_other).ok_or_else(|| {
+        Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color or material"))
+    })
+}
+
+/// The kind that is part of a file name, else of its folder's name.
+fn kind_in_name(path: &str) -> Option<StreamKind> {
+    let lower = path.to_lowercase();
+    let words = [("depth", StreamKind::Depth), ("material", StreamKind::Material)];
+    let colors = [("color", StreamKind::Color), ("colour", StreamKind::Color)];
+    lower.rsplit(['/', std::path::MAIN_SEPARATOR]).take(2).find_map(|part| {
+        let mut found = words.iter().chain(&colors).filter(|(word, _)| part.contains(word)).map(|(_, kind)| *kind);
+        let first = found.next();
+        first.filter(|&kind| found.all(|other| other == kind))
+    })
+}
+
+fn from_source(path: &str, form: SideForm, source: Source, coding: &ManifestCoding) -> Result<Side> {
+    let mut streams = Vec::new();
+    for (at, group) in source.groups().iter().enumerate() {
+        let probe = &source.probes()[group.probe].name;
+        let known = coding.stream(group.kind, probe, group.faces[0]).map_err(|error| error.in_file(path))?;
+        for (plane, &face) in group.faces.iter().enumerate() {
+            streams.push(SideStream {
+                id: StreamId { kind: group.kind, probe: probe.clone(), face },
+                probe_order: group.probe,
+                frames: group.frames,
+                size: [group.width, group.height],
+                coding: known,
+                depth_kind: source.depth_stored(),
+                place: Place::Plane { group: at, plane },
+            });
+        }
+    }
+    Ok(Side { path: path.to_owned(), form, streams, content: Content::Files(Box::new(source)) })
+}

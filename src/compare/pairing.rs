@@ -1,0 +1,159 @@
+//! Pairs of streams and frames of two sides.
+
+use std::collections::HashMap;
+
+use crate::compare::comparison::Missing;
+use crate::compare::side::{Side, SideForm, SideStream};
+use crate::error::{Error, Result};
+use crate::image::{FrameRange, StreamKind};
+
+/// Streams and frames that only one side has.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Coverage {
+    /// They are a difference.
+    #[default]
+    Whole,
+    /// They are left out.
+    Common,
+}
+
+/// Two streams that are compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a> {
+    pub(super) streams: [&'a SideStream; 2],
+    /// Frames that both have, in the numbers of the first side.
+    pub(super) frames: FrameRange,
+    /// Added to a frame number for the second side.
+    shift: i64,
+}
+
+/// Streams of two sides that are compared.
+#[derive(Debug)]
+pub struct Pairing<'a> {
+    pub(super) sides: &'a [Side; 2],
+    pairs: Vec<Pair<'a>>,
+    pub(super) missing: Vec<Missing>,
+}
+
+impl<'a> Pairing<'a> {
+    /// Matches streams by kind, probe and face; single streams of a kind match whatever their names.
+    ///
+    /// # Errors
+    /// Nothing matches, or sizes or kinds of depth differ.
+    pub fn new(sides: &'a [Side; 2], coverage: Coverage) -> Result<Pairing<'a>> {
+        let [a, b] = sides;
+        let by_id = |side: &'a Side| side.streams.iter().map(|stream| (&stream.id, stream)).collect::<HashMap<_, _>>();
+        let (of_a, of_b) = (by_id(a), by_id(b));
+        let mut matches: Vec<[Option<&SideStream>; 2]> =
+            a.streams.iter().map(|stream| [Some(stream), of_b.get(&stream.id).copied()]).collect();
+        matches.extend(b.streams.iter().filter(|stream| !of_a.contains_key(&stream.id)).map(|b| [None, Some(b)]));
+        for kind in StreamKind::ALL {
+            let only = |side: &'a Side| {
+                let mut of_kind = side.streams.iter().filter(|stream| stream.id.kind == kind);
+                of_kind.next().filter(|_| of_kind.next().is_none())
+            };
+            if let (Some(a), Some(b)) = (only(a), only(b))
+                && a.id != b.id
+            {
+                matches.retain(|streams| streams.iter().flatten().all(|stream| stream.id.kind != kind));
+                matches.push([Some(a), Some(b)]);
+            }
+        }
+        let order = |streams: &[Option<&SideStream>; 2]| {
+            let first = streams.iter().flatten().next();
+            first.map(|stream| (stream.id.kind, stream.probe_order, stream.id.face))
+        };
+        matches.sort_by_key(order);
+        let mut pairing = Pairing { sides, pairs: Vec::new(), missing: Vec::new() };
+        for streams in matches {
+            pairing.add(streams)?;
+        }
+        if pairing.pairs.is_empty() {
+            return Err(pairing.nothing_in_common());
+        }
+        if coverage == Coverage::Common {
+            pairing.missing.clear();
+        }
+        Ok(pairing)
+    }
+
+    fn add(&mut self, streams: [Option<&'a SideStream>; 2]) -> Result<()> {
+        let [Some(a), Some(b)] = streams else {
+            for (only_in, stream) in streams.iter().enumerate() {
+                let lost = stream.map(|stream| Missing { only_in, id: stream.id.clone(), frames: stream.frames });
+                self.missing.extend(lost);
+            }
+            return Ok(());
+        };
+        if a.size != b.size {
+            let text = |stream: &SideStream| format!("{}x{} pixels", stream.size[0], stream.size[1]);
+            return Err(Error::invalid(format!("{}: {} cannot be compared with {}", a.id, text(a), text(b))));
+        }
+        if a.id.kind == StreamKind::Depth && a.depth_kind != b.depth_kind {
+            return Err(Error::Usage(format!(
+                "{}: one side holds distances and the other planar depth; set `depth_kind`, and `intrinsics` for a \
+                 perspective sequence",
+                a.id
+            )));
+        }
+        let single = self.sides.iter().all(|side| side.form == SideForm::Sequence)
+            && [a, b].iter().all(|stream| stream.frames.count() == 1);
+        let shift = if single { i64::from(b.frames.first) - i64::from(a.frames.first) } else { 0 };
+        let common = if single { Some(a.frames) } else { a.frames.intersect(b.frames) };
+        for (only_in, stream) in [a, b].into_iter().enumerate() {
+            for frames in frames_outside(stream.frames, common.filter(|_| !single)) {
+                if !single {
+                    self.missing.push(Missing { only_in, id: stream.id.clone(), frames });
+                }
+            }
+        }
+        self.pairs.extend(common.map(|frames| Pair { streams: [a, b], frames, shift }));
+        Ok(())
+    }
+
+    fn nothing_in_common(&self) -> Error {
+        let list = |side: &Side| {
+            let names: Vec<_> =
+                side.streams.iter().take(3).map(|stream| format!("{} frames {}", stream.id, stream.frames)).collect();
+            let more = if side.streams.len() > 3 { ", ..." } else { "" };
+            format!("{} has {}{more}", side.path, names.join(", "))
+        };
+        let [a, b] = self.sides;
+        let sequence = self.sides.iter().any(|side| side.form == SideForm::Sequence);
+        let hint = if sequence { "; `probe` and `face` say what the sequence shows" } else { "" };
+        Error::Usage(format!("the two have no stream and frame in common: {}; {}{hint}", list(a), list(b)))
+    }
+
+    pub fn pairs(&self) -> &[Pair<'a>] {
+        &self.pairs
+    }
+
+    /// Number of pairs of images.
+    pub fn images(&self) -> u64 {
+        self.pairs.iter().map(|pair| pair.frames.count()).sum()
+    }
+}
+
+/// The parts of a range before and after another.
+fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange> {
+    let Some(inner) = inner else { return vec![all] };
+    let before = (all.first < inner.first).then(|| FrameRange { first: all.first, last: inner.first - 1 });
+    let after = (inner.last < all.last).then(|| FrameRange { first: inner.last + 1, last: all.last });
+    before.into_iter().chain(after).collect()
+}
+
+impl<'a> Pair<'a> {
+    /// Whether files of either side are best read for both pairs at once.
+    pub(super) fn shares_files(&self, next: &Pair<'_>) -> bool {
+        self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
+    }
+
+    pub fn streams(&self) -> [&'a SideStream; 2] {
+        self.streams
+    }
+
+    /// The frame's number on the second side.
+    pub fn other_frame(&self, frame: u32) -> u32 {
+        u32::try_from(i64::from(frame) + self.shift).unwrap_or(frame)
+    }
+}

@@ -1,0 +1,157 @@
+//! Statistics of a container: settings and results.
+
+use serde::Serialize;
+
+use crate::decode::{DamagedChunk, StreamInfo};
+use crate::depth::mode_statistics::ModeStatistics;
+use crate::image::{FrameRange, StreamKind};
+use crate::inspect::chunk_counts::{BlockCount, FrameCost};
+use crate::memory::Budget;
+
+/// Most frame rows of one inspection.
+pub const MAX_ROWS: u64 = 1_000_000;
+
+/// Frames with a row of their own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FrameRows {
+    #[default]
+    None,
+    All,
+    Range(FrameRange),
+}
+
+/// Treatment of damaged chunks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Check {
+    /// The first one is an error.
+    #[default]
+    StopAtFirst,
+    /// All are listed. Chunks of LZMA2 must agree between two independent decoders, and records of depth and material must
+    /// keep the window's promise (depth.md 4).
+    ListAll,
+}
+
+/// Settings of an inspection.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct InspectSettings {
+    pub rows: FrameRows,
+    pub check: Check,
+    /// Limit of memory for chunks.
+    pub memory: Budget,
+}
+
+/// Bytes of a stream's chunks. Chunks that share their place in the file count for the first stream that has them, so that the
+/// streams' `bytes` add up.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct StorageStats {
+    /// Rows of the chunk table.
+    pub chunks: u64,
+    /// Those stored as LZMA2.
+    pub lzma2_chunks: u64,
+    /// Bytes in the file, each counted once.
+    pub bytes: u64,
+    /// Bytes in the file, counted for every chunk that uses them.
+    pub stored_bytes: u64,
+    /// Payload before LZMA2, shared chunks counted once.
+    pub temporal_bytes: u64,
+    /// Payload before LZMA2, counted for every chunk.
+    pub payload_bytes: u64,
+}
+
+/// Minimum, mean and maximum.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Spread {
+    pub min: u64,
+    pub mean: f64,
+    pub max: u64,
+}
+
+/// Statistics of a stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StreamStats<'a> {
+    pub stream: &'a StreamInfo,
+    /// Uncompressed size as CALF's table 1 counts it ([`crate::streams::CodecHeader::raw_pixel_bytes`]).
+    pub raw_bytes: u64,
+    pub storage: StorageStats,
+    /// Tiles or cells.
+    pub units: u64,
+    /// Keyframes of all units.
+    pub keyframes: u64,
+    pub keyframes_per_unit: Spread,
+    /// Boxes of all frames.
+    pub aabbs: u64,
+    /// Nodes of all frames, by level and function; all nodes of a tree.
+    pub nodes: ModeStatistics,
+    /// Keyframes and block tiles by storage, in codecs of blocks.
+    pub blocks: BlockCount,
+    /// Pixels written, keyframes included, when all frames are shown in order.
+    pub updated_pixels: u64,
+    /// Units whose picture never changes.
+    pub static_units: u64,
+    /// Units with one value in each frame, such as empty space; without colour cells.
+    pub constant_units: u64,
+}
+
+impl StreamStats<'_> {
+    /// Pixels of all frames.
+    pub fn pixels(&self) -> u64 {
+        let entry = &self.stream.entry;
+        self.stream.frames.count() * u64::from(entry.width) * u64::from(entry.height)
+    }
+}
+
+/// Statistics of a frame of a stream.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrameRow<'a> {
+    pub stream: &'a StreamInfo,
+    pub frame: u32,
+    pub cost: FrameCost,
+}
+
+/// Statistics of a container.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection<'a> {
+    pub streams: Vec<StreamStats<'a>>,
+    /// By stream and frame.
+    pub rows: Vec<FrameRow<'a>>,
+    /// Damaged chunks, which no count of pixels, boxes or keyframes includes.
+    pub damaged: Vec<DamagedChunk>,
+    /// Bytes between head and index that no chunk refers to.
+    pub unreferenced_bytes: u64,
+}
+
+/// Sums of the streams of one kind: a row of CALF's table 1.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Totals {
+    pub streams: u64,
+    /// Images.
+    pub frames: u64,
+    pub raw_bytes: u64,
+    /// Payloads before LZMA2.
+    pub temporal_bytes: u64,
+    /// In the file.
+    pub bytes: u64,
+    pub chunks: u64,
+    pub lzma2_chunks: u64,
+    /// Bytes saved by chunks that share their place.
+    pub shared_bytes_saved: u64,
+}
+
+impl Inspection<'_> {
+    /// Sums of the streams of a kind, or of all.
+    pub fn totals(&self, kind: Option<StreamKind>) -> Totals {
+        let mut totals = Totals::default();
+        for stats in self.streams.iter().filter(|stats| kind.is_none_or(|kind| stats.stream.kind == kind)) {
+            totals.streams += 1;
+            totals.frames += stats.stream.frames.count();
+            // A damaged index may claim frames without end.
+            totals.raw_bytes = totals.raw_bytes.saturating_add(stats.raw_bytes);
+            totals.temporal_bytes += stats.storage.temporal_bytes;
+            totals.bytes += stats.storage.bytes;
+            totals.chunks += stats.storage.chunks;
+            totals.lzma2_chunks += stats.storage.lzma2_chunks;
+            totals.shared_bytes_saved += stats.storage.stored_bytes - stats.storage.bytes;
+        }
+        totals
+    }
+}

@@ -1,0 +1,65 @@
+//! A chunk of any stream, parsed.
+
+use crate::color::{CellChunk, HalfKey};
+use crate::container::{ChunkEntry, Index, Payload};
+use crate::depth::window_check::check_window;
+use crate::error::Result;
+use crate::streams::depth_chunk::DepthChunk;
+use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
+use crate::streams::info::StreamInfo;
+use crate::streams::material_chunk::MaterialChunk;
+use crate::streams::picture_chunk::PictureChunk;
+
+#[derive(Debug)]
+pub enum StreamChunk {
+    Depth(DepthChunk),
+    Material(MaterialChunk),
+    Color8(CellChunk<u8>),
+    ColorHalf(CellChunk<HalfKey>),
+}
+
+impl StreamChunk {
+    /// Checks the payload of a chunk of `stream`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] for a payload that breaks the format.
+    pub fn parse(stream: &StreamInfo, index: &Index, chunk: &ChunkEntry, payload: Payload) -> Result<StreamChunk> {
+        let ([_, _, width, height], frames) = (stream.entry.unit_rect(chunk.key.unit), chunk.key.frame_count);
+        let size = [width, height];
+        Ok(match &stream.header {
+            CodecHeader::Depth(header) => StreamChunk::Depth(DepthChunk::parse(header, payload, size, frames)?),
+            CodecHeader::Material(header) => {
+                StreamChunk::Material(MaterialChunk::parse(header, payload, size, frames)?)
+            }
+            CodecHeader::Color(header @ ColorHeader { format: ColorFormat::EightBit(_), .. }) => {
+                let format = header.cell_of_bytes(size);
+                StreamChunk::Color8(CellChunk::parse_at(payload, format, frames, index.place(chunk))?)
+            }
+            CodecHeader::Color(header) => {
+                let format = header.cell_of_halves(size);
+                StreamChunk::ColorHalf(CellChunk::parse_at(payload, format, frames, index.place(chunk))?)
+            }
+        })
+    }
+
+    /// Refuses records of depth and material that break the window rule (depth.md 4).
+    ///
+    /// # Errors
+    /// [`crate::Error::Invalid`] names the pixel and the frames.
+    pub fn check_window(&self, stream: &StreamInfo, frames: u32) -> Result<()> {
+        match (self, stream.header) {
+            (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => match chunk {
+                DepthChunk::Boxes(chunk) => check_window(chunk, header.window(), frames),
+                DepthChunk::BoxesInBlocks(chunk) => check_window(chunk, header.window(), frames),
+                DepthChunk::Nodes(chunk) => check_window(chunk, header.window(), frames),
+                // With a window of 1 there is nothing to step over.
+                DepthChunk::Tree(_) | DepthChunk::Blocks(_) => Ok(()),
+            },
+            (StreamChunk::Material(chunk), CodecHeader::Material(header)) => match chunk {
+                MaterialChunk::Boxes(chunk) => check_window(chunk, header.temporal.window, frames),
+                MaterialChunk::BoxesInBlocks(chunk) => check_window(chunk, header.temporal.window, frames),
+            },
+            _ => Ok(()),
+        }
+    }
+}

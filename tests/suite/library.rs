@@ -1,0 +1,194 @@
+//! The library as a program uses it: frames from memory in, pixels in slices out; and the check of the window rule.
+
+use half::f16;
+use lightfold::dataset::source::{Source, SourceOptions};
+use lightfold::decode::check_windows;
+use lightfold::depth::TemporalSettings;
+use lightfold::image::Plane;
+use lightfold::inspect::{Check, InspectSettings, inspect};
+use lightfold::monitor::Silent;
+use lightfold::streams::convert;
+use lightfold::{Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
+use tempfile::TempDir;
+
+use crate::footage::Footage;
+use crate::samples::{self, Shape};
+
+const SIZE: [u32; 2] = [24, 24];
+const FACES: [Face; 2] = [Face::Px, Face::Ny];
+
+fn depth(face: Face, frame: u32) -> Plane<f32> {
+    Plane::from_fn(
+        SIZE[0],
+        SIZE[1],
+        |x, y| if x == frame { f32::INFINITY } else { 1.0 + (y + face as u32) as f32 / 8.0 },
+    )
+}
+
+fn color(face: Face, frame: u32) -> Plane<[f16; 3]> {
+    Plane::from_fn(SIZE[0], SIZE[1], |x, y| [x, y + frame, face as u32].map(|v| f16::from_f32(v as f32 / 32.0)))
+}
+
+fn material(_: Face, frame: u32) -> Plane<[f32; 3]> {
+    Plane::from_fn(SIZE[0], SIZE[1], |x, y| [if x == y + frame { 0.5 } else { 0.0 }, 0.25, 1.5])
+}
+
+/// All kinds of streams, encoded from memory under the name and the frame rate of a source.
+fn from_memory(name: &str, fps: f64, settings: &EncodeSettings) -> Vec<u8> {
+    let mut encoder = Encoder::new(name, fps).with_settings(settings.clone());
+    let pose = ProbePose { position: [0.0, 1.0, 2.0], ..ProbePose::default() };
+    let probe = encoder.add_probe("00", pose).unwrap();
+    // In another order than that of the file.
+    for face in FACES.into_iter().rev() {
+        let streams = (
+            encoder.add_material(probe, face, SIZE).unwrap(),
+            encoder.add_depth(probe, face, SIZE).unwrap(),
+            encoder.add_color(probe, face, SIZE).unwrap(),
+        );
+        for frame in 0..6 {
+            encoder.push_material(streams.0, material(face, frame).data()).unwrap();
+            encoder.push_depth(streams.1, depth(face, frame).data()).unwrap();
+            encoder.push_color(streams.2, color(face, frame).data()).unwrap();
+        }
+    }
+    encoder.finish(Vec::new()).unwrap().0
+}
+
+#[test]
+fn frames_from_memory_come_to_the_bytes_of_files() {
+    let folder = TempDir::new().unwrap();
+    let mut footage = Footage::new(SIZE[0], SIZE[1]);
+    (footage.faces, footage.depth, footage.color, footage.material) =
+        (&FACES, Some(&depth), Some(&color), Some(&material));
+    footage.write(folder.path());
+    let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
+    let settings = EncodeSettings::default();
+    let (files, _) = lightfold::encode::encode(&source, &settings, Vec::new(), &Silent).unwrap();
+    assert_eq!(from_memory(source.name(), source.fps(), &settings), files);
+}
+
+#[test]
+fn pixels_are_written_into_slices_whole_and_by_unit() {
+    let file = from_memory("film", 24.0, &EncodeSettings::default());
+    let decoder = Decoder::from_memory(file).unwrap();
+    assert_eq!(decoder.streams().len(), 6);
+    for stream in decoder.streams() {
+        let pixels = (SIZE[0] * SIZE[1]) as usize;
+        let mut face = decoder.face(stream);
+        let mut depths = [vec![0.0f32; pixels], vec![0.0; pixels]];
+        let mut lights = [vec![[f16::ZERO; 3]; pixels], vec![[f16::ONE; 3]; pixels]];
+        let mut codes = vec![0u16; pixels];
+        for frame in [3, 0, 5] {
+            let by_unit = |images: &mut dyn FnMut(u32, [u32; 4])| {
+                (0..stream.unit_count()).for_each(|unit| images(unit, stream.entry.unit_rect(unit)));
+            };
+            match stream.kind {
+                StreamKind::Depth => {
+                    let [whole, parts] = &mut depths;
+                    face.decode_into(frame, PixelsMut::DepthMetres(whole)).unwrap();
+                    face.decode_into(frame, PixelsMut::DepthCodes(&mut codes)).unwrap();
+                    by_unit(&mut |unit, [left, top, width, height]| {
+                        let mut tile = vec![0.0; (width * height) as usize];
+                        decoder.unit(stream, unit).decode_into(frame, PixelsMut::DepthMetres(&mut tile)).unwrap();
+                        for (y, row) in tile.chunks(width as usize).enumerate() {
+                            let start = ((top + y as u32) * SIZE[0] + left) as usize;
+                            parts[start..start + row.len()].copy_from_slice(row);
+                        }
+                    });
+                    assert_eq!(whole, parts);
+                    let source = depth(stream.face, frame);
+                    let ratio = stream.depth_range().unwrap().step_ratio();
+                    for (at, (&z, &expected)) in whole.iter().zip(source.data()).enumerate() {
+                        assert_eq!(z.is_infinite(), expected.is_infinite());
+                        assert_eq!(codes[at] == 65535, z.is_infinite());
+                        let bound = f64::from(stream.error_bound_codes().unwrap()) + 1.0;
+                        assert!(
+                            z == expected || f64::from((z / expected - 1.0).abs()) <= bound * ratio,
+                            "{z} {expected}"
+                        );
+                    }
+                }
+                StreamKind::Color => {
+                    let mut codes = vec![[0u8; 3]; pixels];
+                    face.decode_into(frame, PixelsMut::ColorHalf(&mut lights[0])).unwrap();
+                    face.decode_into(frame, PixelsMut::Color8(&mut codes)).unwrap();
+                    let table = lightfold::image::DecodeTable::new(&lightfold::image::ToneMap::default());
+                    let light = convert::color_light(&Plane::new(SIZE[0], SIZE[1], codes).unwrap(), &table);
+                    assert_eq!(light.data(), lights[0]);
+                }
+                StreamKind::Material => {
+                    let mut values = vec![[0.0; 3]; pixels];
+                    face.decode_into(frame, PixelsMut::Material(&mut values)).unwrap();
+                    let source = material(stream.face, frame);
+                    let close = |a: &[f32; 3], b: &[f32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 0.005);
+                    assert!(values.iter().zip(source.data()).all(|(a, b)| close(a, b)));
+                }
+            }
+        }
+        let wrong = face.decode_into(0, PixelsMut::DepthCodes(&mut codes[1..])).unwrap_err().to_string();
+        assert!(wrong.contains("575 pixels"), "{wrong}");
+        if stream.kind != StreamKind::Depth {
+            assert!(face.decode_into(0, PixelsMut::DepthCodes(&mut codes)).is_err());
+        }
+    }
+    assert_eq!(lightfold::inspect::statistics(&decoder).unwrap().streams.len(), 6);
+}
+
+#[test]
+fn frames_that_cannot_be_encoded_are_refused() {
+    let mut encoder = Encoder::new("film", 24.0);
+    let probe = encoder.add_probe("00", ProbePose::default()).unwrap();
+    assert!(encoder.add_probe("00", ProbePose::default()).is_err());
+    assert!(encoder.add_probe("a/b", ProbePose::default()).is_err());
+    assert!(encoder.add_depth(probe + 1, Face::Px, [4, 4]).is_err());
+    assert!(encoder.add_depth(probe, Face::Px, [4, 8]).is_err());
+    let depth = encoder.add_depth(probe, Face::Px, [4, 4]).unwrap();
+    assert!(encoder.add_depth(probe, Face::Px, [4, 4]).is_err());
+    assert!(encoder.add_depth(probe, Face::View, [4, 4]).is_err());
+    assert!(encoder.push_depth(depth, &[1.0; 15]).is_err());
+    assert!(encoder.push_color(depth, &[[f16::ONE; 3]; 16]).is_err());
+    for bad in [f32::NAN, 0.0, -1.0] {
+        let mut metres = [1.0; 16];
+        metres[6] = bad;
+        let error = encoder.push_depth(depth, &metres).unwrap_err().to_string();
+        assert!(error.contains("pixel (2, 1)"), "{error}");
+    }
+    let error = encoder.finish(Vec::new()).unwrap_err().to_string();
+    assert!(error.contains("has no frames"), "{error}");
+}
+
+/// Depth and material of five frames whose records keep a window of 1, under headers that state a window of `window`.
+fn with_window(window: u8) -> Vec<u8> {
+    let shape = Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 3, frame_count: 5 };
+    let settings = TemporalSettings { window: 1, epsilon: 0, max_aabbs: 4, keyframe_interval: 64 };
+    let stated = TemporalSettings { window, ..settings };
+    let mut streams = [
+        samples::depth(shape, [0.5, 8.0], &samples::moving_codes([8, 8], 5, 5), settings),
+        samples::material(shape, &samples::patched_materials([8, 8], 5), settings),
+    ];
+    streams[0].entry.codec_header = samples::depth_header([0.5, 8.0], stated).write();
+    streams[1].entry.codec_header =
+        samples::material(shape, &samples::patched_materials([8, 8], 5), stated).entry.codec_header;
+    samples::container(0, samples::probe("00", 9), &streams, None)
+}
+
+#[test]
+fn records_that_break_the_window_rule_are_damage() {
+    for window in [1, 2] {
+        let decoder = Decoder::from_memory(with_window(window)).unwrap();
+        let streams: Vec<_> = decoder.streams().iter().collect();
+        let settings = InspectSettings { check: Check::ListAll, ..InspectSettings::default() };
+        let listed = inspect(&decoder, &streams, settings, &Silent).unwrap().damaged;
+        let selected = lightfold::decode::Selection::default().choose(&decoder).unwrap();
+        let found = check_windows(&decoder, &selected, &Silent).unwrap();
+        assert_eq!(listed.len(), if window == 1 { 0 } else { 2 }, "{listed:?}");
+        let by_stream = |damaged: &lightfold::decode::DamagedChunk| damaged.chunk.key;
+        assert_eq!(found.iter().map(by_stream).collect::<Vec<_>>(), listed.iter().map(by_stream).collect::<Vec<_>>());
+        for damaged in listed.iter().chain(&found) {
+            assert!(damaged.reason.contains("does not repeat it"), "{}", damaged.reason);
+            assert_eq!((damaged.frames().first, damaged.frames().last), (3, 7));
+        }
+        // Without the check the file is read as before.
+        inspect(&decoder, &streams, InspectSettings::default(), &Silent).unwrap();
+    }
+}
