@@ -141,7 +141,7 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
         .zip(known)
         .map(|(pair, domain)| match domain {
             Some(domain) => Ok(domain),
-            None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Chosen }),
+            None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Default }),
         })
         .collect()
 }

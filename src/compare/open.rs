@@ -10,7 +10,7 @@ use crate::dataset::manifest::{MANIFEST_NAME, Manifest};
 use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::decode::{Decoder, Selection};
 use crate::error::{Error, Result};
-use crate::image::{DepthKind, Face, Pattern, Projection, StreamKind};
+use crate::image::{DepthKind, Pattern, Projection, StreamKind};
 use crate::streams::CodecHeader;
 
 /// How sides are read.

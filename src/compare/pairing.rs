@@ -152,6 +152,11 @@ impl<'a> Pair<'a> {
         self.streams
     }
 
+    /// Frames that both have, in the numbers of the first side.
+    pub fn frames(&self) -> FrameRange {
+        self.frames
+    }
+
     /// The frame's number on the second side.
     pub fn other_frame(&self, frame: u32) -> u32 {
         u32::try_from(i64::from(frame) + self.shift).unwrap_or(frame)

@@ -335,7 +335,7 @@ impl DomainReport<'_> {
         let (of, from) = match domain.origin {
             Origin::Container(side) => (Some(side_name(side)), "container"),
             Origin::Manifest(side) => (Some(side_name(side)), "manifest"),
-            Origin::Chosen => (None, "default"),
+            Origin::Default => (None, "default"),
         };
         DomainReport { codes, of, from, probe: None }
     }

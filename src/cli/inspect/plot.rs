@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::args::{Args, Report};
 use crate::cli::GlobalArgs;
 use crate::cli::progress::Progress;
-use crate::compare::{Coverage, Pairing, side};
+use crate::compare::{self, Coverage, Pairing};
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
