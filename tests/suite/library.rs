@@ -58,8 +58,10 @@ fn from_memory(name: &str, fps: f64, settings: &EncodeSettings) -> Vec<u8> {
 fn frames_from_memory_come_to_the_bytes_of_files() {
     let folder = TempDir::new().unwrap();
     let mut footage = Footage::new(SIZE[0], SIZE[1]);
-    (footage.faces, footage.depth, footage.color, footage.material) =
-        (&FACES, Some(&depth), Some(&color), Some(&material));
+    footage.faces = &FACES;
+    footage.depth = Some(&depth);
+    footage.color = Some(&color);
+    footage.material = Some(&material);
     footage.write(folder.path());
     let source = Source::open(folder.path(), &SourceOptions::default()).unwrap();
     let settings = EncodeSettings::default();

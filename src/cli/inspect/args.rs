@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::cli::options::{self, MemoryArgs, SelectionArgs, SideArgs};
 use crate::decode::{Decoder, StreamInfo};
 use crate::image::sequence::FrameRange;
-use crate::inspect::container::Inspection;
+use crate::inspect::Inspection;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
