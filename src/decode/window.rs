@@ -1,11 +1,11 @@
 //! Checks the window rule (depth.md 4) of whole streams, for `decode --verify`.
 
-use crate::container::{ChunkEntry, Payload};
+use crate::container::ChunkEntry;
 use crate::decode::decoder::Decoder;
 use crate::decode::selection::{Request, StreamFrames};
 use crate::error::Result;
 use crate::ordered::try_map_ordered;
-use crate::streams::{CodecHeader, DepthChunk, MaterialChunk, PictureChunk, StreamInfo};
+use crate::streams::{CodecHeader, StreamChunk, StreamInfo};
 
 /// Checks all chunks of depth and material that hold requested frames.
 ///
@@ -15,8 +15,9 @@ pub fn check_windows(decoder: &Decoder, request: &Request<'_>) -> Result<()> {
     let jobs: Vec<_> = request.streams.iter().flat_map(|part| chunks_of(decoder, part)).collect();
     try_map_ordered(jobs, |(stream, chunk)| {
         let reader = decoder.reader();
-        let payload = reader.fetch(&chunk)?;
-        check(stream, &chunk, payload).map_err(|error| reader.blame(&chunk, error))
+        let parsed = StreamChunk::parse(stream, reader.index(), &chunk, reader.fetch(&chunk)?);
+        let checked = parsed.and_then(|parsed| parsed.check_window(stream, chunk.key.frame_count));
+        checked.map_err(|error| reader.blame(&chunk, error))
     })?;
     Ok(())
 }
@@ -36,17 +37,4 @@ fn chunks_of<'a>(
         window > 1 && first <= frames.last && frames.first <= first + (chunk.key.frame_count - 1)
     });
     chunks.map(move |chunk| (stream, *chunk))
-}
-
-fn check(stream: &StreamInfo, chunk: &ChunkEntry, payload: Payload) -> Result<()> {
-    let ([_, _, width, height], frames) = (stream.entry.unit_rect(chunk.key.unit), chunk.key.frame_count);
-    match &stream.header {
-        CodecHeader::Depth(header) => {
-            DepthChunk::parse(header, payload, [width, height], frames)?.check_window(header.window(), frames)
-        }
-        CodecHeader::Material(header) => {
-            MaterialChunk::parse(header, payload, [width, height], frames)?.check_window(header.temporal.window, frames)
-        }
-        CodecHeader::Color(_) => Ok(()),
-    }
 }

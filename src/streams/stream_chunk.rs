@@ -2,7 +2,6 @@
 
 use crate::color::{CellChunk, HalfKey};
 use crate::container::{ChunkEntry, Index, Payload};
-use crate::depth::window_check::check_window;
 use crate::error::Result;
 use crate::streams::depth_chunk::DepthChunk;
 use crate::streams::header::{CodecHeader, ColorFormat, ColorHeader};
@@ -48,17 +47,10 @@ impl StreamChunk {
     /// [`crate::Error::Invalid`] names the pixel and the frames.
     pub fn check_window(&self, stream: &StreamInfo, frames: u32) -> Result<()> {
         match (self, stream.header) {
-            (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => match chunk {
-                DepthChunk::Boxes(chunk) => check_window(chunk, header.window(), frames),
-                DepthChunk::BoxesInBlocks(chunk) => check_window(chunk, header.window(), frames),
-                DepthChunk::Nodes(chunk) => check_window(chunk, header.window(), frames),
-                // With a window of 1 there is nothing to step over.
-                DepthChunk::Tree(_) | DepthChunk::Blocks(_) => Ok(()),
-            },
-            (StreamChunk::Material(chunk), CodecHeader::Material(header)) => match chunk {
-                MaterialChunk::Boxes(chunk) => check_window(chunk, header.temporal.window, frames),
-                MaterialChunk::BoxesInBlocks(chunk) => check_window(chunk, header.temporal.window, frames),
-            },
+            (StreamChunk::Depth(chunk), CodecHeader::Depth(header)) => chunk.check_window(header.window(), frames),
+            (StreamChunk::Material(chunk), CodecHeader::Material(header)) => {
+                chunk.check_window(header.temporal.window, frames)
+            }
             _ => Ok(()),
         }
     }

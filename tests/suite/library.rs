@@ -1,18 +1,14 @@
-//! The library as a program uses it: frames from memory in, pixels in slices out; and the check of the window rule.
+//! The library as a program uses it: frames from memory in, pixels in slices out.
 
 use half::f16;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::decode::check_windows;
-use lightfold::depth::TemporalSettings;
 use lightfold::image::Plane;
-use lightfold::inspect::{Check, InspectSettings, inspect};
 use lightfold::monitor::Silent;
 use lightfold::streams::convert;
 use lightfold::{Decoder, EncodeSettings, Encoder, Face, PixelsMut, ProbePose, StreamKind};
 use tempfile::TempDir;
 
 use crate::footage::Footage;
-use crate::samples::{self, Shape};
 
 const SIZE: [u32; 2] = [24, 24];
 const FACES: [Face; 2] = [Face::Px, Face::Ny];
@@ -157,40 +153,4 @@ fn frames_that_cannot_be_encoded_are_refused() {
     }
     let error = encoder.finish(Vec::new()).unwrap_err().to_string();
     assert!(error.contains("has no frames"), "{error}");
-}
-
-/// Depth and material of five frames whose records keep a window of 1, under headers that state a window of `window`.
-fn with_window(window: u8) -> Vec<u8> {
-    let shape = Shape { face: 0, size: [8, 8], unit: [8, 8], first_frame: 3, frame_count: 5 };
-    let settings = TemporalSettings { window: 1, epsilon: 0, max_aabbs: 4, keyframe_interval: 64 };
-    let stated = TemporalSettings { window, ..settings };
-    let mut streams = [
-        samples::depth(shape, [0.5, 8.0], &samples::moving_codes([8, 8], 5, 5), settings),
-        samples::material(shape, &samples::patched_materials([8, 8], 5), settings),
-    ];
-    streams[0].entry.codec_header = samples::depth_header([0.5, 8.0], stated).write();
-    streams[1].entry.codec_header =
-        samples::material(shape, &samples::patched_materials([8, 8], 5), stated).entry.codec_header;
-    samples::container(0, samples::probe("00", 9), &streams, None)
-}
-
-#[test]
-fn records_that_break_the_window_rule_are_damage() {
-    for window in [1, 2] {
-        let decoder = Decoder::from_memory(with_window(window)).unwrap();
-        let streams: Vec<_> = decoder.streams().iter().collect();
-        let settings = InspectSettings { check: Check::ListAll, ..InspectSettings::default() };
-        let listed = inspect(&decoder, &streams, settings, &Silent).unwrap().damaged;
-        let selected = lightfold::decode::Selection::default().choose(&decoder).unwrap();
-        let found = check_windows(&decoder, &selected, &Silent).unwrap();
-        assert_eq!(listed.len(), if window == 1 { 0 } else { 2 }, "{listed:?}");
-        let by_stream = |damaged: &lightfold::decode::DamagedChunk| damaged.chunk.key;
-        assert_eq!(found.iter().map(by_stream).collect::<Vec<_>>(), listed.iter().map(by_stream).collect::<Vec<_>>());
-        for damaged in listed.iter().chain(&found) {
-            assert!(damaged.reason.contains("does not repeat it"), "{}", damaged.reason);
-            assert_eq!((damaged.frames().first, damaged.frames().last), (3, 7));
-        }
-        // Without the check the file is read as before.
-        inspect(&decoder, &streams, InspectSettings::default(), &Silent).unwrap();
-    }
 }
