@@ -107,7 +107,7 @@ def machine():
     return f"{model}, {len(os.sched_getaffinity(0))} threads"
 
 
-def write_between(marker, text, path=ROOT / "README.md"):
+def write_between(marker, text, path=ROOT / "BENCHMARKS.md"):
     """Puts `text` between `<!-- table:MARKER -->` and `<!-- end:MARKER -->` of a file."""
     page = path.read_text()
     begin, end = f"<!-- table:{marker} -->", f"<!-- end:{marker} -->"
