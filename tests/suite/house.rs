@@ -6,17 +6,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Parser;
 use lightfold::cli::{self, Cli};
-use lightfold::dataset::Manifest;
 use lightfold::gpu::kernels::KERNELS;
 use lightfold::gpu::selftest::ROWS;
-use lightfold::image::channels;
+
+use crate::documents::DOCUMENTS;
 
 /// Width that help is wrapped to.
 const HELP_COLUMNS: usize = 100;
 /// Longest source file, in lines.
 const MAX_LINES: usize = 650;
 
-fn root() -> &'static Path {
+pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
@@ -26,7 +26,7 @@ pub(crate) fn read(path: impl AsRef<Path>) -> String {
 }
 
 /// Files below `folder` (relative to the repository), relative too, in order.
-fn files_below(folder: &str) -> Vec<PathBuf> {
+pub(crate) fn files_below(folder: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut folders = vec![root().join(folder)];
     while let Some(folder) = folders.pop() {
@@ -177,7 +177,7 @@ fn man_pages_are_fresh() {
 }
 
 /// Visible subcommands by their names.
-fn subcommands() -> Vec<clap::Command> {
+pub(crate) fn subcommands() -> Vec<clap::Command> {
     let mut root = cli::command();
     root.build();
     root.get_subcommands().filter(|command| !command.is_hide_set() && command.get_name() != "help").cloned().collect()
@@ -247,7 +247,7 @@ fn shell_words_are_split() {
 }
 
 /// Contents of the fenced blocks of a language.
-fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+pub(crate) fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
     let fence = format!("```{language}\n");
     text.split(fence.as_str()).skip(1).map(|rest| rest.split("```").next().unwrap()).collect()
 }
@@ -265,46 +265,6 @@ fn commands_in_the_documents_are_accepted() {
             }
         }
         assert!(count > 0, "{document} shows no command");
-    }
-}
-
-#[test]
-fn the_readme_shows_what_there_is() {
-    let text = read("README.md");
-    for command in subcommands() {
-        let row = format!("| `lightfold {}` |", command.get_name());
-        assert!(text.contains(&row), "README.md has no row {row}");
-    }
-    for manifest in blocks(&text, "json") {
-        Manifest::from_json(manifest.as_bytes()).unwrap();
-    }
-    let names = [channels::DEPTH_CHANNELS, channels::DEPTH_ENDINGS, channels::COLOR_LAYERS, channels::GRAY_CHANNELS];
-    for name in names.into_iter().flatten().chain(channels::COLOR_COMPONENTS.iter().flatten()) {
-        assert!(name.is_empty() || text.contains(&format!("`{name}`")), "README.md does not name the channel {name}");
-    }
-    for marker in ["<!-- table:datasets -->", "<!-- table:peers -->"] {
-        assert!(text.contains(marker), "README.md has lost {marker}");
-    }
-}
-
-#[test]
-fn links_lead_somewhere() {
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "shaders/README.md"] {
-        let text = read(document);
-        for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
-            let (path, fragment) = link.split_once('#').unwrap_or((link, ""));
-            if path.starts_with("https://") {
-                continue;
-            }
-            if path.is_empty() {
-                let heading = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
-                let found = text.lines().filter(|line| line.starts_with('#')).any(|line| heading(line) == fragment);
-                assert!(found, "{document}: no heading for {link}");
-            } else {
-                let target = root().join(document).with_file_name(path);
-                assert!(target.exists(), "{document}: {link} leads nowhere");
-            }
-        }
     }
 }
 
@@ -345,7 +305,7 @@ fn nothing_names_a_path_of_one_machine() {
     for folder in ["src", "tests", "formats", "man", "scripts", ".ci", "shaders"] {
         files.extend(files_below(folder));
     }
-    files.extend(["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "Cargo.toml"].map(PathBuf::from));
+    files.extend(["Cargo.toml"].iter().chain(&DOCUMENTS).map(PathBuf::from));
     // Put together here, so that this file does not hold them.
     let forbidden = ["work", "root", "home", "Users"].map(|folder| format!("/{folder}/"));
     for path in files {

@@ -13,6 +13,7 @@ mod corrupt;
 mod devices;
 mod diff;
 mod docs;
+mod documents;
 mod effects;
 mod exr_files;
 mod footage;

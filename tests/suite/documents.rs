@@ -1,0 +1,122 @@
+//! README, ARCHITECTURE, BENCHMARKS and the other documents: length, links, and whether they show what there is.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use lightfold::dataset::Manifest;
+use lightfold::image::channels;
+
+use crate::house::{blocks, files_below, read, root, subcommands};
+
+/// The documents at the top level.
+pub const DOCUMENTS: [&str; 5] = ["README.md", "ARCHITECTURE.md", "BENCHMARKS.md", "CONTRIBUTING.md", "CHANGELOG.md"];
+
+#[test]
+fn short_documents_stay_short() {
+    for (document, most) in [("README.md", 1500), ("ARCHITECTURE.md", 2500)] {
+        let words = read(document).split_whitespace().count();
+        assert!(words <= most, "{document} has {words} words, {most} at most");
+    }
+}
+
+#[test]
+fn the_readme_shows_what_there_is() {
+    let text = read("README.md");
+    for command in subcommands() {
+        let row = format!("| `lightfold {}` |", command.get_name());
+        assert!(text.contains(&row), "README.md has no row {row}");
+    }
+    for manifest in blocks(&text, "json") {
+        Manifest::from_json(manifest.as_bytes()).unwrap();
+    }
+}
+
+#[test]
+fn manifest_md_names_every_channel() {
+    let text = read("formats/manifest.md");
+    let names = [channels::DEPTH_CHANNELS, channels::DEPTH_ENDINGS, channels::COLOR_LAYERS, channels::GRAY_CHANNELS];
+    for name in names.into_iter().flatten().chain(channels::COLOR_COMPONENTS.iter().flatten()) {
+        assert!(name.is_empty() || text.contains(&format!("`{name}`")), "manifest.md does not name the channel {name}");
+    }
+}
+
+#[test]
+fn benchmarks_md_has_every_table() {
+    let text = read("BENCHMARKS.md");
+    for marker in ["builtin", "datasets", "spatial", "bounds", "peers", "findings", "placement", "memory"] {
+        let (begin, end) = (format!("<!-- table:{marker} -->"), format!("<!-- end:{marker} -->"));
+        let table = text.split(&begin).nth(1).and_then(|rest| rest.split(&end).next());
+        let rows = table.unwrap_or_else(|| panic!("BENCHMARKS.md has no {begin} or {end}"));
+        assert!(rows.lines().filter(|line| line.starts_with('|')).count() > 2, "{begin} is empty");
+    }
+}
+
+/// The anchor of a heading, as Git hosts make it.
+fn anchor(heading: &str) -> String {
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    heading.trim_start_matches('#').trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
+}
+
+#[test]
+fn links_lead_somewhere() {
+    let documents = DOCUMENTS.iter().map(PathBuf::from).chain([PathBuf::from("shaders/README.md")]);
+    for document in documents.chain(files_below("formats")) {
+        let text = read(&document);
+        for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
+            let (path, fragment) = link.split_once('#').unwrap_or((link, ""));
+            if path.starts_with("https:") || path.starts_with("http:") {
+                continue;
+            }
+            let target = if path.is_empty() { document.clone() } else { document.with_file_name(path) };
+            assert!(root().join(&target).exists(), "{}: {link} leads nowhere", document.display());
+            if !fragment.is_empty() {
+                let found = read(&target).lines().any(|line| line.starts_with('#') && anchor(line) == fragment);
+                assert!(found, "{}: no heading for {link}", document.display());
+            }
+        }
+    }
+}
+
+#[test]
+fn no_document_names_a_folder_outside_the_repository() {
+    let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).collect();
+    documents.extend(files_below("formats").into_iter().chain(files_below("man")));
+    documents.push("shaders/README.md".into());
+    let beside = ["..", "shared"].join("/");
+    for document in documents {
+        assert!(!read(&document).contains(&beside), "{} names {beside}", document.display());
+    }
+}
+
+/// Names that `src/lib.rs` re-exports and does not hide.
+fn public_face() -> BTreeSet<String> {
+    let text = read("src/lib.rs");
+    let mut names = BTreeSet::new();
+    let mut hidden = false;
+    for statement in text.split(';') {
+        hidden |= statement.contains("#[doc(hidden)]");
+        if let Some((_, path)) = statement.split_once("pub use ") {
+            if !hidden {
+                let last = path.trim().rsplit("::").next().unwrap();
+                let list = path.split_once('{').map_or(last, |(_, list)| list.trim_end_matches('}'));
+                names.extend(list.split(',').map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()));
+            }
+            hidden = false;
+        }
+    }
+    names
+}
+
+#[test]
+fn architecture_md_lists_the_public_face() {
+    let text = read("ARCHITECTURE.md");
+    let table = text.split("<!-- api:").nth(1).expect("ARCHITECTURE.md has a table marked <!-- api: -->");
+    let rows = table.lines().skip_while(|line| !line.starts_with('|')).take_while(|line| line.starts_with('|')).skip(2);
+    let listed: BTreeSet<String> = rows
+        .flat_map(|row| row.split('|').nth(1).unwrap().split(','))
+        .map(|name| name.trim().trim_matches('`').to_owned())
+        .collect();
+    let face = public_face();
+    assert!(face.len() > 10, "{face:?}");
+    assert_eq!(listed, face, "names in ARCHITECTURE.md, and names that src/lib.rs re-exports");
+}
