@@ -1,11 +1,10 @@
-//! Placed cameras as a report in JSON, and as rows of CSV.
+//! Placed cameras as JSON and CSV.
 
 use serde::Serialize;
 
 use crate::dataset::cameras::CameraSet;
 use crate::placement::{Figures, Lighting, Placement, Search};
 
-/// A placement, and its comparisons.
 #[derive(Debug, Serialize)]
 pub struct PlacementReport<'a> {
     cameras: Vec<CameraReport>,
@@ -66,7 +65,6 @@ struct DecayReport {
     within: Vec<f64>,
 }
 
-/// A camera in CSV.
 #[derive(Debug, Serialize)]
 pub struct CameraRow {
     lighting: &'static str,
@@ -83,7 +81,6 @@ pub struct CameraRow {
     k_per_m: f64,
 }
 
-/// A placement for another rate of decay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecayPlacement {
     /// Rate of decay beyond the viewer distance, per metre.

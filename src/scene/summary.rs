@@ -1,4 +1,4 @@
-//! What a scene is made of, at its beginning where it moves.
+//! Size and contents of a scene, at time 0.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -7,55 +7,45 @@ use serde::Serialize;
 
 use crate::scene::{MeshMaterial, Scene, SceneAtTime};
 
-/// Sizes and counts of a scene.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneSummary {
-    /// Axis-aligned bounds in metres.
+    /// Metres.
     pub bounds_m: Option<SceneBounds>,
-    /// Counts.
     #[serde(flatten)]
     pub counts: SceneCounts,
-    /// Animations.
     pub animations: Vec<AnimationSummary>,
 }
 
-/// An axis-aligned box in metres.
+/// Axis-aligned, metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SceneBounds {
-    /// Least coordinates.
     pub min: [f64; 3],
-    /// Greatest coordinates.
     pub max: [f64; 3],
 }
 
-/// How many there are of each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct SceneCounts {
-    /// Triangles of all meshes.
     pub triangles: usize,
-    /// Objects that are not meshes.
+    /// Analytic shapes.
     pub objects: usize,
-    /// Materials in use.
+    /// In use.
     pub materials: usize,
-    /// Textures in use.
+    /// In use.
     pub textures: usize,
-    /// Directional lights.
     pub suns: usize,
     /// Point and spot lights.
     pub lamps: usize,
 }
 
-/// An animation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AnimationSummary {
-    /// Name in the file, without control characters.
+    /// As in the file, without control characters.
     pub name: Option<String>,
-    /// Length in seconds, if known.
+    /// `None` where the file does not state it.
     pub duration_s: Option<f64>,
 }
 
 impl Scene {
-    /// The summary.
     pub fn summary(&self) -> SceneSummary {
         let scene = self.at(0.0);
         let materials = materials(&scene);
@@ -94,7 +84,7 @@ impl Scene {
     }
 }
 
-/// Materials of triangles, each once: moving and static meshes share one list.
+/// Materials in use, each once.
 fn materials(scene: &SceneAtTime) -> Vec<&MeshMaterial> {
     let mut found = Vec::new();
     let mut known = BTreeSet::new();
