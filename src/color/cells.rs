@@ -14,7 +14,6 @@ const SECTION: &str = "color.md 4";
 const CLOSED_BY_NEXT: u8 = 1;
 /// Weights that a chunk may hold: more than twelve hours at 24 frames a second (color.md 4).
 pub const MAX_WEIGHTS: u32 = 1 << 20;
-const FIXED_BYTES: usize = 8;
 const KEYFRAME_ROW_BYTES: usize = 4;
 /// Bit of a row, in codecs of blocks: this keyframe is stored as samples.
 const AS_SAMPLES: u32 = 1 << 31;

@@ -32,6 +32,7 @@ pub const BYTES: usize = 32;
 /// Where the four bytes are that a marker would fill with ones (depth.md 7).
 const MARKER_BYTES: RangeInclusive<usize> = 28..=31;
 pub const MAX_ENDPOINT: u16 = 8191;
+
 /// A block: 64 indices of 3 bits, four endpoints of 13 bits, a line of 12 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Bc4w([u8; BYTES]);
@@ -111,23 +112,5 @@ impl Bc4w {
                 *code = codes[(indices >> (3 * x) & 7 | side >> x & 8) as usize];
             }
         }
-    }
-
-    /// Packs a block. A line of two equal points is written as zeros whatever its points: the twelve highest bits are
-    /// then never all ones, and with them neither are the four last bytes.
-    fn pack(line: Line, pairs: [Pair; 2], indices: &[u8; 64]) -> Bc4w {
-        let [p0, p1] = line.points();
-        let line = if p0 == p1 { Line::NONE } else { line };
-        let [a, b] = pairs;
-        let tail = [(a.e0, 0), (a.e1, 13), (b.e0, 26), (b.e1, 39), (line.bits(), 52)]
-            .iter()
-            .fold(0, |word, &(bits, shift)| word | u64::from(bits) << shift);
-        let mut bytes = [0; BYTES];
-        for (bytes, indices) in bytes.chunks_exact_mut(3).zip(indices.chunks_exact(8)) {
-            let row = indices.iter().rev().fold(0u32, |row, &index| row << 3 | u32::from(index));
-            bytes.copy_from_slice(&row.to_le_bytes()[..3]);
-        }
-        bytes[24..].copy_from_slice(&tail.to_le_bytes());
-        Bc4w(bytes)
     }
 }

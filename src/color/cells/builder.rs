@@ -1,9 +1,12 @@
 //! Writes the payload of a chunk of one colour cell (color.md 4).
 
 use crate::color::blend::Sample;
-use crate::color::cells::{AS_SAMPLES, CLOSED_BY_NEXT, FIXED_BYTES, KEYFRAME_ROW_BYTES, MAX_WEIGHTS};
+use crate::color::cells::{AS_SAMPLES, CLOSED_BY_NEXT, KEYFRAME_ROW_BYTES, MAX_WEIGHTS};
 use crate::container::serialize::PutFields;
 use crate::error::{Error, Result};
+
+/// Bytes before the table of keyframes.
+const FIXED_BYTES: usize = 8;
 
 #[derive(Debug, Default)]
 pub struct CellBuilder {

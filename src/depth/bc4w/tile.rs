@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use crate::depth::bc4w::line::Line;
-use crate::depth::bc4w::{Bc4w, MAX_ENDPOINT, Pair};
+use crate::depth::bc4w::{BYTES, Bc4w, MAX_ENDPOINT, Pair};
 use crate::depth::block::{Accuracy, Block};
 use crate::depth::quantise::BACKGROUND_CODE;
 
@@ -118,6 +118,26 @@ impl Tile {
             accuracy.squared_error += u64::from(error) * u64::from(error);
         }
         (Bc4w::pack(solution.line, solution.pairs, &indices), accuracy)
+    }
+}
+
+impl Bc4w {
+    /// Packs a block. A line of two equal points is written as zeros whatever its points: the twelve highest bits are
+    /// then never all ones, and with them neither are the four last bytes.
+    pub fn pack(line: Line, pairs: [Pair; 2], indices: &[u8; 64]) -> Bc4w {
+        let [p0, p1] = line.points();
+        let line = if p0 == p1 { Line::NONE } else { line };
+        let [a, b] = pairs;
+        let tail = [(a.e0, 0), (a.e1, 13), (b.e0, 26), (b.e1, 39), (line.bits(), 52)]
+            .iter()
+            .fold(0, |word, &(bits, shift)| word | u64::from(bits) << shift);
+        let mut bytes = [0; BYTES];
+        for (bytes, indices) in bytes.chunks_exact_mut(3).zip(indices.chunks_exact(8)) {
+            let row = indices.iter().rev().fold(0u32, |row, &index| row << 3 | u32::from(index));
+            bytes.copy_from_slice(&row.to_le_bytes()[..3]);
+        }
+        bytes[24..].copy_from_slice(&tail.to_le_bytes());
+        Bc4w(bytes)
     }
 }
 
