@@ -1,4 +1,4 @@
-//! `lightfold capture SCENE -o DIR`: a scene becomes a dataset.
+//! `lightfold capture SCENE -o DIR`: renders a scene as a dataset.
 
 mod args;
 mod options;
@@ -23,7 +23,7 @@ pub use args::{Args, parse_size};
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
     if args.output == Path::new("-") {
-        return Err(Error::Usage("-o -: a dataset is a folder of files, which no pipe takes; name a folder".into()));
+        return Err(Error::Usage("standard output cannot hold a dataset: name a folder".into()));
     }
     check_cameras_stay(args)?;
     let (cameras, viewers) = args.read_cameras()?;
@@ -33,7 +33,6 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         notes.iter().for_each(output::note);
     }
     let plan = args.plan(&scene, cameras, viewers)?;
-    // Before anything is written.
     plan.manifest()?;
     check_output(&plan, &args.output)?;
     if !global.quiet {
@@ -53,20 +52,20 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// Refuses to overwrite the manifest that says where the cameras are.
+/// Refuses to overwrite the manifest that the cameras are read from.
 fn check_cameras_stay(args: &Args) -> Result<()> {
     let manifest = args.output.join(MANIFEST_NAME).canonicalize().ok();
     let cameras = args.cameras.as_ref().and_then(|path| path.canonicalize().ok());
     match manifest {
         Some(path) if cameras.as_ref() == Some(&path) => Err(Error::Usage(format!(
-            "{}: the cameras are read from it, and it would be overwritten; name another folder",
+            "{}: the file of cameras would be overwritten; name another folder",
             args.output.join(MANIFEST_NAME).display()
         ))),
         _ => Ok(()),
     }
 }
 
-/// Refuses a folder with a dataset whose images would be mixed with those of the plan.
+/// Refuses a folder with a dataset of other images.
 fn check_output(plan: &CapturePlan, output: &Path) -> Result<()> {
     if !output.join(MANIFEST_NAME).is_file() {
         return Ok(());
@@ -83,10 +82,10 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Goes on with what there is, where that is wanted, and leaves what is done where it cannot be finished.
+    /// Resumes if asked, and keeps the images on failure.
     fn capture(&self, mut folder: PartialFolder) -> Result<CaptureSummary> {
         if !folder.is_locked() {
-            self.say("the file system has no locks, so two captures into this folder would not see each other: start no second one");
+            self.say("the file system has no locks: do not capture into this folder twice at the same time");
         }
         let now = self.fingerprint();
         let kept = self.begin(&mut folder, &now)?;
@@ -100,14 +99,14 @@ impl Work<'_> {
             folder.keep();
             let all = self.plan.image_count();
             let safe = format!(
-                "{images} of {all} images are kept in {}; the same command with --resume goes on from there",
+                "{images} of {all} images are kept in {}; the same command with --resume continues",
                 folder.work_path().display()
             );
             Error::Unfinished { cause: Box::new(error), safe }
         })
     }
 
-    /// Decides what becomes of what an earlier capture left.
+    /// Keeps or discards the images of an earlier capture.
     fn begin(&self, folder: &mut PartialFolder, now: &Fingerprint) -> Result<ExistingImages> {
         let (left, images) = (folder.state()?, folder.files());
         if self.args.resume && images > 0 {
@@ -116,13 +115,13 @@ impl Work<'_> {
             if let Some(difference) = Fingerprint::new(begun).difference(now) {
                 return Err(self.cannot(&difference));
             }
-            self.say(&format!("going on with {images} of {} images", self.plan.image_count()));
+            self.say(&format!("resuming with {images} of {} images", self.plan.image_count()));
             return Ok(ExistingImages::Keep);
         }
         if self.args.resume {
-            self.say("there is nothing to resume, so the capture begins at the start");
+            self.say("nothing to resume; starting anew");
         } else if images > 0 {
-            self.say(&format!("an unfinished capture of {images} images is replaced; --resume goes on with one"));
+            self.say(&format!("replacing an unfinished capture of {images} images; --resume would continue it"));
         }
         let state = serde_json::to_string_pretty(now.fields())
             .map_err(|error| Error::invalid(format!("the state of the capture: {error}")))?;
@@ -132,8 +131,8 @@ impl Work<'_> {
 
     fn cannot(&self, difference: &str) -> Error {
         Error::Usage(format!(
-            "{}: the unfinished capture cannot go on: {difference}; run it as it was begun, or leave out --resume to \
-             start anew",
+            "{}: cannot resume the unfinished capture: {difference}; repeat its options, or leave out --resume to start \
+             anew",
             self.args.output.display()
         ))
     }
@@ -144,7 +143,7 @@ impl Work<'_> {
         }
     }
 
-    /// What the images follow from.
+    /// Everything that the images depend on.
     fn fingerprint(&self) -> Fingerprint {
         let mut fields = Fingerprint::of_program();
         fields.extend(self.plan.options());
@@ -161,13 +160,13 @@ fn text(path: &Path, plan: &CapturePlan, summary: &CaptureSummary, report: &Capt
     let range = if near_m <= far_m {
         format!(", depths of {near_m:.3} to {far_m:.3} m")
     } else if plan.passes.contains(&Pass::Depth) {
-        ", no surface in sight".to_owned()
+        ", no surface visible".to_owned()
     } else {
         String::new()
     };
     let kept = match summary.kept_images {
         0 => String::new(),
-        count => format!(" ({count} from before)"),
+        count => format!(" ({count} resumed)"),
     };
     let (probes, frames) = (plan.cameras.cameras.len() as u64, plan.frames.count());
     let of = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });

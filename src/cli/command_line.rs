@@ -15,53 +15,53 @@ use crate::cli::{
     version,
     propagate_version = true,
     max_term_width = 100,
-    after_help = "Exit codes: 0 fine, 1 a bound given to diff is broken, devices disagree, inspect --check suspects\n\
-        something, or no point of tradeoff meets what is asked, 2 bad input or usage, 130 interrupted.\n\n\
+    after_help = "Exit codes: 0 success; 1 a check failed: diff exceeds a bound, devices disagree, inspect --check suspects\n\
+        an error, or no point of tradeoff meets its limits; 2 bad input or usage; 130 interrupted.\n\n\
         Examples:\n  lightfold demo -o out/demo\n  lightfold encode lightfield.json -o film.lfold\n  \
         lightfold inspect film.lfold\n  lightfold decode film.lfold -o frames\n  \
         lightfold diff lightfield.json film.lfold --max-error 1 --min-psnr 50"
 )]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Options of every subcommand.
+    /// Options of every command.
     #[command(flatten)]
     pub global: GlobalArgs,
 }
 
-/// The subcommands.
+/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Capture, encode, decode and compare a built-in scene
     Demo(demo::Args),
-    /// Find where cameras see a scene best, one after the other
+    /// Place cameras in a scene by greedy search for coverage
     Place(place::Args),
     /// Capture a scene as a dataset: colour, depth, normals, materials
     Capture(capture::Args),
-    /// Encode a dataset: all its streams into one container
+    /// Encode a dataset into one container
     Encode(encode::Args),
     /// Encode one colour sequence
     EncodeColor(encode_color::Args),
     /// Encode one depth sequence
     EncodeDepth(encode_depth::Args),
-    /// Build the quadtrees of one depth sequence, to be packed at any bound
+    /// Build quadtrees of one depth sequence, to pack at any error bound
     Quadtree(quadtree::Args),
-    /// Encode one depth sequence as plain BC4w blocks at a fixed 4:1, and measure them
+    /// Encode one depth sequence as BC4w blocks at a fixed 4:1, and measure their PSNR
     Bc4w(bc4w::Args),
-    /// Join containers into one, compress one further, or pack quadtrees at a bound
+    /// Join containers, recompress them, or pack quadtrees at an error bound
     Pack(pack::Args),
-    /// Show what a container holds and what it costs, and verify it; check a dataset's conventions; show a scene's size
+    /// Show sizes and contents of a container or a scene, verify a container, check the conventions of a dataset
     Inspect(inspect::Args),
-    /// Decode a container into image files, or into nothing to time it
+    /// Decode a container into image files, or measure decoding time
     Decode(decode::Args),
-    /// Render pictures of a light field from anywhere, and compare them with the truth
+    /// Render novel views of a light field, and compare them with reference images
     Render(Box<render::Args>),
-    /// Compare two of anything: containers, datasets, sequences
+    /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
-    /// Show what settings cost in bytes, time and quality on footage of your own
+    /// Measure bytes, time and quality of settings on your own footage
     Tradeoff(tradeoff::Args),
-    /// Test graphics devices against the CPU, and hard cases against their bounds
+    /// Test graphics devices against the CPU, and hard cases against their error bounds
     Selftest(selftest::Args),
     /// Print a completion script for a shell
     Completions(completions::Args),

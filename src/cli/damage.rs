@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use crate::decode::{DamagedChunk, Decoder};
 
-/// One line for each place in the file; chunks of equal bytes lie at the same one.
+/// One line for each place in the file; equal chunks share one.
 pub fn lines(decoder: &Decoder, damaged: &[DamagedChunk]) -> String {
     let place = |damaged: &DamagedChunk| (damaged.chunk.offset, damaged.reason.clone());
     let mut rows_at: HashMap<_, u64> = HashMap::new();

@@ -1,4 +1,4 @@
-//! `lightfold decode IN -o OUT`: image files out of a container, or nothing but the time it takes.
+//! `lightfold decode IN -o OUT`: decodes a container into image files, or measures decoding time.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,7 +27,7 @@ use crate::views::camera_units::CameraUnitsReport;
 
 /// Containers up to this size are read into memory before `--null` starts its clock.
 const LOAD_BYTES: u64 = 1 << 30;
-/// Of larger ones only if a good part of them is asked for.
+/// Larger ones are read only if at least an eighth of them is needed.
 const LOAD_ANY_BYTES: u64 = 64 << 20;
 
 /// Arguments.
@@ -41,7 +41,7 @@ const LOAD_ANY_BYTES: u64 = 64 << 20;
     lightfold decode film.lfold --device gpu --null\n  \
     lightfold decode film.lfold --verify\n  \
     lightfold decode damaged.lfold --keep-going -o rescued\n\n\
-    Where there are cameras, only the tiles and cells that they see are decoded.\n\
+    With cameras, only the tiles and cells that they see are decoded.\n\
     CAM.json holds {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90}]}.\n\
     A camera may also have \"up\", \"aspect\", \"near_m\", \"far_m\", \"frames\" ([first, last]), and an\n\
     \"orientation\" (a quaternion x, y, z, w) in place of \"look_at\" and \"up\".")]
@@ -52,20 +52,20 @@ pub struct Args {
     /// Folder to write a dataset into, or a pattern such as depth.%04d.exr for a single stream
     #[arg(long, short, value_name = "DIR", required_unless_present_any = ["null", "verify", "list_devices"])]
     pub output: Option<PathBuf>,
-    /// Decode everything and write nothing; reports the time of the decoding alone
+    /// Decode without writing, to measure decoding time
     #[arg(long, conflicts_with = "output")]
     pub null: bool,
-    /// Decode once without counting it, then N times, and report the median and each of the N
+    /// Decode once to warm up, then N times; report each time and their median
     #[arg(long, value_name = "N", requires = "null", conflicts_with_all = ["output", "verify"],
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub repeat: Option<u32>,
-    /// Where to decode; the images are the same [default: cpu]
+    /// Decoding device; the images do not depend on it [default: cpu]
     #[arg(long, value_enum)]
     pub device: Option<DeviceArg>,
-    /// Decode everything on a graphics device and on the CPU, and compare; exit code 1 where a word differs
+    /// Decode on a graphics device and on the CPU and compare; exit code 1 if a word differs
     #[arg(long, conflicts_with = "output")]
     pub verify: bool,
-    /// Of a damaged container, decode every image that is intact; list what is damaged and end with exit code 2
+    /// Decode every intact image of a damaged container, list the damaged chunks, and exit with code 2
     #[arg(long, conflicts_with_all = ["verify", "repeat"])]
     pub keep_going: bool,
     /// Which graphics device.
@@ -80,7 +80,8 @@ pub struct Args {
     /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// Kind of files; png holds codes: 8-bit colour, and 16-bit log depth that is for looking at, not for reading back
+    /// Image format. PNG stores codes without loss, 8-bit colour and 16-bit log depth; other programs need the range in
+    /// lightfield.json to turn depth codes into metres
     #[arg(long, value_enum, default_value_t = FormatArg::Exr)]
     pub format: FormatArg,
     /// Report as JSON
@@ -113,7 +114,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let asked = decode::stored_bytes(&decoder, &selection.choose(&decoder)?);
     let limit = load_limit(decoder.reader().file_bytes(), asked, memory);
     let start = Instant::now();
-    // The time of decoding alone is asked for: the file is read before it counts, where memory allows.
+    // Without output the time counts: the file is read before the clock starts, if it fits.
     let in_memory = args.output.is_none() && decoder.load(limit)?;
     let reading = start.elapsed();
     let chosen = selection.choose(&decoder)?;
@@ -180,18 +181,18 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
 }
 
-/// What is said in the end of a container with damaged chunks.
+/// The error of a container with damaged chunks.
 fn verdict(decoded: &Decoded, images: u64) -> Error {
     let (missing, damaged) = (decoded.missing_images(), decoded.damaged.len());
-    let chunks = if damaged == 1 { "a damaged chunk".to_owned() } else { format!("{damaged} damaged chunks") };
+    let chunks = if damaged == 1 { "1 damaged chunk".to_owned() } else { format!("{damaged} damaged chunks") };
     Error::invalid(if missing == images {
-        format!("none of the {images} images is intact, because of {chunks}; nothing was written")
+        format!("none of the {images} images is intact ({chunks}); nothing was written")
     } else {
-        format!("{missing} of {images} images are missing, because of {chunks}; all others are intact")
+        format!("{missing} of {images} images are missing ({chunks}); all others are intact")
     })
 }
 
-/// The largest file that is read into memory as a whole, where this one has `file` bytes and `asked` of them are needed.
+/// Largest file to read into memory at once, for a file of `file` bytes of which `asked` are needed.
 fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
     // A small part of a large file is read as it is decoded.
     if file > LOAD_ANY_BYTES && asked < file / 8 {
@@ -200,14 +201,13 @@ fn load_limit(file: u64, asked: u64, memory: Budget) -> u64 {
     memory.bytes().map_or(LOAD_BYTES, |bytes| bytes / 4)
 }
 
-/// The choice of a device, and the graphics device that it leads to; comparing takes one.
+/// The chosen device, and the graphics device if that is one; --verify needs one.
 fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gpu>)> {
     if args.memory.memory.is_some()
         && (args.verify || args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some())
     {
         return Err(Error::Usage(
-            "--memory bounds what the CPU's decoder takes, and not what a graphics device takes: leave out one of them"
-                .into(),
+            "--memory limits the CPU decoder only, not graphics devices: leave out one of them".into(),
         ));
     }
     if args.memory.memory.is_some() && !args.keep_going {
@@ -215,10 +215,7 @@ fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gp
     }
     if args.keep_going {
         if args.device == Some(DeviceArg::Gpu) || args.gpu.gpu_index.is_some() {
-            return Err(Error::Usage(
-                "--keep-going decodes on the CPU, which knows which chunk an image needs: leave out --device gpu"
-                    .into(),
-            ));
+            return Err(Error::Usage("--keep-going decodes on the CPU: leave out --device gpu".into()));
         }
         return Ok((DeviceArg::Cpu, None));
     }
@@ -230,7 +227,7 @@ fn open_device(args: &Args, global: &GlobalArgs) -> Result<(DeviceArg, Option<Gp
         }
         // Software will do to compare.
         (_, true) => DeviceArg::Gpu,
-        // Who names a device wants it.
+        // Naming a device selects it.
         (None, false) if args.gpu.gpu_index.is_some() => DeviceArg::Gpu,
         (choice, false) => choice.unwrap_or(DeviceArg::Cpu),
     };
@@ -250,12 +247,12 @@ fn write(
         FormatArg::Png => FileFormat::Png,
     };
     if output == Path::new("-") {
-        return Err(Error::Usage("decode writes image files, which standard output cannot hold: name a folder".into()));
+        return Err(Error::Usage("standard output cannot hold image files: name a folder".into()));
     }
     let Some(pattern) = file_pattern(output)? else {
         if output.join(MANIFEST_NAME).exists() {
             output::note(format_args!(
-                "{}: holds a dataset already; files of the same names are replaced, others stay",
+                "{}: contains a dataset; files of the same names are replaced, others stay",
                 output.display()
             ));
         }
@@ -265,13 +262,13 @@ fn write(
     let images: u64 = request.streams.iter().map(|part| part.frames.count()).sum();
     if !pattern.has_field() && images != 1 {
         return Err(Error::Usage(format!(
-            "{}: one file, and {images} images are chosen; name a pattern such as depth.%04d.exr, or a folder",
+            "{}: one file for {images} images; name a pattern such as depth.%04d.exr, or a folder",
             output.display()
         )));
     }
     if request.streams.len() != 1 {
         return Err(Error::Usage(format!(
-            "{}: a pattern names the files of one stream, {} are chosen; use --probe, --face and --stream, or name a folder",
+            "{}: a pattern names the files of one stream, {} are selected; use --probe, --face and --stream, or name a folder",
             output.display(),
             request.streams.len()
         )));
@@ -288,7 +285,7 @@ fn write(
     write_into((source, decoder, request, format), parent, files, progress)
 }
 
-/// Writes into a folder, which appears when there is anything in it; `destination` names what lies in a folder.
+/// Writes into a folder, which appears once it has files; `destination` names the files below a folder.
 fn write_into(
     (source, decoder, request, format): (&dyn ImageSource, &Decoder, Request<'_>, FileFormat),
     path: &Path,
@@ -303,7 +300,7 @@ fn write_into(
         let removed = destination(path).remove_missing(decoder, &decoded.missing, format)?;
         if removed > 0 {
             output::note(format_args!(
-                "{}: held {removed} files of images that are now missing; they were removed",
+                "{}: removed {removed} older files of images that are missing now",
                 path.display()
             ));
         }
@@ -312,7 +309,7 @@ fn write_into(
     Ok(decoded)
 }
 
-/// The pattern that an output path is, or none where it names a folder.
+/// The pattern of an output path; none if it names a folder.
 fn file_pattern(output: &Path) -> Result<Option<Pattern>> {
     let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let image = output.extension().is_some_and(|extension| extension == "exr" || extension == "png");

@@ -1,4 +1,4 @@
-//! `lightfold demo`: every step of the toolkit on a scene that is built in.
+//! `lightfold demo`: captures, encodes, decodes and compares a built-in scene.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -25,8 +25,8 @@ use crate::scene::{CapturePlan, DemoKind, DemoScene, ExistingImages, FootagePlan
 #[command(
     after_help = "Examples:\n  lightfold demo\n  lightfold demo -o out/demo --frame-count 48 --size 256 --json\n\n\
     Captures a procedural courtyard into DIR/scene, encodes it to DIR/demo.lfold, decodes that into DIR/decoded and \
-    compares the two. The same options write the same bytes on every run. Exit code 1 says that the result is farther \
-    from the scene than the encoder was asked for."
+    compares the two. The same options write the same bytes on every run. The exit code is 1 if the errors exceed the \
+    bounds of the encoder."
 )]
 pub struct Args {
     /// Folder to write into
@@ -49,7 +49,7 @@ pub struct Args {
 /// Samples of a pixel's colour: a quarter of the default, for a short capture.
 const SAMPLES: u32 = 4;
 
-/// Where the demo's files are.
+/// Output paths.
 struct Places {
     scene: PathBuf,
     container: PathBuf,
@@ -62,7 +62,7 @@ impl Places {
         Places { scene: at("scene"), container: at("demo.lfold"), decoded: at("decoded") }
     }
 
-    /// What a user would type for each step after the capture.
+    /// Equivalent commands for the steps after the capture.
     fn commands(&self, settings: &EncodeSettings) -> [String; 4] {
         let word = |path: &PathBuf| shell_word(&path.display().to_string());
         let [scene, container, decoded] = [&self.scene, &self.container, &self.decoded].map(word);
@@ -79,14 +79,14 @@ impl Places {
     }
 }
 
-/// What is told about one kind of streams.
+/// Figures of one kind of streams.
 struct KindRow {
     kind: StreamKind,
     totals: Totals,
     decode_megapixels_per_second: f64,
 }
 
-/// What is told about the demo.
+/// Figures of the demo.
 struct Report {
     rows: Vec<KindRow>,
     all: Totals,
@@ -160,7 +160,7 @@ fn compare(places: &Places, global: &GlobalArgs) -> Result<Comparison> {
     compare::compare(&pairing, &settings, &progress)
 }
 
-/// Sizes from the container, and the time to decode each kind without writing files.
+/// Sizes from the container, and decoding times without writing files.
 fn measure(decoder: &Decoder, global: &GlobalArgs) -> Result<(Vec<KindRow>, Totals)> {
     let streams: Vec<&StreamInfo> = decoder.streams().iter().collect();
     let progress = Progress::start(global, "measuring", inspect::steps(decoder, &streams))?;
@@ -191,10 +191,10 @@ impl Report {
         self.comparison.color().map(|total| total.lowest_cell.map_or(f64::INFINITY, |(_, lowest)| lowest.psnr_db))
     }
 
-    /// Whether what was asked of the encoder has come out of the decoder.
+    /// Whether errors are within the bounds of the encoder.
     fn keeps(&self, settings: &EncodeSettings) -> bool {
         let depth = self.max_error_codes().is_none_or(|codes| codes <= depth_bound(settings));
-        // A PSNR is computed twice, on either side of a file: the last digit may differ.
+        // The encoder and diff may differ in the last digit.
         let color = self.min_psnr_db().is_none_or(|db| db >= settings.search.min_psnr_db - 1e-6);
         depth && color && self.comparison.missing.is_empty()
     }
@@ -266,11 +266,11 @@ impl Report {
     }
 }
 
-/// How far a depth may be from the scene, in codes.
+/// Error bound of depth in codes.
 fn depth_bound(settings: &EncodeSettings) -> u16 {
     match settings.depth.error {
         ErrorBound::Codes(codes) => codes.saturating_add(settings.temporal.epsilon),
-        // The range of each probe would be needed; the demo does not ask for it.
+        // Not used by the demo.
         ErrorBound::Relative(_) => settings.temporal.epsilon,
     }
 }

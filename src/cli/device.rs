@@ -1,4 +1,4 @@
-//! Which device decodes: options, the list of devices, and the way back to the CPU.
+//! Options of graphics devices, the list of devices, fallback to the CPU.
 
 use clap::ValueEnum;
 use serde_json::json;
@@ -8,16 +8,16 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{self, DeviceChoice, Gpu, Pick};
 use crate::report::table::{Column, Table};
 
-/// Picks a graphics device by its number or a part of its name, where `--gpu-index` does not.
+/// Number or part of the name of a graphics device, without `--gpu-index`.
 const VARIABLE: &str = "LIGHTFOLD_GPU";
 
 /// Which graphics device.
 #[derive(Debug, Clone, clap::Args)]
 pub struct GpuArgs {
-    /// The graphics device of this number; LIGHTFOLD_GPU may hold a number or a part of a name instead
+    /// Number of the graphics device; LIGHTFOLD_GPU may hold a number or part of a name instead
     #[arg(long, value_name = "N")]
     pub gpu_index: Option<usize>,
-    /// List the graphics devices, and do nothing else
+    /// List the graphics devices and exit
     #[arg(long)]
     pub list_devices: bool,
 }
@@ -25,9 +25,9 @@ pub struct GpuArgs {
 /// `--device`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DeviceArg {
-    /// A graphics device where there is one that is not software, else the CPU
+    /// A hardware graphics device if there is one, else the CPU
     Auto,
-    /// A graphics device; without one it is an error
+    /// A graphics device, or an error without one
     Gpu,
     /// The CPU
     Cpu,
@@ -40,7 +40,7 @@ impl GpuArgs {
         self.gpu_index.map_or_else(variable, Pick::Index)
     }
 
-    /// The graphics device for a choice, `None` for the CPU; says so where `auto` has to do without one.
+    /// Opens the graphics device, `None` for the CPU; notes why `auto` found none.
     pub fn open(&self, choice: DeviceArg, global: &GlobalArgs) -> Result<Option<Gpu>> {
         let choice = match choice {
             DeviceArg::Auto => DeviceChoice::Auto,
@@ -53,7 +53,7 @@ impl GpuArgs {
     }
 }
 
-/// Does something on a graphics device, or on the CPU where there is none; with `auto` also where the device fails.
+/// Runs on a graphics device, or on the CPU without one or, with `auto`, if the device fails.
 pub fn or_on_cpu<T>(
     (gpu, choice): (Option<&Gpu>, DeviceArg),
     global: &GlobalArgs,

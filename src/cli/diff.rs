@@ -1,4 +1,4 @@
-//! `lightfold diff A B`: how far two of anything are apart, and where most.
+//! `lightfold diff A B`: compares two containers, datasets or image sequences.
 
 use clap::ValueEnum;
 
@@ -18,53 +18,52 @@ use crate::image::cube::Face;
     lightfold diff scene.lfold frames --json\n  \
     lightfold diff a.lfold b.lfold --exact --stream depth --probe 00\n  \
     lightfold diff face_px/depth.%04d.exr decoded/depth.####.exr --frames 0-9\n\n\
-    Each side is a container, a lightfield.json or its folder, or a lone sequence: a pattern, a folder of images, one \
-    image. Streams are matched by kind, probe and face; the only streams of a kind are matched whatever their names.\n\n\
-    Depth is compared in 16-bit log codes from near to far, colour in 8-bit codes after the transfer function or, for \
-    half floats, in the PU21 encoding: those of A where A is a container, else of B, else of a decoded folder's \
-    manifest; two sides that were never coded are compared over the depths that both hold and in 8-bit sRGB. Errors in \
-    metres are those of the files, before any code. Background against a surface, and a depth outside near to far, \
-    count 65535 codes.\n\n\
-    Exit codes: 0 nothing asked for is broken, 1 a bound is broken, bits differ (--exact), or streams or frames are \
-    missing where a bound or --exact was given, 2 bad input.")]
+    Each side is a container, a lightfield.json or its folder, or an image sequence: a pattern, a folder of images, one \
+    image. Streams are matched by kind, probe and face; single streams of a kind are matched regardless of their names.\n\n\
+    Depth is compared in 16-bit log codes from near to far, colour in 8-bit codes after the transfer function, half floats \
+    in the PU21 encoding. Range and encoding are those of A if it is a container, else of B, else of the manifest of a \
+    decoded dataset. For other pairs the range covers both sides, and colour is 8-bit sRGB. Errors in metres are computed \
+    from the files, not from codes. Background against a surface, and a depth outside the range, count as 65535 codes.\n\n\
+    Exit codes: 0 all bounds hold; 1 a bound is exceeded, bits differ (--exact), or streams or frames are missing although \
+    a bound or --exact was given; 2 bad input.")]
 pub struct Args {
-    /// The one side, the reference where that matters; - for a container on standard input
+    /// First side and reference; - for a container on standard input
     #[arg(value_name = "A")]
     pub a: String,
-    /// The other side
+    /// Second side
     #[arg(value_name = "B")]
     pub b: String,
-    /// Largest difference allowed: codes of depth, and 8-bit codes of material
+    /// Largest allowed error: 16-bit log codes of depth, 8-bit codes of material
     #[arg(long, value_name = "CODES")]
     pub max_error: Option<u16>,
-    /// Lowest PSNR allowed of any frame of any colour stream, in dB
+    /// Lowest allowed PSNR of a frame of a colour stream, in dB
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_psnr: Option<f64>,
-    /// Lowest PSNR allowed of any frame of any cell of colour, in dB: what encode --psnr promises
+    /// Lowest allowed PSNR of a frame of a colour cell, in dB, as for encode --psnr
     #[arg(long, value_name = "DB", value_parser = parse_db)]
     pub min_cell_psnr: Option<f64>,
-    /// Every bit must be the same: depth and colour as files hold them
+    /// Require every bit to be equal, of depth and colour as stored in the files
     #[arg(long)]
     pub exact: bool,
-    /// Leave out streams and frames that one side alone has
+    /// Ignore streams and frames that only one side has
     #[arg(long)]
     pub common: bool,
-    /// Frames of each stream that SSIM is computed for (8-bit colour; it is slow)
+    /// Frames of each stream to compute SSIM for (8-bit colour; slow)
     #[arg(long, value_enum, default_value_t = SsimArg::Sampled)]
     pub ssim: SsimArg,
-    /// A row for every stream, however many there are
+    /// Print a row for every stream [default: up to 12 streams]
     #[arg(long)]
     pub streams: bool,
     /// Report as JSON
     #[arg(long)]
     pub json: bool,
-    /// Only streams of these kinds: color, depth, material; also tells what a lone sequence holds
+    /// Only streams of these kinds: color, depth, material; also the kind of an image sequence
     #[arg(long, visible_alias = "kind", value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// Only these probes; also tells the probe of a lone sequence
+    /// Only these probes; also the probe of an image sequence
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub probe: Vec<String>,
-    /// Only these faces; also tells the face of a lone sequence
+    /// Only these faces; also the face of an image sequence
     #[arg(long, value_name = "FACE", value_delimiter = ',', value_parser = options::parse_face)]
     pub face: Vec<Face>,
     /// Memory.

@@ -1,4 +1,4 @@
-//! The report of `lightfold diff` for people: one row for each kind, the worst places, what is missing, the verdict.
+//! The text report of `diff`: a row for each kind, the worst pixels, missing streams, exceeded bounds.
 
 use comfy_table::{Table, presets};
 
@@ -12,17 +12,17 @@ use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
 use crate::streams::ColorFormat;
 
-/// Rows of streams are printed unasked up to this many.
+/// Up to this many streams have rows by default.
 const FEW: usize = 12;
-/// At most so many lines about what is missing.
+/// Most lines about missing streams.
 const MISSING_LINES: usize = 8;
 
-/// Which streams have a row of their own.
+/// Which streams have rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rows {
     /// All.
     All,
-    /// All, where they are few.
+    /// All, if there are few.
     Few,
 }
 
@@ -87,7 +87,7 @@ fn ssim(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), |value| format!("{value:.5}"))
 }
 
-/// The largest error of a stream in the unit that its metric has.
+/// Largest error of a stream, in the unit of its metric.
 fn largest(stream: &StreamReport) -> String {
     match (&stream.measured, stream.domain.coding) {
         (Measured::Depth(errors), _) => counted(errors.max_error_codes.into(), "code"),
@@ -225,7 +225,7 @@ fn worst_table(comparison: &Comparison) -> String {
     if table.row_count() == 0 { String::new() } else { finish(&table) }
 }
 
-/// One line for each kind: whose codes, and which.
+/// One line for each kind: range or encoding, and its origin.
 fn domain_lines(comparison: &Comparison) -> Vec<String> {
     let mut lines = Vec::new();
     for (kind, name) in
@@ -255,7 +255,7 @@ fn domain_text(domain: &Domain) -> String {
     };
     match domain.coding {
         Coding::Depth(range) => {
-            let found = if domain.origin == Origin::Default { ", as far as both sides reach" } else { "" };
+            let found = if domain.origin == Origin::Default { ", the range of both sides" } else { "" };
             format!("16-bit log codes{of}, {} m to {} m{found}", range.near_m(), range.far_m())
         }
         Coding::Color(ColorFormat::EightBit(tone), cell) => {
@@ -287,7 +287,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
     if let Some(total) = comparison.color() {
         if total.clipped_pixels > 0 {
             notes.push(format!(
-                "did not fit 8 bits and clipped before comparing: {}",
+                "clipped to 8 bits before comparison: {}",
                 counted(total.clipped_pixels, "colour pixel")
             ));
         }
@@ -299,7 +299,7 @@ fn notes(comparison: &Comparison) -> Vec<String> {
         notes.push(format!("only in {}: {} frames {}", side_name(missing.only_in), missing.id, range(missing.frames)));
     }
     if comparison.missing.len() > MISSING_LINES {
-        notes.push(format!("and {} more that one side alone has", comparison.missing.len() - MISSING_LINES));
+        notes.push(format!("and {} more on one side only", comparison.missing.len() - MISSING_LINES));
     }
     if !notes.is_empty() {
         notes.insert(0, String::new());

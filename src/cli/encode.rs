@@ -24,8 +24,8 @@ use crate::files::{IntactBytes, OutputFile};
     lightfold encode scene -o small.lfold --color-block bc7 --psnr-final 38 --material-block bc1\n  \
     lightfold encode scene -o - --stream depth | ssh studio 'cat > depth.lfold'\n  \
     lightfold encode scene -o scene.lfold --resume\n\n\
-    An encode that is stopped, by a signal, a full disk or a broken frame, keeps its complete chunks beside the output: \
-    the same command with --resume goes on behind them and ends in the same bytes.")]
+    An encode that stops early, by a signal, a full disk or an invalid frame, keeps its complete chunks beside the output. \
+    The same command with --resume continues after them and writes the same bytes.")]
 pub struct Args {
     /// The dataset: a lightfield.json, or the folder that holds it
     #[arg(value_name = "MANIFEST")]
@@ -39,13 +39,13 @@ pub struct Args {
     /// Only streams of these kinds: color, depth, material
     #[arg(long, value_name = "KIND", value_delimiter = ',', value_parser = options::parse_kind)]
     pub stream: Vec<StreamKind>,
-    /// Size of the cube faces that an equirectangular image becomes [default: a quarter of its width]
+    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Channel or layer that holds depth, where its name is none of the usual ones
+    /// Name of the depth channel or layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub depth_channel: Option<String>,
-    /// Layer that holds colour, where it is none of the usual ones
+    /// Name of the colour layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub color_channel: Option<String>,
     /// Frames.
@@ -66,7 +66,7 @@ pub struct Args {
 }
 
 impl Args {
-    /// What the options come to.
+    /// Settings of the source and of the encoder.
     pub fn settings(&self) -> Result<(SourceOptions, EncodeSettings)> {
         let (mut options, mut settings) = (SourceOptions::default(), EncodeSettings::default());
         self.depth.apply(&mut options, &mut settings)?;
@@ -98,14 +98,14 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.output.path.exists()
         && manifest::manifest_path(&args.input).canonicalize().ok() == args.output.path.canonicalize().ok()
     {
-        return Err(Error::Usage(format!("{}: the manifest, which would be overwritten", args.output.path.display())));
+        return Err(Error::Usage(format!("{}: the input manifest would be overwritten", args.output.path.display())));
     }
     let source = Source::open(&args.input, &options)?;
     let (asked, there) = (args.frames.frames, source.manifest().map(|manifest| manifest.frame_range()));
     if let (Some(asked), Some(there)) = (asked, there)
         && (asked.first < there.first || asked.last > there.last)
     {
-        return Err(Error::Usage(format!("--frames {asked}: the dataset has the frames {there}")));
+        return Err(Error::Usage(format!("--frames {asked}: the frames of the dataset are {there}")));
     }
     encode_to(&source, &settings, &args.output.target(args.resume), global)
 }
@@ -122,9 +122,7 @@ pub fn encode_to(
         return Err(options::both_to_stdout());
     }
     if target.unfinished == Unfinished::Resume && is_stdout {
-        return Err(Error::Usage(
-            "--resume and -o -: what went into a pipe cannot be gone on with; name a file".into(),
-        ));
+        return Err(Error::Usage("--resume needs a file: an encode to standard output cannot be resumed".into()));
     }
     let done = encode_file(source, settings, target, global)?;
     if target.json {
@@ -144,9 +142,9 @@ pub fn encode_file(
 ) -> Result<EncodeReport> {
     let Target { path, unfinished, .. } = *target;
     if is_input(source, settings, path) {
-        return Err(Error::Usage(format!("{}: one of the input files, which would be overwritten", path.display())));
+        return Err(Error::Usage(format!("{}: an input file would be overwritten", path.display())));
     }
-    // Before an earlier encode is touched.
+    // Checked before an earlier encode is replaced.
     encode::check(source, settings)?;
     let start = Instant::now();
     let images = encode::selected_groups(source, settings).iter().map(encode::GroupRef::images).sum();
@@ -159,7 +157,12 @@ pub fn encode_file(
             if file.is_resumable() {
                 work.encode_resumable(file, unfinished, global)?
             } else {
-                say(global, path, "no plain file, so nothing can be resumed there", unfinished == Unfinished::Resume);
+                say(
+                    global,
+                    path,
+                    "not a regular file, so there is nothing to resume",
+                    unfinished == Unfinished::Resume,
+                );
                 work.encode(file)?
             }
         }
@@ -173,7 +176,7 @@ fn say(global: &GlobalArgs, path: &Path, words: &str, when: bool) {
     }
 }
 
-/// What is to be encoded, and where to.
+/// An encode.
 struct Work<'a> {
     source: &'a Source,
     settings: &'a EncodeSettings,
@@ -182,22 +185,21 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// All or nothing.
+    /// Encodes, and leaves nothing on failure.
     fn encode(&self, file: OutputFile) -> Result<EncodeSummary> {
         let done = encode::encode(self.source, self.settings, file, self.progress);
         let (mut file, summary) = done.map_err(|error| output::name_output(error, self.path))?;
         file.commit().map(|()| summary)
     }
 
-    /// Goes on with what there is, where that is wanted, and leaves what is done where it cannot be finished.
+    /// Resumes if asked, and keeps complete chunks on failure.
     fn encode_resumable(
         &self,
         mut file: OutputFile,
         unfinished: Unfinished,
         global: &GlobalArgs,
     ) -> Result<EncodeSummary> {
-        let lone =
-            "the file system has no locks, so two encoders of this file would not see each other: start no second one";
+        let lone = "the file system has no locks: do not encode to this file twice at the same time";
         say(global, self.path, lone, !file.is_locked());
         let begun = file
             .recover(|records, bytes| journal::recover_watched(records, bytes, self.progress))
@@ -207,18 +209,18 @@ impl Work<'_> {
                 encode::check_recovered(self.source, self.settings, &begun)
                     .map_err(|error| error.context(self.path.display()))?;
                 let words = encode::describe_recovered(self.source, self.settings, &begun).unwrap_or_default();
-                say(global, self.path, &format!("going on behind {words}"), true);
+                say(global, self.path, &format!("resuming after {words}"), true);
                 Some(begun)
             }
             (begun, Unfinished::Resume) => {
-                let words = "there is nothing to resume, so the encode begins at the start";
+                let words = "nothing to resume; starting anew";
                 say(global, self.path, words, true);
                 // What a scan found may still serve.
                 begun.filter(|begun| encode::check_recovered(self.source, self.settings, begun).is_ok())
             }
             (begun, _) => {
                 let chunks = begun.map_or(0, |begun| begun.chunks().len());
-                let words = format!("an unfinished encode of {chunks} chunks is replaced; --resume goes on with one");
+                let words = format!("replacing an unfinished encode of {chunks} chunks; --resume would continue it");
                 say(global, self.path, &words, chunks > 0);
                 None
             }
@@ -258,23 +260,22 @@ impl Work<'_> {
     }
 }
 
-/// An error after which all that an earlier encode left is still there.
+/// An error that leaves an earlier unfinished encode as it was.
 fn stays(error: Error, file: &OutputFile) -> Error {
-    let safe =
-        format!("what an unfinished encode left stays in {}; remove it to start anew", file.work_path().display());
+    let safe = format!("the unfinished encode stays in {}; remove it to start anew", file.work_path().display());
     Error::Unfinished { cause: Box::new(error), safe }
 }
 
-/// What of an unfinished encode is kept, and how well.
+/// Which chunks of an unfinished encode are kept.
 fn kept(partial: &Path, chunks: &str, on_disk: &std::io::Result<()>) -> String {
     let how = match on_disk {
         Ok(()) => "safe".to_owned(),
-        Err(error) => format!("kept, though it may not have reached the disk ({error}),"),
+        Err(error) => format!("kept, possibly not on disk ({error}),"),
     };
-    format!("{how} in {}: {chunks}; the same command with --resume goes on from there", partial.display())
+    format!("{how} in {}: {chunks}; the same command with --resume continues", partial.display())
 }
 
-/// Whether the output would replace a file that is about to be read.
+/// Whether the output is an input file.
 fn is_input(source: &Source, settings: &EncodeSettings, path: &Path) -> bool {
     let Ok(output) = path.canonicalize() else { return false };
     let same = |file: &Path| file.canonicalize().is_ok_and(|file| file == output);
@@ -289,14 +290,14 @@ pub fn text(path: &Path, report: &EncodeReport) -> String {
     let clipped = match summary.clipped_pixels {
         0 => String::new(),
         count => format!(
-            "\n{count} of {} colour pixels ({:.2}%) did not fit 8 bits and were clipped: see --exposure and --hdr",
+            "\n{count} of {} colour pixels ({:.2}%) were clipped to 8 bits: see --exposure and --hdr",
             summary.color_pixels,
             100.0 * count as f64 / summary.color_pixels as f64
         ),
     };
     let resumed = match summary.resumed_chunks {
         0 => String::new(),
-        count => format!(", {count} chunks from before"),
+        count => format!(", {count} resumed chunks"),
     };
     format!(
         "{}: {} streams, {} images, {} of {} raw ({:.2}%), {seconds:.2} s{resumed}{clipped}",
@@ -314,11 +315,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_has_reached_the_disk_is_called_safe() {
+    fn chunks_are_safe_once_on_disk() {
         let words = |on_disk| kept(Path::new(".a.partial"), "2 chunks", &on_disk);
-        let end = "in .a.partial: 2 chunks; the same command with --resume goes on from there";
+        let end = "in .a.partial: 2 chunks; the same command with --resume continues";
         assert_eq!(words(Ok(())), format!("safe {end}"));
         let lost = words(Err(std::io::Error::other("broken")));
-        assert_eq!(lost, format!("kept, though it may not have reached the disk (broken), {end}"));
+        assert_eq!(lost, format!("kept, possibly not on disk (broken), {end}"));
     }
 }

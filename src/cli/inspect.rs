@@ -1,5 +1,4 @@
-//! `lightfold inspect IN`: what a container holds, what it costs, and whether it is sound; whether a dataset is what its
-//! manifest says; what a scene is made of.
+//! `lightfold inspect IN`: sizes and contents of a container or a scene; checks of containers and manifests.
 
 mod args;
 mod check;
@@ -46,7 +45,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     if manifest::is_dataset(&args.input) {
         return Err(Error::Usage(format!(
-            "{}: a dataset, and no container yet; --check looks whether its files are what its manifest says",
+            "{}: a dataset, not a container; --check compares its files with its manifest",
             args.input.display()
         )));
     }
@@ -70,7 +69,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let inspection = inspect::inspect(&decoder, &streams, settings, &progress)?;
     drop(progress);
     let report = Report { args, decoder: &decoder, inspection: &inspection };
-    // Of a damaged container there is no picture: the verdict is what counts.
+    // Damaged containers are not drawn.
     let plots = match &args.plot {
         Some(folder) if inspection.damaged.is_empty() => Some(plot::write(folder, &report, global)?),
         _ => None,
@@ -99,11 +98,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
             (false, false) => output::print_text(&format!("\n{written}"))?,
         }
     }
-    if args.verify { tell_verdict(&report) } else { Ok(ExitStatus::Passed) }
+    if args.verify { verdict(&report) } else { Ok(ExitStatus::Passed) }
 }
 
-/// Lists what is damaged, where JSON has not done so, and makes it an error.
-fn tell_verdict(report: &Report<'_>) -> Result<ExitStatus> {
+/// Lists damaged chunks, unless JSON did, and returns them as an error.
+fn verdict(report: &Report<'_>) -> Result<ExitStatus> {
     let damaged = report.inspection.damaged.len();
     if report.args.csv {
         output::note(text::verdict(report).trim_end());

@@ -1,4 +1,4 @@
-//! `lightfold man DIR`: writes the man pages that are kept under `man/`.
+//! `lightfold man DIR`: writes the man pages of `man/`.
 
 use std::path::PathBuf;
 

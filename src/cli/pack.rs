@@ -1,4 +1,4 @@
-//! `lightfold pack IN… -o OUT`: several containers into one, recompressed where asked, quadtrees packed at a bound.
+//! `lightfold pack IN… -o OUT`: joins containers, recompresses them, packs quadtrees at an error bound.
 
 use std::path::PathBuf;
 
@@ -17,8 +17,8 @@ use crate::pack::{self, FlattenSettings, PackReport, PackSettings, Repack};
     after_help = "Examples:\n  lightfold pack px.lfold nx.lfold py.lfold ny.lfold pz.lfold nz.lfold -o probe.lfold\n  \
     lightfold pack film.lfold --lzma2=9 -o film-small.lfold\n  \
     lightfold pack px.tree.lfold --max-error 30 -o px.lfold\n\n\
-    With --max-error or --max-error-relative, depth in the intermediate form of lightfold quadtree becomes packed nodes; all \
-    other streams are copied. Without them all streams are.",
+    With --max-error or --max-error-relative, quadtrees in the intermediate form become packed nodes. All other streams are \
+    copied.",
     mut_arg("optimize", |arg| arg.requires("bound")),
     mut_arg("min_children", |arg| arg.requires("bound")),
     mut_arg("depth_window", |arg| arg.requires("bound")),
@@ -32,7 +32,7 @@ pub struct Args {
     /// Output.
     #[command(flatten)]
     pub output: OutputArgs,
-    /// Undo LZMA2 instead
+    /// Decompress LZMA2 chunks
     #[arg(long, conflicts_with = "lzma2")]
     pub no_lzma2: bool,
     /// Bound.

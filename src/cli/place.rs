@@ -1,4 +1,4 @@
-//! `lightfold place SCENE --region BOX -o cameras.json`: where cameras are to stand.
+//! `lightfold place SCENE --region BOX -o cameras.json`: places cameras for coverage.
 
 mod args;
 mod report;
@@ -37,7 +37,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     }
     let settings = args.settings();
     let range = args.frames(&scene)?;
-    // What stands still is looked at once.
+    // Static scenes are sampled once.
     let most = if scene.duration_s() > 0.0 { Extent::of(settings.effort).time_samples } else { 1 };
     let frames = search::sample_frames(range, most);
     let times = search::time_samples(&scene, &frames, args.fps());
@@ -50,7 +50,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
         if !global.quiet {
             let names = (0..positions.len()).filter(|&at| !search.admits(positions[at])).map(|at| set.name_of(at));
             for name in names {
-                output::note(format_args!("camera {name} is not in the open part of the region; it counts as it is"));
+                output::note(format_args!("camera {name} is outside of the open part of the region; it is kept"));
             }
         }
     }
@@ -65,7 +65,7 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let placement = place(&search, args.lighting())?;
     if placement.cameras.is_empty() {
         return Err(Error::Usage(
-            "no camera in the region adds anything: nothing can be seen from there, or --until is too large".into(),
+            "no camera adds coverage: nothing is visible from the region, or --until is too large".into(),
         ));
     }
     let comparison = match args.plot.is_some() || args.csv.is_some() {
@@ -97,12 +97,12 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     Ok(ExitStatus::Passed)
 }
 
-/// The file of cameras: those of `--start` as they are, the new ones behind them.
+/// Cameras of `--start`, followed by the new ones.
 fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, search: &Search<'_>) -> Result<CameraSet> {
     let mut cameras: Vec<PlacedCamera> = start.as_ref().map_or(Vec::new(), |set| set.cameras.clone());
     let mut taken: Vec<String> =
         start.iter().flat_map(|set| (0..set.cameras.len()).map(|at| set.name_of(at))).collect();
-    // Numbers get more digits where there are many, and names that were given stay.
+    // Default names depend on the number of cameras; given names stay.
     let grown = CameraSet::new(vec![PlacedCamera::at([0.0; 3]); placement.cameras.len()]);
     let has_names = (0..taken.len()).any(|at| taken[at] != grown.name_of(at));
     if has_names {
@@ -113,7 +113,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
         camera.gain = Some(placed.gain);
         camera.coverage = Some(placed.figures.coverage);
         if has_names {
-            // Numbers that no camera has as its name.
+            // The next unused number.
             let free = (at..).map(|number| format!("{number:02}")).find(|name| !taken.contains(name));
             taken.extend(free.clone());
             camera.name = free;
@@ -137,7 +137,7 @@ fn camera_set(args: &Args, start: Option<CameraSet>, placement: &Placement, sear
     Ok(set)
 }
 
-/// Writes the cameras last, when all else is written; answers the names of all files.
+/// Writes all files, the cameras last, and returns their paths.
 fn write(report: &Report<'_>) -> Result<Vec<PathBuf>> {
     let args = report.args;
     let mut files = Vec::new();

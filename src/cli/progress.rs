@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// A bar on standard error, drawn only on a terminal, that stops work on SIGINT and SIGTERM.
+/// A progress bar, on terminals only, that reports SIGINT and SIGTERM.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
@@ -20,7 +20,7 @@ pub struct Progress {
 impl Progress {
     /// Starts a bar of `steps` steps of `what`.
     pub fn start(global: &GlobalArgs, what: &'static str, steps: u64) -> Result<Progress> {
-        // A second command in one process (as in tests) keeps the first handler.
+        // Set once per process.
         match ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed)) {
             Ok(()) | Err(ctrlc::Error::MultipleHandlers) => {}
             Err(error) => return Err(Error::Usage(format!("no handler for Ctrl-C could be set: {error}"))),
@@ -30,7 +30,7 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len} {rate} eta {eta}")
             .unwrap_or_else(|_| ProgressStyle::default_bar())
             .with_key("rate", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-                // What cannot be written is not shown.
+                // Errors are not shown.
                 let _ = text.write_str(&rate(state.per_sec()));
             });
         let bar = ProgressBar::with_draw_target(Some(steps), target).with_style(style).with_message(what);
@@ -54,7 +54,7 @@ impl Monitor for Progress {
     }
 }
 
-/// Steps a second, with one decimal where there are few: `0.4/s`, `35/s`.
+/// Steps per second, with one decimal if few: `0.4/s`, `35/s`.
 fn rate(per_second: f64) -> String {
     if per_second < 9.95 { format!("{per_second:.1}/s") } else { format!("{per_second:.0}/s") }
 }

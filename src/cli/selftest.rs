@@ -1,5 +1,4 @@
-//! `lightfold selftest`: whether this machine's graphics devices decode what its CPU decodes, and whether hard cases keep
-//! their bounds on both.
+//! `lightfold selftest`: compares graphics devices with the CPU, and hard cases with their error bounds.
 
 use serde::Serialize;
 
@@ -16,31 +15,31 @@ use crate::hard_cases::{self, CaseReport, CaseRow, Family, FamilyReport, FamilyR
 use crate::monitor::Monitor;
 use crate::report::table::{Column, Table};
 
-/// Words for families of hard cases.
+/// Names of families of hard cases.
 const FAMILIES: [&str; 8] = Family::NAMES;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Exit code 1 where a word differs or a hard case breaks its bound, 2 where there is no graphics device;\n\
-    --hard-cases does without one, and says so.\n\nExamples:\n  \
+    after_help = "Exit code 1: a word differs or a hard case exceeds its bound; 2: no graphics device, unless --hard-cases.\n\n\
+    Examples:\n  \
     lightfold selftest\n  lightfold selftest --hard-cases --json\n  lightfold selftest --list-devices\n  \
     lightfold selftest --streams 10000 --seed 7 --json"
 )]
 pub struct Args {
-    /// Hard cases alone: on the CPU, and on graphics devices where there are any
+    /// Test hard cases only, on the CPU and on graphics devices if any
     #[arg(long)]
     pub hard_cases: bool,
-    /// Of the hard cases only this family; may be given several times
+    /// Only this family of hard cases; repeatable
     #[arg(long, value_name = "NAME", requires = "hard_cases", value_parser = FAMILIES)]
     pub family: Vec<String>,
-    /// Random streams of all codecs that both decoders show, in any order of frames
+    /// Number of random streams to decode on both, in random order of frames
     #[arg(long, value_name = "N", default_value_t = 500, conflicts_with = "hard_cases")]
     pub streams: u64,
-    /// Other random inputs
+    /// Seed of the random inputs
     #[arg(long, value_name = "N", default_value_t = SEED, conflicts_with = "hard_cases")]
     pub seed: u64,
-    /// Device; without an option, all of them are tested.
+    /// Device [default: all].
     #[command(flatten)]
     pub gpu: GpuArgs,
     /// Report as JSON
@@ -48,7 +47,7 @@ pub struct Args {
     pub json: bool,
 }
 
-/// What came of a device.
+/// Results of a device.
 struct Tested {
     info: DeviceInfo,
     kernels: Vec<KernelReport>,
@@ -189,7 +188,7 @@ fn text(all: &[Tested], cases: &[CaseReport]) -> String {
     let mut out = format!("{table}\n{notes}\n{} hard cases, {} failed\n", cases.len(), failed.clone().count());
     failed.for_each(|case| out += &format!("{}\n", case.sentence()));
     if all.is_empty() {
-        out += "no graphics device was found: all of this is the CPU's\n";
+        out += "no graphics device was found: CPU results only\n";
     }
     all.iter().for_each(|tested| out += &device_text(tested, cases));
     out

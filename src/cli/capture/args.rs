@@ -21,69 +21,68 @@ use crate::cli::options::{self, FrameArgs, parse_point};
     SCENE is a file (glTF, GLB, OBJ) or built in: courtyard, interior, object, mirrors, cornell.\n\n\
     --cameras takes what `place` writes: {\"lightfold_cameras\": 1, \"cameras\": [{\"position\": [0, 1.5, 0]}]}, where a \
     camera may have a \"name\", an \"orientation\" (a quaternion x, y, z, w), \"fov_y_deg\" and \"frames\" ([first, last]); \
-    the probes of a lightfield.json; or viewers as of `decode --camera`, from which perspective images are captured: the \
-    truth to compare with what is made of a light field.\n\n\
-    A scene that brings no light is lit by a sun, 51 degrees high towards (0.5, 0.78, 0.38), of radiance 1.75, 1.6, 1.35 (of a \
-    white surface that faces it), and by light from everywhere, 0.3, 0.36, 0.46. Behind all scenes from files is a sky of \
-    0.5, 0.66, 0.86 at the horizon and 0.16, 0.32, 0.68 straight up.\n\n\
-    Colour is the mean of a pixel's samples; all else is what one ray through its centre meets, and is never filtered. \
-    The same scene and options write the same bytes on any number of threads.\n\n\
-    A capture that is stopped keeps its images beside DIR: the same command with --resume goes on with them and ends in \
-    the same bytes. A dataset in DIR is replaced only by one that has all of its images."
+    the probes of a lightfield.json; or cameras as for `decode --camera`, which capture perspective images: the \
+    ground truth for renderings of a light field.\n\n\
+    A scene without lights gets a sun at an elevation of 51 degrees towards (0.5, 0.78, 0.38), radiance 1.75, 1.6, 1.35 (of a \
+    white surface facing it), and ambient light of 0.3, 0.36, 0.46. Scenes from files have a sky of 0.5, 0.66, 0.86 at the \
+    horizon and 0.16, 0.32, 0.68 at the zenith.\n\n\
+    Colour is the mean of a pixel's samples. All else is sampled by one ray through the pixel centre, unfiltered. The \
+    result does not depend on the number of threads.\n\n\
+    A capture that stops early keeps its images beside DIR. The same command with --resume continues and writes the same \
+    bytes. A dataset in DIR is replaced only by one that has all of its images."
 )]
 pub struct Args {
-    /// A file (glTF, GLB, OBJ), or the name of a scene that is built in
+    /// A file (glTF, GLB, OBJ) or a built-in scene
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Folder to write the dataset into
     #[arg(long, short, value_name = "DIR")]
     pub output: PathBuf,
-    /// Where to capture from: a file of cameras, a lightfield.json, or - for standard input
+    /// Cameras: a file, a lightfield.json, or - for standard input
     #[arg(long, value_name = "FILE")]
     pub cameras: Option<PathBuf>,
-    /// Capture from here, in metres; may be given more than once
+    /// Position of a camera in metres; repeatable
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub position: Vec<DVec3>,
-    /// Take perspective pictures from each --position towards this point in metres, with +Y up; --fov says how wide
+    /// Capture perspective images from each --position towards this point in metres, with +Y up; see --fov
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "position")]
     pub look_at: Option<DVec3>,
-    /// Which animation of the file is shown, by its name [default: the first]
+    /// Name of the animation to play [default: the first]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
     /// Frames; without them, all of the animation, or frame 0 where nothing moves.
     #[command(flatten)]
     pub frames: FrameArgs,
-    /// Frames per second of the scene's time
+    /// Frames per second
     #[arg(long, value_name = "FPS", default_value = "24", value_parser = parse_fps)]
     pub fps: f64,
     /// Pixels: the side of a cube face, the width of a panorama, the height of a perspective image; or both sides
     /// [default: 512, for panoramas 2048]
     #[arg(long, value_name = "N|WxH", value_parser = parse_size)]
     pub size: Option<(u32, Option<u32>)>,
-    /// What an image shows [default: cube; perspective where the cameras are viewers, and with --look-at]
+    /// Projection [default: cube; perspective for viewers and with --look-at]
     #[arg(long, value_enum)]
     pub projection: Option<ProjectionArg>,
-    /// Vertical field of view in degrees, for cameras of perspective captures that have none of their own
+    /// Vertical field of view in degrees, for perspective cameras without one
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f64>,
-    /// Samples of colour in each pixel: squares lie on a grid, other numbers on Hammersley's points
+    /// Colour samples per pixel: on a grid if a square number, else Hammersley points
     #[arg(long, value_name = "N", default_value_t = 16,
         value_parser = clap::value_parser!(u32).range(1..=i64::from(crate::scene::capture::MAX_SAMPLES)))]
     pub samples: u32,
-    /// What to capture besides colour: depth, normal, material, or none
+    /// Outputs besides colour: depth, normal, material, or none
     #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', default_value = "depth")]
     pub aov: Vec<AovArg>,
     /// Leave colour out
     #[arg(long)]
     pub no_color: bool,
-    /// What depth measures
+    /// Kind of depth
     #[arg(long, value_enum, default_value_t = DepthArg::Distance)]
     pub depth: DepthArg,
-    /// Metres: surfaces farther away are background, but for their colour [default: none is too far]
+    /// Distance in metres beyond which surfaces are background, except in colour [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// Go on with a capture into this folder that was stopped; the options must be the same. Where there is none, begin at
-    /// the start
+    /// Resume a stopped capture into this folder, with the same options; start anew if there is none
     #[arg(long)]
     pub resume: bool,
     /// Report as JSON
@@ -96,9 +95,9 @@ pub struct Args {
 pub enum ProjectionArg {
     /// Six faces of an OpenGL cube map
     Cube,
-    /// All directions in one image: longitude across, latitude down
+    /// Longitude across, latitude down
     Equirect,
-    /// A pinhole camera that looks along -Z with +Y up, before its orientation
+    /// A pinhole camera along -Z with +Y up, rotated by its orientation
     Perspective,
 }
 
@@ -163,7 +162,7 @@ mod tests {
 
     /// The help has the figures of the light that scenes without any get.
     #[test]
-    fn the_light_of_scenes_without_any_is_told() {
+    fn the_help_has_the_default_light() {
         use clap::Args as _;
         let help = Args::augment_args(clap::Command::new("capture")).get_after_help().unwrap().to_string();
         let light = crate::scene::Light::default();

@@ -1,4 +1,4 @@
-//! What the options of `capture` come to.
+//! Cameras and plan of `capture`.
 
 use std::path::Path;
 
@@ -17,12 +17,12 @@ use crate::scene::{CapturePlan, Pass, Scene};
 /// Side of a cube face where none is given; panoramas that become such faces are four times as wide.
 const DEFAULT_SIDE: u32 = 512;
 
-/// What a file of cameras has to say besides where they are.
+/// Kind of the cameras of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Viewers {
-    /// They are probes.
+    /// Probes.
     No,
-    /// They are viewers, whose pictures have this aspect if they state one.
+    /// Viewers, with the aspect of their images if stated.
     Yes(Option<f64>),
 }
 
@@ -52,38 +52,38 @@ impl Args {
         Ok(PlacedCamera { orientation: camera.orientation(), ..at })
     }
 
-    /// Sentences about what is surprising in what will be captured.
+    /// Notes about the capture.
     pub(super) fn notes(&self, scene: &Scene, plan: &CapturePlan) -> Vec<String> {
         let mut notes = Vec::new();
         if let Scene::Model(model) = scene
             && model.is_lit_by_default()
         {
-            notes.push("the scene brings no light: it is lit by a sun and a sky, whose figures --help has".to_owned());
+            notes.push("the scene has no lights: a sun and a sky are added, see --help".to_owned());
         }
         let (last, length_s) = (plan.frames.last, scene.duration_s());
         if length_s <= 0.0 {
             if plan.frames.count() > 1 {
-                notes.push("nothing moves in the scene: all frames are alike".to_owned());
+                notes.push("nothing moves in the scene: all frames are equal".to_owned());
             }
         } else if let Ok(all) = frames_of_animation(length_s, plan.fps)
             && last > all.last
         {
             let then = match scene {
-                Scene::Procedural(_) => "it begins anew",
-                Scene::Model(_) => "everything stays where it was at its end",
+                Scene::Procedural(_) => "it repeats",
+                Scene::Model(_) => "its last pose stays",
             };
-            notes.push(format!("the animation has the frames {}-{}; behind them, {then}", all.first, all.last));
+            notes.push(format!("the animation has frames {}-{}; after them {then}", all.first, all.last));
         }
         if plan.passes.contains(&Pass::Normal) {
-            notes.push("normals are for other programs: encode has no stream for them, and leaves them out".to_owned());
+            notes.push("encode ignores normals: containers have no stream for them".to_owned());
         }
         notes
     }
 
-    /// What is to be captured.
+    /// The capture plan.
     ///
     /// # Errors
-    /// When sizes contradict each other. What else is wrong, [`CapturePlan::manifest`] tells.
+    /// Contradicting sizes. [`CapturePlan::manifest`] checks the rest.
     pub(super) fn plan(&self, scene: &Scene, cameras: CameraSet, viewers: Viewers) -> Result<CapturePlan> {
         let projection = match (self.projection, viewers) {
             (None, _) if self.look_at.is_some() => Projection::Perspective,
@@ -121,7 +121,7 @@ impl Args {
 
     fn passes(&self) -> Result<Vec<Pass>> {
         if self.aov.contains(&AovArg::None) && self.aov.len() > 1 {
-            return Err(Error::Usage("--aov none goes with nothing else".into()));
+            return Err(Error::Usage("--aov none excludes other outputs".into()));
         }
         let wants = |pass: &Pass| match pass {
             Pass::Color => !self.no_color,
@@ -140,7 +140,7 @@ impl Args {
         let size = match (self.size, projection) {
             (Some((width, Some(height))), _) => [width, height],
             (Some((width, None)), Projection::Equirect) if width % 2 == 1 => {
-                return Err(Error::Usage(format!("--size {width}: the width of a panorama is even")));
+                return Err(Error::Usage(format!("--size {width}: the width of a panorama must be even")));
             }
             (Some((width, None)), Projection::Equirect) => [width, width / 2],
             (None, Projection::Equirect) => [4 * DEFAULT_SIDE, 2 * DEFAULT_SIDE],
@@ -151,7 +151,7 @@ impl Args {
         };
         let [width, height] = size.map(f64::from);
         match aspect {
-            // A pixel is what rounding comes to.
+            // Rounding may cost a pixel.
             Some(aspect) if (width - height * aspect).abs() > 1.0 => Err(Error::Usage(format!(
                 "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone takes it from them"
             ))),
@@ -160,7 +160,7 @@ impl Args {
     }
 }
 
-/// From the first to the last frame in which a camera looks: all of the animation where it does not say.
+/// From the first to the last frame of any camera; cameras without frames have the whole animation.
 fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> Result<FrameRange> {
     let mut hull: Option<FrameRange> = None;
     for camera in &cameras.cameras {
@@ -172,7 +172,7 @@ fn wanted_frames(cameras: &CameraSet, all: impl Fn() -> Result<FrameRange>) -> R
     hull.map_or_else(all, Ok)
 }
 
-/// Whether a file's cameras have eyes. What is no JSON is said later.
+/// Whether a file's cameras have eyes. Invalid JSON is reported later.
 fn are_viewers(text: &[u8]) -> bool {
     let value: serde_json::Value = serde_json::from_slice(text).unwrap_or_default();
     let cameras = value.get("cameras").and_then(|cameras| cameras.as_array());

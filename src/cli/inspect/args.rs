@@ -11,14 +11,13 @@ use crate::inspect::Inspection;
 #[derive(Debug, clap::Args)]
 #[command(
     group = clap::ArgGroup::new("looks").args(["plot", "check"]),
-    after_help = "Sizes are compared with raw footage of 32-bit depth and 24-bit colour. Temporal: after the coding in time, \
-    before LZMA2.\nKeys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all \
-    frames are shown in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
-    Of a scene (glTF, GLB, OBJ, or built in) it tells bounds in metres, triangles, materials and lights at the beginning, and \
-    animations.\n\n\
-    --check reads one frame of up to 16 probes. It answers fine, SUSPECT or cannot tell for the order and orientation of \
-    cube faces, planar depth or distance, scale, positions, orientations, near, far, background, and colour. \
-    With --check the exit code is 1 where something is suspected.\n\n\
+    after_help = "Raw sizes count 32-bit depth and 24-bit colour. Temporal: after temporal coding, before LZMA2.\n\
+    Keys: keyframes of all cells or tiles. AABBs: boxes of all frames. Upd. %: pixels written when all frames are decoded \
+    in order.\nStatic: cells or tiles that never change. Empty: tiles of one value in every frame.\n\n\
+    For a scene (glTF, GLB, OBJ, or built in): bounds in metres, triangles, materials and lights at time 0, and animations.\n\n\
+    --check reads one frame of up to 16 probes. For face order and orientation, planar depth or distance, scale, positions, \
+    orientations, near, far, background and colour it reports fine, SUSPECT or cannot tell. The exit code is 1 if a check \
+    is suspect.\n\n\
     Examples:\n  lightfold inspect film.lfold\n  lightfold inspect film.lfold --stream depth --streams\n  \
     lightfold inspect film.lfold --per-frame --frames 10-19 --csv > frames.csv\n  \
     lightfold inspect film.lfold --verify --json\n  \
@@ -26,13 +25,13 @@ use crate::inspect::Inspection;
     lightfold inspect scene.glb\n  lightfold inspect lightfield.json --check\n  lightfold inspect lightfield.json --check --depth-kind planar --json"
 )]
 pub struct Args {
-    /// The container, - for standard input; a scene, as `capture` takes it; with --check a lightfield.json or its folder
+    /// A container, - for standard input; a scene as for capture; with --check a lightfield.json or its folder
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// Streams.
     #[command(flatten)]
     pub selection: SelectionArgs,
-    /// One row for every stream, also where there are many; else they are summed up for each probe and kind
+    /// One row for every stream [default: many streams are summed by probe and kind]
     #[arg(long)]
     pub streams: bool,
     /// One row for every frame of every stream
@@ -46,10 +45,10 @@ pub struct Args {
     /// The older form of --frames A-B.
     #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame", value_parser = options::parse_frames)]
     pub range: Option<FrameRange>,
-    /// Check every chunk: CRC-32, decompression by two decoders, structure; list all that are damaged
+    /// Check every chunk: CRC-32, decompression by two decoders, structure; list damaged chunks
     #[arg(long)]
     pub verify: bool,
-    /// Compare what a manifest says with what its files show, and say what is suspected to be wrong
+    /// Compare a manifest with its files, and report suspected errors
     #[arg(long, conflicts_with_all = ["streams", "per_frame", "frames", "verify", "csv", "source"])]
     pub check: bool,
     /// Report as JSON
@@ -58,16 +57,16 @@ pub struct Args {
     /// Report as CSV: a row for each stream, or with --per-frame for each frame
     #[arg(long)]
     pub csv: bool,
-    /// Write pictures of what each stream is made of into this folder, as PNG
+    /// Write coding maps of each stream into this folder, as PNG
     #[arg(long, value_name = "DIR")]
     pub plot: Option<PathBuf>,
     /// Memory.
     #[command(flatten)]
     pub memory: MemoryArgs,
-    /// With --plot, the frame [default: the first one, and the one that changes most]; with --check [default: the first]
+    /// Frame of --plot [default: the first, and the one that changes most] or --check [default: the first]
     #[arg(long, value_name = "N", requires = "looks")]
     pub frame: Option<u32>,
-    /// With --plot, what the container was made of, for pictures of the error: a lightfield.json or its folder, a sequence
+    /// Source of the container, for error maps with --plot: a lightfield.json or its folder, or an image sequence
     #[arg(long, value_name = "SOURCE", requires = "plot")]
     pub source: Option<String>,
     /// How the source is read.

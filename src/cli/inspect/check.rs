@@ -1,4 +1,4 @@
-//! `inspect --check`: whether a dataset is what its manifest says.
+//! `inspect --check`: compares a manifest with its files.
 
 use std::fmt::Write;
 use std::time::Instant;
@@ -26,18 +26,18 @@ struct Document<'a> {
     seconds: f64,
 }
 
-/// Checks, reports, and answers [`ExitStatus::Failed`] where something is suspected.
+/// Checks and reports.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if !manifest::is_dataset(&args.input) {
-        let message = "--check compares a lightfield.json, or the folder that holds one, with its files".to_owned();
+        let message = "--check needs a lightfield.json or its folder".to_owned();
         return Err(Error::Usage(format!("{}: {message}", args.input.display())));
     }
     if !args.selection.face.is_empty() || !args.selection.stream.is_empty() {
-        return Err(Error::Usage("--check looks at all faces and kinds: only --probe and --frame choose".into()));
+        return Err(Error::Usage("--check uses all faces and kinds: only --probe and --frame select".into()));
     }
     if args.memory.memory.is_some() {
-        let message = "--memory does not bound --check, which holds one image for each thread and at most 65,536 samples of \
-                       every face: leave it out, or choose fewer probes with --probe";
+        let message = "--memory does not limit --check, which keeps one image per thread and up to 65,536 samples of each \
+                       face: leave it out, or select fewer probes with --probe";
         return Err(Error::Usage(message.into()));
     }
     let start = Instant::now();

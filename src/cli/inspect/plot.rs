@@ -1,4 +1,4 @@
-//! `inspect --plot`: which pictures, where they go, and what is said of them.
+//! `inspect --plot`: coding maps and error maps of streams.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,10 +15,10 @@ use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
 use crate::report::anatomy::{self, Request, What};
 
-/// More pictures than this are only counted.
+/// More images than this are only counted.
 const MAX_LINES: usize = 24;
 
-/// A picture in JSON.
+/// An image in JSON.
 #[derive(Debug, Serialize)]
 pub struct PlotOut<'a> {
     path: String,
@@ -33,15 +33,15 @@ pub struct PlotOut<'a> {
 /// Refuses what makes no sense together.
 pub fn check(args: &Args) -> Result<()> {
     if args.source.is_none() && !args.reading.is_usual() {
-        return Err(Error::Usage("options of how files are read mean nothing without --source".into()));
+        return Err(Error::Usage("options for reading files need --source".into()));
     }
     if args.source.is_some() && args.input == Path::new("-") {
-        return Err(Error::Usage("--source reads the container a second time: name a file instead of -".into()));
+        return Err(Error::Usage("--source reads the container twice: name a file instead of -".into()));
     }
     Ok(())
 }
 
-/// Draws and writes all pictures of the streams of a report.
+/// Draws and writes the images of all streams.
 pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Result<Vec<PlotOut<'a>>> {
     let (args, decoder) = (report.args, report.decoder);
     let selection = args.selection.with(args.frame.map(|frame| FrameRange { first: frame, last: frame }));
@@ -75,7 +75,7 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     Ok(plots)
 }
 
-/// What was written, for people.
+/// The list of written images.
 pub fn text(args: &Args, folder: &Path, plots: &[PlotOut<'_>]) -> String {
     let mut out = String::new();
     if plots.len() <= MAX_LINES {
@@ -88,13 +88,10 @@ pub fn text(args: &Args, folder: &Path, plots: &[PlotOut<'_>]) -> String {
     }
     let errors = plots.iter().filter(|plot| plot.what == What::Error.name()).count();
     match &args.source {
-        None => out.push_str("Pictures of the error need --source, the footage that was encoded.\n"),
+        None => out.push_str("Error maps need --source, the encoded footage.\n"),
         Some(source) if 2 * errors < plots.len() => {
-            let _ = writeln!(
-                out,
-                "{} have no picture of the error: {source} lacks their stream or frame.",
-                plots.len() - 2 * errors
-            );
+            let _ =
+                writeln!(out, "{} have no error map: {source} lacks their stream or frame.", plots.len() - 2 * errors);
         }
         Some(_) => {}
     }

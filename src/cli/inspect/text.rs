@@ -1,4 +1,4 @@
-//! `inspect` for people.
+//! The text report of `inspect`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -19,7 +19,7 @@ use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHea
 
 /// More streams than this are summed up for each probe and kind, unless `--streams` is given.
 const MAX_STREAM_ROWS: usize = 24;
-/// Different settings of one kind of streams that are told.
+/// Most settings listed for one kind of stream.
 const MAX_SETTINGS: usize = 4;
 
 /// The whole report without `--frames`.
@@ -66,7 +66,7 @@ fn heading(report: &Report<'_>) -> String {
         human_bytes(reader.overhead_bytes()),
     );
     if report.inspection.unreferenced_bytes > 0 {
-        let _ = writeln!(out, "{} belong to no chunk", human_bytes(report.inspection.unreferenced_bytes));
+        let _ = writeln!(out, "{} outside of chunks", human_bytes(report.inspection.unreferenced_bytes));
     }
     if reader.minor_version() > VERSION_MINOR {
         let _ = writeln!(out, "format {VERSION_MAJOR}.{}, later than this program knows", reader.minor_version());
@@ -113,7 +113,7 @@ fn kinds(report: &Report<'_>) -> Table {
     table
 }
 
-/// A row of the table of streams: one stream, or those of one probe and kind.
+/// A row of the stream table: one stream, or those of one probe and kind.
 struct Line {
     probe: usize,
     kind: StreamKind,
@@ -226,7 +226,7 @@ fn streams(report: &Report<'_>) -> Table {
     table
 }
 
-/// What depth is made of: nodes by level and function, and what share of the pixels sent and of the bytes is theirs.
+/// Mode statistics of depth: nodes by level and function, with their part of the updated pixels and of the bytes.
 fn nodes(report: &Report<'_>) -> Option<Table> {
     let mut census = ModeStatistics::default();
     report.inspection.streams.iter().for_each(|stats| census.add(&stats.nodes));
@@ -255,7 +255,7 @@ fn nodes(report: &Report<'_>) -> Option<Table> {
     Some(table)
 }
 
-/// How often blocks were close enough, by codec: keyframes of colour, and pieces of depth and material.
+/// Keyframes of colour and block tiles of depth and material that are stored in blocks, by codec.
 fn blocks(report: &Report<'_>) -> Option<Table> {
     let mut counts: BTreeMap<&str, BlockCount> = BTreeMap::new();
     for stats in report.inspection.streams.iter().filter(|stats| stats.stream.header.in_blocks()) {
@@ -271,7 +271,7 @@ fn blocks(report: &Report<'_>) -> Option<Table> {
     for (codec, count) in &counts {
         let (of, count) = match codec.starts_with("cells") {
             true => ("keyframes", count.keyframes),
-            false => ("pieces of 16x16", count.pieces),
+            false => ("block tiles of 16x16", count.pieces),
         };
         let raw = format!("{:.2}", percent(count.raw, count.blocks + count.raw));
         table.row([(*codec).to_owned(), of.to_owned(), count.blocks.to_string(), count.raw.to_string(), raw]);
@@ -279,7 +279,7 @@ fn blocks(report: &Report<'_>) -> Option<Table> {
     (!counts.is_empty()).then_some(table)
 }
 
-/// How the streams were coded, each different setting once, with the widest range of depths that goes with it.
+/// Distinct settings of the streams, each with its widest depth range.
 fn settings(report: &Report<'_>) -> String {
     let mut out = String::new();
     for kind in StreamKind::ALL {
@@ -401,13 +401,13 @@ pub fn frames(report: &Report<'_>) -> String {
     format!("{}\n{table}", heading(report))
 }
 
-/// What `--verify` found.
+/// Result of `--verify`.
 pub fn verdict(report: &Report<'_>) -> String {
     let inspection = report.inspection;
     let all = inspection.totals(None);
     if inspection.damaged.is_empty() {
         return format!(
-            "\n{} verified ({} of LZMA2), {} belong to no chunk\n",
+            "\n{} verified ({} of LZMA2), {} outside of chunks\n",
             counted(all.chunks, "chunk"),
             all.lzma2_chunks,
             human_bytes(inspection.unreferenced_bytes)
@@ -415,6 +415,6 @@ pub fn verdict(report: &Report<'_>) -> String {
     }
     let mut out = format!("{} of {} damaged:\n", inspection.damaged.len(), counted(all.chunks, "chunk"));
     out.push_str(&damage::lines(report.decoder, &inspection.damaged));
-    let _ = writeln!(out, "{} belong to no chunk", human_bytes(inspection.unreferenced_bytes));
+    let _ = writeln!(out, "{} outside of chunks", human_bytes(inspection.unreferenced_bytes));
     out
 }

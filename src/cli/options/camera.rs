@@ -1,4 +1,4 @@
-//! Options of cameras: which parts of a container are decoded, and what that saves.
+//! Cameras that select parts of a container.
 
 use std::path::PathBuf;
 
@@ -35,36 +35,36 @@ pub fn parse_aspect(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("'{text}' is neither a ratio such as 16/9 nor a number above 0"))
 }
 
-/// Cameras, and whether to report what they see.
+/// Cameras, and statistics of what they see.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "View")]
 pub struct CameraArgs {
-    /// Cameras that look at the light field, from this file, - for standard input; may be given more than once
+    /// File of cameras, - for standard input; repeatable
     #[arg(long, value_name = "CAM.json")]
     pub camera: Vec<PathBuf>,
-    /// A camera that looks at it from here, in metres
+    /// Position of a camera in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true,
         requires_all = ["look_at", "fov"])]
     pub eye: Option<DVec3>,
-    /// The point that it looks at, in metres
+    /// Point that the camera looks at, in metres
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<DVec3>,
-    /// The direction that is up in its picture [default: 0,1,0]
+    /// Up direction of the camera [default: 0,1,0]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, requires = "eye")]
     pub up: Option<DVec3>,
-    /// Its vertical field of view in degrees
+    /// Vertical field of view of the camera in degrees
     #[arg(long, value_name = "DEGREES", requires = "eye")]
     pub fov: Option<f64>,
-    /// Width of its picture over the height, such as 16/9 [default: 1]
+    /// Aspect ratio of the camera, such as 16/9 [default: 1]
     #[arg(long, value_name = "W/H", value_parser = parse_aspect, requires = "eye")]
     pub aspect: Option<f64>,
-    /// Report what the cameras see of the tiles and cells, and what was read
+    /// Report counters of tiles, cells and bytes
     #[arg(long)]
     pub stats: bool,
 }
 
 impl CameraArgs {
-    /// All cameras that are asked for, none where all is to be decoded.
+    /// All cameras; none to decode everything.
     ///
     /// # Errors
     /// A file that cannot be read, or a camera that sees nothing.
@@ -81,7 +81,7 @@ impl CameraArgs {
         Ok(cameras)
     }
 
-    /// What the cameras see of what was chosen.
+    /// The units of the selection that the cameras see.
     ///
     /// # Errors
     /// As for [`CameraArgs::cameras`].
@@ -94,7 +94,7 @@ impl CameraArgs {
             None => CameraUnitCounts { units, visible_units: units, ..CameraUnitCounts::default() },
         };
         if let (Some(_), 0) = (&seen, counts.visible_units) {
-            output::note("no camera sees anything in the frames and streams that were chosen");
+            output::note("no camera sees anything of the selected frames and streams");
         }
         let bytes_total = if self.stats { decode::stored_bytes(decoder, chosen) } else { 0 };
         Ok(View { seen, counts, bytes_total, stats: self.stats })

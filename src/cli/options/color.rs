@@ -14,40 +14,39 @@ use crate::streams::{ColorBlocks, ColorFormat};
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Colour")]
 pub struct ColorArgs {
-    /// Width and height of a cell in pixels; with --color-block a multiple of 4
+    /// Width and height of a cell in pixels, a multiple of 4 with --color-block
     #[arg(long, alias = "cell", value_name = "PX", default_value_t = 64,
         value_parser = clap::value_parser!(u32).range(1..=16384))]
     pub color_cell: u32,
-    /// Least PSNR of every frame of every cell, in dB; with --color-block, of the coding in time alone [default: 50;
-    /// with --color-block what --psnr-final says]
+    /// Least PSNR of each frame of each cell, in dB; with --color-block, of temporal coding alone [default: 50, or
+    /// --psnr-final with --color-block]
     #[arg(long, value_name = "DB")]
     pub psnr: Option<f64>,
-    /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr. Smaller, at a loss that
-    /// --psnr-final bounds
+    /// Store keyframes in blocks of a texture format: bc1 or bc7 for 8 bits, bc6h for --hdr; --psnr-final bounds the loss
     #[arg(long, value_name = "FORMAT", value_enum, ignore_case = true, default_value_t = ColorBlockArg::None)]
     pub color_block: ColorBlockArg,
-    /// Least PSNR of every frame of every cell once keyframes are in blocks, in dB, at most --psnr [default: 30 for bc1,
-    /// 40 for bc7 and bc6h]
+    /// Least PSNR of each frame of each cell with keyframes in blocks, in dB, at most --psnr [default: 30 for bc1, 40 for
+    /// bc7 and bc6h]
     #[arg(long, value_name = "DB")]
     pub psnr_final: Option<f64>,
-    /// From light to 8-bit codes
+    /// Transfer function to 8-bit codes
     #[arg(long, value_enum, default_value_t = TransferArg::Srgb, conflicts_with = "hdr")]
     pub transfer: TransferArg,
-    /// Stops by which light is brightened before it becomes 8 bits, -8 to 8
+    /// Exposure in stops before conversion to 8 bits, -8 to 8
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "hdr")]
     pub exposure: f32,
-    /// Keep half floats instead of 8 bits; quality is then the PSNR of the PU21 encoding
+    /// Half floats instead of 8 bits; PSNR is then computed in the PU21 encoding
     #[arg(long)]
     pub hdr: bool,
     /// Luminance of the value 1.0 for --hdr, in cd/m²
     #[arg(long, value_name = "CD_M2", default_value_t = DEFAULT_WHITE_CD_M2)]
     pub white: f64,
-    /// Distinct pictures that may lie between two keyframes of a cell: more compress better, and cost memory and time;
-    /// at most as many as fit 768 MiB for all faces of an image
+    /// Keyframe lookahead: distinct frames between two keyframes of a cell, limited to 768 MiB for all faces of an image.
+    /// More compress better and take more memory and time
     #[arg(long, value_name = "N", default_value_t = SearchSettings::default().lookahead,
         value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub keyframe_reach: u32,
-    /// What becomes of NaN colours
+    /// Handling of NaN colours
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse)]
     pub invalid_color: InvalidColorArg,
 }
@@ -55,7 +54,7 @@ pub struct ColorArgs {
 /// `--color-block`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorBlockArg {
-    /// Samples as they are
+    /// Raw samples
     None,
     /// 8 bytes for 4x4 pixels
     Bc1,
@@ -79,18 +78,18 @@ impl ColorBlockArg {
 /// `--transfer`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum TransferArg {
-    /// The curve of sRGB
+    /// sRGB curve
     Srgb,
-    /// In proportion to light
+    /// Linear
     Linear,
 }
 
 /// `--invalid-color`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum InvalidColorArg {
-    /// An error that names file and pixel
+    /// Fail with file and pixel
     Refuse,
-    /// Taken for black
+    /// Replace by black
     Black,
 }
 
@@ -118,7 +117,7 @@ impl ColorArgs {
             return Err(Error::Usage(format!("--exposure {}: -8 to 8 stops were expected", self.exposure)));
         }
         if let Some(db) = self.psnr_final.filter(|db| *db > psnr) {
-            return Err(Error::Usage(format!("--psnr-final {db}: at most {psnr} dB was expected, as --psnr says")));
+            return Err(Error::Usage(format!("--psnr-final {db}: at most --psnr, {psnr} dB, was expected")));
         }
         settings.cell = self.color_cell;
         settings.search =
@@ -128,7 +127,7 @@ impl ColorArgs {
             ColorBlockSettings { final_psnr_db: self.psnr_final.unwrap_or(usual.final_psnr_db), ..usual }
         });
         if settings.color_blocks.is_none() && self.psnr_final.is_some() {
-            return Err(Error::Usage("--psnr-final speaks of keyframes in blocks: give --color-block too".into()));
+            return Err(Error::Usage("--psnr-final needs --color-block".into()));
         }
         let transfer = match self.transfer {
             TransferArg::Srgb => Transfer::Srgb,

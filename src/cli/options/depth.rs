@@ -24,7 +24,7 @@ pub fn parse_background(text: &str) -> std::result::Result<f32, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthArgs {
-    /// How depth is stored
+    /// Depth codec
     #[arg(long, value_name = "CODEC", value_enum, default_value_t = DepthCodecArg::Quadtree)]
     pub depth_codec: DepthCodecArg,
     /// Store depth in blocks of a texture format that stay within --update-threshold, for aabb; the threshold then
@@ -47,7 +47,7 @@ pub struct DepthArgs {
     /// Steps.
     #[command(flatten)]
     pub steps: DepthStepArgs,
-    /// Most boxes that one frame of one tile is updated with, for aabb and material
+    /// Most boxes per frame and tile, for aabb and material
     #[arg(long, value_name = "N", default_value_t = TemporalSettings::default().max_aabbs,
         value_parser = clap::value_parser!(u16).range(1..=256))]
     pub max_aabbs: u16,
@@ -56,34 +56,33 @@ pub struct DepthArgs {
     pub units: DepthUnitArgs,
 }
 
-/// What modelling functions are fitted in.
+/// Domain of the modelling functions.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DomainArgs {
-    /// What modelling functions are fitted in; log where near and far are too close for another
+    /// Domain of the modelling functions; log if near and far are too close for another
     #[arg(long, value_name = "DOMAIN", value_enum, default_value_t = DomainArg::Log)]
     pub depth_domain: DomainArg,
 }
 
-/// How the nodes of a quadtree get their functions.
+/// How functions are chosen for nodes.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct ModelArgs {
     /// What to optimize when several modelling functions of a node are within the bound
     #[arg(long, alias = "decide", value_name = "GOAL", value_enum, default_value_t = OptimizeArg::Quality)]
     pub optimize: OptimizeArg,
-    /// Of a node's four children, how many must have changed before one function is tried for all of it
+    /// Changed children of a node that make the encoder try one function for the whole node
     #[arg(long, value_name = "N", default_value_t = NodeSettings::default().min_children,
         value_parser = clap::value_parser!(u8).range(1..=4))]
     pub min_children: u8,
 }
 
-/// When depth is sent again.
+/// When pixels are updated.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthStepArgs {
-    /// W: pixels are sent whenever they differ from any of the W frames before, so that a decoder may step over
-    /// W − 1 of them
+    /// W: pixels are updated if they differ from any of the W frames before, so that decoders may skip up to W − 1 frames
     #[arg(long, value_name = "W", default_value_t = TemporalSettings::default().window,
         value_parser = clap::value_parser!(u8).range(1..))]
     pub depth_window: u8,
@@ -93,7 +92,7 @@ pub struct DepthStepArgs {
     pub update_threshold: Option<u16>,
 }
 
-/// How depth is cut up in space and time, what its codes mean, and how its files are read.
+/// Tiles, keyframes and range of depth, and how files are read.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthUnitArgs {
@@ -108,10 +107,10 @@ pub struct DepthUnitArgs {
     #[arg(long, value_name = "N", hide = true, conflicts_with = "depth_tile",
         value_parser = clap::value_parser!(u32).range(1..=256))]
     pub tiles: Option<u32>,
-    /// Nearest surface in metres [default: found for each probe]
+    /// Nearest surface in metres [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
-    /// Farthest surface in metres [default: found for each probe]
+    /// Farthest surface in metres [default: measured per probe]
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
     /// Reading.
@@ -119,12 +118,11 @@ pub struct DepthUnitArgs {
     pub reading: DepthReadingArgs,
 }
 
-/// The bound that trees are packed at.
+/// Error bound of packing.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct BoundArgs {
-    /// Pack depth in the intermediate form, as lightfold quadtree writes it, with this largest error in 16-bit log
-    /// codes; 0 is lossless
+    /// Pack quadtrees in the intermediate form with this largest error in 16-bit log codes; 0 is lossless
     #[arg(long, alias = "error", value_name = "CODES", group = "bound",
         value_parser = clap::value_parser!(u16).range(..=65534))]
     pub max_error: Option<u16>,
@@ -145,16 +143,16 @@ impl BoundArgs {
 pub enum DepthCodecArg {
     /// Modelling functions in a quadtree, within --max-error of the source at every pixel
     Quadtree,
-    /// Codes as they are, in boxes around what changes
+    /// Raw codes in boxes around changed pixels
     Aabb,
-    /// Blocks of 8x8 pixels at a fixed 4:1, without a bound
+    /// Blocks of 8x8 pixels at a fixed 4:1, without an error bound
     Bc4w,
 }
 
 /// `--depth-block`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DepthBlockArg {
-    /// Codes as they are
+    /// Raw codes
     None,
     /// 16 bytes for 4x4 pixels
     Bc5,
@@ -167,7 +165,7 @@ pub enum DomainArg {
     Log,
     /// Metres
     Linear,
-    /// One over metres, in which a plane is exact
+    /// Inverse metres, in which planes are exact
     Inverse,
 }
 
@@ -215,16 +213,16 @@ pub fn parse_share(text: &str) -> std::result::Result<f64, String> {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Depth")]
 pub struct DepthReadingArgs {
-    /// What becomes of NaN, negative and zero depths
+    /// Handling of NaN, negative and zero depths
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidDepthArg::Refuse)]
     pub invalid_depth: InvalidDepthArg,
-    /// Metres for one unit of an integer image
+    /// Metres per unit of an integer image
     #[arg(long, value_name = "M")]
     pub depth_scale: Option<f64>,
-    /// The value in the files that means "nothing there"; +inf always does
+    /// Background value in the files, in addition to +inf
     #[arg(long, value_name = "VALUE", allow_negative_numbers = true, value_parser = parse_background)]
     pub background: Option<f32>,
-    /// What depth values measure [default: as the manifest says, or distance]
+    /// Kind of depth values [default: from the manifest, or distance]
     #[arg(long, value_name = "KIND", value_enum)]
     pub depth_kind: Option<DepthKindArg>,
 }
@@ -232,18 +230,18 @@ pub struct DepthReadingArgs {
 /// `--invalid-depth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum InvalidDepthArg {
-    /// An error that names file and pixel
+    /// Fail with file and pixel
     Refuse,
-    /// Taken for background
+    /// Replace by background
     Far,
-    /// Taken for the nearest distance
+    /// Replace by the nearest distance
     Near,
 }
 
 /// `--depth-kind`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DepthKindArg {
-    /// From the centre of the probe
+    /// Distance from the probe
     Distance,
     /// Along the viewing axis
     Planar,
@@ -283,7 +281,7 @@ impl DepthArgs {
         self.model.apply(settings);
         self.steps.apply(settings);
         if self.depth_block == DepthBlockArg::Bc5 {
-            // Two bytes in blocks are seldom exact.
+            // BC5 is seldom exact.
             settings.temporal.epsilon = self.steps.update_threshold.unwrap_or(NodeSettings::default().bound);
         }
         self.units.apply(source, settings);

@@ -4,14 +4,14 @@ use clap::{Args, ValueEnum};
 
 use crate::encode::{EncodeSettings, MaterialSettings};
 
-/// How far a decoded material may be from its source in blocks, in steps of 8 bits.
+/// Default error of material in blocks, in steps of 8 bits.
 const USUAL_ERROR_IN_BLOCKS: u16 = 8;
 
 /// How material is coded.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Material")]
 pub struct MaterialArgs {
-    /// Store material in blocks of a texture format where these stay within --material-error
+    /// Store material in blocks of a texture format that stay within --material-error
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = MaterialBlockArg::None)]
     pub material_block: MaterialBlockArg,
     /// Largest error of a decoded material in steps of 8 bits; 0 is lossless [default: 0, with blocks 8]
@@ -22,7 +22,7 @@ pub struct MaterialArgs {
 /// `--material-block`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum MaterialBlockArg {
-    /// Values as they are
+    /// Raw values
     None,
     /// 8 bytes for 4x4 pixels
     Bc1,

@@ -13,9 +13,9 @@ use crate::image::png::ColorSpace;
 /// `--color-space`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ColorSpaceArg {
-    /// Scene-referred light
+    /// Scene-linear Rec. 709
     LinearRec709,
-    /// Display codes
+    /// sRGB codes
     Srgb,
 }
 
@@ -40,7 +40,7 @@ pub struct SequenceInputArgs {
     /// Name of the probe
     #[arg(long, value_name = "NAME", default_value = "00", help_heading = "Sequence")]
     pub probe: String,
-    /// The face that single images show: px, nx, py, ny, pz, nz, or view for a perspective image
+    /// Face of single images: px, nx, py, ny, pz, nz, or view for a perspective image
     #[arg(long, value_name = "FACE", default_value = "view", value_parser = parse_face, help_heading = "Sequence")]
     pub face: Face,
     /// Images.
@@ -55,16 +55,16 @@ pub struct SequenceInputArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sequence")]
 pub struct ImageArgs {
-    /// How the images show the probe's surroundings
+    /// Layout of the images
     #[arg(long, value_enum, default_value_t = LayoutArg::Single)]
     pub layout: LayoutArg,
-    /// fx,fy,cx,cy in pixels of a perspective image; planar depth becomes distance with them
+    /// fx,fy,cx,cy of a perspective image in pixels, to convert planar depth to distance
     #[arg(long, value_name = "FX,FY,CX,CY", value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub intrinsics: Option<Vec<f64>>,
-    /// Size of the cube faces that an equirectangular image becomes [default: a quarter of its width]
+    /// Size of the cube faces that an equirectangular image is resampled to [default: a quarter of its width]
     #[arg(long, value_name = "PIXELS")]
     pub face_size: Option<u32>,
-    /// Channel or layer to read, where its name is none of the usual ones
+    /// Name of the channel or layer, if unusual
     #[arg(long, value_name = "NAME")]
     pub channel: Option<String>,
 }
@@ -103,7 +103,7 @@ impl SequenceInputArgs {
 }
 
 impl ImageArgs {
-    /// What each image shows, `face` where it is a single one.
+    /// Arrangement of the images; single images show `face`.
     pub fn arrangement(&self, face: Face) -> Arrangement {
         match self.layout {
             LayoutArg::Single => Arrangement::Single(face),

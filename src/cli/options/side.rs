@@ -1,4 +1,4 @@
-//! How the footage that a container is compared with is read.
+//! How compared files are read.
 
 use clap::Args;
 
@@ -14,10 +14,10 @@ use crate::image::cube::Face;
 /// How files that are compared are read.
 #[derive(Debug, Clone, Args)]
 pub struct SideArgs {
-    /// What colour values of files mean [default: light for EXR, sRGB for PNG]
+    /// Encoding of colour values [default: linear light for EXR, sRGB for PNG]
     #[arg(long, value_enum, help_heading = "Colour")]
     pub color_space: Option<ColorSpaceArg>,
-    /// What becomes of NaN colours
+    /// Handling of NaN colours
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = InvalidColorArg::Refuse, help_heading = "Colour")]
     pub invalid_color: InvalidColorArg,
     /// Depth.
@@ -29,7 +29,7 @@ pub struct SideArgs {
 }
 
 impl SideArgs {
-    /// Whether nothing is told.
+    /// Whether all options have their defaults.
     pub fn is_usual(&self) -> bool {
         let (depth, images) = (&self.depth, &self.images);
         self.color_space.is_none()
@@ -41,10 +41,10 @@ impl SideArgs {
             && (images.face_size, images.channel.as_ref()) == (None, None)
     }
 
-    /// The options of both sides, of which `selection` is compared.
+    /// Options of both sides and the compared selection.
     ///
     /// # Errors
-    /// When an option's values are not as many as they should be.
+    /// A wrong number of intrinsics.
     pub fn options(&self, selection: Selection) -> Result<SideOptions> {
         let mut source = SourceOptions::default();
         self.depth.apply(&mut source);
