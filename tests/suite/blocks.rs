@@ -178,7 +178,7 @@ fn commands_encode_inspect_decode_pack_and_compare_blocks() {
                 && count(2, "/pieces/raw") > 0
         );
         let text = String::from_utf8(fine("inspect a.lfold", folder.path()).stdout).unwrap();
-        assert!(text.contains(name) && text.contains("pieces of 16x16") && text.contains("BC5"), "{text}");
+        assert!(text.contains(name) && text.contains("block tiles of 16x16") && text.contains("BC5"), "{text}");
         fine("pack a.lfold --lzma2 -o b.lfold", folder.path());
         fine("diff a.lfold b.lfold --exact", folder.path());
         fine("inspect b.lfold --verify", folder.path());

@@ -356,7 +356,7 @@ mod stopped {
             assert_eq!(stopped.status.code(), code, "{words}");
             assert!(!place.path().join("cap").exists());
             if code.is_some() {
-                let end = " of 288 images are kept in .cap.capture.partial; the same command with --resume goes on from there\n";
+                let end = " of 288 images are kept in .cap.capture.partial; the same command with --resume continues\n";
                 assert!(words.starts_with("lightfold: interrupted; ") && words.ends_with(end), "{words}");
             }
             // A second kill on the way.
@@ -366,7 +366,7 @@ mod stopped {
             let resumed = command(&place, &["--resume", "--json"]).output().unwrap();
             assert!(resumed.status.success(), "{}", said(&resumed));
             assert!(
-                said(&resumed).contains(&format!("cap: going on with {there} of 288 images")),
+                said(&resumed).contains(&format!("cap: resuming with {there} of 288 images")),
                 "{}",
                 said(&resumed)
             );
@@ -388,7 +388,7 @@ mod stopped {
             let output = command(&place, more).output().unwrap();
             assert_eq!(output.status.code(), Some(2));
             let words = said(&output);
-            assert!(words.contains("cap: the unfinished capture cannot go on") && words.contains(says), "{words}");
+            assert!(words.contains("cap: cannot resume the unfinished capture") && words.contains(says), "{words}");
             assert_eq!(images(&place.path().join(LEFT)), there);
         };
         refused(&["--resume", "--far", "9"], "--far was inf and is 9.0 now");
@@ -416,7 +416,7 @@ mod stopped {
         let place = place();
         let whole = whole(&place);
         let nothing = command(&place, &["--resume"]).output().unwrap();
-        assert!(said(&nothing).contains("cap: there is nothing to resume"), "{}", said(&nothing));
+        assert!(said(&nothing).contains("cap: nothing to resume"), "{}", said(&nothing));
         assert!(files(&place.path().join("cap")) == whole, "other bytes");
         fs::remove_dir_all(place.path().join("cap")).unwrap();
         stop(&place, &[], "-KILL", 5);
@@ -434,7 +434,7 @@ mod stopped {
         let mut words = String::new();
         std::io::Read::read_to_string(first.stderr.as_mut().unwrap(), &mut words).unwrap();
         assert!(first.wait().unwrap().success(), "{words}");
-        assert!(words.contains(&format!("cap: an unfinished capture of {there} images is replaced")), "{words}");
+        assert!(words.contains(&format!("cap: replacing an unfinished capture of {there} images")), "{words}");
         assert!(files(&place.path().join("cap")) == whole, "other bytes");
     }
 }

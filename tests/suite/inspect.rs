@@ -481,7 +481,7 @@ fn the_report_fits_a_terminal() {
     depth: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16, distance, 1.000 to 10.00 m
     material: ±0 codes, window 2, 8 AABBs, keyframe every 4, tile 16x16
 
-    56 chunks verified (0 of LZMA2), 0 B belong to no chunk
+    56 chunks verified (0 of LZMA2), 0 B outside of chunks
     ");
     let arguments = ["inspect", "a.lfold", "--per-frame", "--frames", "3-5", "--face", "px", "--stream", "color,depth"];
     insta::assert_snapshot!(stdout(&lightfold(&arguments, folder.path())), @r"
@@ -498,7 +498,7 @@ fn the_report_fits_a_terminal() {
     ");
     let (folder, _) = on_disk(&encoded(&StreamKind::ALL, &EncodeSettings { lzma2: Some(6), ..settings() }));
     let text = stdout(&lightfold(&["inspect", "a.lfold", "--verify"], folder.path()));
-    assert_says(&text, &["Temporal      %   +LZMA2", "56 chunks verified (32 of LZMA2), 0 B belong to no chunk"]);
+    assert_says(&text, &["Temporal      %   +LZMA2", "56 chunks verified (32 of LZMA2), 0 B outside of chunks"]);
 }
 
 /// A container with one stream whose one chunk claims as many frames.

@@ -127,7 +127,7 @@ fn chunks(words: &str) -> u64 {
 
 /// The number of chunks that an earlier run had completed.
 fn taken_over(words: &str) -> u64 {
-    let told = words.split([',', '\n']).find(|part| part.ends_with(" chunks from before"));
+    let told = words.split([',', '\n']).find(|part| part.ends_with(" resumed chunks"));
     chunks(told.unwrap_or_else(|| panic!("{words}")))
 }
 
@@ -151,12 +151,12 @@ fn signals_leave_what_is_complete_and_say_so() {
         if code.is_some() {
             let expected = "lightfold: interrupted; safe in out/.a.lfold.partial: ";
             assert!(words.starts_with(expected), "{words}");
-            assert!(words.ends_with("; the same command with --resume goes on from there\n"), "{words}");
+            assert!(words.ends_with("; the same command with --resume continues\n"), "{words}");
             assert_eq!(words.lines().count(), 1, "{words}");
             assert!(!words.contains("no unfinished file"), "{words}");
         }
         let resumed = place.finishes(&whole);
-        assert!(resumed.contains("out/a.lfold: going on behind "), "{resumed}");
+        assert!(resumed.contains("out/a.lfold: resuming after "), "{resumed}");
         assert!(taken_over(&resumed) > 0, "{resumed}");
         if code.is_some() {
             assert_eq!(chunks(&words), taken_over(&resumed), "{words}{resumed}");
@@ -241,13 +241,13 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let anew = place.run(&[]);
     assert!(anew.status.success());
     let words = said(&anew);
-    assert!(words.contains(" chunks is replaced; --resume goes on with one\n"), "{words}");
-    assert!(!words.contains("from before"), "{words}");
+    assert!(words.contains(" chunks; --resume would continue it\n"), "{words}");
+    assert!(!words.contains("resumed"), "{words}");
     assert_eq!(place.names(), ["a.lfold"]);
     assert!(fs::read(place.out().join("a.lfold")).unwrap() == whole, "other bytes");
     // Of a finished file nothing is left to resume: it is made again.
     let again = place.finishes(&whole);
-    assert!(again.contains("there is nothing to resume, so the encode begins at the start"), "{again}");
+    assert!(again.contains("nothing to resume; starting anew"), "{again}");
     // A state that another encode left is not gone on with, and stays.
     killed(&["--color-cell", "16"]);
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
@@ -318,7 +318,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
     assert_eq!(pipe.status.code(), Some(2));
     assert_eq!(
         said(&pipe),
-        "lightfold: --resume and -o -: what went into a pipe cannot be gone on with; name a file\n"
+        "lightfold: --resume needs a file: an encode to standard output cannot be resumed\n"
     );
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o", "/dev/null"]);
