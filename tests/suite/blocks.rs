@@ -220,11 +220,11 @@ fn options_that_do_not_go_together_are_refused() {
     says("--color-block bc6h", "--hdr");
     says("--color-block bc7 --hdr", "--hdr");
     says("--color-block bc1 --color-cell 18", "a multiple of 4");
-    says("--color-block bc1 --psnr 50 --psnr-final 60", "at most 50 dB");
+    says("--color-block bc1 --psnr 50 --psnr-final 60", "at most --psnr, 50 dB");
     says("--color-block bc1 --psnr-final 201", "0 to 200 dB");
     says("--depth-codec aabb --max-error 10", "--update-threshold");
     says("--depth-codec aabb --max-error-relative 1%", "--update-threshold");
-    says("--depth-codec bc4w --max-error 10", "no bound");
+    says("--depth-codec bc4w --max-error 10", "no error bound");
     says("--psnr-final 30", "--color-block");
     says("--depth-block bc5", "--depth-codec aabb");
     says("--depth-block bc5 --depth-codec bc4w", "--depth-codec aabb");

@@ -208,7 +208,7 @@ fn a_scene_is_told_by_inspect() {
     let text = String::from_utf8(fine("inspect a.glb", folder.path()).stdout).unwrap();
     assert!(text.contains("0.000, 0.000, 0.000 to 1.000, 1.000, 0.000, 1.000 x 1.000 x 0.000 m"), "{text}");
     assert!(text.lines().any(|line| line.starts_with("left ") && line.ends_with(" 1.000")), "{text}");
-    assert!(refused("inspect a.glb --verify", folder.path()).contains("one table"));
+    assert!(refused("inspect a.glb --verify", folder.path()).contains("as a table"));
     // Of a dataset it says which option to add.
     fine("capture b.gltf --position 0,0,1 --size 8 --samples 1 -q -o cap", folder.path());
     for name in ["cap", "cap/lightfield.json"] {

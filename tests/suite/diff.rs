@@ -369,7 +369,7 @@ fn lone_sequences() {
     let scaled = codes.map(|&code| if code == 0 { f32::INFINITY } else { (f64::from(code) * 0.001) as f32 });
     exr::write_depth(&bench.path("depth_m.0000.exr"), &scaled).unwrap();
     bench.refused("depth_mm.0000.png depth_mm.0000.png", "--depth-scale");
-    bench.refused("depth_mm.0000.png depth_mm.0000.png --depth-scale 0.001", "--invalid-depth far|near");
+    bench.refused("depth_mm.0000.png depth_mm.0000.png --depth-scale 0.001", "--invalid-depth to far or near");
     assert_eq!(bench.run("depth_mm.0000.png depth_mm.0000.png --background 0 --depth-scale 0.001 --exact").0, 0);
 }
 

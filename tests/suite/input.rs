@@ -316,7 +316,7 @@ fn depth_that_is_none() {
     for (value, word) in none {
         write(value);
         let text = message(read(&with(InvalidDepth::Refuse, None)));
-        assert_says(&text, &["z.0.exr", "frame 0", "pixel (2, 0)", word, "--invalid-depth far|near", "--background"]);
+        assert_says(&text, &["z.0.exr", "frame 0", "pixel (2, 0)", word, "--invalid-depth to far or near", "--background"]);
         assert_eq!(read(&with(InvalidDepth::Far, None)).unwrap(), [1.0, inf, inf]);
         assert_eq!(read(&with(InvalidDepth::Near, None)).unwrap(), [1.0, inf, 0.0]);
         if !value.is_nan() {

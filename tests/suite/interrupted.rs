@@ -253,8 +253,8 @@ fn an_old_state_is_replaced_where_nobody_asks_for_it() {
     let before: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let refused = place.run(&["--resume"]);
     assert_eq!(refused.status.code(), Some(2));
-    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; run it as it was \
-                    begun, or leave out --resume to start anew\n";
+    let expected = "lightfold: out/a.lfold: the unfinished encode cannot go on: --color-cell was 16 and is 64 now; repeat its \
+                    settings, or leave out --resume to start anew\n";
     assert_eq!(said(&refused), expected);
     let after: Vec<_> = STATE.map(|name| fs::read(place.out().join(name)).unwrap()).into();
     let sound = |bytes: &[u8], of: &[u8]| of.starts_with(bytes) && !bytes.is_empty();
