@@ -1,18 +1,20 @@
-//! `lightfold render IN`: pictures of a light field from anywhere, and how good they are.
+//! `lightfold render IN`: renders novel views of a light field, and compares them with reference images.
 
+mod args;
+mod job;
 mod options;
 mod outputs;
 mod pictures;
 mod report;
 mod truth;
+mod truth_args;
 
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use crate::cli::device::{self, DeviceArg, GpuArgs};
-use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
+use crate::cli::device::{self, DeviceArg};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
@@ -39,11 +41,13 @@ use crate::memory::Need;
 use crate::views::catalogue::ProbeChoice;
 use crate::views::light_field::ColorCoding;
 
-use options::{DecodeArg, EffectsArg, MarchArgs, MethodArg, PriorityArg, ViewArgs, parse_size};
+pub use args::Args;
+use job::Job;
+use options::{DecodeArg, EffectsArg, MethodArg, PriorityArg};
 use pictures::{PictureName, Pictures};
-use truth::TruthArgs;
+use truth::TruthRun;
 
-/// Height of pictures where none is given.
+/// Default height.
 const DEFAULT_SIZE: u32 = 512;
 
 /// Bytes of each pixel of a request, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
@@ -64,101 +68,6 @@ const SHEET_BYTES: u64 = 1 << 20;
 /// Bytes of a texel that is drawn as a point.
 const POINT_BYTES: u64 = 64;
 
-/// Arguments.
-#[derive(Debug, clap::Args)]
-#[command(
-    mut_arg("frames", |frames| frames.help("Only these frames, such as 10-99 or 12 [default: those that the cameras or the \
-        reference name, else the first]")),
-    group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
-    after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
-    lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
-    lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
-    lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
-    lightfold render film.lfold --camera path.json --null --stats --json\n  \
-    lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
-    lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
-    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n\n\
-    A path is a file of cameras as of decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": \
-    90}]}. Several cameras without \"frames\" are poses of one camera, one for each frame of --frames; all of them show one \
-    frame where --frames names one or none. All cameras of a path have \"frames\", or none has; decode takes any. A camera \
-    that moves has a \"frame\" in each pose, and between them it goes straight and turns evenly: {\"cameras\": [{\"eye\": \
-    [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
-    \"fov_y_deg\": 60, \"frame\": 95}]}. Surfaces nearer than near_m or farther than far_m of a camera, in metres along its \
-    axis, are not shown; behind one that is too near shows what a probe saw there. --near and --far are distances from the \
-    eye, and the steps of rays lie between them. The aspect of --size WxH goes before that of a camera.\n\n\
-    The number in a file name is that of the frame. Where several cameras look in one frame it is the place of the picture \
-    in the path, from 0, for all pictures. With --reference it is the frame's, and a folder's files are called after \
-    probe and face, 00_px.0000.png. A folder takes PNG; for EXR name a pattern.\n\n\
-    Pictures hold linear light times alpha (EXR), or codes behind the container's curve and alpha (PNG). Alpha is 0 where no \
-    probe saw what is there or near and far leave nothing, and 1 elsewhere, background included; light is not multiplied with --holes nearest, which \
-    would make what it fills in black.\n\n\
-    Lines of --trace: shot counts from 0; frame; eye in metres; active probes by priority, with slot (a place that a probe \
-    keeps while it is active), distance_m from the eye and angle_deg at --pivot; culled probes and why: limit (--views), \
-    angle (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped of tiles and cells; \
-    bytes_read; update_ms before pictures are made, render_ms for them."
-)]
-pub struct Args {
-    /// The container, - for standard input
-    #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
-    pub input: Option<PathBuf>,
-    /// A picture ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder of PNG
-    /// files, or - for a PNG on standard output
-    #[arg(long, short, value_name = "OUT",
-        required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
-    pub output: Option<PathBuf>,
-    /// Render and write no picture
-    #[arg(long, conflicts_with = "output")]
-    pub null: bool,
-    /// Pixels: the height, or both sides [default: 512]; with --reference pictures have the size of its images
-    #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
-    pub size: Option<(u32, Option<u32>)>,
-    /// Frames; without them, the first, or those that the cameras of a path or the reference have.
-    #[command(flatten)]
-    pub frames: FrameArgs,
-    /// Two pictures for each camera, from eyes so many metres apart; beside each other unless OUT has %V
-    #[arg(long, value_name = "M", value_parser = parse_positive, conflicts_with = "reference")]
-    pub stereo: Option<f64>,
-    /// Where to render [default: cpu]
-    #[arg(long, value_enum)]
-    pub device: Option<DeviceArg>,
-    /// Which graphics device.
-    #[command(flatten)]
-    pub gpu: GpuArgs,
-    /// All pictures, small, on one PNG
-    #[arg(long, value_name = "FILE.png")]
-    pub contact_sheet: Option<PathBuf>,
-    /// Memory.
-    #[command(flatten)]
-    pub memory: MemoryArgs,
-    /// Report as JSON
-    #[arg(long)]
-    pub json: bool,
-    /// How.
-    #[command(flatten)]
-    pub march: MarchArgs,
-    /// Which probes.
-    #[command(flatten)]
-    pub views: ViewArgs,
-    /// What pictures are compared with.
-    #[command(flatten)]
-    pub truth: TruthArgs,
-    /// Cameras.
-    #[command(flatten)]
-    pub cameras: CameraArgs,
-}
-
-/// A request, and what its pictures are called.
-pub struct Take {
-    /// Frame and cameras.
-    pub request: FrameRequest,
-    /// A name for each picture; with two eyes one for both.
-    pub names: Vec<PictureName>,
-    /// Width and height of each picture.
-    pub size: [u32; 2],
-    /// Numbers of images of the reference, in the order of the cameras.
-    pub references: Vec<usize>,
-}
-
 /// Renders.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if args.gpu.list_devices {
@@ -175,49 +84,46 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     let decoder = Decoder::open(input)?;
     let named = |error: Error| error.in_file(input);
     let mut playback = Playback::new(&decoder, args.playback_options()).map_err(named)?;
-    let mut truth = args.truth.open(args.march.method)?;
-    let takes = match &truth {
-        Some(truth) => truth.takes(args.frames.frames, playback.player().frames(), global)?,
-        None => args.takes(&playback, global)?,
+    let mut truth = TruthRun::open(&args.truth, args.march.method)?;
+    let jobs = match &truth {
+        Some(truth) => truth.jobs(args.frames.frames, playback.player().frames(), global)?,
+        None => args.jobs(&playback, global)?,
     };
-    if !global.quiet && args.asks_points_for_more() {
-        output::note(format_args!(
-            "--method {} has one sample a pixel and no effects, whatever --samples and --effects say",
-            args.march.method.name()
-        ));
+    if !global.quiet && args.has_ignored_options() {
+        output::note(format_args!("--method {} ignores --samples and --effects", args.march.method.name()));
     }
-    let beside_bytes = args.bytes_beside_views(&takes, &decoder)?;
+    let beside_bytes = args.bytes_beside_views(&jobs, &decoder)?;
     playback = playback.with_memory(args.memory.get(), beside_bytes);
     let coding = playback.player().field().coding;
     let mut pictures = Pictures::open(
         &pictures::PictureOptions {
             output: args.output.as_deref(),
             contact_sheet: args.contact_sheet.as_deref(),
-            names: takes.iter().flat_map(|take| &take.names).collect(),
+            names: jobs.iter().flat_map(|job| &job.names).collect(),
             stereo: args.stereo.is_some(),
             holes: args.march.holes.into(),
         },
         coding.tone(),
     )?;
-    args.check_outputs(&takes, &pictures)?;
+    args.check_outputs(&jobs, &pictures)?;
     let mut trace = args.views.trace.as_deref().map(OutputFile::create).transpose()?;
-    let count = takes.iter().map(|take| take.request.cameras.len() as u64).sum();
-    let rows = takes.iter().map(|take| take.request.cameras.len() as u64 * u64::from(take.size[1])).sum();
+    let count = jobs.iter().map(|job| job.request.cameras.len() as u64).sum();
+    let rows = jobs.iter().map(|job| job.request.cameras.len() as u64 * u64::from(job.size[1])).sum();
     let progress = Progress::start(global, "rendering rows", rows)?;
     let gpu = args.open_device(global)?;
     let start = Instant::now();
     let mut method = args.method(gpu.as_ref(), &decoder, coding);
     let mut frames = report::Frames::default();
-    takes.iter().try_for_each(|take| args.check_far(&playback, take))?;
-    for take in &takes {
-        let renderer = method.prepare(take, &mut truth)?;
-        let shown = playback.show(&take.request, renderer, &progress).map_err(named)?;
+    jobs.iter().try_for_each(|job| args.check_far(&playback, job))?;
+    for job in &jobs {
+        let renderer = method.prepare(job, &mut truth)?;
+        let shown = playback.show(&job.request, renderer, &progress).map_err(named)?;
         let images: Vec<RenderedImage> = shown.pictures.into_iter().map(|picture| picture.image).collect();
         if let Some(truth) = &mut truth {
-            truth.compare(take, &images, coding.tone())?;
+            truth.compare(job, &images, coding.tone())?;
         }
-        let eyes = images.len() / take.names.len().max(1);
-        for (name, pictures_of) in take.names.iter().zip(images.chunks(eyes.max(1))) {
+        let eyes = images.len() / job.names.len().max(1);
+        for (name, pictures_of) in job.names.iter().zip(images.chunks(eyes.max(1))) {
             pictures.put(name, pictures_of)?;
         }
         if let Some(file) = &mut trace {
@@ -236,11 +142,11 @@ pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
     if let Some(mut file) = trace {
         file.commit()?;
     }
-    let cameras = || takes.iter().flat_map(|take| &take.request.cameras);
+    let cameras = || jobs.iter().flat_map(|job| &job.request.cameras);
     let report = report::Report {
         args,
         summary: playback.summary(),
-        pixels: takes.iter().map(|take| take.request.cameras.len() as u64 * pixels(take.size)).sum(),
+        pixels: jobs.iter().map(|job| job.request.cameras.len() as u64 * pixels(job.size)).sum(),
         pictures: count,
         frames: &frames,
         is_cut_off: args.march.far.is_some() || cameras().any(Camera::has_range),
@@ -259,7 +165,7 @@ fn pixels(size: [u32; 2]) -> u64 {
     size.into_iter().map(u64::from).product()
 }
 
-/// What makes pictures.
+/// The renderer.
 enum Method<'g> {
     March(CpuRenderer),
     Device(Box<DeviceRenderer<'g>>),
@@ -268,25 +174,25 @@ enum Method<'g> {
 }
 
 impl Method<'_> {
-    /// The renderer of a take's pictures.
-    fn prepare(&mut self, take: &Take, truth: &mut Option<truth::TruthRun>) -> Result<&mut dyn Renderer> {
+    /// The renderer of a job.
+    fn prepare(&mut self, job: &Job, truth: &mut Option<TruthRun>) -> Result<&mut dyn Renderer> {
         match self {
             Method::March(renderer) => {
-                renderer.options.size = take.size;
+                renderer.options.size = job.size;
                 Ok(renderer)
             }
             Method::Device(renderer) => {
-                renderer.options.size = take.size;
+                renderer.options.size = job.size;
                 Ok(renderer.as_mut())
             }
             Method::Splat(renderer) => {
-                renderer.options.size = take.size;
+                renderer.options.size = job.size;
                 Ok(renderer)
             }
             Method::Reproject(renderer) => {
-                renderer.options.size = take.size;
+                renderer.options.size = job.size;
                 if let Some(truth) = truth {
-                    renderer.distances_m = truth.distances(take)?;
+                    renderer.distances_m = truth.distances(job)?;
                 }
                 Ok(renderer)
             }
@@ -301,7 +207,7 @@ impl Method<'_> {
         }
     }
 
-    /// What a graphics device has cost, where one renders.
+    /// Cost of the graphics device, if one renders.
     fn gpu_cost(&self) -> Option<RenderCost> {
         match self {
             Method::Device(renderer) => Some(renderer.cost()),
@@ -315,30 +221,29 @@ impl Args {
         if let (Some(near), Some(far)) = (self.march.near, self.march.far)
             && near >= far
         {
-            return Err(Error::Usage(format!("rays from {near} m to {far} m: --near below --far was expected")));
+            return Err(Error::Usage(format!("--near {near} must be below --far {far}")));
         }
         if let (Some(_), Some((_, Some(_)))) = (self.cameras.aspect, self.size) {
-            return Err(Error::Usage("--size WxH says what --aspect says: leave out one of them".into()));
+            return Err(Error::Usage("--size WxH and --aspect contradict each other: leave out one of them".into()));
         }
         let choice = &self.views;
         if !choice.probe.is_empty() && choice.probe.iter().all(|name| choice.exclude_probe.contains(name)) {
-            return Err(Error::Usage("--exclude-probe leaves out all probes that --probe names: none is left".into()));
+            return Err(Error::Usage("--exclude-probe excludes all probes of --probe".into()));
         }
         let on_device = self.gpu.gpu_index.is_some() || self.device.is_some_and(|device| device != DeviceArg::Cpu);
         if self.march.method != MethodArg::March && on_device {
             return Err(Error::Usage(format!(
-                "--method {} is there to be compared with, and runs on the CPU: leave out --device",
+                "--method {} runs on the CPU: leave out --device",
                 self.march.method.name()
             )));
         }
         if on_device && self.memory.memory.is_some() {
             return Err(Error::Usage(
-                "--memory bounds what the CPU's renderer takes, and not what a graphics device takes: leave out one of them"
-                    .into(),
+                "--memory limits the CPU renderer only, not graphics devices: leave out one of them".into(),
             ));
         }
         if self.results_to_stdout() + usize::from(self.json) > 1 {
-            return Err(Error::Usage("standard output takes one thing: name files for the others".into()));
+            return Err(Error::Usage("only one result fits standard output: name files for the others".into()));
         }
         Ok(())
     }
@@ -347,19 +252,19 @@ impl Args {
     ///
     /// # Errors
     /// When they do not fit into the memory that there may be.
-    fn bytes_beside_views(&self, takes: &[Take], decoder: &Decoder) -> Result<u64> {
+    fn bytes_beside_views(&self, jobs: &[Job], decoder: &Decoder) -> Result<u64> {
         let reference = if self.truth.reference.is_some() { REFERENCE_BYTES } else { 0 };
-        let of_take = |take: &Take| {
-            let pixels = pixels(take.size).saturating_mul(take.request.cameras.len() as u64);
+        let of_job = |job: &Job| {
+            let pixels = pixels(job.size).saturating_mul(job.request.cameras.len() as u64);
             pixels.saturating_mul(PICTURE_BYTES + reference)
         };
-        let sheet = if self.contact_sheet.is_some() { takes.len() as u64 * SHEET_BYTES } else { 0 };
+        let sheet = if self.contact_sheet.is_some() { jobs.len() as u64 * SHEET_BYTES } else { 0 };
         let images = decoder.streams().iter().map(|stream| pixels([stream.entry.width, stream.entry.height])).max();
         let points = match self.march.method {
             MethodArg::Splat => images.unwrap_or(0) * POINT_BYTES,
             MethodArg::March | MethodArg::Reproject => 0,
         };
-        let of_pictures = takes.iter().map(of_take).max().unwrap_or(0).saturating_add(sheet + points);
+        let of_pictures = jobs.iter().map(of_job).max().unwrap_or(0).saturating_add(sheet + points);
         let fixed = of_pictures.saturating_add(self.bytes_of_rays(decoder));
         let need = Need { what: "making the pictures", fixed, each: 0, instead: "a smaller --size" };
         self.memory.get().at_once(&need, 1)?;
@@ -394,10 +299,10 @@ impl Args {
         texels.saturating_mul(GLASS_BYTES).saturating_add(around + held)
     }
 
-    /// Refuses to overwrite what is read, or a file by another.
-    fn check_outputs(&self, takes: &[Take], pictures: &Pictures) -> Result<()> {
+    /// Refuses outputs that are inputs, or each other.
+    fn check_outputs(&self, jobs: &[Job], pictures: &Pictures) -> Result<()> {
         let mut outputs: Vec<outputs::Output> = Vec::new();
-        let names = || takes.iter().flat_map(|take| &take.names);
+        let names = || jobs.iter().flat_map(|job| &job.names);
         if let Some(output) = &self.output {
             for name in names() {
                 outputs.extend(pictures.files_of(name, output)?.into_iter().map(|file| ("-o", file)));
@@ -413,26 +318,15 @@ impl Args {
         outputs::check(&outputs, &cameras.map(PathBuf::as_path).collect::<Vec<_>>())
     }
 
-    /// Whether a method that is there to be compared with is given options that are only for marching.
-    fn asks_points_for_more(&self) -> bool {
+    /// Whether options of ray marching are given to another method.
+    fn has_ignored_options(&self) -> bool {
         let march = &self.march;
         march.method != MethodArg::March && (march.samples != 1 || march.effects == EffectsArg::Force)
     }
 
-    /// How many results go to standard output, the report apart.
-    fn results_to_stdout(&self) -> usize {
-        let paths = [&self.output, &self.contact_sheet, &self.views.trace];
-        paths.into_iter().flatten().filter(|path| *path == std::path::Path::new("-")).count()
-    }
-
-    /// Whether standard output has no room for words.
-    pub fn is_stdout_taken(&self) -> bool {
-        self.results_to_stdout() > 0
-    }
-
-    /// Refuses a --far before which the default --near already ends: rays would have nowhere to go.
-    fn check_far(&self, playback: &Playback<'_>, take: &Take) -> Result<()> {
-        let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, take.request.cameras.first()) else {
+    /// Refuses a --far before the default --near.
+    fn check_far(&self, playback: &Playback<'_>, job: &Job) -> Result<()> {
+        let (Some(far_m), None, Some(camera)) = (self.march.far, self.march.near, job.request.cameras.first()) else {
             return Ok(());
         };
         let field = playback.player().field();
@@ -442,7 +336,7 @@ impl Args {
             return Ok(());
         }
         Err(Error::Usage(format!(
-            "rays begin {near_m} m from the eye, and --far {far_m} ends them before: give --near too, or a greater --far"
+            "--far {far_m} is nearer than the default --near, {near_m}: set --near, or a greater --far"
         )))
     }
 
@@ -469,7 +363,7 @@ impl Args {
 
     /// The graphics device that renders, none where the CPU does.
     fn open_device(&self, global: &GlobalArgs) -> Result<Option<Gpu>> {
-        // Who names a device wants it.
+        // Naming a device selects it.
         let choice = match (self.device, self.gpu.gpu_index) {
             (None, Some(_)) => DeviceArg::Gpu,
             (choice, _) => choice.unwrap_or(DeviceArg::Cpu),
@@ -477,7 +371,7 @@ impl Args {
         self.gpu.open(choice, global)
     }
 
-    /// How pictures are made; each take has a size of its own.
+    /// Options of images; each job sets the size.
     fn picture_options(&self) -> PictureOptions {
         let march = &self.march;
         PictureOptions {
@@ -506,35 +400,35 @@ impl Args {
         }
     }
 
-    /// Tells what was named and does not come to be shown.
-    fn note_what_is_passed_over(&self, cameras: &[TimedCamera], available: FrameRange) {
+    /// Notes frames that are not rendered.
+    fn note_skipped_frames(&self, cameras: &[TimedCamera], available: FrameRange) {
         let asked = self.frames.frames;
         if asked.is_none() && available.count() > 1 && cameras.iter().all(|timed| timed.frames.is_none()) {
-            output::note(format_args!("frame {} of {available}; --frames shows others", available.first));
+            output::note(format_args!("rendering frame {} of {available}; --frames selects others", available.first));
         }
         match frame_requests::missing_frames(cameras, asked, available) {
             0 => {}
-            1 => output::note(format_args!("a frame that a camera looks in is passed over: there are {available}")),
-            missing => output::note(format_args!(
-                "{missing} frames that cameras look in are passed over: there are {available}"
-            )),
+            1 => output::note(format_args!("skipping 1 frame of the cameras; the container has {available}")),
+            missing => {
+                output::note(format_args!("skipping {missing} frames of the cameras; the container has {available}"))
+            }
         }
     }
 
-    /// The pictures that the cameras are to take.
-    fn takes(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Take>> {
+    /// A job for each frame request of the cameras.
+    fn jobs(&self, playback: &Playback<'_>, global: &GlobalArgs) -> Result<Vec<Job>> {
         let cameras = self.cameras.cameras()?;
         let available = playback.player().frames();
         let requests = frame_requests::frame_requests(&cameras, self.frames.frames, available)?;
         if !global.quiet {
-            self.note_what_is_passed_over(&cameras, available);
+            self.note_skipped_frames(&cameras, available);
         }
         let mut frames: Vec<u32> = requests.iter().map(|request| request.frame).collect();
         frames.sort_unstable();
         frames.dedup();
-        // Frames number the files, unless several cameras look in one.
+        // Files are numbered by frame, unless cameras share one.
         let by_frame = frames.len() == requests.len();
-        let take = |(at, request): (u32, FrameRequest)| {
+        let job = |(at, request): (u32, FrameRequest)| {
             let camera = request.cameras.first().copied();
             let (size, camera) = sized(camera, self.size)?;
             let cameras = match self.stereo {
@@ -543,13 +437,13 @@ impl Args {
             };
             let number = if by_frame { request.frame } else { at };
             let names = vec![PictureName { number, subject: "view".to_owned() }];
-            Ok(Take { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
+            Ok(Job { request: FrameRequest { cameras, ..request }, names, size, references: Vec::new() })
         };
-        (0..).zip(requests).map(take).collect()
+        (0..).zip(requests).map(job).collect()
     }
 }
 
-/// Width and height of a camera's picture, and the camera for it.
+/// Size of a camera's image, and the camera with its aspect.
 fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([u32; 2], Camera)> {
     let camera = camera.ok_or_else(|| Error::Usage("name a camera".into()))?;
     match asked.unwrap_or((DEFAULT_SIZE, None)) {
@@ -558,7 +452,7 @@ fn sized(camera: Option<Camera>, asked: Option<(u32, Option<u32>)>) -> Result<([
             let width = (f64::from(height) * camera.aspect()).round();
             if !(1.0..=65_536.0).contains(&width) {
                 return Err(Error::Usage(format!(
-                    "a picture {height} pixels high and {width} wide: 1 to 65536 were expected; give --size WxH"
+                    "an image of {width}x{height} pixels: up to 65536 were expected; set --size WxH"
                 )));
             }
             Ok(([width as u32, height], camera))

@@ -64,7 +64,7 @@ pub(super) fn check_depth(plane: &mut DepthPlane, rules: &DepthRules) -> Result<
                 InvalidDepth::Refuse => {
                     let say = "set `invalid_depth` to far or near";
                     let what = match depth {
-                        depth if depth.is_nan() => format!("not a number; {say}"),
+                        depth if depth.is_nan() => format!("not a number; {say}, as `background` cannot match it"),
                         0.0 => format!("zero; {say}, or `background` to 0 if it means no surface"),
                         depth => {
                             format!("negative ({depth}); {say}, or `background` to the value that means no surface")

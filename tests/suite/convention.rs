@@ -455,12 +455,12 @@ fn the_command_answers_with_an_exit_code_and_json() {
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((json["probes"].as_u64(), json["images"].as_u64()), (Some(1), Some(12)));
     for (arguments, words) in [
-        (&["film.lfold", "--check"][..], "compares a lightfield.json"),
+        (&["film.lfold", "--check"][..], "needs a lightfield.json"),
         (&[".", "--check", "--frame", "7"], "in the frame asked for"),
         (&[".", "--check", "--probe", "07"], "no probe \"07\""),
         (&[".", "--check", "--face", "px"], "only --probe and --frame"),
         (&[".", "--check", "--verify"], "cannot be used with"),
-        (&[".", "--check", "--memory", "1G"], "--memory does not bound --check"),
+        (&[".", "--check", "--memory", "1G"], "--memory does not limit --check"),
     ] {
         let output = run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

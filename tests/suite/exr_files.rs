@@ -123,7 +123,7 @@ fn half_float_and_uint_channels() {
     );
     assert_eq!(ours::read_depth(&path, &named("R"), &limits()).unwrap().data(), [2049.0, 2051.0]);
     assert_eq!(ours::read_depth(&path, &named("B"), &limits()).unwrap().data(), [0.5, f32::NEG_INFINITY]);
-    assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["t.exr", "--channel", "B, G, R"]);
+    assert_says(&message(ours::read_depth(&path, &AUTO, &limits())), &["t.exr", "`channel`", "B, G, R"]);
     assert_says(&message(ours::read_depth(&path, &named("Q"), &limits())), &["t.exr", "Q", "B, G, R"]);
 }
 

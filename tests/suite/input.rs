@@ -248,7 +248,7 @@ fn integers_need_a_scale() {
         let options = SourceOptions { depth_scale, ..SourceOptions::default() };
         set.depth(&options).map(|planes| planes[0].get(0, 0))
     };
-    let words = ["z.0.png", "holds integers", "--depth-scale", "0.001 for millimetres", "depth.scale"];
+    let words = ["z.0.png", "holds integers", "`depth_scale`", "0.001 for millimetres", "depth.scale"];
     assert_says(&message(with("", None)), &words);
     assert_says(&message(with(r#""depth": {"kind": "distance"},"#, None)), &words);
     for (depth, scale, metres) in [
@@ -316,7 +316,10 @@ fn depth_that_is_none() {
     for (value, word) in none {
         write(value);
         let text = message(read(&with(InvalidDepth::Refuse, None)));
-        assert_says(&text, &["z.0.exr", "frame 0", "pixel (2, 0)", word, "--invalid-depth to far or near", "--background"]);
+        assert_says(
+            &text,
+            &["z.0.exr", "frame 0", "pixel (2, 0)", word, "`invalid_depth` to far or near", "`background`"],
+        );
         assert_eq!(read(&with(InvalidDepth::Far, None)).unwrap(), [1.0, inf, inf]);
         assert_eq!(read(&with(InvalidDepth::Near, None)).unwrap(), [1.0, inf, 0.0]);
         if !value.is_nan() {

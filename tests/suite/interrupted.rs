@@ -316,10 +316,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
     command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o"]);
     let pipe = command.arg("-").output().unwrap();
     assert_eq!(pipe.status.code(), Some(2));
-    assert_eq!(
-        said(&pipe),
-        "lightfold: --resume needs a file: an encode to standard output cannot be resumed\n"
-    );
+    assert_eq!(said(&pipe), "lightfold: --resume needs a file: an encode to standard output cannot be resumed\n");
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o", "/dev/null"]);
     let null = null.output().unwrap();

@@ -162,7 +162,7 @@ fn standard_output_takes_one_picture() {
     assert!(printed == std::fs::read(at.join("a.png")).unwrap());
     fine(&format!("render a.lfold {EYE} -o a.exr"), at);
     assert!(refused(&format!("render a.lfold {EYE} --frames 0-2 -o -"), at).contains("one picture, and 3"));
-    assert!(refused(&format!("render a.lfold {EYE} -o - --json"), at).contains("one thing"));
+    assert!(refused(&format!("render a.lfold {EYE} -o - --json"), at).contains("only one result"));
 }
 
 #[test]
@@ -175,13 +175,13 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence() {
         ("--frames 7 -o a.png", "0-2"),
         ("-o a.jpg", ".png or .exr"),
         ("-o a.%V.png", "--stereo"),
-        ("--near 2 --far 1 --null", "--near below --far"),
+        ("--near 2 --far 1 --null", "must be below --far"),
         ("--method reproject --null", "--reference"),
         ("--probe nobody --null", "nobody"),
         ("--exclude-probe 00,01,02,03,04 --null", "probe"),
-        ("--exclude-probe 00 --probe 00 --null", "none is left"),
+        ("--exclude-probe 00 --probe 00 --null", "excludes all probes"),
         ("--max-bounces 9 --null", "0..=8"),
-        ("--far 0.001 --null", "give --near too"),
+        ("--far 0.001 --null", "set --near"),
         ("--error-map maps --null", "--error-map"),
         ("--reference-probe 00 --null", "--reference-probe"),
     ] {
@@ -206,16 +206,16 @@ fn frames_that_are_passed_over_are_told() {
     let at = folder.path();
     encoded("courtyard", at);
     let noted = |line: &str| String::from_utf8(fine(&format!("render a.lfold {line}"), at).stderr).unwrap();
-    assert!(noted(&format!("{EYE} --contact-sheet sheet.png")).contains("frame 0 of 0-2; --frames shows others"));
+    assert!(noted(&format!("{EYE} --contact-sheet sheet.png")).contains("frame 0 of 0-2; --frames selects others"));
     assert_eq!(noted(&format!("{EYE} --frames 0 --trace views.jsonl")), "");
     for ignored in ["--samples 2", "--effects force"] {
-        assert!(noted(&format!("{EYE} --frames 0 --null --method splat {ignored}")).contains("one sample a pixel"));
+        assert!(noted(&format!("{EYE} --frames 0 --null --method splat {ignored}")).contains("ignores --samples"));
     }
     let pose = r#"{"eye": [0.05, 1.52, 0], "look_at": [-2, 1.2, 0.8], "fov_y_deg": 80, "frame": "#;
     std::fs::write(at.join("path.json"), format!(r#"{{"cameras": [{pose} 1}}, {pose} 47}}]}}"#)).unwrap();
     let words = noted("--camera path.json --size 16 --null");
-    assert!(words.contains("45 frames that cameras look in are passed over: there are 0-2"), "{words}");
-    assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of the frames 2-9"));
+    assert!(words.contains("skipping 45 frames of the cameras; the container has 0-2"), "{words}");
+    assert!(noted("--reference captured --frames 2-9 --reference-probe 04").contains("of frames 2-9"));
 }
 
 /// Near and far of a camera of a file are planes that cut surfaces off, by every method.

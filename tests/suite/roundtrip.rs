@@ -347,7 +347,7 @@ fn invalid_readings_alone_are_no_nearest_surface() {
     let options = SourceOptions { invalid_depth: InvalidDepth::Near, ..SourceOptions::default() };
     let source = Source::open(folder.path(), &options).unwrap();
     let error = encode(&source, &EncodeSettings::default(), Vec::new(), &Silent).unwrap_err().to_string();
-    assert!(error.contains("--near"), "{error}");
+    assert!(error.contains("`near`"), "{error}");
     let settings = EncodeSettings { near_m: Some(2.0), ..EncodeSettings::default() };
     encoded(&source, &settings);
 }

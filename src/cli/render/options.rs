@@ -1,4 +1,4 @@
-//! Options of `render`, by what they are about.
+//! Groups of options of `render`.
 
 use std::path::PathBuf;
 
@@ -14,15 +14,14 @@ use crate::march::settings::{Acceleration, EffectMode};
 pub enum MethodArg {
     /// March rays through all active views
     March,
-    /// Draw every texel as a point of one pixel: what marching is to be better than
+    /// Baseline: each texel as a point of one pixel
     Splat,
-    /// Take distances from the reference, not from marching, and blend views there: what marching comes near to, and goes
-    /// beyond in mirrors and glass, and where few probes know a surface
+    /// Upper reference: blend views at the true distances of --reference, without reflection and refraction
     Reproject,
 }
 
 impl MethodArg {
-    /// Its word on the command line.
+    /// Its value on the command line.
     pub fn name(self) -> &'static str {
         match self {
             MethodArg::March => "march",
@@ -35,9 +34,9 @@ impl MethodArg {
 /// `--holes`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum HolesArg {
-    /// Nothing
+    /// Transparent black
     Blank,
-    /// What comes nearest; alpha is 0 all the same
+    /// The nearest texel; alpha stays 0
     Nearest,
 }
 
@@ -53,11 +52,11 @@ impl From<HolesArg> for HoleFill {
 /// `--effects`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum EffectsArg {
-    /// Where the light field has mirrors or glass in it
+    /// If the light field has reflective or refractive materials
     Auto,
-    /// Nowhere: views are blended
+    /// Never; views are blended
     None,
-    /// Everywhere, for tests: slower, and the same pictures as auto
+    /// Always, for tests: slower, with the same images as auto
     Force,
 }
 
@@ -74,9 +73,9 @@ impl From<EffectsArg> for EffectMode {
 /// `--acceleration`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum AccelerationArg {
-    /// Pass over regions that lie before the nearest depth in them, and so are empty; the pictures are the same
+    /// Skip empty space by depth pyramids; the images do not change
     Pyramid,
-    /// Look at every step
+    /// Sample every step
     None,
 }
 
@@ -92,58 +91,58 @@ impl From<AccelerationArg> for Acceleration {
 /// `--view-priority`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PriorityArg {
-    /// Probes near the eye first
+    /// By distance from the eye
     Distance,
-    /// Probes in the eye's direction from --pivot first
+    /// By angle to the eye at --pivot
     Angle,
 }
 
 /// `--decode`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum DecodeArg {
-    /// The tiles and cells that the eye sees; all where mirrors or glass send rays anywhere
+    /// Visible tiles and cells; all of them with reflective or refractive materials
     Seen,
-    /// All
+    /// All tiles and cells
     All,
 }
 
-/// How rays find surfaces and colours.
+/// Ray marching.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Quality and time")]
 pub struct MarchArgs {
-    /// Steps of a ray from near to far, even in the logarithm of the distance
+    /// Steps of a ray from near to far, even in log distance
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub steps: u32,
-    /// How often the step in which a ray meets a surface is halved
+    /// Bisections of the step that meets a surface
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=32))]
     pub refine: u32,
-    /// Where rays begin, in metres from the eye [default: a tenth of what is nearest to any probe]
+    /// Start of rays in metres from the eye [default: a tenth of the nearest depth]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub near: Option<f64>,
-    /// Where rays end, in metres from the eye [default: beyond everything]
+    /// End of rays in metres from the eye [default: unlimited]
     #[arg(long, value_name = "M", value_parser = parse_metres)]
     pub far: Option<f64>,
-    /// N x N rays for each pixel
+    /// N x N rays per pixel
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     pub samples: u32,
-    /// How rays are marched
+    /// Acceleration of ray marching
     #[arg(long, value_enum, default_value_t = AccelerationArg::Pyramid)]
     pub acceleration: AccelerationArg,
-    /// Where mirrors and glass send rays on
+    /// Secondary rays for reflection and refraction
     #[arg(long, value_enum, default_value_t = EffectsArg::Auto)]
     pub effects: EffectsArg,
-    /// How often a ray is sent on at most
+    /// Most secondary rays in succession
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub max_bounces: u32,
-    /// What is shown where no probe saw anything; such pixels have alpha 0 and are counted
+    /// Fill of holes, which no probe saw; they have alpha 0 and are counted
     #[arg(long, value_enum, default_value_t = HolesArg::Blank)]
     pub holes: HolesArg,
-    /// What makes a picture of the views
+    /// Rendering method
     #[arg(long, value_enum, default_value_t = MethodArg::March)]
     pub method: MethodArg,
 }
 
-/// Which probes take part.
+/// Selection of probes.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Views")]
 pub struct ViewArgs {
@@ -153,30 +152,30 @@ pub struct ViewArgs {
     /// All probes but these, such as 00,01
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub exclude_probe: Vec<String>,
-    /// So many probes at most, those of highest priority [default: all]
+    /// Most active probes, by priority [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub views: Option<u32>,
-    /// Which probes have priority
+    /// Priority of probes
     #[arg(long, value_enum, default_value_t = PriorityArg::Distance)]
     pub view_priority: PriorityArg,
-    /// Where angles of probes are measured, in metres [default: the middle of all probes]
+    /// Vertex of the angles between probes, in metres [default: the centre of all probes]
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     pub pivot: Option<DVec3>,
-    /// Leave out a probe that the eye sees within so many degrees of one of higher priority
+    /// Cull a probe within this angle, at --pivot, of one of higher priority
     #[arg(long, value_name = "DEGREES", value_parser = parse_not_negative, default_value = "0")]
     pub cull_angle: f64,
-    /// Leave out probes of low priority while a frame takes longer than this
+    /// Cull probes of low priority while a frame takes longer
     #[arg(long, value_name = "MS", value_parser = parse_positive)]
     pub target_ms: Option<f64>,
-    /// Write which probes were active in each frame, and why others were not, as lines of JSON
+    /// Write active and culled probes of each frame as lines of JSON
     #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
-    /// What is decoded
+    /// Parts to decode
     #[arg(long, value_enum, default_value_t = DecodeArg::Seen)]
     pub decode: DecodeArg,
 }
 
-/// Parses metres that single floats can tell from nothing and from infinity.
+/// Parses metres that are normal as 32-bit floats.
 fn parse_metres(text: &str) -> Result<f64, String> {
     let metres = parse_positive(text)?;
     if (metres as f32).is_normal() {

@@ -1,14 +1,14 @@
-//! What `render` writes may neither be what it reads, nor one file twice.
+//! Checks that outputs of `render` are neither inputs nor each other.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// A file that is to be written, and which option asks for it.
+/// An option and its output file.
 pub type Output = (&'static str, PathBuf);
 
-/// Refuses outputs that are one of the inputs, or the same file as another output; `-` is no file.
+/// Refuses outputs that are inputs or equal to another output, except `-`.
 ///
 /// # Errors
 /// The first clash, in the order of the outputs.
@@ -19,13 +19,13 @@ pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
         let place = place_of(path);
         if inputs.contains(&place) {
             return Err(Error::Usage(format!(
-                "{option} {}: is read by this command, and would be overwritten; name another file",
+                "{option} {}: an input would be overwritten; name another file",
                 path.display()
             )));
         }
         if let Some(other) = taken.insert(place, option) {
             return Err(Error::Usage(format!(
-                "{option} {}: is written by {other}, too; name another file or folder",
+                "{option} {}: is also written by {other}; name another file or folder",
                 path.display()
             )));
         }
@@ -33,7 +33,7 @@ pub fn check(outputs: &[Output], inputs: &[&Path]) -> Result<()> {
     Ok(())
 }
 
-/// The place that a path leads to, also where there is no file yet.
+/// The canonical path, also of files that do not exist yet.
 fn place_of(path: &Path) -> PathBuf {
     if let Ok(place) = path.canonicalize() {
         return place;
@@ -57,7 +57,7 @@ mod tests {
             super::check(&outputs, &[&at("in"), &at("no such file")]).map_err(|error| error.to_string())
         };
         assert_eq!(check(&[("-o", "a"), ("--trace", "b"), ("--contact-sheet", "sub/a")]), Ok(()));
-        assert!(check(&[("-o", "a"), ("--trace", "in")]).unwrap_err().contains("is read"));
+        assert!(check(&[("-o", "a"), ("--trace", "in")]).unwrap_err().contains("an input"));
         assert!(check(&[("-o", "a"), ("--trace", "./a")]).unwrap_err().contains("written by -o"));
         assert!(super::check(&[("-o", "-".into()), ("--trace", "-".into())], &[]).is_ok());
     }

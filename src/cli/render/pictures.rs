@@ -1,4 +1,4 @@
-//! Where rendered pictures go: files of a pattern, a folder, standard output, nowhere; and a contact sheet.
+//! Writes rendered images to files, a folder or standard output, and draws the contact sheet.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -92,7 +92,7 @@ impl Pictures {
                 1 => Destination::StandardOutput,
                 count => {
                     return Err(Error::Usage(format!(
-                        "-o -: standard output takes one picture, and {count} are asked for; name a pattern such as \
+                        "-o -: standard output takes one picture, and {count} are rendered; name a pattern such as \
                          view.%04d.png"
                     )));
                 }

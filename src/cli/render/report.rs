@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::Args;
+use super::args::Args;
 use super::truth::TruthRun;
 use crate::cli::GlobalArgs;
 use crate::cli::output::{self, human_bytes};

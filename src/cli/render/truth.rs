@@ -1,14 +1,14 @@
-//! `render --reference`: pictures of what a dataset shows, compared with it.
+//! `render --reference`: renders the images of a dataset, and compares them.
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
 use serde_json::{Value, json};
 
-use super::Take;
+use super::job::Job;
 use super::options::MethodArg;
 use super::pictures::PictureName;
+use super::truth_args::TruthArgs;
 use crate::cli::GlobalArgs;
 use crate::cli::output;
 use crate::error::{Error, Result};
@@ -23,55 +23,7 @@ use crate::image::png;
 use crate::image::transfer::ToneMap;
 use crate::report::error_picture;
 
-/// What pictures are compared with.
-#[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Reference")]
-pub struct TruthArgs {
-    /// Render what this dataset's images show, and report PSNR and SSIM
-    #[arg(long, value_name = "DATASET", conflicts_with_all = ["camera", "eye"])]
-    pub reference: Option<PathBuf>,
-    /// Only these probes of it, such as 00,01
-    #[arg(long, value_name = "NAME", value_delimiter = ',', requires = "reference", conflicts_with_all = ["camera", "eye"])]
-    pub reference_probe: Vec<String>,
-    /// Folder for pictures of where the errors are
-    #[arg(long, value_name = "DIR", requires = "reference", conflicts_with_all = ["camera", "eye"])]
-    pub error_map: Option<PathBuf>,
-}
-
-impl TruthArgs {
-    /// Opens the reference, if there is one.
-    ///
-    /// # Errors
-    /// When it cannot be read, has no such probe, or has not what a method takes.
-    pub fn open(&self, method: MethodArg) -> Result<Option<TruthRun>> {
-        let Some(path) = &self.reference else {
-            return match method {
-                MethodArg::Reproject => {
-                    Err(Error::Usage("--method reproject takes its distances from --reference: name a dataset".into()))
-                }
-                _ => Ok(None),
-            };
-        };
-        let reference = Reference::open(path)?;
-        for name in &self.reference_probe {
-            if !reference.images().iter().any(|image| image.probe == *name) {
-                return Err(Error::Usage(format!("{}: no probe is named {name}", path.display())));
-            }
-        }
-        let maps = self.error_map.as_deref().map(OutputFolder::create).transpose()?;
-        Ok(Some(TruthRun {
-            path: path.clone(),
-            reference,
-            probes: self.reference_probe.clone(),
-            maps,
-            method,
-            all: Similarity::empty(),
-            images: Vec::new(),
-        }))
-    }
-}
-
-/// A reference, and how far pictures were from it so far.
+/// A reference, and the similarity of the images so far.
 pub struct TruthRun {
     path: PathBuf,
     reference: Reference,
@@ -83,14 +35,43 @@ pub struct TruthRun {
 }
 
 impl TruthRun {
-    /// What is to be rendered: the images of a probe in a frame at once.
+    /// Opens the reference, if there is one.
+    ///
+    /// # Errors
+    /// When it cannot be read, has no such probe, or has not what a method jobs.
+    pub fn open(args: &TruthArgs, method: MethodArg) -> Result<Option<TruthRun>> {
+        let Some(path) = &args.reference else {
+            return match method {
+                MethodArg::Reproject => Err(Error::Usage("--method reproject needs --reference".into())),
+                _ => Ok(None),
+            };
+        };
+        let reference = Reference::open(path)?;
+        for name in &args.reference_probe {
+            if !reference.images().iter().any(|image| image.probe == *name) {
+                return Err(Error::Usage(format!("{}: no probe is named {name}", path.display())));
+            }
+        }
+        let maps = args.error_map.as_deref().map(OutputFolder::create).transpose()?;
+        Ok(Some(TruthRun {
+            path: path.clone(),
+            reference,
+            probes: args.reference_probe.clone(),
+            maps,
+            method,
+            all: Similarity::empty(),
+            images: Vec::new(),
+        }))
+    }
+
+    /// A job for each probe and frame.
     ///
     /// # Errors
     /// When reference and container have no frame in common.
-    pub fn takes(&self, frames: Option<FrameRange>, available: FrameRange, global: &GlobalArgs) -> Result<Vec<Take>> {
-        let mut takes: Vec<Take> = Vec::new();
+    pub fn jobs(&self, frames: Option<FrameRange>, available: FrameRange, global: &GlobalArgs) -> Result<Vec<Job>> {
+        let mut jobs: Vec<Job> = Vec::new();
         if let Some(asked) = frames.filter(|&frames| frames.intersect(available) != Some(frames) && !global.quiet) {
-            output::note(format_args!("of the frames {asked}, those are shown that there are: {available}"));
+            output::note(format_args!("of frames {asked} only {available} exist"));
         }
         let frames = frames.map_or(Some(available), |frames| frames.intersect(available));
         for (at, image) in self.reference.images().iter().enumerate() {
@@ -100,19 +81,19 @@ impl TruthRun {
             for frame in frames.and_then(|frames| frames.intersect(image.frames)).into_iter().flat_map(FrameRange::iter)
             {
                 let name = PictureName { number: frame, subject: format!("{}_{}", image.probe, image.face.name()) };
-                let same = |take: &&mut Take| {
-                    let other = take.references.first().and_then(|&other| self.reference.images().get(other));
-                    take.request.frame == frame
-                        && take.size == image.size
+                let same = |job: &&mut Job| {
+                    let other = job.references.first().and_then(|&other| self.reference.images().get(other));
+                    job.request.frame == frame
+                        && job.size == image.size
                         && other.is_some_and(|o| o.probe == image.probe)
                 };
-                match takes.iter_mut().find(same) {
-                    Some(take) => {
-                        take.request.cameras.push(image.camera);
-                        take.names.push(name);
-                        take.references.push(at);
+                match jobs.iter_mut().find(same) {
+                    Some(job) => {
+                        job.request.cameras.push(image.camera);
+                        job.names.push(name);
+                        job.references.push(at);
                     }
-                    None => takes.push(Take {
+                    None => jobs.push(Job {
                         request: FrameRequest { frame, cameras: vec![image.camera] },
                         names: vec![name],
                         size: image.size,
@@ -121,43 +102,43 @@ impl TruthRun {
                 }
             }
         }
-        if takes.is_empty() {
+        if jobs.is_empty() {
             return Err(Error::Usage(format!(
-                "{}: none of the frames that are asked for is in both the reference and the container ({available})",
+                "{}: no selected frame is in both the reference and the container ({available})",
                 self.path.display()
             )));
         }
-        Ok(takes)
+        Ok(jobs)
     }
 
-    /// True distances of a take's pictures.
+    /// True distances of a job's images.
     ///
     /// # Errors
     /// When the reference has none, or they cannot be read.
-    pub fn distances(&mut self, take: &Take) -> Result<VecDeque<DepthPlane>> {
+    pub fn distances(&mut self, job: &Job) -> Result<VecDeque<DepthPlane>> {
         let of = |&image: &usize| {
-            let distance_m = self.reference.distance_m(image, take.request.frame)?;
+            let distance_m = self.reference.distance_m(image, job.request.frame)?;
             distance_m.ok_or_else(|| {
-                Error::Usage(format!("{}: has no depth, which --method reproject takes", self.path.display()))
+                Error::Usage(format!("{}: has no depth, which --method reproject needs", self.path.display()))
             })
         };
-        take.references.iter().map(of).collect()
+        job.references.iter().map(of).collect()
     }
 
-    /// Compares the pictures of a take.
+    /// Compares the images of a job.
     ///
     /// # Errors
     /// When an image cannot be read or a map not be written.
-    pub fn compare(&mut self, take: &Take, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
-        for ((&image, name), rendered) in take.references.iter().zip(&take.names).zip(pictures) {
-            let truth = self.reference.truth(image, take.request.frame)?;
+    pub fn compare(&mut self, job: &Job, pictures: &[RenderedImage], tone: ToneMap) -> Result<()> {
+        for ((&image, name), rendered) in job.references.iter().zip(&job.names).zip(pictures) {
+            let truth = self.reference.truth(image, job.request.frame)?;
             let similarity = Similarity::of(rendered, &truth, tone)?;
             self.all.merge(&similarity)?;
             let about = &self.reference.images()[image];
             let mut entry = figures(&similarity);
             entry["probe"] = json!(about.probe);
             entry["face"] = json!(about.face.name());
-            entry["frame"] = json!(take.request.frame);
+            entry["frame"] = json!(job.request.frame);
             self.images.push(entry);
             if let Some(maps) = &self.maps {
                 let shown = rendered.codes(tone);
@@ -171,7 +152,7 @@ impl TruthRun {
         Ok(())
     }
 
-    /// Lets the maps appear.
+    /// Commits the error maps.
     ///
     /// # Errors
     /// When they cannot.
@@ -179,7 +160,7 @@ impl TruthRun {
         self.maps.take().map_or(Ok(()), OutputFolder::commit)
     }
 
-    /// How far all pictures were from it.
+    /// Similarity of all images.
     pub fn all(&self) -> &Similarity {
         &self.all
     }

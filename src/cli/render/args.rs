@@ -1,0 +1,104 @@
+//! Arguments of `render`.
+
+use std::path::{Path, PathBuf};
+
+use super::options::{MarchArgs, ViewArgs, parse_size};
+use super::truth_args::TruthArgs;
+use crate::cli::device::{DeviceArg, GpuArgs};
+use crate::cli::options::{CameraArgs, FrameArgs, MemoryArgs, parse_positive};
+
+/// Arguments.
+#[derive(Debug, clap::Args)]
+#[command(
+    mut_arg("frames", |frames| frames.help("Only these frames, such as 10-99 or 12 [default: frames of the cameras or \
+        the reference, else the first]")),
+    group(clap::ArgGroup::new("from").required(true).multiple(true).args(["camera", "eye", "reference", "list_devices"])),
+    after_help = "Examples:\n  lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o view.png\n  \
+    lightfold render film.lfold --camera path.json --frames 0-23 --size 1280x720 -o view.%04d.png\n  \
+    lightfold render film.lfold --camera path.json -o view.%04d.exr --trace views.jsonl --stats\n  \
+    lightfold render film.lfold --camera path.json --stereo 0.064 -o view.%V.%04d.png\n  \
+    lightfold render film.lfold --camera path.json --null --stats --json\n  \
+    lightfold render film.lfold --camera path.json --contact-sheet sheet.png\n  \
+    lightfold render film.lfold --exclude-probe 00 --reference film --reference-probe 00\n  \
+    lightfold render film.lfold --eye 0,1.5,0 --look-at 2,1.5,0 --fov 90 -o - | display -\n\n\
+    A camera path is a file of cameras as for decode: {\"cameras\": [{\"eye\": [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \
+    \"fov_y_deg\": 90}]}. Cameras without \"frames\" are poses of one camera, one per frame of --frames; if --frames names one \
+    frame or is absent, all of them show that frame. Either all cameras of a path have \"frames\", or none has. Poses with a \
+    \"frame\" are key poses: position is interpolated linearly, orientation by slerp: {\"cameras\": [{\"eye\": \
+    [0, 1.5, 0], \"look_at\": [2, 1.5, 0], \"fov_y_deg\": 90, \"frame\": 0}, {\"eye\": [1, 1.5, 0], \"look_at\": [2, 1.5, 1], \
+    \"fov_y_deg\": 60, \"frame\": 95}]}. near_m and far_m of a camera, in metres along its axis, clip surfaces; behind a surface \
+    clipped by near_m the texels behind it are visible. --near and --far are distances from the eye, and limit the steps of \
+    rays. The aspect of --size WxH overrides that of a camera.\n\n\
+    The number in a file name is the frame. If several cameras share a frame, it is the index of the image in the path, from \
+    0. With --reference it is the frame, and files in a folder are named by probe and face, 00_px.0000.png. Folders contain \
+    PNG; name a pattern for EXR.\n\n\
+    EXR images hold linear light, premultiplied by alpha, PNG images codes after the container's transfer function and \
+    straight alpha. Alpha is 0 at holes, which no probe saw or near and far clipped, and 1 elsewhere, also for background. \
+    With --holes nearest light is not premultiplied.\n\n\
+    Lines of --trace: shot, a counter from 0; frame; eye in metres; active probes by priority, with slot (constant while a \
+    probe is active), distance_m from the eye and angle_deg at --pivot; culled probes with the reason: limit (--views), angle \
+    (--cull-angle, by that probe) or performance (--target-ms); cells_decoded and cells_skipped, tiles and cells; bytes_read; \
+    update_ms and render_ms."
+)]
+pub struct Args {
+    /// The container, - for standard input
+    #[arg(value_name = "IN.lfold", required_unless_present = "list_devices")]
+    pub input: Option<PathBuf>,
+    /// An image ending in .png or .exr, a pattern such as view.%04d.png (%V stands for left and right), a folder for PNG
+    /// files, or - for a PNG on standard output
+    #[arg(long, short, value_name = "OUT",
+        required_unless_present_any = ["null", "list_devices", "contact_sheet", "trace", "reference"])]
+    pub output: Option<PathBuf>,
+    /// Render without writing
+    #[arg(long, conflicts_with = "output")]
+    pub null: bool,
+    /// Height, or width and height in pixels [default: 512; with --reference the size of its images]
+    #[arg(long, value_name = "N|WxH", value_parser = parse_size, conflicts_with = "reference")]
+    pub size: Option<(u32, Option<u32>)>,
+    /// Frames.
+    #[command(flatten)]
+    pub frames: FrameArgs,
+    /// Stereo pairs with this distance of the eyes in metres, side by side unless OUT has %V
+    #[arg(long, value_name = "M", value_parser = parse_positive, conflicts_with = "reference")]
+    pub stereo: Option<f64>,
+    /// Rendering device [default: cpu]
+    #[arg(long, value_enum)]
+    pub device: Option<DeviceArg>,
+    /// Which graphics device.
+    #[command(flatten)]
+    pub gpu: GpuArgs,
+    /// Contact sheet of all images, as PNG
+    #[arg(long, value_name = "FILE.png")]
+    pub contact_sheet: Option<PathBuf>,
+    /// Memory.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// How.
+    #[command(flatten)]
+    pub march: MarchArgs,
+    /// Which probes.
+    #[command(flatten)]
+    pub views: ViewArgs,
+    /// What pictures are compared with.
+    #[command(flatten)]
+    pub truth: TruthArgs,
+    /// Cameras.
+    #[command(flatten)]
+    pub cameras: CameraArgs,
+}
+
+impl Args {
+    /// Number of results on standard output, without the report.
+    pub fn results_to_stdout(&self) -> usize {
+        let paths = [&self.output, &self.contact_sheet, &self.views.trace];
+        paths.into_iter().flatten().filter(|path| *path == Path::new("-")).count()
+    }
+
+    /// Whether a result goes to standard output, so that text goes to standard error.
+    pub fn is_stdout_taken(&self) -> bool {
+        self.results_to_stdout() > 0
+    }
+}
