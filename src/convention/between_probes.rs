@@ -28,7 +28,7 @@ const AGREES_TOO_LITTLE: f64 = 0.02;
 const FAIR_SHARE: f64 = 0.2;
 /// Ratio of misfits from which a hypothesis is preferred.
 pub const DECISIVE: f64 = 3.0;
-/// Hypothesiss that are no worse than this fit as well as the best one.
+/// Hypotheses within this ratio of the least misfit are equally good.
 const AS_GOOD: f64 = 1.3;
 /// Share attributed to chance.
 const CHANCE: f64 = 0.005;
