@@ -35,11 +35,11 @@ pub use files::{Destination, decode_to_files};
 pub use images::{ImageSource, Images, OnCpu};
 #[cfg(feature = "encode")]
 pub use manifest::FileFormat;
-pub use pixels::PixelsMut;
+pub use pixels::{PixelsMut, UnitPixels};
 #[cfg(feature = "encode")]
 pub use report::{DamagedChunkReport, DecodeReport, DecodeTimes};
 pub use selection::{Request, Selection, StreamFrames};
-pub use unit::{UnitDecoder, UnitPixels};
+pub use unit::UnitDecoder;
 pub use unit_filter::{AllUnits, UnitFilter};
 pub use units::{DecodeSummary, Decoded, decode_units, decoded_pixel_bytes, stored_bytes};
 pub use window::check_windows;

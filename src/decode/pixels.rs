@@ -2,11 +2,22 @@
 
 use half::f16;
 
-use crate::decode::unit::UnitPixels;
+use crate::color::HalfKey;
 use crate::depth::CodeTable;
 use crate::error::{Error, Result};
 use crate::image::transfer::DecodeTable;
 use crate::streams::{CodecHeader, ColorFormat, convert};
+
+/// The pixels of a unit in the domain of its codec, row by row.
+#[derive(Debug, Clone, Copy)]
+pub enum UnitPixels<'u> {
+    /// 16-bit log codes.
+    Depth(&'u [u16]),
+    Material(&'u [[u8; 3]]),
+    Color8(&'u [[u8; 3]]),
+    /// Half floats as keys.
+    ColorHalf(&'u [[HalfKey; 3]]),
+}
 
 /// A caller's slice for decoded pixels: one element a pixel, row by row from the top left.
 #[derive(Debug)]

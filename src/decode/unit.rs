@@ -10,7 +10,7 @@ use crate::container::Reader;
 use crate::decode::cell::CellState;
 use crate::decode::chunk_source::{ChunkSource, DecodeCost};
 use crate::decode::damage::DamagedChunk;
-use crate::decode::pixels::{Conversion, PixelsMut};
+use crate::decode::pixels::{Conversion, PixelsMut, UnitPixels};
 use crate::error::{Error, Result};
 use crate::image::sequence::FrameRange;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthChunk, MaterialChunk, PictureChunk, StreamInfo};
@@ -140,17 +140,6 @@ impl<'a> UnitDecoder<'a> {
     pub fn chunk_of(&self, frame: u32) -> Result<(usize, u32)> {
         self.source.find(frame).map(|(index, chunk)| (index, chunk.stored_bytes))
     }
-}
-
-/// The pixels of a unit in the domain of its codec, row by row.
-#[derive(Debug, Clone, Copy)]
-pub enum UnitPixels<'u> {
-    /// 16-bit log codes.
-    Depth(&'u [u16]),
-    Material(&'u [[u8; 3]]),
-    Color8(&'u [[u8; 3]]),
-    /// Half floats as keys.
-    ColorHalf(&'u [[HalfKey; 3]]),
 }
 
 /// A tile: its picture, and the chunk that it came from.
