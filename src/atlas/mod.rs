@@ -8,7 +8,6 @@
 pub struct TextureLimits {
     /// Texels of a side.
     pub side: u32,
-    /// Layers.
     pub layers: u32,
 }
 
@@ -19,7 +18,6 @@ pub struct TileGrid {
     pub columns: u32,
     /// Tiles in a column.
     pub rows: u32,
-    /// Layers.
     pub layers: u32,
 }
 
@@ -43,7 +41,6 @@ impl TileGrid {
 /// A rectangle of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Allocation {
-    /// The layer.
     pub layer: u32,
     /// Its left column and top row.
     pub corner: [u32; 2],

@@ -1,9 +1,8 @@
 //! Decodes streams of one family on a graphics device: all their tiles and cells in one dispatch.
 //!
-//! Enters: which units are to show which frame. On the device lie the chunks ([`crate::gpu::resident`]), the pictures,
-//! and what each shows; for each call only the list of units goes there. A planning kernel finds the record that each
-//! unit applies next and sums up the work; the decoding kernel, whose size the plan says, finds its part by bisection.
-//! Units that are more than a window behind take several rounds.
+//! Enters: units, each with a frame. The device keeps the chunks ([`crate::gpu::resident`]), the pictures, and which frame each
+//! shows; a call sends only the list of units. A planning kernel finds the next record of each unit and sums up the work; the
+//! decoding kernel, whose size the plan sets, finds its part by bisection. Units more than a window behind take several rounds.
 //!
 //! Based on: GDC 5, algorithm 2.
 
@@ -30,21 +29,20 @@ use crate::ordered::try_map_ordered;
 const FETCH_TOGETHER: usize = 32;
 /// Bytes of the payloads that are fetched together, unless one alone has more.
 const FETCH_BYTES: u64 = 64 << 20;
-/// Rounds that a unit may take to its frame. A stream takes so many only where it is entered far behind its keyframe, with
-/// a narrow window; each costs two dispatches, and a file of a few bytes could ask for hours of them.
+/// Most rounds of a unit. Only entering a stream far behind its keyframe with a narrow window takes many; each is two
+/// dispatches, and a file of a few bytes could cause hours of them.
 const MAX_ROUNDS: u32 = 1 << 14;
-/// Rounds that are handed in together.
+/// Rounds that are submitted together.
 const ROUNDS_TOGETHER: u32 = 64;
-/// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that reach far beyond narrow tiles can take more
-/// than there are pixels.
+/// Most invocations of a dispatch: kernels number them in 32 bits. Nodes that overhang narrow tiles can take more than there
+/// are pixels.
 const MOST_WORK: u64 = 1 << 31;
 
-/// A unit and the frame that it is to show.
+/// A unit and the frame to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UnitFrame {
     /// Position of its stream among those that the decoder was made for.
     pub stream: usize,
-    /// The tile or cell.
     pub unit: u32,
     /// The frame, numbered as in the source.
     pub frame: u32,
@@ -53,9 +51,7 @@ pub struct UnitFrame {
 /// What a unit's picture shows, as the host knows it.
 #[derive(Debug, Clone)]
 struct Shown {
-    /// The chunk's key.
     key: u32,
-    /// The frame in it.
     frame: u32,
     /// What is known of the chunk, also where it was dropped.
     timeline: Arc<Timeline>,
@@ -73,12 +69,11 @@ pub struct GpuDecoder<'a> {
     units: Vec<Unit>,
     shown: Vec<Option<Shown>>,
     resident: Resident,
-    /// Calls so far.
     calls: u64,
     most_work: u64,
     /// Words of chunks that are kept from call to call.
     kept_words: usize,
-    /// Pixels that the last call wrote of each unit that it wanted.
+    /// Pixels that the last call wrote, by unit.
     written: Vec<u64>,
     buffers: Buffers,
     plan: Arc<Pipeline>,
@@ -88,7 +83,7 @@ pub struct GpuDecoder<'a> {
     watch: Watch<'a>,
 }
 
-/// Who may ask to stop.
+/// Monitors a stop request.
 #[derive(Clone, Copy)]
 struct Watch<'a>(&'a dyn Monitor);
 
@@ -111,7 +106,7 @@ struct Buffers {
     job_words: usize,
 }
 
-/// A list of units that are ready to go: their chunks are on the device.
+/// A list of units whose chunks are resident.
 #[derive(Default)]
 struct Batch {
     items: Vec<Item>,
@@ -145,17 +140,11 @@ fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
 
 impl<'a> GpuDecoder<'a> {
     /// A decoder of streams of one family, at least one.
-    ///
-    /// # Errors
-    /// Their families differ, or their pictures do not fit into one buffer of the device.
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder, streams: &[&'a StreamInfo]) -> Result<GpuDecoder<'a>> {
         Self::with_rows(gpu, decoder, streams, 1)
     }
 
     /// The same, where rows of 8-bit colours take a multiple of `row_words` words: copies into textures want it.
-    ///
-    /// # Errors
-    /// As for [`GpuDecoder::new`].
     pub fn with_rows(
         gpu: &'a Gpu,
         decoder: &'a Decoder,
@@ -168,7 +157,7 @@ impl<'a> GpuDecoder<'a> {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
         }
         let total: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
-        // A buffer says itself what it would need and what is allowed.
+        // The error of a buffer that is too large names both sizes.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let pictures = gpu.buffer("pictures", picture_words, none)?;
@@ -220,33 +209,29 @@ impl<'a> GpuDecoder<'a> {
         })
     }
 
-    /// The same, which ends in [`Error::Interrupted`] soon after the monitor was asked to stop.
+    /// The same with a monitor, whose stop request ends a call in [`Error::Interrupted`].
     #[must_use]
     pub fn watched_by(self, monitor: &'a dyn Monitor) -> Self {
         GpuDecoder { watch: Watch(monitor), ..self }
     }
 
-    /// Drops chunks as soon as they take more than `words` words of a buffer: for tests of what then happens.
+    /// Sets the most words of chunks in a buffer: for tests.
     pub fn limit_resident(&mut self, words: usize) -> Result<()> {
         self.resident = Resident::new(self.gpu, words.min(self.gpu.info.max_binding_bytes as usize / 4))?;
         Ok(())
     }
 
-    /// Hands in a list as soon as its units may take more than so many invocations: for tests of what then happens.
+    /// Sets the most invocations of a list: for tests.
     pub fn limit_work(&mut self, invocations: u64) {
         self.most_work = invocations.min(MOST_WORK);
     }
 
-    /// Drops chunks that a call does not need where all take more than `words` words, so that a long playback does not fill the
-    /// device.
+    /// Keeps at most `words` words of chunks from call to call, so that a long playback does not fill the device.
     pub fn limit_kept(&mut self, words: usize) {
         self.kept_words = words;
     }
 
-    /// Shows a frame of each stream; streams that do not have it stay as they are.
-    ///
-    /// # Errors
-    /// A chunk is damaged, or the device fails.
+    /// Decodes a frame of each stream that has it.
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         let has_it = |at: &usize| self.streams[*at].frames.contains(frame);
         let units = (0..self.streams.len()).filter(has_it).flat_map(|at| self.wanted(at, frame, &AllUnits));
@@ -254,17 +239,13 @@ impl<'a> GpuDecoder<'a> {
         self.decode_units(&units)
     }
 
-    /// The units of a stream that a filter wants in a frame.
     pub fn wanted(&self, stream: usize, frame: u32, filter: &dyn UnitFilter) -> Vec<UnitFrame> {
         let info = self.streams[stream];
         let units = (0..info.entry.unit_count()).filter(|&unit| filter.wants(info, unit, frame));
         units.map(|unit| UnitFrame { stream, unit, frame }).collect()
     }
 
-    /// Shows frames of some units, each named once at most.
-    ///
-    /// # Errors
-    /// A stream lacks a frame, a chunk is damaged, or the device fails.
+    /// Decodes units, each at most once in the list.
     pub fn decode_units(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         self.calls += 1;
         if self.resident.stream_words() > self.kept_words {
@@ -278,17 +259,17 @@ impl<'a> GpuDecoder<'a> {
         self.wanted_pixels += shapes.map(|unit| u64::from(unit.width) * u64::from(unit.height)).sum::<u64>();
         let mut batch = Batch::default();
         let listed = self.list(wanted, &mut batch);
-        // Also after an error: what the host believes of the listed units must be so.
+        // Also after an error: the device must show what the host recorded for the listed units.
         let submitted = self.submit(&mut batch);
         let decoded = listed.and(submitted);
         if decoded.is_err() {
-            // What is asked for next starts over; the device knows by itself what it shows.
+            // The next call starts over; the device itself knows what it shows.
             self.shown.fill(None);
         }
         decoded
     }
 
-    /// Drops chunks that these units do not need, until no more are left than are kept.
+    /// Drops chunks that these units do not need, down to the words that are kept.
     fn drop_chunks(&mut self, wanted: &[UnitFrame]) -> Result<()> {
         for &one in wanted {
             let (key, entry) = self.chunk(one)?;
@@ -303,7 +284,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(())
     }
 
-    /// Lists units whose chunks are on the device; hands in what was listed where they no longer fit.
+    /// Lists units whose chunks are resident; submits the list where more do not fit.
     fn list(&mut self, mut wanted: &[UnitFrame], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
             self.watch.0.check()?;
@@ -339,7 +320,7 @@ impl<'a> GpuDecoder<'a> {
         self.first_units[one.stream] + one.unit as usize
     }
 
-    /// Pixels that the last call wrote of a unit that it wanted.
+    /// Pixels that the last call wrote of a unit.
     pub fn written(&self, one: UnitFrame) -> u64 {
         self.written[self.number(one)]
     }
@@ -359,7 +340,7 @@ impl<'a> GpuDecoder<'a> {
         self.shown[unit].as_ref().filter(|shown| shown.key == key).map(|shown| shown.frame)
     }
 
-    /// Where a unit's picture lies among [`GpuDecoder::pictures`].
+    /// Place of a unit's picture among [`GpuDecoder::pictures`].
     pub fn unit(&self, stream: usize, unit: u32) -> &Unit {
         &self.units[self.first_units[stream] + unit as usize]
     }
@@ -369,12 +350,11 @@ impl<'a> GpuDecoder<'a> {
         &self.buffers.pictures
     }
 
-    /// The streams that it was made for.
     pub fn streams(&self) -> &[&'a StreamInfo] {
         &self.streams
     }
 
-    /// Bytes that went to the device so far.
+    /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
         self.resident.bytes_sent() + self.buffers.items.bytes_sent()
     }
@@ -386,7 +366,7 @@ impl<'a> GpuDecoder<'a> {
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
     }
 
-    /// Pixels of the units that were wanted, over all calls so far.
+    /// Pixels of the units of all calls so far.
     pub fn wanted_pixels(&self) -> u64 {
         self.wanted_pixels
     }
@@ -432,8 +412,8 @@ impl<'a> GpuDecoder<'a> {
             .map_err(|error| reader.blame(entry, error))
     }
 
-    /// Fetches and checks the chunks of the first units that are not on the device, in parallel; answers how many units
-    /// these are, one at least, and the chunks.
+    /// Fetches and checks the missing chunks of the first units, in parallel; answers the number of units, at least one, and the
+    /// chunks.
     fn fetch_missing(&mut self, wanted: &[UnitFrame]) -> Result<(usize, HashMap<u32, Prepared>)> {
         let (mut missing, mut bytes, mut count) = (Vec::new(), 0, 0);
         for &one in wanted.iter().take(FETCH_TOGETHER) {
@@ -454,7 +434,7 @@ impl<'a> GpuDecoder<'a> {
         Ok((count, fetched.into_iter().collect()))
     }
 
-    /// Brings a chunk onto the device; `false` where there is no room.
+    /// Makes a chunk resident; `false` where there is no room.
     fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
         if self.resident.slot(key).is_some() {
             self.resident.needed(key, self.calls);
@@ -476,7 +456,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(room)
     }
 
-    /// Adds a unit to the list; `false` where its chunks do not fit beside those that the list needs.
+    /// Adds a unit to the list; `false` where its chunks do not fit beside those of the list.
     fn add(&mut self, one: UnitFrame, fetched: &mut HashMap<u32, Prepared>, batch: &mut Batch) -> Result<bool> {
         let (key, entry) = self.chunk(one)?;
         let frame = one.frame - entry.key.first_frame;
@@ -514,7 +494,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(true)
     }
 
-    /// Rounds that a unit takes to a frame of a chunk on the device, at least one, and the pixels that it writes.
+    /// Rounds of a unit to a frame of a resident chunk, at least one, and the pixels that it writes.
     fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
         let Some(slot) = self.resident.slot(key) else { return (1, 0) };
         let at = self.frame_of(unit, key);
@@ -530,7 +510,7 @@ impl<'a> GpuDecoder<'a> {
         (rounds.max(1), pixels)
     }
 
-    /// Hands in the list, and empties it.
+    /// Submits the list, and empties it.
     fn submit(&mut self, batch: &mut Batch) -> Result<()> {
         let Batch { items, rounds, .. } = std::mem::take(batch);
         if items.is_empty() {
@@ -560,7 +540,7 @@ impl<'a> GpuDecoder<'a> {
                 gpu.queue.submit([encoder.finish()]);
             })?;
             left -= now;
-            // Or a long way through a chunk would queue all its rounds at once.
+            // Else a long chunk would queue all its rounds at once.
             if left > 0 {
                 gpu.wait()?;
                 self.watch.0.check()?;
@@ -570,7 +550,7 @@ impl<'a> GpuDecoder<'a> {
         Ok(())
     }
 
-    /// Buffers of the planning and of the decoding kernel, by the names in their rows.
+    /// Bind groups of the planning and of the decoding kernel.
     fn bind(&self) -> [wgpu::BindGroup; 2] {
         let of = |name: &str| match name {
             "units" => &self.buffers.units,
@@ -592,9 +572,6 @@ impl<'a> GpuDecoder<'a> {
     }
 
     /// Waits for the device.
-    ///
-    /// # Errors
-    /// The device was lost.
     pub fn wait(&mut self) -> Result<()> {
         let start = Instant::now();
         self.gpu.wait()?;
@@ -604,7 +581,7 @@ impl<'a> GpuDecoder<'a> {
 }
 
 impl Buffers {
-    /// Brings the list onto the device, and makes room for its jobs.
+    /// Sends the list, and makes room for its jobs.
     fn list(&mut self, gpu: &Gpu, items: &[Item]) -> Result<()> {
         self.items.clear();
         self.items.push(&[items.len() as u32, 0]);

@@ -1,4 +1,4 @@
-//! Finds a graphics device and opens it; whatever goes wrong on it becomes an error of the crate.
+//! Finds and opens a graphics device; its failures become errors of the crate.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use crate::error::{Error, Result};
 use crate::gpu::kernels::{Binding, BindingKind, Kernel};
 
-/// Largest buffer that kernels are given, in bytes, whatever the device offers: offsets of bytes must fit 32 bits.
+/// Largest buffer of a kernel in bytes, on any device: byte offsets must fit 32 bits.
 const MAX_BUFFER_BYTES: u64 = 1 << 30;
 
 /// Which device decodes.
@@ -16,7 +16,6 @@ pub enum DeviceChoice {
     Auto,
     /// A graphics device, software Vulkan included; without one it is an error.
     Gpu,
-    /// The CPU.
     Cpu,
 }
 
@@ -33,7 +32,7 @@ pub enum Pick {
 }
 
 impl Pick {
-    /// What the words of an environment variable ask for: a number, or a part of a name.
+    /// Parses an environment variable: an index, or a part of a name.
     pub fn parse(words: &str) -> Pick {
         match words.trim() {
             "" => Pick::Best,
@@ -42,22 +41,19 @@ impl Pick {
     }
 }
 
-/// What a graphics device says of itself.
+/// Properties of a graphics device.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct DeviceInfo {
     /// Its position in [`list`].
     pub index: usize,
-    /// Its name.
     pub name: String,
     /// `discrete`, `integrated`, `virtual`, `software` or `other`.
     pub kind: &'static str,
-    /// The driver and its version.
     pub driver: String,
     /// `vulkan`, `metal` or `dx12`.
     pub backend: String,
     /// Bytes of a buffer that a kernel can be given.
     pub max_binding_bytes: u64,
-    /// Invocations of a workgroup.
     #[serde(rename = "max_workgroup_invocations")]
     pub max_invocations: u32,
 }
@@ -83,7 +79,7 @@ impl DeviceInfo {
         }
     }
 
-    /// Whether it is a processor that plays a graphics device.
+    /// Whether it is a software device.
     pub fn is_software(&self) -> bool {
         self.kind == "software"
     }
@@ -125,10 +121,7 @@ pub fn list() -> Vec<DeviceInfo> {
     adapters().iter().enumerate().map(|(index, adapter)| DeviceInfo::of(index, adapter)).collect()
 }
 
-/// The device that a choice leads to, `None` for the CPU; with a sentence to tell where `auto` found none.
-///
-/// # Errors
-/// `gpu` was asked for and there is none, there is no such device, or it cannot be opened.
+/// The chosen device, `None` for the CPU; with a message where `auto` found none.
 pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<String>)> {
     match choice {
         DeviceChoice::Cpu => Ok((None, None)),
@@ -155,20 +148,15 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
 /// A pipeline with the layout of its bindings.
 #[derive(Debug)]
 pub struct Pipeline {
-    /// The compiled kernel.
     pub pipeline: wgpu::ComputePipeline,
-    /// The layout of group 0.
     pub layout: wgpu::BindGroupLayout,
 }
 
 /// An open graphics device, and the kernels that were compiled for it so far.
 #[derive(Debug)]
 pub struct Gpu {
-    /// What it says of itself.
     pub info: DeviceInfo,
-    /// Where resources are made.
     pub device: wgpu::Device,
-    /// Where work is handed in.
     pub queue: wgpu::Queue,
     lost: Arc<OnceLock<String>>,
     pipelines: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
@@ -176,9 +164,6 @@ pub struct Gpu {
 
 impl Gpu {
     /// Opens a device.
-    ///
-    /// # Errors
-    /// There is none, none that was picked, or it lacks what every WebGPU device has.
     pub fn open(pick: &Pick) -> Result<Gpu> {
         let mut found: Vec<_> = adapters().into_iter().enumerate().collect();
         found.sort_by_key(|(index, adapter)| DeviceInfo::of(*index, adapter).rank());
@@ -197,7 +182,7 @@ impl Gpu {
         };
         let info = DeviceInfo::of(index, &adapter);
         let limits = adapter.limits();
-        // What a browser grants, but for the sizes of buffers.
+        // The defaults of WebGPU, except for the sizes of buffers.
         let required_limits = wgpu::Limits {
             max_storage_buffer_binding_size: limits.max_storage_buffer_binding_size,
             max_buffer_size: limits.max_buffer_size,
@@ -212,22 +197,19 @@ impl Gpu {
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| Error::unsupported(format!("{} cannot be opened: {error}", info.name)))?;
         let lost = Arc::new(OnceLock::new());
-        let told = Arc::clone(&lost);
+        let reason = Arc::clone(&lost);
         device.set_device_lost_callback(move |_, words| {
-            let _ = told.set(words);
+            let _ = reason.set(words);
         });
-        // What no error scope caught would otherwise end the process.
-        let told = Arc::clone(&lost);
+        // Uncaptured errors would end the process.
+        let reason = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            let _ = told.set(error.to_string());
+            let _ = reason.set(error.to_string());
         }));
         Ok(Gpu { info, device, queue, lost, pipelines: Mutex::new(HashMap::new()) })
     }
 
-    /// Does something on the device; what it refuses is an error that begins with `what`.
-    ///
-    /// # Errors
-    /// The device is lost or out of memory, or the work is not valid on it.
+    /// Runs work on the device; a refusal becomes an error that begins with `what`.
     pub fn guard<T>(&self, what: &str, work: impl FnOnce() -> T) -> Result<T> {
         let filters = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation];
         let mut scopes: Vec<_> = filters.into_iter().map(|filter| self.device.push_error_scope(filter)).collect();
@@ -237,7 +219,7 @@ impl Gpu {
             refused = refused.or(pollster::block_on(scope.pop()));
         }
         if refused.is_some() {
-            // A device tells that it is lost when it is asked how it is.
+            // Polling reports a lost device.
             let _ = self.device.poll(wgpu::PollType::Poll);
         }
         self.check_lost()?;
@@ -260,20 +242,14 @@ impl Gpu {
         }
     }
 
-    /// Waits until all work that was handed in is done.
-    ///
-    /// # Errors
-    /// The device was lost.
+    /// Waits for all submitted work.
     pub fn wait(&self) -> Result<()> {
         let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
         self.check_lost()?;
         polled.map(|_| ()).map_err(|error| self.failed("waiting", &error.to_string()))
     }
 
-    /// A buffer that kernels read and write, of `words` words, all zero.
-    ///
-    /// # Errors
-    /// It is larger than the device allows, or there is no memory for it.
+    /// A zeroed storage buffer of `words` words.
     pub fn buffer(&self, label: &str, words: usize, more: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
         let bytes = (words.max(4) * 4) as u64;
         if bytes > self.info.max_binding_bytes {
@@ -285,10 +261,7 @@ impl Gpu {
         self.guard(label, || self.device.create_buffer(&descriptor))
     }
 
-    /// The words of the front of a buffer, after all work handed in before.
-    ///
-    /// # Errors
-    /// The device was lost or has no memory.
+    /// The first words of a buffer, after all submitted work.
     pub fn read(&self, buffer: &wgpu::Buffer, words: usize) -> Result<Vec<u32>> {
         if words == 0 {
             return Ok(Vec::new());
@@ -310,10 +283,7 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
 
-    /// The pipeline of a kernel, compiled when it is first asked for.
-    ///
-    /// # Errors
-    /// The driver refuses the kernel.
+    /// The pipeline of a kernel, compiled at its first use.
     pub fn pipeline(&self, kernel: &'static Kernel) -> Result<Arc<Pipeline>> {
         let mut known = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = known.get(kernel.name) {

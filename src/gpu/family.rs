@@ -1,4 +1,4 @@
-//! Which streams one dispatch can decode together: those of one kernel.
+//! Families of streams that one dispatch can decode together: those of one kernel.
 
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;
@@ -42,7 +42,6 @@ pub enum PixelWords {
 }
 
 impl Family {
-    /// All of them.
     pub const ALL: [Family; 10] = [
         Family::Nodes,
         Family::Codes,
@@ -121,7 +120,7 @@ impl Family {
         }
     }
 
-    /// A unit of so many pixels whose picture starts at word `picture`.
+    /// A unit whose picture starts at word `picture`.
     pub fn unit(self, header: &CodecHeader, [width, height]: [u32; 2], picture: u32) -> Unit {
         let plain = Unit { picture, width, height, stride: self.stride(width), ..Unit::default() };
         match header {

@@ -1,4 +1,4 @@
-//! Runs one kernel over given words, and compares what it writes with what it should.
+//! Runs one kernel over given words, and compares its output with the expected words.
 
 use std::time::Instant;
 
@@ -7,10 +7,9 @@ use crate::gpu::device::Gpu;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::MAX_GROUPS;
 
-/// One dispatch with what must come of it.
+/// One dispatch with its expected output.
 #[derive(Debug, Clone, Default)]
 pub struct Case {
-    /// What is special about it.
     pub label: String,
     /// The words of each binding, in order; written ones start with these.
     pub buffers: Vec<Vec<u32>>,
@@ -24,39 +23,34 @@ pub struct Case {
     pub pixels: u64,
 }
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CaseResult {
     /// Words that are not as expected.
     pub mismatches: u64,
     /// The first of them, in words.
     pub first: Option<String>,
-    /// Seconds of one dispatch, timed over several; 0 where that was not asked for.
+    /// Seconds of one dispatch, timed over several; 0 where it was not timed.
     pub seconds: f64,
 }
 
-/// Workgroups along x and y for so many.
+/// Workgroups along x and y for `count` in all.
 pub fn groups(count: u32) -> [u32; 2] {
     let x = count.clamp(1, MAX_GROUPS);
     [x, count.div_ceil(x).max(1)]
 }
 
-/// Whether a case is also run for the clock.
+/// Whether a case is also timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Clock {
-    /// Only compared.
     Off,
-    /// Run again for about so many milliseconds.
+    /// Repeated for about this many milliseconds.
     Milliseconds(u32),
 }
 
 /// Most dispatches that are timed together.
 const MOST_REPEATS: f64 = 100.0;
 
-/// Runs a case.
-///
-/// # Errors
-/// The device refuses the work or is lost.
 pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Result<CaseResult> {
     let pipeline = gpu.pipeline(kernel)?;
     let mut buffers = Vec::new();

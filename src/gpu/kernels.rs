@@ -1,11 +1,9 @@
 //! The kernel table: the rows of `shaders/kernels.json`, which `build.rs` turns into the statics below.
 
-/// A file of `shaders/`.
 #[derive(Debug, Clone, Copy)]
 pub struct ShaderFile {
     /// Path below `shaders/`.
     pub path: &'static str,
-    /// Its WGSL.
     pub text: &'static str,
 }
 
@@ -25,14 +23,11 @@ pub enum BindingKind {
 /// A buffer or texture of group 0; its binding number is its position in the row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binding {
-    /// Name in WGSL.
     pub name: &'static str,
-    /// Access.
     pub kind: BindingKind,
 }
 
 impl Binding {
-    /// Whether it is a texture.
     pub fn is_texture(self) -> bool {
         matches!(self.kind, BindingKind::Uint | BindingKind::UnfilterableFloat)
     }
@@ -43,12 +38,9 @@ impl Binding {
     }
 }
 
-/// A kernel.
 #[derive(Debug)]
 pub struct Kernel {
-    /// Name, in reports too.
     pub name: &'static str,
-    /// Entry point in WGSL.
     pub entry: &'static str,
     /// Files that are concatenated to its source.
     pub files: &'static [ShaderFile],

@@ -42,7 +42,6 @@ macro_rules! structs {
             pub struct $name { $(pub $field: $kind),+ }
 
             impl $name {
-                /// Size in words.
                 pub const WORDS: usize = size_of::<$name>() / 4;
             }
 

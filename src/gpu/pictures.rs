@@ -1,7 +1,7 @@
 //! Pictures as kernels write them: words of a unit, row by row.
 //!
-//! Codes lie two in a word, the left one in the low half; a row starts with a new word, and what is left of its last one
-//! is 0. Three bytes make a word, the first the lowest. Three halves make two words: the first two, then the third.
+//! Two codes make a word, the left one in the low half; a row starts with a new word and is padded with 0. Three bytes make a
+//! word, the first the lowest. Three halves make two words: the first two, then the third.
 
 use half::f16;
 
@@ -78,7 +78,7 @@ pub fn mismatched_words(one: &Picture, other: &Picture) -> u64 {
     }
 }
 
-/// Fills a rectangle (left, top, width, height) with background where it is depth, else with 0.
+/// Fills a rectangle (left, top, width, height) with background or 0.
 pub fn leave_out(picture: &mut Picture, rect: [u32; 4]) {
     fn fill<T: Copy>(plane: &mut Plane<T>, [left, top, width, height]: [u32; 4], value: T) {
         (top..top + height).for_each(|y| plane.row_mut(y)[left as usize..(left + width) as usize].fill(value));

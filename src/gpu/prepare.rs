@@ -1,7 +1,7 @@
-//! Chunks in the form that lies on the device: bytes of the stream, and tables that lead into them.
+//! Chunks in the form of the device: bytes of the stream, and tables of offsets into them.
 //!
 //! Enters: a payload. Leaves: rows whose offsets count from the chunk's own first byte, word or row; [`crate::gpu::resident`]
-//! adds where the chunk comes to lie.
+//! adds the place of the chunk.
 
 use crate::block;
 use crate::color::blend::Sample;
@@ -16,7 +16,7 @@ use crate::gpu::layout::{BOX_BLOCKS, BOX_CONSTANT, BOX_VALUES, BoxRow, KEYFRAME_
 use crate::gpu::pictures::code_stride;
 use crate::streams::{CodecHeader, ColorFormat, DepthChunk, MaterialChunk, PictureChunk};
 
-/// What the host keeps of a chunk that is on the device.
+/// What the host keeps of a resident chunk.
 #[derive(Debug, Clone)]
 pub enum Timeline {
     /// Frames that have a record, with the pixels that it writes.
@@ -57,11 +57,9 @@ pub struct Prepared {
     pub stream: Vec<u32>,
     /// Its rows of the table of records.
     pub records: Vec<Record>,
-    /// Its boxes.
     pub boxes: Vec<BoxRow>,
     /// Byte at which the weights start, and their number.
     pub weights: [u32; 2],
-    /// What the host keeps.
     pub timeline: Timeline,
 }
 
@@ -74,9 +72,6 @@ impl Prepared {
 
 /// Checks a payload of `frames` frames, which stands at `place` in its unit of `size` (width, height) pixels, and brings it into
 /// the device's form.
-///
-/// # Errors
-/// Those of the codec.
 pub fn prepare(
     header: &CodecHeader,
     payload: Payload,
@@ -113,7 +108,7 @@ type Part = ([u32; 4], u32, usize);
 
 /// How a rectangle is put together.
 pub trait Parts<T: Texel>: Layout<T> {
-    /// Its parts; `bytes` start with what is stored of it.
+    /// Its parts; `bytes` start with its stored bytes.
     fn parts(bytes: &[u8], size: [u32; 2]) -> Vec<Part>;
 }
 

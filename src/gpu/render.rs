@@ -1,11 +1,10 @@
-//! Pictures of a light field on a graphics device: what `march::render` makes, by the same steps (CALF 6).
+//! Renders a light field on a graphics device, by the same steps as `march::render` (CALF 6).
 //!
-//! Enters: active views with their texels, a camera, settings. Leaves: a picture in linear light with alpha, and what it
-//! came to. The device keeps the texels (`texels`); only those that have changed go there, with a few words for each
-//! picture (`scene`).
+//! Enters: active views with their texels, a camera, settings. Leaves: a picture in linear light with alpha, and counters. The
+//! device keeps the texels (`texels`); a picture sends only changed ones, and a few words (`scene`).
 //!
-//! Colours and hits are those of the CPU but for the rounding of single floats, in which devices differ: a ray that
-//! grazes a surface may pass it on one and not on the other.
+//! Colours and hits equal the CPU's up to the rounding of single floats, in which devices differ: a ray that grazes a surface
+//! may pass it on one and hit it on the other.
 
 pub mod agreement;
 pub mod backend;
@@ -42,12 +41,11 @@ use crate::views::rects::Rect;
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
-/// One of the counters.
 type Counter = fn(&mut Counters) -> &mut u64;
 
-/// Words that a workgroup counts in.
+/// Counters of a workgroup.
 const COUNTERS: usize = COUNTED.len();
-/// What each of these words counts, by its name in `shaders/march/counters.wgsl`.
+/// The counters, by their names in `shaders/march/counters.wgsl`.
 const COUNTED: [(&str, Counter); 8] = [
     ("PRIMARY_RAYS", |counters| &mut counters.primary_rays),
     ("MARCH_STEPS", |counters| &mut counters.march_steps),
@@ -58,27 +56,26 @@ const COUNTED: [(&str, Counter); 8] = [
     ("HOLE_RAYS", |counters| &mut counters.hole_rays),
     ("BACKGROUND_RAYS", |counters| &mut counters.background_rays),
 ];
-/// Points that a dispatch may compare with views, at most, where it has more than one row of workgroups: operating
-/// systems take a device that works for seconds to be dead. Where rays are sent on, dispatches begin so small that this holds
-/// whatever they meet, and grow while they are short.
+/// Most samples that a dispatch of several rows of workgroups compares with views: operating systems reset a device that is
+/// busy for seconds. With secondary rays, dispatches begin small enough for the worst case, and grow while they are short.
 const WORK_OF_DEVICE: u64 = 1 << 31;
-/// The same of a processor that plays a device, so that a request to stop is heard.
+/// The same for a software device, so that a stop request is served in time.
 const WORK_OF_SOFTWARE: u64 = 1 << 25;
 /// After a dispatch that took less, the next one may have twice the rows.
 const SHORT: Duration = Duration::from_millis(50);
 
-/// What rendering has cost so far.
+/// Cost of rendering so far.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RenderCost {
-    /// Time for bringing texels onto the device.
+    /// Time for sending texels.
     pub sending: Duration,
     /// Bytes of these texels, and of all that is decoded on the device.
     pub bytes_sent: u64,
     /// Bytes of texels that were decoded on the device, and copied there.
     pub bytes_copied: u64,
-    /// What decoding on the device has cost.
+    /// Cost of decoding on the device.
     pub units: UnitCost,
-    /// Time in which the CPU looked for balls of glass and what is around them.
+    /// Time of the CPU for fitting refractive spheres and their local environment maps.
     pub glass: Duration,
     /// Time in which the device marched, from the first dispatch to the end of the last.
     pub marching: Duration,
@@ -91,7 +88,7 @@ pub struct RenderCost {
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
     texels: DeviceTexels,
-    /// What decodes depth and colour, where the CPU does not.
+    /// What decodes depth and colour, unless the CPU does.
     backend: Option<GpuBackend<'a>>,
     /// Buffers of the last picture by name, for pictures that need the same size.
     buffers: HashMap<&'static str, wgpu::Buffer>,
@@ -112,7 +109,7 @@ impl<'a> GpuRenderer<'a> {
         Self::of_coding(gpu, field.coding, None)
     }
 
-    /// A renderer of a light field whose depth and colour the device decodes, and whose colours are coded so.
+    /// A renderer of a light field whose depth and colour the device decodes.
     pub fn decoding(gpu: &'a Gpu, coding: ColorCoding, backend: GpuBackend<'a>) -> GpuRenderer<'a> {
         Self::of_coding(gpu, coding, Some(backend))
     }
@@ -127,17 +124,16 @@ impl<'a> GpuRenderer<'a> {
         self.backend.is_some()
     }
 
-    /// What decodes depth and colour, where the CPU does not.
+    /// What decodes depth and colour, unless the CPU does.
     pub fn backend(&mut self) -> Option<&mut GpuBackend<'a>> {
         self.backend.as_mut()
     }
 
-    /// The texels on the device.
     pub fn texels(&self) -> &DeviceTexels {
         &self.texels
     }
 
-    /// What it has cost so far.
+    /// Cost so far.
     pub fn cost(&self) -> RenderCost {
         let units = self.backend.as_ref().map(GpuBackend::cost).unwrap_or_default();
         RenderCost { units, bytes_sent: self.cost.bytes_sent + units.bytes_sent, ..self.cost }
@@ -157,10 +153,7 @@ impl<'a> GpuRenderer<'a> {
         }
     }
 
-    /// Brings the texels of these views onto the device, as [`GpuRenderer::render`] does if it was not done before.
-    ///
-    /// # Errors
-    /// They are too many or too large for the device.
+    /// Sends the texels of these views, as [`GpuRenderer::render`] does if they are missing.
     pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
         let Transferred { bytes_sent, bytes_copied } = self.texels.bring(self.gpu, views, self.backend.as_ref())?;
@@ -175,7 +168,7 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
-    /// Brings the texels of these views, and of those from balls of glass, which are new for each picture.
+    /// Brings the texels of these views, and of local environment maps of spheres, which are new for each picture.
     fn bring_glass(&mut self, views: &ActiveViews<'_>, glass: &GlassBalls) -> Result<()> {
         for view in glass.balls.iter().map(|ball| &ball.view) {
             for (face, texels) in view.faces.iter().enumerate() {
@@ -191,9 +184,6 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// Renders. The monitor advances by one for each row.
-    ///
-    /// # Errors
-    /// When the monitor says to stop, the device fails, or the picture or the light field is too large for it.
     pub fn render(
         &mut self,
         views: &ActiveViews<'_>,
@@ -249,7 +239,7 @@ impl<'a> GpuRenderer<'a> {
         }
     }
 
-    /// A buffer of `words` words with anything in it.
+    /// A buffer of `words` words with undefined content.
     fn buffer(&mut self, label: &'static str, words: usize) -> Result<wgpu::Buffer> {
         if let Some(buffer) = self.buffers.get(label).filter(|buffer| buffer.size() == 4 * words as u64) {
             return Ok(buffer.clone());
@@ -293,8 +283,7 @@ impl<'a> GpuRenderer<'a> {
         Ok(Target { scene, pixels, counts, group })
     }
 
-    /// Brings the greatest inverse depths of views that the device has decoded to where the kernel reads them: the CPU does not
-    /// know them.
+    /// Copies the greatest inverse depths of views that the device has decoded into their rows: the CPU does not know them.
     fn copy_greatest(&self, views: &ActiveViews<'_>) -> Result<()> {
         let (Some(backend), Some(words)) = (&self.backend, self.buffers.get("views")) else { return Ok(()) };
         let decoded = views.views.iter().enumerate().filter_map(|(at, active)| {
@@ -343,30 +332,28 @@ fn count_words([width, height]: [u32; 2]) -> usize {
     width.div_ceil(TILE) as usize * height.div_ceil(TILE) as usize * COUNTERS
 }
 
-/// The rows that a dispatch has at first, and those it has at most, whole workgroups of them: as if each ray were sent on as
-/// often as it may be, and as if none were.
+/// First and most rows of a dispatch, whole workgroups of them: for the most secondary rays, and for none.
 fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderSettings) -> [u32; 2] {
     let points = settings.steps.distances_m.len() as u64 + u64::from(settings.steps.refine);
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
     let row = (rays * points).saturating_mul(views.max(1) as u64);
     let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
-    let sends_on = kernel.name == kernels::RENDER_EFFECTS.name;
-    let sent_on = if sends_on { most_sent_on(settings.max_bounces) } else { 0 };
-    [1 + sent_on, 1].map(|rays| {
+    let secondary = if kernel.name == kernels::RENDER_EFFECTS.name { most_secondary_rays(settings.max_bounces) } else { 0 };
+    [1 + secondary, 1].map(|rays| {
         let groups = work / row.saturating_mul(rays).saturating_mul(TILE.into()).max(1);
         groups.clamp(1, u64::from(u32::MAX / TILE)) as u32 * TILE
     })
 }
 
-/// Rays along which points are looked at in place of one from the eye, at most: a surface sends on four, and looks for the end
-/// of a solid along three. No more can carry the least share each than shares of it there are.
-fn most_sent_on(max_bounces: u32) -> u64 {
+/// Most secondary rays per camera ray: a surface emits four, and searches for the far side of a solid along three. At most
+/// `1 / LEAST_SHARE` rays of a bounce can carry the least share.
+fn most_secondary_rays(max_bounces: u32) -> u64 {
     let most = (1.0 / LEAST_SHARE) as u64;
     let surfaces = |bounce: u32| most.min(4u64.pow(bounce));
     (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
 }
 
-/// Rays from the eye of a picture.
+/// Camera rays of a picture.
 fn rays_from_eye(settings: &RenderSettings) -> u64 {
     let samples = u64::from(settings.samples.max(1));
     settings.size.map(u64::from).iter().product::<u64>() * samples * samples
@@ -387,12 +374,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_that_are_sent_on_are_counted_in_full() {
+    fn secondary_rays_are_bounded() {
         // 4 + 16 + 64 + 256 rays of 85 surfaces, each with three ways through a solid.
-        assert_eq!(most_sent_on(0), 0);
-        assert_eq!(most_sent_on(1), 3 + 4);
-        assert_eq!(most_sent_on(4), 3 * 85 + 340);
-        assert_eq!(most_sent_on(5), most_sent_on(4) + 4 * 256);
-        assert_eq!(most_sent_on(u32::MAX), most_sent_on(MAX_BOUNCES));
+        assert_eq!(most_secondary_rays(0), 0);
+        assert_eq!(most_secondary_rays(1), 3 + 4);
+        assert_eq!(most_secondary_rays(4), 3 * 85 + 340);
+        assert_eq!(most_secondary_rays(5), most_secondary_rays(4) + 4 * 256);
+        assert_eq!(most_secondary_rays(u32::MAX), most_secondary_rays(MAX_BOUNCES));
     }
 }

@@ -1,7 +1,7 @@
-//! What lies on the device: bytes of chunks, and the tables that lead into them (GDC 5).
+//! Resident buffers: bytes of chunks, and tables of offsets into them (GDC 5).
 //!
-//! Chunks come as they are needed and stay. Those that are dropped leave gaps, which later ones fill; nothing that stays is moved.
-//! Where a buffer is full all the same, all are dropped at once: the units that are being decoded soon have theirs again.
+//! Chunks are loaded when they are needed, and stay. Dropped ones leave gaps, which later ones fill; resident chunks never move.
+//! Where a buffer is full nonetheless, all are dropped at once.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
@@ -12,10 +12,10 @@ use crate::gpu::device::Gpu;
 use crate::gpu::layout::{BoxRow, Chunk, Record, words_of};
 use crate::gpu::prepare::{Prepared, Timeline};
 
-/// Words that a buffer starts with.
+/// Initial words of a buffer.
 const FIRST_WORDS: usize = 1 << 14;
 
-/// A buffer that words are put into.
+/// A buffer that grows.
 #[derive(Debug)]
 pub struct Growing {
     label: &'static str,
@@ -26,7 +26,7 @@ pub struct Growing {
     gaps: Gaps,
     /// Words that are not yet on the device, and the place of the first.
     pending: Vec<(usize, Vec<u32>)>,
-    /// Bytes that went to the device so far.
+    /// Bytes sent so far.
     sent: u64,
 }
 
@@ -37,12 +37,11 @@ struct Gaps {
     by_place: BTreeMap<usize, usize>,
     /// Words, and where they begin.
     by_words: BTreeSet<(usize, usize)>,
-    /// Words of all of them.
     words: usize,
 }
 
 impl Gaps {
-    /// Where the smallest begins that has room for so many words.
+    /// Start of the smallest gap with room for so many words.
     fn find(&self, words: usize) -> Option<usize> {
         self.by_words.range((words, 0)..).next().map(|gap| gap.1)
     }
@@ -87,9 +86,6 @@ impl Gaps {
 
 impl Growing {
     /// An empty one.
-    ///
-    /// # Errors
-    /// The device has no memory.
     pub fn new(gpu: &Gpu, label: &'static str) -> Result<Growing> {
         let buffer = gpu.buffer(label, FIRST_WORDS, wgpu::BufferUsages::empty())?;
         let (words, gaps) = (FIRST_WORDS, Gaps::default());
@@ -101,7 +97,7 @@ impl Growing {
         self.len - self.gaps.words
     }
 
-    /// Bytes that went to the device so far.
+    /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
         self.sent
     }
@@ -111,12 +107,12 @@ impl Growing {
         &self.buffer
     }
 
-    /// Whether there is a place for so many words beside others, where it may have `most` in all.
+    /// Whether so many words fit, with at most `most` in all.
     fn has_room(&self, words: usize, most: usize) -> bool {
         self.gaps.find(words).is_some() || self.len + words <= most
     }
 
-    /// A place for so many words: where the next words go that are put there.
+    /// Allocates words; answers the first.
     fn place(&mut self, words: usize) -> usize {
         match self.gaps.find(words) {
             Some(at) => {
@@ -130,7 +126,7 @@ impl Growing {
         }
     }
 
-    /// Puts words into a place of theirs.
+    /// Writes allocated words.
     fn put(&mut self, at: usize, words: Vec<u32>) {
         match self.pending.last_mut() {
             Some((start, pending)) if *start + pending.len() == at => pending.extend(words),
@@ -145,7 +141,7 @@ impl Growing {
         self.put(at, words.to_vec());
     }
 
-    /// Words that were put there, and are on the device, are needed no more.
+    /// Frees words that are on the device.
     fn free(&mut self, range: Range<usize>) {
         let gap = self.gaps.add(range);
         if gap.end == self.len {
@@ -154,17 +150,14 @@ impl Growing {
         }
     }
 
-    /// Forgets all words; those not yet on the device must not be needed any more.
+    /// Frees all words, also those that were not flushed.
     pub fn clear(&mut self) {
         self.len = 0;
         self.gaps = Gaps::default();
         self.pending.clear();
     }
 
-    /// Brings what was put there onto the device.
-    ///
-    /// # Errors
-    /// The device has no memory, or allows no buffer of this size.
+    /// Sends pending words.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
         let (needed, most) = (self.len, gpu.info.max_binding_bytes as usize / 4);
         if needed > self.words {
@@ -190,7 +183,7 @@ impl Growing {
     }
 }
 
-/// A chunk on the device.
+/// A resident chunk.
 #[derive(Debug)]
 pub struct Slot {
     /// Its row of the table of chunks.
@@ -201,20 +194,17 @@ pub struct Slot {
     pub timeline: Arc<Timeline>,
     /// The call that needed it last.
     last_used: u64,
-    /// Where it lies among the bytes, the records, the boxes, and the chunks.
+    /// Its ranges of the bytes, records, boxes and chunks.
     places: [Range<usize>; 4],
 }
 
-/// All chunks of some streams that are on the device.
+/// The resident chunks of a decoder.
 #[derive(Debug)]
 pub struct Resident {
     /// Bytes of chunks.
     pub stream: Growing,
-    /// Table of records.
     pub records: Growing,
-    /// Table of boxes.
     pub boxes: Growing,
-    /// Table of chunks.
     pub chunks: Growing,
     slots: HashMap<u32, Slot>,
     most_words: usize,
@@ -222,9 +212,6 @@ pub struct Resident {
 
 impl Resident {
     /// Nothing yet; buffers grow up to `most_words` words.
-    ///
-    /// # Errors
-    /// The device has no memory.
     pub fn new(gpu: &Gpu, most_words: usize) -> Result<Resident> {
         Ok(Resident {
             stream: Growing::new(gpu, "stream")?,
@@ -241,7 +228,7 @@ impl Resident {
         self.slots.get(&key)
     }
 
-    /// A call needs a chunk; it is dropped after those that were needed last by earlier ones.
+    /// Marks a chunk as needed by a call; chunks of earlier calls are dropped first.
     pub fn needed(&mut self, key: u32, call: u64) {
         if let Some(slot) = self.slots.get_mut(&key) {
             slot.last_used = call;
@@ -253,7 +240,7 @@ impl Resident {
         self.stream.taken()
     }
 
-    /// Bytes that went to the device so far.
+    /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
         self.all().map(Growing::bytes_sent).sum()
     }
@@ -276,8 +263,8 @@ impl Resident {
         self.all().zip(words_taken(chunk)).all(|(growing, words)| growing.has_room(words, self.most_words))
     }
 
-    /// Drops chunks that a call does not need, those first that were needed least lately, until no more than `words` words of
-    /// chunks are left; all that were placed must have been flushed.
+    /// Drops chunks that a call does not need, the least recently needed first, until at most `words` words of chunks are left.
+    /// All chunks must have been flushed.
     pub fn drop_unneeded(&mut self, call: u64, words: usize) {
         let unneeded = self.slots.iter().filter(|(_, slot)| slot.last_used != call);
         let mut unneeded: Vec<(u64, u32)> = unneeded.map(|(key, slot)| (slot.last_used, *key)).collect();
@@ -299,7 +286,7 @@ impl Resident {
         self.slots.clear();
     }
 
-    /// Puts a chunk where there is room, for a call that needs it.
+    /// Allocates and writes a chunk for a call that needs it.
     pub fn place(&mut self, key: u32, chunk: Prepared, call: u64) {
         let words = words_taken(&chunk);
         let mut sizes = words.into_iter();
@@ -329,10 +316,7 @@ impl Resident {
         self.slots.insert(key, Slot { chunk: slot, most_work, timeline, last_used: call, places });
     }
 
-    /// Brings what was placed onto the device.
-    ///
-    /// # Errors
-    /// The device has no memory, or allows no buffer of this size.
+    /// Sends pending chunks.
     pub fn flush(&mut self, gpu: &Gpu) -> Result<()> {
         self.all_mut().into_iter().try_for_each(|growing| growing.flush(gpu))
     }

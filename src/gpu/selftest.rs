@@ -18,7 +18,7 @@ use crate::gpu::kernels::{self, Kernel};
 
 use Inputs::Words;
 
-/// The seed of the inputs where none is given.
+/// Default seed of the inputs.
 pub const SEED: u64 = 1;
 /// Time for measuring the speed of a kernel.
 const CLOCK: Clock = Clock::Milliseconds(200);
@@ -26,18 +26,16 @@ const CLOCK: Clock = Clock::Milliseconds(200);
 /// Inputs of a kernel.
 #[derive(Debug)]
 pub struct Row {
-    /// The kernel.
     pub kernel: &'static Kernel,
-    /// What it is given.
     pub inputs: Inputs,
 }
 
-/// What a kernel is given.
+/// Inputs of a kernel.
 #[derive(Debug)]
 pub enum Inputs {
-    /// Words, with those that must come of them; made from a seed. The last case is what is timed.
+    /// Words, with the expected words; made from a seed. The last case is timed.
     Words(fn(u64) -> Vec<Case>),
-    /// Light fields and cameras, whose pictures must be nearly those of the CPU.
+    /// Light fields and cameras; pictures must agree with the CPU's within bounds.
     Pictures,
 }
 
@@ -67,10 +65,9 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
 ];
 
-/// What came of a kernel.
+/// The result of a kernel.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct KernelReport {
-    /// Name of the kernel.
     pub name: &'static str,
     /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
     pub inputs: u64,
@@ -84,9 +81,6 @@ pub struct KernelReport {
 }
 
 /// Runs all cases of a kernel.
-///
-/// # Errors
-/// The device refuses the work or is lost.
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
     let cases = match row.inputs {
         Words(cases) => cases(seed),

@@ -1,4 +1,4 @@
-//! Decodes what was chosen on a graphics device: into nothing, beside the CPU, or as images.
+//! Decodes a selection on a graphics device: for its speed, to compare with the CPU, or as images.
 
 use crate::decode::{
     DecodeCost, DecodeSummary, Decoder, FaceDecoder, ImageSource, Images, Picture, Request, StreamFrames, StreamInfo,
@@ -12,12 +12,11 @@ use crate::gpu::pictures::mismatched_words;
 use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
 
-/// What came of decoding on two devices.
+/// Differences between two decoders.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Verification {
     /// Words that differ.
     pub mismatched_words: u64,
-    /// Where the first of them is.
     #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
 }
@@ -39,11 +38,7 @@ fn groups<'a>(gpu: &Gpu, chosen: &[StreamFrames<'a>]) -> Vec<Vec<StreamFrames<'a
     groups.into_iter().map(|(_, _, streams)| streams).collect()
 }
 
-/// Decodes what is asked for, frame by frame, all streams of a kernel together, and drops it. The monitor advances by
-/// one for every image.
-///
-/// # Errors
-/// A chunk is damaged, or the device fails.
+/// Decodes the requested frames, all streams of a kernel together, and drops them. The monitor advances by one per image.
 pub fn decode_to_nothing(
     gpu: &Gpu,
     decoder: &Decoder,
@@ -58,8 +53,7 @@ pub fn decode_to_nothing(
     Ok(summary)
 }
 
-/// Decodes what is asked for on the device and on the CPU, and compares all words. The monitor advances by one for every
-/// image.
+/// Decodes the requested frames on the device and on the CPU, and compares all words. The monitor advances by one per image.
 ///
 /// # Errors
 /// A chunk is damaged or breaks the window rule (depth.md 4), or the device fails.

@@ -42,7 +42,6 @@ const BC6H_MODES: [(u128, u32); 14] = [
     (30, 5),
 ];
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Blocks, pipeline, unit);
     let mut cases = Vec::new();

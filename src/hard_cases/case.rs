@@ -28,7 +28,6 @@ pub enum Family {
 }
 
 impl Family {
-    /// All of them.
     pub const ALL: [Family; 8] = [
         Family::Quantisation,
         Family::Temporal,
@@ -44,7 +43,6 @@ impl Family {
     pub const NAMES: [&str; 8] =
         ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render"];
 
-    /// Its name.
     pub fn name(self) -> &'static str {
         Family::NAMES[self as usize]
     }
@@ -96,11 +94,8 @@ impl fmt::Display for Bound {
 /// The result of a case.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// The worst figure.
     pub figure: f64,
-    /// Where it was measured.
     pub place: Option<String>,
-    /// Other figures, for readers.
     pub note: Option<String>,
     /// Streams and pictures that it was measured on.
     pub inputs: Inputs,
@@ -109,9 +104,7 @@ pub struct Measured {
 /// Streams and pictures of a case, for graphics devices.
 #[derive(Debug, Clone, Default)]
 pub struct Inputs {
-    /// Streams.
     pub clips: Vec<Clip>,
-    /// Light fields with a camera.
     pub pictures: Vec<PictureCase>,
 }
 
@@ -184,13 +177,10 @@ pub(super) type Run = Box<dyn Fn() -> Result<Measured> + Send + Sync>;
 pub struct HardCase {
     /// Name: what is hard about it.
     pub name: String,
-    /// Its family.
     pub family: Family,
     /// The code under test.
     pub pipeline: String,
-    /// The bound.
     pub bound: Bound,
-    /// Unit of bound and figure.
     pub unit: &'static str,
     run: Run,
 }
@@ -203,9 +193,6 @@ impl fmt::Debug for HardCase {
 
 impl HardCase {
     /// Makes the input and measures.
-    ///
-    /// # Errors
-    /// Those of the pipeline: no case has an input that should be refused.
     pub fn run(&self) -> Result<Measured> {
         (self.run)()
     }

@@ -26,7 +26,6 @@ pub(super) const EFFORT: Effort = Effort::Fast;
 pub struct Clip {
     /// How it was encoded.
     pub what: String,
-    /// Its codec.
     pub header: CodecHeader,
     /// Width and height in pixels.
     pub size: [u32; 2],

@@ -99,7 +99,6 @@ const HALVES: [Cell<f16>; 11] = [
     }),
 ];
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     let formats = [

@@ -1,5 +1,5 @@
-//! Hard cases on a graphics device: streams in order and entered anywhere, word by word as the CPU shows them; pictures as near to
-//! the CPU's as any must be.
+//! Hard cases on a graphics device: streams decoded in order and entered anywhere must equal the CPU's in every word; pictures
+//! must agree within bounds.
 
 use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
@@ -18,14 +18,12 @@ const PIXELS_TOGETHER: u64 = 8 << 20;
 /// Frames that are entered out of order.
 const JUMPS: u32 = 12;
 
-/// What a device showed of the streams of one case.
+/// The result of a device for one case.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct DeviceFigures {
     /// Words that differ from the CPU's; of rendered pictures, pixels that do so by more than is allowed.
     pub mismatched_words: u64,
-    /// Where the first of them is.
     pub first: Option<String>,
-    /// Pictures that were compared.
     pub pictures: u64,
     /// Those of them that were rendered.
     pub rendered: u64,
@@ -34,11 +32,7 @@ pub struct DeviceFigures {
 /// A clip, and the case that it is of.
 type Numbered<'a> = (usize, &'a Clip);
 
-/// Shows all clips and pictures of all cases on a device and on the CPU; one answer for each case. The monitor advances by one
-/// for each clip.
-///
-/// # Errors
-/// The device fails, or was asked to stop.
+/// Decodes and renders all cases on a device and on the CPU; one result per case. The monitor advances by one per clip.
 pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Vec<DeviceFigures>> {
     let mut figures = vec![DeviceFigures::default(); inputs.len()];
     for (figures, inputs) in figures.iter_mut().zip(inputs) {
@@ -82,7 +76,7 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
     Ok(figures)
 }
 
-/// Clips of one kernel and one length, as many together as fit.
+/// Groups clips of one kernel and one length.
 fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
     let mut groups: Vec<(Family, u64, Vec<Numbered<'a>>)> = Vec::new();
     for (case, clip) in clips {

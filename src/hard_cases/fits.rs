@@ -24,7 +24,6 @@ const SAMPLES_ACROSS: usize = 32;
 /// A matrix over the six terms.
 type Matrix = [[f64; 6]; 6];
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     for bound in BOUNDS {

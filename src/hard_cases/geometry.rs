@@ -28,7 +28,6 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 /// What makes directions.
 type Directions = fn() -> Vec<DVec3>;
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Geometry, pipeline, unit);
     let mut cases = Vec::new();

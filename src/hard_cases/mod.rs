@@ -47,9 +47,6 @@ pub fn table() -> Vec<HardCase> {
 }
 
 /// Runs cases on all threads; the monitor advances by one per case. Errors name the case.
-///
-/// # Errors
-/// A pipeline refuses a case, or the work was asked to stop.
 pub fn run_all(cases: &[HardCase], monitor: &dyn Monitor) -> Result<Vec<(CaseReport, Inputs)>> {
     let run = |case: &HardCase| {
         monitor.check()?;

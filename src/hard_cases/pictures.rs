@@ -8,7 +8,6 @@ type Generator = fn(usize, usize) -> f64;
 /// A picture that is hard to model.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HardPicture {
-    /// What it shows.
     pub name: &'static str,
     /// Width and height in pixels.
     pub size: [usize; 2],
@@ -27,7 +26,6 @@ fn noise(x: usize, y: usize, n: u32) -> f64 {
     f64::from(clip::noise([0, x as u32, y as u32], n))
 }
 
-/// All of them.
 pub(super) const PICTURES: &[HardPicture] = &[
     case("constant 0", [64, 64], |_, _| 0.0),
     case("constant 1", [64, 64], |_, _| 1.0),

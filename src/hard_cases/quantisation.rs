@@ -92,7 +92,6 @@ impl Reference {
     }
 }
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Quantisation, pipeline, unit);
     let mut cases = Vec::new();

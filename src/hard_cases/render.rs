@@ -1,8 +1,8 @@
-//! Pictures from any eye where they are hard: eyes in bad places, edges and corners of cubes, fences, steps of the whole
-//! range of depth, coincident probes, one distance, no surfaces, all sizes.
+//! Hard cases of rendering: eyes in bad places, edges and corners of cubes, fences, steps over the whole depth range, coincident
+//! probes, a single distance, no surfaces, all sizes.
 //!
-//! All of it is measured on the CPU; [`super::device`] makes the pictures on a device, too. Light fields are made from formulas, so
-//! that what must come out is known. Cases with an occluder are in [`hidden`].
+//! Measured on the CPU; [`super::device`] renders the pictures on a device too. Light fields are analytic, so that results are
+//! known. Cases with an occluder are in [`hidden`].
 
 mod hidden;
 
@@ -81,7 +81,6 @@ const POSITIONS: [DVec3; 4] = [
 /// An eye that is in no probe.
 const BESIDE: DVec3 = DVec3::new(0.5, 0.25, -0.5);
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let none = Bound::AtMost(0.0);
     let group = |pipeline: &str, unit| Group::new(Family::Render, pipeline, unit);
@@ -218,7 +217,7 @@ impl Setup {
 
     /// The picture that a device makes of it.
     fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
-        // Devices tell images by the probes that they are of.
+        // Devices identify images by their probes.
         self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
         let views = (0..self.field.views.len()).collect();
         Ok(PictureCase { label, views, camera: camera(self.eye, DVec3::NEG_Z)?, field: self.field, settings })

@@ -11,32 +11,21 @@ pub(super) const CONDITION: &str = "condition number";
 /// The result of a case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseReport {
-    /// Name of the case.
     pub name: String,
-    /// Its family.
     pub family: Family,
     /// The code under test.
     pub pipeline: String,
-    /// The bound.
     pub bound: Bound,
-    /// The measured figure.
     pub measured: f64,
-    /// Unit of both.
     pub unit: &'static str,
-    /// Where it was measured.
     pub place: Option<String>,
-    /// Other figures, for readers.
     pub note: Option<String>,
-    /// Number of its streams.
     pub streams: usize,
-    /// Number of its pictures.
     pub pictures: usize,
-    /// Duration.
     pub seconds: f64,
 }
 
 impl CaseReport {
-    /// The report of a case.
     pub fn new(case: &HardCase, measured: &Measured, seconds: f64) -> CaseReport {
         CaseReport {
             name: case.name.clone(),
@@ -116,9 +105,7 @@ impl<'a> CaseRow<'a> {
 /// The cases of one pipeline, and the one closest to its bound.
 #[derive(Debug, Clone)]
 pub struct FamilyRow<'a> {
-    /// Cases.
     pub cases: usize,
-    /// Cases that broke their bound.
     pub failed: usize,
     /// The case closest to its bound; of equals the first.
     pub worst: &'a CaseReport,

@@ -25,7 +25,6 @@ const RAYS: u32 = 20_000;
 /// Relative rounding of binary64.
 const ROUNDING: f64 = f64::EPSILON / 2.0;
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Scene, pipeline, unit);
     let none = Bound::AtMost(0.0);
@@ -103,7 +102,6 @@ fn placed(size: f64, away: f64) -> Vec<[DVec3; 3]> {
     ball().into_iter().map(|corners| corners.map(|corner| size * (corner + away))).collect()
 }
 
-/// −1..1.
 fn share(random: &mut Random) -> f64 {
     f64::from(random.word()) / 2_147_483_648.0 - 1.0
 }

@@ -91,7 +91,6 @@ const PLACES: [(&str, Place); 8] = [
     }),
 ];
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let group = Group::new(Family::Geometry, "units that cameras see, against points", "units missed");
     let case = |(name, place): (&'static str, Place)| group.case(name, Bound::AtMost(0.0), move || missed(place));

@@ -124,7 +124,7 @@ const CODECS: [Codec; 9] = [
     Codec::MaterialInBlocks,
 ];
 
-/// What is asked of a scenario.
+/// The figure of a scenario.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Wanted {
     Clip,
@@ -164,7 +164,7 @@ impl Codec {
         }
     }
 
-    /// The clip, and how to tell its largest error.
+    /// The clip, and its largest error.
     fn measure(self, scenario: &Scenario, what: Wanted) -> Result<(Clip, (f64, String))> {
         let Scenario { frames, settings, pixel, .. } = *scenario;
         if matches!(self, Codec::Material | Codec::MaterialInBlocks) {
@@ -207,7 +207,6 @@ impl Codec {
     }
 }
 
-/// All cases.
 pub(super) fn cases() -> Vec<HardCase> {
     let mut cases = Vec::new();
     for codec in CODECS {

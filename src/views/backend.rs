@@ -16,13 +16,11 @@ use crate::views::light_field::FaceTexels;
 /// A face of a probe that is loaded; none of its texels is known yet.
 #[derive(Debug, Clone, Copy)]
 pub struct NewFace<'f> {
-    /// Number of the face.
     pub face: usize,
     /// Index of its depth stream.
     pub depth: u32,
     /// Index of its colour stream.
     pub color: u32,
-    /// Its texels.
     pub texels: &'f FaceTexels,
     /// Inverse depths of its codes.
     pub inverse: &'f Arc<InverseDepth>,
@@ -35,11 +33,8 @@ pub struct FaceUpdate<'f, 'a> {
     pub view: usize,
     /// Index of the probe in the container.
     pub probe: usize,
-    /// Number of the face.
     pub face: usize,
-    /// Its units.
     pub cache: &'f FaceCache<'a>,
-    /// Its texels.
     pub texels: &'f mut FaceTexels,
 }
 
@@ -48,31 +43,20 @@ pub trait TexelBackend {
     /// Whether depth and colour texels are kept here; else they are in the light field.
     fn keeps_texels(&self) -> bool;
 
-    /// Loads a probe.
-    ///
-    /// # Errors
-    /// When there is no room for it.
     fn load(&mut self, probe: usize, faces: &[NewFace<'_>]) -> Result<()>;
 
     /// Bytes kept here of a probe; 0 for one that is not loaded.
     fn bytes(&self, probe: usize) -> u64;
 
-    /// Unloads a probe.
     fn unload(&mut self, probe: usize);
 
     /// Decodes a frame of units of loaded probes.
-    ///
-    /// # Errors
-    /// When one cannot be decoded.
     fn decode(&mut self, frame: u32, units: Vec<&mut CachedUnit<'_>>) -> Result<()>;
 
     /// Whether a unit is known to show a frame.
     fn shows(&self, unit: &CachedUnit<'_>, frame: u32) -> bool;
 
     /// Brings texels to what the units show; answers what changed in each face, in the same order.
-    ///
-    /// # Errors
-    /// When a device fails.
     fn update(&mut self, faces: Vec<FaceUpdate<'_, '_>>) -> Result<Vec<FaceChanges>>;
 
     /// Stored bytes that were read here so far; units count what they read themselves.

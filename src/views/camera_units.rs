@@ -1,4 +1,4 @@
-//! The units of a container that cameras see, as a filter for decoding (CALF 6.2).
+//! The units in the frusta of cameras, as a filter for decoding (CALF 6.2).
 
 use std::collections::HashMap;
 
@@ -15,18 +15,16 @@ use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};
 use crate::views::visibility::{UnitGrid, cull};
 
-/// What finding them came to.
+/// Counts of units and tests.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CameraUnitCounts {
-    /// Cameras.
     pub cameras: u64,
-    /// Units of the streams that were asked for.
+    /// Units of the chosen streams.
     pub units: u64,
-    /// Those that a camera sees in a frame that was asked for.
+    /// Units that a camera sees in a chosen frame.
     pub visible_units: u64,
     /// Tests that units one by one would have taken, each up to the first camera that sees it.
     pub regular_tests: u64,
-    /// Tests that were made.
     pub hierarchical_tests: u64,
 }
 
@@ -36,7 +34,6 @@ pub struct CameraUnitsReport {
     cameras: u64,
     units: u64,
     visible_units: u64,
-    /// Part of the units.
     pub visible_fraction: f64,
     frustum_tests: FrustumTests,
     /// Stored bytes of all units.
@@ -122,7 +119,7 @@ impl CameraUnits {
         all
     }
 
-    /// What finding them came to.
+    /// Counts of units and tests.
     pub fn counts(&self) -> CameraUnitCounts {
         self.counts
     }

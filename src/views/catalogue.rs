@@ -41,7 +41,6 @@ impl ProbeChoice {
     }
 }
 
-/// The streams of a view.
 #[derive(Debug, Default)]
 pub struct ViewStreams<'a> {
     /// Its faces with both depth and colour.
@@ -53,18 +52,12 @@ pub struct ViewStreams<'a> {
 /// Probes with a face that has both depth and colour.
 #[derive(Debug)]
 pub struct Catalogue<'a> {
-    /// The light field, without faces.
     pub field: LightField,
-    /// Streams of its views.
     pub streams: Vec<ViewStreams<'a>>,
 }
 
 impl<'a> Catalogue<'a> {
     /// The chosen probes of a container.
-    ///
-    /// # Errors
-    /// When a name is not one of a probe, no probe is left, images of a face differ in size, or colours are coded in more than
-    /// one way.
     pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Catalogue<'a>> {
         probes.check(decoder)?;
         let all = decoder.streams();

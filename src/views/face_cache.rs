@@ -25,23 +25,17 @@ use crate::views::rects::{Rect, bounds, joined, overlap};
 /// The streams of a face; all of its images have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceStreams<'a> {
-    /// Depth.
     pub depth: &'a StreamInfo,
-    /// Header of the depth stream.
     pub header: DepthHeader,
-    /// Colour.
     pub color: &'a StreamInfo,
-    /// Material, where there is one.
     pub material: Option<&'a StreamInfo>,
 }
 
 impl<'a> FaceStreams<'a> {
-    /// All of them.
     pub fn all(&self) -> impl Iterator<Item = &'a StreamInfo> {
         [self.depth, self.color].into_iter().chain(self.material)
     }
 
-    /// Whether all of them have a frame.
     pub fn have(&self, frame: u32) -> bool {
         self.all().all(|stream| stream.frames.contains(frame))
     }
@@ -54,14 +48,12 @@ pub struct UnitId {
     pub probe: usize,
     /// Index of its stream.
     pub stream: u32,
-    /// Its number in the stream.
     pub unit: u32,
 }
 
 /// A rectangle of a tile whose depths are to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct DepthPart {
-    /// Number of the tile.
     pub unit: u32,
     /// Whether its depths become those of the tile; else they become unknown.
     pub is_known: bool,
@@ -86,10 +78,6 @@ pub struct CachedUnit<'a> {
 }
 
 impl CachedUnit<'_> {
-    /// Decodes a frame.
-    ///
-    /// # Errors
-    /// When it cannot be read.
     pub fn decode(&mut self, frame: u32) -> Result<()> {
         let written = self.decoder.decode(frame)?;
         self.set_decoded(written);
@@ -101,7 +89,6 @@ impl CachedUnit<'_> {
         Ok(())
     }
 
-    /// Which unit it is.
     pub fn id(&self) -> UnitId {
         self.id
     }
@@ -125,7 +112,6 @@ impl CachedUnit<'_> {
     }
 }
 
-/// The units of a stream.
 #[derive(Debug)]
 struct StreamUnits<'a> {
     stream: &'a StreamInfo,
@@ -188,7 +174,6 @@ pub fn units_under(entry: &StreamEntry, [left, top, width, height]: Rect) -> imp
         .flat_map(move |row| across.clone().map(move |column| (row * columns + column) as usize))
 }
 
-/// What changed in a face.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FaceChanges {
     /// Changed rectangles of its texels; those of one kind do not overlap.
@@ -197,7 +182,6 @@ pub struct FaceChanges {
     pub decoded: u64,
     /// Needed units that showed the frame already.
     pub unchanged: u64,
-    /// Units that were not needed.
     pub unseen: u64,
 }
 

@@ -1,7 +1,7 @@
-//! Where in the world the pixels of one image of a probe may lie (CALF 6.2).
+//! Frusta of rectangles of pixels of a probe (CALF 6.2).
 //!
-//! Enters: a face or a view of a probe, and a rectangle of its pixels. Leaves: the frustum that holds every surface
-//! that they may show; the background lies in the directions of that frustum.
+//! Enters: a face or view of a probe, and a rectangle of its pixels. Leaves: the frustum that contains every surface they may
+//! show; background has the directions of that frustum.
 
 use glam::DVec3;
 
@@ -60,7 +60,7 @@ impl FaceImage {
         })
     }
 
-    /// The same, with rectangles that are larger by so many pixels on each side.
+    /// The same with a margin around every rectangle.
     #[must_use]
     pub fn with_margin(self, margin_pixels: f64) -> FaceImage {
         FaceImage { margin_pixels, ..self }
@@ -84,7 +84,7 @@ impl FaceImage {
     }
 }
 
-/// Least and greatest √(1 + u² + v²) in a window: how much farther a point is than its distance along the axis.
+/// Least and greatest √(1 + u² + v²) in a window: distance over planar depth.
 fn length_range(window: Window) -> [f64; 2] {
     let least = |[low, high]: [f64; 2]| 0f64.clamp(low, high);
     let greatest = |[low, high]: [f64; 2]| low.abs().max(high.abs());

@@ -16,7 +16,6 @@ use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels
 /// The images of a face; all have the same size.
 #[derive(Debug, Clone)]
 pub struct FaceImages {
-    /// The face.
     pub face: Face,
     /// Linear light.
     pub color: ColorPlane,
@@ -57,9 +56,6 @@ impl FaceImages {
 }
 
 /// The view of a probe; near and far are those of its images.
-///
-/// # Errors
-/// When the orientation of the probe is no rotation, or a material is out of range.
 pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], coding: ColorCoding) -> Result<View> {
     let finite = images.iter().flat_map(|image| image.depth.data()).filter(|metres| metres.is_finite());
     let (near, far) = finite.fold((f32::INFINITY, 0f32), |(near, far), &m| (near.min(m), far.max(m)));
@@ -72,9 +68,6 @@ pub fn from_images(probe: usize, entry: &ProbeEntry, images: &[FaceImages], codi
 }
 
 /// The views of all probes of a dataset in a frame: their faces with both colour and depth.
-///
-/// # Errors
-/// When a file cannot be read, or no probe has the frame.
 pub fn from_dataset(source: &Source, frame: u32, coding: ColorCoding) -> Result<LightField> {
     let kind = source.depth_stored();
     let mut views = Vec::new();

@@ -1,8 +1,7 @@
-//! What a renderer holds of a light field: for each probe the texels of one frame (CALF 6, algorithm 4, C, D, M and P).
+//! The texels and poses of probes in one frame (CALF 6, algorithm 4, C, D, M and P).
 //!
-//! Enters: pictures as decoders show them, in whole or in rectangles. Leaves: texels that a ray can be compared with at
-//! the cost of a multiplication: depth becomes the inverse of planar depth, in which planes are linear, a background is
-//! 0, and what is not known is +inf.
+//! Depth is the inverse of planar depth, in which planes are linear and a ray is compared by one multiplication. Background is
+//! 0, unknown texels are +inf.
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
@@ -15,12 +14,12 @@ use crate::image::texel_map::{PlanarPoint, TexelMap};
 use crate::image::transfer::ToneMap;
 use crate::math::camera::rotation;
 
-/// The inverse planar depth of a background: no surface at any distance.
+/// The inverse planar depth of background.
 pub const BACKGROUND: f32 = 0.0;
-/// The inverse planar depth of a texel of which nothing is known, because it was not captured or not decoded.
+/// The inverse planar depth of a texel that was not captured or not decoded.
 pub const UNKNOWN: f32 = f32::INFINITY;
 
-/// What colours are coded in, and so what views are interpolated in.
+/// Coding of colours, in which views are interpolated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ColorCoding {
     /// 8-bit codes behind a transfer curve and an exposure.
@@ -69,11 +68,9 @@ impl ColorTexels {
 pub struct FaceTexels {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Where directions lie in it.
     pub map: TexelMap,
     /// Inverse planar depth in 1/m; [`BACKGROUND`], or [`UNKNOWN`].
     pub inverse_depth: Vec<f32>,
-    /// Colour.
     pub color: ColorTexels,
     /// Weights of reflection and refraction, and the index of refraction, as `streams::convert` codes them; the fourth
     /// byte is 0. None where the container has no material of this face.
@@ -128,7 +125,7 @@ pub(crate) fn has_specular_weight<const N: usize>(material: &[u8; N]) -> bool {
     material.iter().take(2).any(|&weight| weight > 0)
 }
 
-/// Where a point lies in an image.
+/// The projection of a point into an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projected {
     /// Number of the face ([`Face`]).
@@ -142,7 +139,6 @@ pub struct Projected {
 /// One probe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// Its name.
     pub name: String,
     /// Its index in the container's table of probes.
     pub probe: usize,
@@ -160,9 +156,6 @@ pub struct View {
 
 impl View {
     /// A probe without images.
-    ///
-    /// # Errors
-    /// When its orientation is no rotation.
     pub fn new(probe: usize, entry: &ProbeEntry, range: DepthRange) -> Result<View> {
         let turn = rotation(entry.orientation)
             .ok_or_else(|| Error::invalid(format!("probe {}: its orientation is no rotation", entry.name)))?;

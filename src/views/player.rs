@@ -30,7 +30,6 @@ const KEPT_BYTES: u64 = 2 << 30;
 pub struct Change {
     /// Index of the view in the light field.
     pub view: usize,
-    /// Number of the face.
     pub face: usize,
     /// Which of its texels.
     pub kind: StreamKind,
@@ -88,7 +87,6 @@ impl ShowCounts {
 /// Which units of a frame are needed.
 #[derive(Clone, Copy)]
 pub struct UnitRequest<'f> {
-    /// The visible set.
     pub visible: &'f dyn UnitFilter,
     /// With secondary rays: all materials are needed, and all units where a material is specular.
     pub secondary_rays: bool,
@@ -100,7 +98,6 @@ pub struct Player<'a> {
     decoder: &'a Decoder,
     /// By the index of the view in the light field.
     streams: Vec<ViewStreams<'a>>,
-    /// Views that are loaded.
     loaded: Vec<Option<LoadedView<'a>>>,
     field: LightField,
     changes: Vec<Change>,
@@ -108,7 +105,7 @@ pub struct Player<'a> {
     /// Bytes of the budget that others take.
     reserved_bytes: u64,
     tables: Vec<Arc<InverseDepth>>,
-    /// Frames that were shown so far.
+    /// Frames so far.
     clock: u64,
     /// Bytes read by views that were unloaded.
     bytes_unloaded: u64,
@@ -116,7 +113,6 @@ pub struct Player<'a> {
     in_backend: bool,
 }
 
-/// A view that is loaded.
 #[derive(Debug)]
 struct LoadedView<'a> {
     /// In the order of [`ViewStreams::faces`].
@@ -126,9 +122,6 @@ struct LoadedView<'a> {
 
 impl<'a> Player<'a> {
     /// A player of all chosen probes that have a face with both colour and depth. Nothing is decoded yet.
-    ///
-    /// # Errors
-    /// As for [`Catalogue::new`].
     pub fn new(decoder: &'a Decoder, probes: &ProbeChoice) -> Result<Player<'a>> {
         let Catalogue { field, streams } = Catalogue::new(decoder, probes)?;
         Ok(Player {
@@ -196,9 +189,6 @@ impl<'a> Player<'a> {
     }
 
     /// Shows a frame of some views on the processor, without secondary rays; see [`Player::show_on`].
-    ///
-    /// # Errors
-    /// As for [`Player::show_on`].
     pub fn show(&mut self, frame: u32, views: &[usize], visible: &dyn UnitFilter) -> Result<ShowCounts> {
         self.show_on(frame, views, UnitRequest { visible, secondary_rays: false }, &mut CpuBackend)
     }
@@ -208,9 +198,6 @@ impl<'a> Player<'a> {
     ///
     /// A change between the processor and a device unloads all views. A device must stay the same from frame to frame: another
     /// one has loaded none of the views, and refuses.
-    ///
-    /// # Errors
-    /// When no view has the frame, it cannot be decoded, or the views do not fit into memory. Then all views are unloaded.
     pub fn show_on(
         &mut self,
         frame: u32,

@@ -1,8 +1,8 @@
-//! Which units of an image cameras see, by testing all or by descending a quadtree (CALF 6.2, table 4).
+//! Units of an image that cameras see, by testing all or by descending a quadtree (CALF 6.2, table 4).
 //!
 //! The quadtree's leaves are the units, its inner nodes squares of 2 × 2, 4 × 4, … of them, its root the whole image.
-//! A node's frustum holds those of its children, so a camera that misses it misses them all. Beyond the paper, a
-//! camera that looks along all directions of a node sees all its units, and asks no further either.
+//! A node's frustum contains those of its children, so a camera that misses it misses them all. Beyond the paper, a camera
+//! that sees all directions of a node sees all its units without further tests.
 
 use crate::math::{Sight, Viewer};
 use crate::views::face_frustum::FaceImage;
@@ -28,7 +28,7 @@ impl UnitGrid {
     }
 }
 
-/// What cameras see of an image.
+/// Units of an image that cameras see.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Culled {
     /// For each unit, the first camera that sees it, if one does.
@@ -43,7 +43,7 @@ impl Culled {
         self.seen_by.iter().flatten().count() as u64
     }
 
-    /// Tests that [`cull_all`] makes where it finds this with so many cameras.
+    /// Tests that [`cull_all`] makes for the same result with so many cameras.
     pub fn regular_tests(&self, cameras: usize) -> u64 {
         self.seen_by.iter().map(|first| first.map_or(cameras as u64, |first| u64::from(first) + 1)).sum()
     }

@@ -29,7 +29,7 @@ pub struct VisibleSet {
 }
 
 impl UnitFilter for VisibleSet {
-    /// Streams that were not asked for have no visible units.
+    /// Streams outside of the request have no visible units.
     fn wants(&self, stream: &StreamInfo, unit: u32, _frame: u32) -> bool {
         self.streams.get(&stream.index).and_then(|units| units.get(unit as usize)).is_some_and(|seen| *seen)
     }
@@ -75,7 +75,7 @@ impl<'a> VisibleSets<'a> {
     fn units(&self, stream: &StreamInfo, viewers: &[Viewer]) -> Vec<bool> {
         let entry = &stream.entry;
         let near_m = self.near_m.get(&stream.probe).copied().unwrap_or(0.0);
-        // As a distance, whatever the stream has: a point whose planar depth is less than near may be farther off.
+        // A distance for both kinds of depth: a point may have a planar depth below near, but be farther away.
         let span = DepthSpan { near_m: NEAR_PART * near_m, far_m: f64::INFINITY, kind: DepthKind::Distance };
         let size = [entry.width, entry.height];
         match FaceImage::new(self.decoder.probe(stream), stream.face, size, span) {

@@ -1,4 +1,4 @@
-//! Brings pictures back from the device, each put together of its units.
+//! Reads pictures back from the device, each assembled from its units.
 
 use half::f16;
 
@@ -10,10 +10,7 @@ use crate::gpu::pictures::{leave_out, unpack_bytes, unpack_codes, unpack_halves}
 use crate::image::plane::Plane;
 
 impl GpuDecoder<'_> {
-    /// The pictures of all streams, brought back from the device.
-    ///
-    /// # Errors
-    /// The device was lost or has no memory.
+    /// Reads back the pictures of all streams.
     pub fn read(&mut self) -> Result<Vec<Picture>> {
         self.wait()?;
         let words = self.gpu.read(&self.buffers.pictures, self.buffers.picture_words)?;
@@ -25,10 +22,7 @@ impl GpuDecoder<'_> {
             .collect())
     }
 
-    /// The same without the units that a filter does not want in a frame: they are background where it is depth, else 0.
-    ///
-    /// # Errors
-    /// As for [`GpuDecoder::read`].
+    /// The same with units that a filter leaves out as background or 0.
     pub fn read_wanted(&mut self, frame: u32, filter: &dyn UnitFilter) -> Result<Vec<Picture>> {
         let mut pictures = self.read()?;
         for (picture, stream) in pictures.iter_mut().zip(&self.streams) {
@@ -49,7 +43,7 @@ impl GpuDecoder<'_> {
         }
     }
 
-    /// Puts the units of a stream together; `unpack` makes pixels of the words of a row.
+    /// Assembles the units of a stream; `unpack` converts the words of a row.
     fn assemble<T: Copy + Default>(
         &self,
         stream: &StreamInfo,

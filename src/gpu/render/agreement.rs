@@ -1,4 +1,4 @@
-//! How far a picture of a device is from the CPU's, and how far it may be.
+//! Differences between pictures of a device and of the CPU, and their bounds.
 
 use crate::error::Result;
 use crate::evaluate::similarity::difference;
@@ -22,7 +22,6 @@ pub const STEPS: f64 = 0.01;
 /// What differs between two pictures of one camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
-    /// Pixels.
     pub pixels: u64,
     /// Pixels whose codes differ by more than [`CODES`].
     pub differing: u64,
@@ -40,9 +39,6 @@ pub struct Agreement {
 
 impl Agreement {
     /// Compares.
-    ///
-    /// # Errors
-    /// When the pictures differ in size.
     pub fn of(on_device: &Rendered, on_cpu: &Rendered) -> Result<Agreement> {
         let [found, expected] = [on_device, on_cpu].map(|picture| picture.image.codes(ToneMap::default()));
         let error = SquaredError::of_u8(found.data().as_flattened(), expected.data().as_flattened())?;
@@ -61,7 +57,7 @@ impl Agreement {
         })
     }
 
-    /// Pixels beyond what is allowed: 0 where the pictures agree.
+    /// Pixels beyond the bounds: 0 where the pictures agree.
     pub fn mismatches(&self) -> u64 {
         let allowed = (PIXELS * self.pixels as f64).ceil() as u64;
         let beyond = |count: u64| if count > allowed { count } else { 0 };

@@ -45,10 +45,9 @@ pub struct UnitCost {
     pub pyramids: Duration,
 }
 
-/// A rectangle of a cell as it lies in a buffer of pictures.
+/// A rectangle of a cell in a buffer of pictures.
 #[derive(Debug)]
 pub struct CellPart<'p> {
-    /// The buffer.
     pub pictures: &'p wgpu::Buffer,
     /// Word of the first texel.
     pub at: u32,
@@ -77,7 +76,6 @@ struct FaceParts {
     parts: Vec<DepthPart>,
 }
 
-/// Units of a probe.
 #[derive(Debug)]
 struct ProbeUnits<'a> {
     decoders: Vec<GpuDecoder<'a>>,
@@ -108,7 +106,7 @@ impl ProbeUnits<'_> {
         Some((decoder, UnitFrame { stream, unit: unit.unit, frame }))
     }
 
-    /// A unit of a stream as it lies in its buffer.
+    /// A unit of a stream in its buffer.
     fn unit(&self, stream: u32, unit: u32) -> Option<(&GpuDecoder<'_>, &StreamInfo, Unit)> {
         let [decoder, position] = *self.places.get(&stream)?;
         let decoder = self.decoders.get(decoder)?;
@@ -116,7 +114,7 @@ impl ProbeUnits<'_> {
     }
 }
 
-/// Streams by their families, in the order in which they come.
+/// Streams grouped by family.
 fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s StreamInfo>> {
     let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
     for stream in streams {

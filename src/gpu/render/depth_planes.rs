@@ -1,7 +1,8 @@
-//! Inverse depths of a probe and the pyramids above them, as they lie on a device: planes of words, one for the texels of each
-//! face and one for each level of its pyramid (CALF 6.2). Kernels write them of what tiles show; textures are copied of them.
+//! Inverse depths of a probe and their pyramids in device buffers: planes of words, one for the texels of each face and one for
+//! each level of its pyramid (CALF 6.2). Kernels write them from decoded tiles; textures are copied from them.
 //!
-//! The words are those that `views::face_cache` and `march::pyramid` come to on the CPU.
+//! The words equal those of `views::face_cache` and `march::pyramid` on the CPU: inverse depths come from a table, and are
+//! multiplied at most once.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -22,17 +23,16 @@ use crate::views::inverse_depth::InverseDepth;
 use crate::views::light_field::{FaceTexels, UNKNOWN};
 use crate::views::rects::{Rect, bounds};
 
-/// Rows take a multiple of so many words: copies into textures want it.
+/// Alignment of rows in words: copies into textures require it.
 pub const ROW_WORDS: u32 = 64;
-/// Words before the first plane. The topmost level of a face, one word, is that of its number; what those of a cube are reduced
-/// to follows.
+/// Words before the first plane: the topmost level of each face, one word at the number of the face, then reductions of those
+/// of a cube.
 const HEAD_WORDS: u32 = 64;
 /// Words of the six tops of a cube, then of their reductions: the first of each, and how many.
 const REDUCTIONS: [[u32; 2]; 4] = [[0, 6], [8, 3], [11, 2], [13, 1]];
 /// The word of the greatest inverse depth of a cube, and at most [`NO_BOUND`].
 pub const GREATEST_WORD: u32 = REDUCTIONS[3][0];
 
-/// A plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
     /// Its first word.
@@ -43,32 +43,27 @@ pub struct Plane {
     pub size: [u32; 2],
 }
 
-/// Where what belongs to a face lies.
+/// Planes and tables of a face.
 #[derive(Debug)]
 struct FacePlanes {
     /// Texels, and the levels above them.
     levels: Vec<Plane>,
-    /// Where the inverse depths of codes start.
+    /// First of the inverse depths by code.
     table: u32,
-    /// Where what they are multiplied by starts, row by row.
+    /// First of the ray lengths, row by row.
     ray_lengths: Option<u32>,
 }
 
 /// Parts of the tiles in one buffer of pictures, whose depths are to be written.
 #[derive(Debug)]
 pub struct TileParts<'p> {
-    /// The buffer.
     pub pictures: &'p wgpu::Buffer,
-    /// The parts.
     pub parts: Vec<TilePart>,
 }
 
-/// A part of a tile.
 #[derive(Debug, Clone, Copy)]
 pub struct TilePart {
-    /// Number of the face.
     pub face: usize,
-    /// The part, in the face.
     pub part: DepthPart,
     /// Where the tile lies in the buffer.
     pub unit: Unit,
@@ -90,7 +85,6 @@ fn plane_sizes(size: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
     std::iter::once(size).chain(DepthPyramid::sizes(size))
 }
 
-/// Words of a plane.
 fn plane_words([width, height]: [u32; 2]) -> u64 {
     u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
 }
@@ -100,7 +94,6 @@ fn plane_words([width, height]: [u32; 2]) -> u64 {
 pub struct DepthImage {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Near and far.
     pub range: DepthRange,
     /// Planar depth or distance.
     pub kind: DepthKind,
@@ -123,7 +116,7 @@ pub fn buffer_words(faces: &[DepthImage]) -> u64 {
     tables.max(u64::from(HEAD_WORDS) + planes)
 }
 
-/// A dispatch: its kernel, and where its list lies among the jobs.
+/// A dispatch: its kernel, and its list among the jobs.
 #[derive(Debug)]
 struct Step<'p> {
     kernel: &'static Kernel,
@@ -132,7 +125,7 @@ struct Step<'p> {
     invocations: u32,
 }
 
-/// Tables, and where each starts: inverse depths of codes, once for each range, and stretches, once for each projection.
+/// Tables with their first words: inverse depths by code, once per range, and ray lengths, once per projection.
 #[derive(Default)]
 struct Tables<'f> {
     words: usize,
@@ -179,10 +172,7 @@ impl<'f> Tables<'f> {
 }
 
 impl DepthPlanes {
-    /// Planes of these faces, of which nothing is known; answers also how many bytes that sent.
-    ///
-    /// # Errors
-    /// The device has no room for them.
+    /// Planes of faces without known texels, and the bytes that were sent.
     pub fn new(gpu: &Gpu, faces: &[NewFace<'_>]) -> Result<(DepthPlanes, u64)> {
         let (mut tables, mut known, mut at) = (Tables::default(), BTreeMap::new(), u64::from(HEAD_WORDS));
         for new in faces {
@@ -199,12 +189,11 @@ impl DepthPlanes {
             let ray_lengths = (new.inverse.kind() == DepthKind::Distance).then(|| tables.ray_lengths(new.texels));
             known.insert(new.face, FacePlanes { levels, table, ray_lengths });
         }
-        // A buffer says itself what it would need and what is allowed.
+        // The error of a buffer that is too large names both sizes.
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
         let none = wgpu::BufferUsages::empty();
         let planes = gpu.buffer("planes", words, none)?;
         let buffer = gpu.buffer("tables", tables.words, none)?;
-        // Only now that there is room for them.
         let values = tables.values();
         let mut start = vec![UNKNOWN.to_bits(); words];
         start[GREATEST_WORD as usize] = NO_BOUND.to_bits();
@@ -226,7 +215,7 @@ impl DepthPlanes {
         &self.planes
     }
 
-    /// The texels of a face, and the levels above them.
+    /// The texels of a face, and the levels of its pyramid.
     pub fn levels(&self, face: usize) -> &[Plane] {
         self.faces.get(&face).map_or(&[], |face| &face.levels)
     }
@@ -237,11 +226,8 @@ impl DepthPlanes {
             && !self.faces.contains_key(&(Face::View as usize))
     }
 
-    /// Writes inverse depths, and what stands above them; answers the bytes that were sent. `done` is called after the
-    /// texels, and after the pyramids.
-    ///
-    /// # Errors
-    /// The device fails.
+    /// Writes inverse depths and their pyramids; answers the bytes that were sent. `done` is called after the texels, and after
+    /// the pyramids.
     pub fn write(&mut self, gpu: &Gpu, tiles: &[TileParts<'_>], mut done: impl FnMut() -> Result<()>) -> Result<u64> {
         let mut words = Vec::new();
         let mut changed: BTreeMap<usize, Rect> = BTreeMap::new();

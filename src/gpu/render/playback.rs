@@ -24,7 +24,6 @@ use crate::views::player::Change;
 /// Makes the pictures of a playback on a device.
 #[derive(Debug)]
 pub struct DeviceRenderer<'a> {
-    /// How pictures are made.
     pub options: PictureOptions,
     gpu: &'a Gpu,
     pyramids: Pyramids,

@@ -20,22 +20,20 @@ use crate::views::light_field::{ColorCoding, FaceTexels};
 pub struct ImageId {
     /// Index of its probe in the container.
     pub probe: usize,
-    /// Number of its face.
     pub face: usize,
 }
 
-/// Where an image lies on the device.
+/// Where an image begins in the texture arrays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Origin {
     /// Column and row of its first texel.
     pub texels: [u32; 2],
     /// Column and row at which its pyramid begins, in textures of their own.
     pub pyramid: [u32; 2],
-    /// The layer of both.
     pub layer: u32,
 }
 
-/// What stands for the inverse of no distance at all: shaders have no infinity.
+/// Stands for an infinite inverse depth: shaders have no infinity.
 pub const NO_BOUND: f32 = 1e30;
 
 /// The word of a view that has no image of a face.
@@ -52,17 +50,14 @@ const CODING_LINEAR: u32 = 2;
 pub const FIRST_ROW_WORD: usize = offset_of!(Scene, first_row) / 4;
 /// Word of a scene with the number of rows of a dispatch.
 pub const ROWS_WORD: usize = offset_of!(Scene, rows) / 4;
-/// Word of a view with its greatest inverse depth.
 pub const GREATEST_WORD: usize = offset_of!(View, greatest_inverse_depth) / 4;
 
 /// The input of a rendering kernel, textures apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneRows {
-    /// Camera and settings.
     pub scene: Scene,
     /// Active views, then a view for each refractive sphere.
     pub views: Vec<View>,
-    /// Images of the views.
     pub faces: Vec<Face>,
     /// Distances of the samples along a ray, in metres.
     pub distances_m: Vec<f32>,

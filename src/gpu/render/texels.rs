@@ -25,7 +25,6 @@ const MOST_RECTANGLES: usize = 64;
 /// Texels that are not on the device yet, of one kind.
 type Stale = (StreamKind, Rect);
 
-/// Texels on a device.
 #[derive(Debug)]
 pub struct DeviceTexels {
     /// Width and height of a tile: those of the largest images that were needed so far.
@@ -40,7 +39,6 @@ pub struct DeviceTexels {
 /// Texture arrays that share an atlas of tiles.
 #[derive(Debug)]
 struct Textures {
-    /// Tiles that fit.
     capacity: usize,
     atlas: Atlas,
     inverse_depths: wgpu::Texture,
@@ -84,10 +82,9 @@ impl Place<'_> {
     }
 }
 
-/// Bytes that were brought into textures.
+/// Bytes that went into textures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Transferred {
-    /// From the host.
     pub bytes_sent: u64,
     /// From buffers that the device has decoded into.
     pub bytes_copied: u64,
@@ -114,9 +111,6 @@ impl DeviceTexels {
     }
 
     /// Brings the images of these views into textures of the device, as they are now.
-    ///
-    /// # Errors
-    /// They are too many or too large for the device.
     pub fn bring(
         &mut self,
         gpu: &Gpu,
@@ -200,7 +194,7 @@ impl DeviceTexels {
         let limits = gpu.device.limits();
         let limits = TextureLimits { side: limits.max_texture_dimension_2d, layers: limits.max_texture_array_layers };
         let pyramid = [self.tile[0].div_ceil(2), self.pyramid_rows()];
-        // Tiles and pyramids lie in textures of the same grid.
+        // Tiles and pyramids share a grid.
         let larger = [0, 1].map(|axis| self.tile[axis].max(pyramid[axis]));
         let grid = u32::try_from(count).ok().and_then(|count| TileGrid::new(larger, count, limits));
         let Some(TileGrid { columns, rows, layers }) = grid else {
@@ -254,7 +248,7 @@ impl DeviceTexels {
         self.tile[0].max(self.tile[1]).next_power_of_two()
     }
 
-    /// Where an image lies.
+    /// Where an image begins.
     pub fn origin(&self, id: ImageId) -> Origin {
         let Some(Resident { tile, .. }) = self.resident.get(&id) else { return Origin::default() };
         let [column, row] = [0, 1].map(|axis| tile.corner[axis] / self.tile[axis]);

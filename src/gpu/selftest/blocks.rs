@@ -26,7 +26,6 @@ pub(super) fn bc4(seed: u64) -> Vec<Case> {
     cases(seed, &["any"], &chosen, |_, _: &mut [u8; 8]| {}, |block| bc4::decode(block).map(u32::from).to_vec())
 }
 
-/// BC5.
 pub(super) fn bc5(seed: u64) -> Vec<Case> {
     let pixels: Vec<[u8; 2]> = picture(seed).iter().map(|&[r, g, _]| [r, g]).collect();
     let chosen = Bc5.encode(&pixels, SIDE, SIDE, Effort::Normal);

@@ -97,7 +97,6 @@ impl BoxTexel for [u8; 3] {
     }
 }
 
-/// A picture of random pixels, or of one.
 pub fn random_picture<T: BoxTexel>(pixels: usize, random: &mut Random) -> Vec<T> {
     if random.one_in(5) {
         return vec![T::random(random); pixels];

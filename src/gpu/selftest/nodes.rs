@@ -130,7 +130,6 @@ fn numbers(random: &mut Random) -> [i32; 6] {
     }
 }
 
-/// Coefficients of a function.
 fn coefficients(function: Function, random: &mut Random) -> [u8; COEFFICIENT_BYTES] {
     const MARKER: [u8; 4] = [0xff; 4];
     match function {
@@ -185,7 +184,6 @@ pub fn random_nodes(grid: Grid, holes: bool, random: &mut Random) -> Vec<Node> {
     out
 }
 
-/// All cases.
 pub(super) fn cases(seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
     let mut cases = vec![roots(random), lines()];

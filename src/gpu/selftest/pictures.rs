@@ -1,4 +1,4 @@
-//! Light fields and cameras for the kernels that render: built-in scenes, and what is hard about views.
+//! Light fields and cameras for the rendering kernels: built-in scenes and hard cases of views.
 
 use std::time::Instant;
 
@@ -33,18 +33,13 @@ const FACE: u32 = 48;
 /// Pixels along a side of a picture.
 const SIZE: u32 = 96;
 
-/// A picture that both make.
+/// A picture rendered on both devices.
 #[derive(Debug, Clone)]
 pub struct PictureCase {
-    /// What is special about it.
     pub label: &'static str,
-    /// What is seen.
     pub field: LightField,
-    /// Views that take part.
     pub views: Vec<usize>,
-    /// From where.
     pub camera: Camera,
-    /// How.
     pub settings: RenderSettings,
 }
 
@@ -55,10 +50,7 @@ impl PictureCase {
     }
 }
 
-/// All cases; the last one is what is timed.
-///
-/// # Errors
-/// When a scene cannot be captured.
+/// All cases; the last one is timed.
 pub fn cases() -> Result<Vec<PictureCase>> {
     let codes = ColorCoding::Codes(ToneMap::default());
     let dark = ColorCoding::Codes(ToneMap { transfer: Transfer::Linear, exposure_ev: -1.5 });
@@ -98,7 +90,7 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     }
     let lens = Lens { near_m: 2.0, far_m: 6.0, ..Lens::new(80.0) };
     cases[13].camera = Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, lens)?;
-    // Towards both balls.
+    // Towards both spheres.
     let eye = cases[12].camera.eye();
     cases[12].camera = Camera::look_at(eye, eye + DVec3::new(0.0, -0.8, -1.6), DVec3::Y, Lens::new(85.0))?;
     hide(&mut cases[6].field);
@@ -110,21 +102,16 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     Ok(cases)
 }
 
-/// What came of a case.
+/// The result of a case.
 #[derive(Debug, Clone)]
 pub struct PictureResult {
     /// How far the pictures are from each other.
     pub agreement: Agreement,
-    /// The device's.
     pub on_device: Rendered,
-    /// The CPU's.
     pub on_cpu: Rendered,
 }
 
 /// Renders a case on a device and on the CPU.
-///
-/// # Errors
-/// When the device fails.
 pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
     let views = case.active();
     let mut renderer = GpuRenderer::new(gpu, &case.field);
@@ -184,7 +171,7 @@ impl Captured {
         self.case(label, &corners(self.middle, self.reach), coding, self.middle)
     }
 
-    /// A picture from `eye` of cube maps captured at these places.
+    /// A picture of cube maps captured at these places.
     fn case(&self, label: &'static str, places: &[DVec3], coding: ColorCoding, eye: DVec3) -> Result<PictureCase> {
         let side = if places.len() > 12 { 8 } else { FACE };
         let windows = Face::CUBE.map(|face| (face, ImageProjection::cube_face(face, side)));

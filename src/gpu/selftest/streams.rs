@@ -1,4 +1,4 @@
-//! Random valid streams of every codec, shown by both decoders in any order of frames.
+//! Random valid streams of every codec, decoded by both decoders in any order of frames.
 //!
 //! Payloads are made by chance and not by an encoder: they hold what the format allows and no footage asks for. A small
 //! part of the intermediate form comes from its encoder.
@@ -39,15 +39,14 @@ use crate::streams::{
 
 /// Faces of a probe, each with a stream of depth, of colour and of material.
 const FACES: u8 = 6;
-/// Times that each stream is asked for a frame.
+/// Frames requested of each stream.
 const VISITS: u32 = 6;
 
-/// What came of streams.
+/// The result for all streams.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct StreamsReport {
     /// Streams that were decoded.
     pub streams: u64,
-    /// Images that were compared.
     pub images: u64,
     /// Words that differ, and where the first of them is.
     #[serde(flatten)]
@@ -55,9 +54,6 @@ pub struct StreamsReport {
 }
 
 /// Decodes at least `count` random streams on both devices. The monitor advances by one for each stream.
-///
-/// # Errors
-/// The device fails, or a stream that should be valid is not.
 pub fn test_streams(gpu: &Gpu, count: u64, seed: u64, monitor: &dyn Monitor) -> Result<StreamsReport> {
     let mut report = StreamsReport::default();
     let mut random = Random::new(seed);

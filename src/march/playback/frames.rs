@@ -1,6 +1,6 @@
-//! Shows frames one after the other: which views, which units of them, what changed, pictures, and how long it took.
+//! Playback: selects views and units for each frame request, decodes, renders, and measures.
 //!
-//! Enters: an open container, requests ([`crate::evaluate::frame_requests`]), and what makes pictures. Leaves: pictures, a trace, figures.
+//! Enters: an open container, requests ([`crate::evaluate::frame_requests`]), a renderer. Leaves: pictures, a trace, statistics.
 
 use std::time::Instant;
 
@@ -28,29 +28,27 @@ use crate::views::light_field::LightField;
 use crate::views::player::{Change, Player, ShowCounts, UnitRequest};
 use crate::views::visible_set::VisibleSets;
 
-/// Which units of the active views are decoded.
+/// Units of the active views that are decoded.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DecodeScope {
-    /// Those that the cameras see (CALF 6.2). With effects all materials, too, and where a weight of them is above 0 all
-    /// units, as mirrors and glass send rays anywhere.
+    /// The visible set (CALF 6.2). With secondary rays all materials too, and all units where a material is specular, as such
+    /// rays go anywhere.
     #[default]
     Seen,
-    /// All.
     All,
 }
 
-/// What is shown.
+/// Settings of a playback.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlaybackOptions {
-    /// Which probes there are.
     pub probes: ProbeChoice,
-    /// Which of them take part in a frame.
+    /// Selection of active views.
     pub selection: SelectionSettings,
     /// Which of their units are decoded.
     pub decode: DecodeScope,
 }
 
-/// How pictures are made, where near and far may be left to the light field.
+/// Settings of pictures; near and far default to those of the light field.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PictureOptions {
     /// Width and height in pixels.
@@ -59,19 +57,17 @@ pub struct PictureOptions {
     pub steps: u32,
     /// How often the interval before a hit is halved.
     pub refine: u32,
-    /// Where rays begin, in metres; where it is not given, at a tenth of the nearest surface of any view.
+    /// Start of rays in metres; by default a tenth of the nearest surface of all views.
     pub near_m: Option<f32>,
-    /// Where rays end, in metres; where it is not given, beyond all that the views show.
+    /// End of rays in metres; by default beyond all surfaces of the views.
     pub far_m: Option<f32>,
     /// Rays in each row and column of a pixel.
     pub samples: u32,
-    /// What is shown in holes.
     pub holes: HoleFill,
-    /// Whether mirrors and glass send rays on.
+    /// Secondary rays.
     pub effects: EffectMode,
-    /// How often at most a ray is sent on.
+    /// Most bounces of a ray.
     pub max_bounces: u32,
-    /// How rays are marched.
     pub acceleration: Acceleration,
 }
 
@@ -109,18 +105,18 @@ impl PictureOptions {
     }
 }
 
-/// What a picture is made of.
+/// Input of a picture.
 #[derive(Debug, Clone, Copy)]
 pub struct Stage<'s> {
     /// The light field in this frame.
     pub field: &'s LightField,
-    /// Its views that take part, first the most useful.
+    /// Its active views, in order of priority.
     pub views: &'s [usize],
 }
 
-/// What makes pictures: a processor, a device, or another method.
+/// A rendering method, on the CPU or a device.
 pub trait Renderer {
-    /// Whether its mirrors and glass send rays on, which decides what is decoded.
+    /// Secondary rays, which decide what is decoded.
     fn effects(&self) -> EffectMode;
 
     /// What decodes and keeps depth and colour, unless the CPU does; always the same.
@@ -128,34 +124,27 @@ pub trait Renderer {
         None
     }
 
-    /// Takes over what changed since it was called last, at first everything. Called once for each request, before its pictures.
-    ///
-    /// # Errors
-    /// When the renderer has no room for it.
+    /// Takes over changes since the last call. Called once per frame request, before its pictures.
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()>;
 
-    /// Makes a picture. The monitor advances by one for each of its rows.
-    ///
-    /// # Errors
-    /// When the monitor says to stop, or the renderer fails.
+    /// Renders a picture. The monitor advances by one per row.
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered>;
 }
 
 /// Renders on the processor.
 #[derive(Debug, Clone, Default)]
 pub struct CpuRenderer {
-    /// How pictures are made.
     pub options: PictureOptions,
     pyramids: Pyramids,
 }
 
 impl CpuRenderer {
-    /// A renderer to which nothing was shown yet.
+    /// A renderer without pyramids.
     pub fn new(options: PictureOptions) -> CpuRenderer {
         CpuRenderer { options, pyramids: Pyramids::default() }
     }
 
-    /// The pyramids of the light field that was shown last.
+    /// The pyramids of the last frame.
     pub fn pyramids(&self) -> &Pyramids {
         &self.pyramids
     }
@@ -177,29 +166,24 @@ impl Renderer for CpuRenderer {
     }
 }
 
-/// What came of a request.
+/// The result of a frame request.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
-    /// A picture for each camera.
     pub pictures: Vec<Rendered>,
-    /// What it took to show the frame.
+    /// The work for the frame.
     pub counts: ShowCounts,
-    /// Line for a trace file.
     pub trace: FrameTrace,
 }
 
-/// What came of all requests.
+/// The result of all frame requests.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PlaybackSummary {
-    /// Shots.
     pub shots: usize,
-    /// The most views that took part in one.
+    /// Most active views of one.
     pub most_views: usize,
-    /// Rays.
     pub counters: Counters,
     /// Units and bytes.
     pub counts: ShowCounts,
-    /// Times.
     pub pacing: FramePacing,
 }
 
@@ -217,10 +201,7 @@ pub struct Playback<'a> {
 }
 
 impl<'a> Playback<'a> {
-    /// A playback of a container in which nothing was shown yet.
-    ///
-    /// # Errors
-    /// As for [`Player::new`].
+    /// A playback of a container.
     pub fn new(decoder: &'a Decoder, options: PlaybackOptions) -> Result<Playback<'a>> {
         Ok(Playback {
             player: Player::new(decoder, &options.probes)?,
@@ -234,7 +215,7 @@ impl<'a> Playback<'a> {
         })
     }
 
-    /// The same, with at most so much memory for what is decoded and `beside_bytes` that are taken all the while.
+    /// The same within a memory budget, of which others take `beside_bytes`.
     #[must_use]
     pub fn with_memory(self, budget: Budget, beside_bytes: u64) -> Playback<'a> {
         Playback { player: self.player.with_memory(budget, beside_bytes), ..self }
@@ -245,11 +226,7 @@ impl<'a> Playback<'a> {
         &self.player
     }
 
-    /// Shows a request and makes its pictures.
-    ///
-    /// # Errors
-    /// When the request has no camera, no probe has the frame, a chunk is damaged, the renderer fails, or the monitor says to
-    /// stop.
+    /// Serves a frame request.
     pub fn show(
         &mut self,
         request: &FrameRequest,
@@ -308,7 +285,7 @@ impl<'a> Playback<'a> {
         Ok(Shown { pictures, counts, trace })
     }
 
-    /// What came of all requests so far.
+    /// The result so far.
     pub fn summary(&self) -> PlaybackSummary {
         let frame_ms: Vec<f64> = self.update_ms.iter().zip(&self.render_ms).map(|(a, b)| a + b).collect();
         let pacing = FramePacing {

@@ -18,7 +18,6 @@ use crate::views::player::Change;
 /// Draws every texel as a point.
 #[derive(Debug, Clone, Default)]
 pub struct SplatRenderer {
-    /// How pictures are made.
     pub options: PictureOptions,
 }
 
@@ -40,7 +39,6 @@ impl Renderer for SplatRenderer {
 /// Finds colours where surfaces are known to be.
 #[derive(Debug, Clone, Default)]
 pub struct ReprojectRenderer {
-    /// How pictures are made.
     pub options: PictureOptions,
     /// Distances in metres for the next pictures, one plane for each.
     pub distances_m: VecDeque<DepthPlane>,

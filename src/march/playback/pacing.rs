@@ -1,4 +1,4 @@
-//! How evenly frames come.
+//! Frame pacing: mean and percentiles of frame times.
 
 use serde::Serialize;
 
@@ -7,16 +7,16 @@ use serde::Serialize;
 pub struct Pacing {
     /// Their mean.
     pub mean_ms: f64,
-    /// The time that half of them keep to.
+    /// Median.
     pub p50_ms: f64,
-    /// The time that 95 of 100 keep to.
+    /// 95th percentile.
     pub p95_ms: f64,
     /// The longest.
     pub max_ms: f64,
 }
 
 impl Pacing {
-    /// The figures of some times; 0 where there are none. A percentile is the least time that so many keep to.
+    /// Statistics of times; 0 where there are none. A percentile is the least time that this share of frames does not exceed.
     pub fn of(times_ms: &[f64]) -> Pacing {
         let mut sorted = times_ms.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -31,7 +31,7 @@ impl Pacing {
     }
 }
 
-/// How evenly the frames of a playback came.
+/// Times of a playback.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FramePacing {
     /// Update and pictures together.

@@ -1,14 +1,13 @@
-//! How many views fit into the time that a frame may take: performance-based culling (CALF 6.3).
+//! Performance-based culling: how many views fit into the target time of a frame (CALF 6.3).
 //!
 //! Enters: how long frames took, and with how many views. Leaves: how many views the next one may have. It is a function of
 //! these figures alone.
 //!
-//! What views cost is not even: some work is the same for any number of them, and a ray that few views stop goes on for
-//! longer, so that a frame can take longer with fewer. Therefore times are kept by the number of views: the median of the last
-//! frames with that many, as a frame in which a view is new takes longer once. Where a frame takes too long, as many views stay
-//! as would fit if each cost the same, and then it is measured what that brought: a step that brought nothing is undone, and
-//! not tried again as long as its time is remembered. More views are allowed only one by one, and only after some frames
-//! in a row had room for them, so that no view comes and goes.
+//! Frame time is not proportional to the number of views: some work is constant, and rays that few views stop are marched
+//! farther, so that fewer views can take longer. So times are kept by number of views, as medians of the last frames, since a
+//! frame with a new view takes longer once. A slow frame reduces the views to as many as would fit at equal cost each; a
+//! reduction that did not help is undone, and not tried again while its time is remembered. Views come back one by one, after
+//! several frames in a row with time to spare, so that views do not flicker.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -16,7 +15,7 @@ use std::collections::{BTreeMap, VecDeque};
 const FRAMES: usize = 5;
 /// Frames before which nothing is decided, as the first ones are slow.
 const LEAST: usize = 3;
-/// Frames after which a time is forgotten: what is seen changes.
+/// Frames after which a time is forgotten, as the visible scene changes.
 const MEMORY: u64 = 120;
 /// Part of the time that must suffice for one view more.
 const ROOM: f64 = 0.85;
@@ -25,7 +24,7 @@ const WORTH: f64 = 0.85;
 /// Frames in a row that must have had room.
 const PATIENCE: u32 = 8;
 
-/// Decides how many views there may be.
+/// Limits the number of views.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PerformanceCulling {
     target_ms: f64,
@@ -47,7 +46,7 @@ impl PerformanceCulling {
         self.most
     }
 
-    /// Takes note of a frame.
+    /// Records a frame.
     pub fn measured(&mut self, frame_ms: f64, views: usize) {
         if views == 0 || !frame_ms.is_finite() {
             return;

@@ -1,4 +1,4 @@
-//! Which views take part in a picture (CALF 6.3).
+//! Selection of active views (CALF 6.3).
 //!
 //! Enters: where views stand, an eye, how long earlier pictures took. Leaves: the views in the order of their priority, each
 //! in a slot that it keeps for as long as it stays, and why the others are left out.
@@ -15,32 +15,31 @@ use glam::DVec3;
 use crate::march::playback::performance::PerformanceCulling;
 use crate::views::player::Candidate;
 
-/// What makes a view more useful than another.
+/// Order of priority of views.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ViewPriority {
-    /// To be nearer to the eye.
+    /// Distance to the eye.
     #[default]
     Distance,
-    /// To look at the reference point from nearer to where the eye looks from.
+    /// Angle between view and eye, seen from the reference point.
     Angle,
 }
 
-/// How views are chosen.
+/// Settings of the selection.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SelectionSettings {
-    /// What comes first.
     pub priority: ViewPriority,
     /// The reference point of [`ViewPriority::Angle`], in metres; where there is none, the middle of all candidates.
     pub pivot: Option<DVec3>,
-    /// Views that are less than this apart from one of higher priority, as the eye sees them, are left out: degrees.
+    /// Least angle in degrees, seen from the eye, to a view of higher priority.
     pub cull_angle_deg: Option<f64>,
-    /// At most so many views, at least 1.
+    /// Most active views, at least 1.
     pub most: Option<usize>,
-    /// Milliseconds that a frame may take, update and pictures together; views of low priority are left out for it.
+    /// Target time of a frame, update and pictures; views of low priority are left out to meet it.
     pub target_ms: Option<f64>,
 }
 
-/// A view that takes part.
+/// An active view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Active {
     /// The place that it keeps while it stays.
@@ -56,9 +55,9 @@ pub struct Active {
 /// Why a view is left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Why {
-    /// The eye sees it close to this view of higher priority.
+    /// Below the least angle to this view of higher priority.
     Angle(usize),
-    /// There are as many as were asked for.
+    /// Beyond the most active views.
     Limit,
     /// With it a frame would take too long.
     Performance,
@@ -67,14 +66,14 @@ pub enum Why {
 /// The views of a picture.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Selection {
-    /// Those that take part, first the most useful.
+    /// Active views, in order of priority.
     pub active: Vec<Active>,
     /// The others, in the same order, and why.
     pub culled: Vec<(usize, Why)>,
 }
 
 impl Selection {
-    /// Numbers of the views that take part, first the most useful.
+    /// Numbers of the active views, in order of priority.
     pub fn views(&self) -> Vec<usize> {
         self.active.iter().map(|active| active.view).collect()
     }
@@ -85,7 +84,6 @@ impl Selection {
 pub struct ViewSelector {
     settings: SelectionSettings,
     performance: Option<PerformanceCulling>,
-    /// The view in each slot.
     slots: Vec<Option<usize>>,
 }
 
@@ -96,7 +94,7 @@ impl ViewSelector {
         ViewSelector { settings, performance, slots: Vec::new() }
     }
 
-    /// The views that an eye is shown, of those that there are in a frame.
+    /// Selects views for an eye among those that have the frame.
     pub fn select(&mut self, candidates: &[Candidate], eye: DVec3) -> Selection {
         let mut selection = Selection::default();
         let most = self.settings.most.map_or(usize::MAX, |most| most.max(1));
@@ -124,14 +122,14 @@ impl ViewSelector {
         selection
     }
 
-    /// Takes note of how long a frame took with so many views, which decides on the next ones.
+    /// Records the time of a frame, for the next selections.
     pub fn measured(&mut self, frame_ms: f64, views: usize) {
         if let Some(performance) = &mut self.performance {
             performance.measured(frame_ms, views);
         }
     }
 
-    /// Candidates with their distance in metres and angle in degrees, the most useful first.
+    /// Candidates with their distance in metres and angle in degrees, in order of priority.
     fn by_priority(&self, candidates: &[Candidate], eye: DVec3) -> Vec<(Candidate, f64, f64)> {
         let middle = || candidates.iter().map(|candidate| candidate.position).sum::<DVec3>() / candidates.len() as f64;
         let pivot = self.settings.pivot.unwrap_or_else(middle);
@@ -169,7 +167,7 @@ impl ViewSelector {
     }
 }
 
-/// The angle between the ways from the reference point to a view and to the eye.
+/// The angle at the reference point between a view and the eye.
 fn angle_at_pivot_deg(to_view: DVec3, to_eye: DVec3) -> f64 {
     if to_eye == DVec3::ZERO {
         0.0
@@ -180,7 +178,7 @@ fn angle_at_pivot_deg(to_view: DVec3, to_eye: DVec3) -> f64 {
     }
 }
 
-/// The angle at which an eye sees two views, given the ways to them.
+/// The angle at the eye between two views, given the vectors to them.
 fn apart_deg(a: DVec3, b: DVec3) -> f64 {
     match (a == DVec3::ZERO, b == DVec3::ZERO) {
         (true, true) => 0.0,

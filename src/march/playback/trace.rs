@@ -1,26 +1,24 @@
-//! What happened in each frame of a playback, one line of JSON for each.
+//! Trace of a playback: one line of JSON per frame.
 
 use serde::Serialize;
 
 use crate::march::playback::selection::{Selection, Why};
 use crate::views::light_field::LightField;
 
-/// A frame.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FrameTrace {
-    /// Which one of the playback, from 0.
+    /// Number of the frame request, from 0.
     pub shot: usize,
-    /// The frame of the light field that was shown.
+    /// Frame of the light field.
     pub frame: u32,
-    /// Where the eye was (between two eyes: in the middle), in metres.
+    /// Mean position of the cameras in metres.
     pub eye: [f64; 3],
-    /// Views that took part, first the most useful.
+    /// Active views, in order of priority.
     pub active: Vec<ActiveTrace>,
-    /// Views that did not, though they have the frame.
+    /// Other views that have the frame.
     pub culled: Vec<CulledTrace>,
     /// Units that were decoded.
     pub cells_decoded: u64,
-    /// Units that were not.
     pub cells_skipped: u64,
     /// Stored bytes that were read.
     pub bytes_read: u64,
@@ -30,12 +28,10 @@ pub struct FrameTrace {
     pub render_ms: f64,
 }
 
-/// A view that took part.
+/// An active view.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ActiveTrace {
-    /// Its slot.
     pub slot: usize,
-    /// Its name.
     pub probe: String,
     /// Metres from the eye.
     pub distance_m: f64,
@@ -43,10 +39,9 @@ pub struct ActiveTrace {
     pub angle_deg: f64,
 }
 
-/// A view that did not.
+/// A view that was left out.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CulledTrace {
-    /// Its name.
     pub probe: String,
     /// `angle`, `limit` or `performance`.
     pub why: &'static str,
