@@ -338,7 +338,8 @@ fn rows_of_dispatch(gpu: &Gpu, views: usize, kernel: &Kernel, settings: &RenderS
     let rays = u64::from(settings.samples.max(1)).pow(2) * u64::from(settings.size[0].max(1));
     let row = (rays * points).saturating_mul(views.max(1) as u64);
     let work = if gpu.info.is_software() { WORK_OF_SOFTWARE } else { WORK_OF_DEVICE };
-    let secondary = if kernel.name == kernels::RENDER_EFFECTS.name { most_secondary_rays(settings.max_bounces) } else { 0 };
+    let secondary =
+        if kernel.name == kernels::RENDER_EFFECTS.name { most_secondary_rays(settings.max_bounces) } else { 0 };
     [1 + secondary, 1].map(|rays| {
         let groups = work / row.saturating_mul(rays).saturating_mul(TILE.into()).max(1);
         groups.clamp(1, u64::from(u32::MAX / TILE)) as u32 * TILE
