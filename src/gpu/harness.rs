@@ -34,6 +34,21 @@ pub struct CaseResult {
     pub seconds: f64,
 }
 
+/// The result of a kernel.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct KernelReport {
+    pub name: &'static str,
+    /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
+    pub inputs: u64,
+    /// Words that differ from the CPU's; of pictures, pixels that do so by more than is allowed.
+    pub mismatches: u64,
+    /// The first of them, in words.
+    #[serde(rename = "first_mismatch")]
+    pub first: Option<String>,
+    /// Pixels written in a microsecond, without transfers.
+    pub megapixels_per_second: f64,
+}
+
 /// Workgroups along x and y for `count` in all.
 pub fn groups(count: u32) -> [u32; 2] {
     let x = count.clamp(1, MAX_GROUPS);

@@ -13,6 +13,7 @@ use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
+pub use crate::gpu::harness::KernelReport;
 use crate::gpu::harness::{self, Case, Clock};
 use crate::gpu::kernels::{self, Kernel};
 
@@ -64,21 +65,6 @@ pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::RENDER_PYRAMID, inputs: Inputs::Pictures },
     Row { kernel: &kernels::RENDER_EFFECTS, inputs: Inputs::Pictures },
 ];
-
-/// The result of a kernel.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct KernelReport {
-    pub name: &'static str,
-    /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
-    pub inputs: u64,
-    /// Words that differ from the CPU's; of pictures, pixels that do so by more than is allowed.
-    pub mismatches: u64,
-    /// The first of them, in words.
-    #[serde(rename = "first_mismatch")]
-    pub first: Option<String>,
-    /// Pixels written in a microsecond, without transfers.
-    pub megapixels_per_second: f64,
-}
 
 /// Runs all cases of a kernel.
 pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {

@@ -11,6 +11,7 @@ mod color;
 pub mod device;
 mod fits;
 mod geometry;
+mod hidden;
 mod paths;
 mod pictures;
 mod quantisation;
@@ -33,7 +34,7 @@ pub use report::{CaseReport, CaseRow, FamilyReport, FamilyRow, family_rows, note
 
 /// All cases, family by family.
 pub fn table() -> Vec<HardCase> {
-    let families: [fn() -> Vec<HardCase>; 8] = [
+    let families: [fn() -> Vec<HardCase>; 9] = [
         quantisation::cases,
         temporal::cases,
         fits::cases,
@@ -42,6 +43,7 @@ pub fn table() -> Vec<HardCase> {
         geometry::cases,
         scene::cases,
         render::cases,
+        hidden::cases,
     ];
     families.into_iter().flat_map(|cases| cases()).collect()
 }

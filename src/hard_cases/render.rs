@@ -2,9 +2,7 @@
 //! probes, a single distance, no surfaces, all sizes.
 //!
 //! Measured on the CPU; [`super::device`] renders the pictures on a device too. Light fields are analytic, so that results are
-//! known. Cases with an occluder are in [`hidden`].
-
-mod hidden;
+//! known. Cases with an occluder are in [`super::hidden`].
 
 use glam::{DVec3, Vec3};
 
@@ -27,7 +25,7 @@ use crate::monitor::Silent;
 use crate::views::light_field::{ColorCoding, ColorTexels, LightField, UNKNOWN};
 
 /// Width and height of faces in texels, unless a case says otherwise.
-const SIDE: u32 = 32;
+pub(super) const SIDE: u32 = 32;
 /// Half the sides of the room, in metres.
 const ROOM: DVec3 = DVec3::new(4.0, 1.5, 3.0);
 /// Rays of a case.
@@ -35,14 +33,14 @@ const RAYS: usize = 2000;
 /// Steps, and refinements of them.
 const STEPS: u32 = 96;
 const REFINE: u32 = 12;
-const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
+pub(super) const CODES: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
 /// A light field, and an eye in it.
-struct Setup {
-    field: LightField,
-    eye: DVec3,
+pub(super) struct Setup {
+    pub field: LightField,
+    pub eye: DVec3,
     /// Nearest and farthest step, in metres.
-    range_m: [f32; 2],
+    pub range_m: [f32; 2],
 }
 
 /// What makes a setup.
@@ -130,7 +128,6 @@ pub(super) fn cases() -> Vec<HardCase> {
     // Three times the terms of a sum of 4 weights, each rounded; colours of up to 255 codes.
     let most = 2.0 * 3.0 * 4.0 * 255.0 * f64::from(f32::EPSILON);
     cases.push(copies.case("three", Bound::AtMost(most), coincident));
-    cases.extend(hidden::cases());
     cases
 }
 
@@ -184,12 +181,12 @@ fn made(sight: fn(DVec3) -> Option<(f64, [u8; 3])>) -> Setup {
 }
 
 impl Setup {
-    fn views(&self) -> ActiveViews<'_> {
+    pub(super) fn views(&self) -> ActiveViews<'_> {
         let all: Vec<usize> = (0..self.field.views.len()).collect();
         ActiveViews::new(&self.field, &all, self.eye)
     }
 
-    fn steps(&self) -> Steps {
+    pub(super) fn steps(&self) -> Steps {
         Steps::new(STEPS, self.range_m[0], self.range_m[1], REFINE)
     }
 
@@ -203,7 +200,7 @@ impl Setup {
         )
     }
 
-    fn settings(&self, side: u32) -> RenderSettings {
+    pub(super) fn settings(&self, side: u32) -> RenderSettings {
         RenderSettings {
             size: [side; 2],
             steps: self.steps(),
@@ -216,7 +213,7 @@ impl Setup {
     }
 
     /// The picture that a device makes of it.
-    fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
+    pub(super) fn on_device(mut self, label: &'static str, settings: RenderSettings) -> Result<PictureCase> {
         // Devices identify images by their probes.
         self.field.views.iter_mut().enumerate().for_each(|(at, view)| view.probe = at);
         let views = (0..self.field.views.len()).collect();
@@ -230,13 +227,13 @@ impl Setup {
 
 impl Measured {
     /// The same, with a picture of a setup.
-    fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
+    pub(super) fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
         let settings = setup.settings(SIDE);
         Ok(self.with_pictures(vec![setup.on_device(label, settings)?]))
     }
 }
 
-fn camera(eye: DVec3, forward: DVec3) -> Result<Camera> {
+pub(super) fn camera(eye: DVec3, forward: DVec3) -> Result<Camera> {
     let up = if forward.y == 0.0 { DVec3::Y } else { DVec3::X };
     Camera::oriented(eye, turn_to(forward, up), Lens::new(90.0))
 }

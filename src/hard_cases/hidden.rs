@@ -8,6 +8,7 @@ use glam::DVec3;
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::render::{CODES, SIDE, Setup, camera};
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::RenderSettings;
@@ -16,8 +17,6 @@ use crate::march::synthetic::{Made, room};
 use crate::math::Camera;
 use crate::monitor::Silent;
 use crate::views::light_field::LightField;
-
-use super::{CODES, SIDE, Setup, camera};
 
 /// Where probes are on the x axis, and the eye; multiples of the width of a texel 1 m away, 1/16 m.
 const PROBES_M: [f64; 2] = [0.0, -0.5];
