@@ -5,7 +5,6 @@ use serde::Serialize;
 use crate::compare::comparison::Comparison;
 use crate::metrics::depth_error::Spot;
 
-/// Bounds that two sides must keep.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Bounds {
     /// Largest error: codes of depth, 8-bit codes of material.
@@ -14,30 +13,23 @@ pub struct Bounds {
     pub min_psnr_db: Option<f64>,
     /// Lowest PSNR of a frame of a colour cell, in dB.
     pub min_cell_psnr_db: Option<f64>,
-    /// Every bit must be equal.
     pub exact: bool,
 }
 
-/// One of the [`Bounds`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bound {
-    /// `max_error`.
     MaxError,
-    /// `min_psnr_db`.
     MinPsnr,
-    /// `min_cell_psnr_db`.
     MinCellPsnr,
 }
 
 /// An exceeded bound, where it is exceeded most.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
-    /// The bound.
     pub bound: Bound,
     /// Its value: codes or dB.
     pub limit: f64,
-    /// The measured value.
     pub measured: f64,
     /// Index of the stream.
     pub stream: usize,
@@ -45,10 +37,8 @@ pub struct Violation {
     pub spot: Option<Spot>,
 }
 
-/// Whether a comparison keeps its bounds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// Nothing differs and nothing is missing.
     pub equal: bool,
     /// All bounds hold, and nothing is missing.
     pub within_bounds: bool,
@@ -56,12 +46,10 @@ pub struct Judgement {
     pub failed: bool,
     /// Whether there are bounds, other than exactness.
     pub bounded: bool,
-    /// Exceeded bounds.
     pub violations: Vec<Violation>,
 }
 
 impl Bounds {
-    /// Judges a comparison.
     pub fn judge(&self, comparison: &Comparison) -> Judgement {
         let mut violations = self.errors_beyond(comparison);
         violations.extend(self.psnr_below(comparison));

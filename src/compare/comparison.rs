@@ -16,7 +16,6 @@ pub struct Missing {
     pub frames: FrameRange,
 }
 
-/// Errors of a pair of streams.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measured {
     Depth(DepthErrors),
@@ -24,7 +23,6 @@ pub enum Measured {
     Material(SampleErrors),
 }
 
-/// A pair of streams, compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StreamReport {
     /// On the first side.
@@ -82,7 +80,6 @@ pub struct Comparison {
     pub missing: Vec<Missing>,
 }
 
-/// All streams of colour or of material together.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SampleTotal {
     /// One for each peak: 8-bit and half-float streams have different ones.

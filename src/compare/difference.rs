@@ -34,7 +34,6 @@ impl Level for HalfLevel {
     }
 }
 
-/// The samples of half-float colour in the steps of its metric.
 pub fn half_levels(plane: &ColorPlane, metric: &Pu21) -> Plane<[HalfLevel; 3]> {
     let level = |value: f16| HalfLevel { bits: value.to_bits(), steps: metric.steps(value) };
     plane.map(|pixel| pixel.map(level))
@@ -54,12 +53,10 @@ pub struct Lowest {
     pub spot: Spot,
 }
 
-/// Errors of colour or material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampleErrors {
     /// Largest error of a sample in the metric's steps: 8-bit codes, or 64ths of PU21.
     pub max_error: u32,
-    /// Squared error in steps.
     pub error: SquaredError,
     /// The first pixel with the largest error; `None` where all are equal.
     pub worst: Option<Spot>,
@@ -158,7 +155,6 @@ impl SampleErrors {
 /// Errors of a pixel's three samples in steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct SampleError {
-    /// Sum of squares.
     pub squared: u64,
     pub largest: u32,
 }
@@ -177,7 +173,6 @@ fn keep_lowest(lowest: &mut Option<Lowest>, other: Lowest) {
     }
 }
 
-/// Pixels that differ in bits.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct BitErrors {
     pub differing_pixels: u64,

@@ -27,7 +27,6 @@ pub enum Origin {
     Default,
 }
 
-/// Domain in which two streams are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
     pub coding: Coding,
@@ -57,11 +56,9 @@ impl Domain {
     }
 }
 
-/// An image in the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Converted {
     Depth(DepthPicture),
-    /// 8-bit colour or material.
     Bytes(Plane<[u8; 3]>),
     Half(ColorPlane),
 }

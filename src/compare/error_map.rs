@@ -11,7 +11,6 @@ use crate::metrics::depth_error::{PixelError, depth_errors};
 use crate::metrics::psnr::{SquaredError, U8_PEAK};
 use crate::streams::ColorFormat;
 
-/// The PSNR of a cell in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CellPsnr {
     /// Left, top, width and height in the image.
@@ -20,7 +19,6 @@ pub struct CellPsnr {
     pub psnr_db: f64,
 }
 
-/// The errors of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorMap {
     pub domain: Domain,

@@ -25,7 +25,6 @@ use crate::streams::convert::DepthExtent;
 /// (12), which makes 48; while a pair is measured there are two planes of doubles for the structural similarity (16).
 const COMPARING_BYTES: u64 = 64;
 
-/// What is compared.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Measure {
     #[default]
@@ -34,7 +33,6 @@ pub enum Measure {
     Bits,
 }
 
-/// Frames of which SSIM is computed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SsimFrames {
     Every,
@@ -44,7 +42,6 @@ pub enum SsimFrames {
     None,
 }
 
-/// Settings of a comparison.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct CompareSettings {
     pub coverage: Coverage,

@@ -13,7 +13,6 @@ use crate::error::{Error, Result};
 use crate::image::{DepthKind, Pattern, Projection, StreamKind};
 use crate::streams::CodecHeader;
 
-/// How sides are read.
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {
     /// How files are read; decoded datasets need none of it.
@@ -107,7 +106,6 @@ fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Res
     }
 }
 
-/// Keeps the selected streams.
 fn select(side: &mut Side, selection: &Selection) -> Result<()> {
     // Probe and face of an image sequence are only its defaults.
     let sequence = side.form == SideForm::Sequence;

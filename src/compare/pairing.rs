@@ -17,7 +17,6 @@ pub enum Coverage {
     Common,
 }
 
-/// Two streams that are compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
     pub(super) streams: [&'a SideStream; 2],
@@ -27,7 +26,6 @@ pub struct Pair<'a> {
     shift: i64,
 }
 
-/// Streams of two sides that are compared.
 #[derive(Debug)]
 pub struct Pairing<'a> {
     pub(super) sides: &'a [Side; 2],
@@ -128,7 +126,6 @@ impl<'a> Pairing<'a> {
         &self.pairs
     }
 
-    /// Number of pairs of images.
     pub fn images(&self) -> u64 {
         self.pairs.iter().map(|pair| pair.frames.count()).sum()
     }

@@ -182,7 +182,6 @@ pub fn side_name(side: usize) -> &'static str {
 }
 
 impl Comparison {
-    /// The report.
     pub fn report<'a>(&'a self, sides: &'a [Side; 2], judgement: &Judgement) -> ComparisonReport<'a> {
         let bits = self.bits();
         ComparisonReport {

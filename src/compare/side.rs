@@ -12,7 +12,6 @@ use crate::error::{Error, Result};
 use crate::image::{ColorPlane, DepthKind, DepthPlane, Face, FrameRange, MaterialPlane, StreamKind};
 use crate::streams::ColorFormat;
 
-/// Name of a stream.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct StreamId {
     pub kind: StreamKind,
@@ -40,21 +39,16 @@ impl fmt::Display for StreamId {
 /// Coding of a stream, now or before it was decoded into files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coding {
-    /// 16-bit log codes.
     Depth(DepthRange),
     /// 8-bit or half-float colour, and the width of cells in pixels.
     Color(ColorFormat, u32),
-    /// 8-bit material.
     Material,
 }
 
-/// A stream of a side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SideStream {
     pub id: StreamId,
-    /// Index of the probe.
     pub probe_order: usize,
-    /// Its selected frames.
     pub frames: FrameRange,
     pub size: [u32; 2],
     /// Its coding, or the coding before it was decoded into files, where that is known.

@@ -19,7 +19,6 @@ use crate::streams::{CodecHeader, ColorFormat, ColorHeader, StreamInfo};
 /// One decoded image, in the domain of its codec.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Picture {
-    /// 16-bit log codes.
     Depth(Plane<u16>),
     Color8(Plane<[u8; 3]>),
     ColorHalf(Plane<[f16; 3]>),

@@ -6,7 +6,6 @@ use crate::decode::damage::{DamagedChunk, MissingImages};
 use crate::decode::decoder::Decoder;
 use crate::decode::units::{DecodeSummary, Decoded};
 
-/// Times of a decoding.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct DecodeTimes {
     /// Seconds of one run, or the median of `runs_seconds`.
@@ -22,7 +21,6 @@ pub struct DecodeTimes {
     pub device: String,
 }
 
-/// A decoding.
 #[derive(Debug, Serialize)]
 pub struct DecodeReport<'a> {
     frames: u64,
@@ -43,7 +41,6 @@ pub struct DecodeReport<'a> {
     missing: Option<Vec<MissingImagesReport<'a>>>,
 }
 
-/// A damaged chunk.
 #[derive(Debug, Serialize)]
 pub struct DamagedChunkReport<'a> {
     stream: u32,
@@ -96,7 +93,6 @@ impl<'a> DecodeReport<'a> {
 }
 
 impl DamagedChunk {
-    /// For reports.
     pub fn report<'a>(&'a self, decoder: &'a Decoder) -> DamagedChunkReport<'a> {
         let key = self.chunk.key;
         let stream = &decoder.streams()[key.stream as usize];
@@ -115,7 +111,6 @@ impl DamagedChunk {
 }
 
 impl MissingImages {
-    /// For reports and manifests.
     pub fn report<'a>(&self, decoder: &'a Decoder) -> MissingImagesReport<'a> {
         let stream = &decoder.streams()[self.stream as usize];
         MissingImagesReport {

@@ -59,7 +59,6 @@ pub(super) struct Event {
     pub cost: FrameCost,
 }
 
-/// A parsed chunk, counted.
 pub(super) struct ChunkMeasure {
     /// In order, at least one.
     pub events: Vec<Event>,

@@ -13,7 +13,6 @@ use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 use crate::streams::StreamChunk;
 
-/// Pixels that are coded alike.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Extent {
     /// Nodes, boxes or units with such pixels.
@@ -24,7 +23,6 @@ pub struct Extent {
 /// The coding map of a frame: the rectangles that its records write (GDC figure 1b).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodingMap {
-    /// Numbered as in the source.
     pub frame: u32,
     /// Unit by unit; none overlap. Together they are the pixels that a decoder of consecutive frames writes.
     pub patches: Vec<Patch>,
@@ -54,7 +52,6 @@ impl CodingMap {
     }
 }
 
-/// Keyframes of a cell of colour, over all frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellKeyframes {
     /// Left, top, width and height in the image.
@@ -117,7 +114,6 @@ pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> 
     Ok(Survey { busiest: busiest(&changed).or_else(|| busiest(&keyframes)), cells })
 }
 
-/// Pixels by frame.
 type Frames = BTreeMap<u32, u64>;
 
 /// Adds pixels of frames counted from `first`.
@@ -161,7 +157,6 @@ pub fn coding_map(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<
     Ok(map)
 }
 
-/// The chunk that holds a frame.
 fn chunk_of(chunks: &[ChunkEntry], frame: u32) -> Option<&ChunkEntry> {
     let at = chunks.partition_point(|chunk| chunk.key.first_frame <= frame);
     chunks.get(at.checked_sub(1)?).filter(|chunk| frame - chunk.key.first_frame < chunk.key.frame_count)

@@ -123,7 +123,6 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
 
 #[derive(Debug)]
 struct UnitMeasure {
-    /// Sums of all frames.
     total: FrameCost,
     modes: ModeStatistics,
     blocks: BlockCount,
@@ -135,7 +134,6 @@ struct UnitMeasure {
     damaged: Vec<DamagedChunk>,
 }
 
-/// Measures units of a stream.
 struct Measure<'a> {
     reader: &'a Reader,
     stream: &'a StreamInfo,

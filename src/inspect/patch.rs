@@ -2,12 +2,10 @@
 
 use crate::depth::nodes::Function;
 
-/// How pixels are coded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Writing {
     /// A node with a modelling function, or a BC4w block.
     Function(Function),
-    /// One value for all of them.
     OneValue,
     /// Values: of a unit, a box or a block tile, or a keyframe in samples.
     Values,

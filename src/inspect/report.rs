@@ -16,7 +16,6 @@ use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, Str
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};
 
-/// A container, or some of its streams.
 #[derive(Debug, Serialize)]
 pub struct ContainerReport<'a> {
     name: &'a str,
@@ -53,7 +52,6 @@ struct KindReport {
     ratio_percent: f64,
 }
 
-/// Result of checking every chunk.
 #[derive(Debug, Serialize)]
 pub struct ChunksReport<'a> {
     chunks: u64,
@@ -61,7 +59,6 @@ pub struct ChunksReport<'a> {
     damaged: Vec<DamagedChunkReport<'a>>,
 }
 
-/// A frame of a stream.
 #[derive(Debug, Serialize)]
 pub struct FrameReport<'a> {
     pub kind: &'static str,
@@ -75,7 +72,6 @@ pub struct FrameReport<'a> {
     pub bytes: u64,
 }
 
-/// A stream.
 #[derive(Debug, Serialize)]
 pub struct StreamReport<'a> {
     kind: &'static str,
@@ -234,17 +230,14 @@ impl<'a> Inspection<'a> {
         totals.filter(|(_, totals)| *totals != Totals::default()).map(report).collect()
     }
 
-    /// The streams.
     pub fn stream_reports(&self, decoder: &'a Decoder) -> Vec<StreamReport<'a>> {
         self.streams.iter().map(|stats| StreamReport::new(decoder, stats)).collect()
     }
 
-    /// The frames asked for.
     pub fn frame_reports(&self, decoder: &'a Decoder) -> Vec<FrameReport<'a>> {
         self.rows.iter().map(|row| FrameReport::new(decoder, row)).collect()
     }
 
-    /// The result of checking every chunk.
     pub fn chunks_report(&'a self, decoder: &'a Decoder) -> ChunksReport<'a> {
         let all = self.totals(None);
         let damaged = self.damaged.iter().map(|chunk| chunk.report(decoder)).collect();

@@ -11,7 +11,6 @@ use crate::memory::Budget;
 /// Most frame rows of one inspection.
 pub const MAX_ROWS: u64 = 1_000_000;
 
-/// Frames with a row of their own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FrameRows {
     #[default]
@@ -20,7 +19,6 @@ pub enum FrameRows {
     Range(FrameRange),
 }
 
-/// Treatment of damaged chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Check {
     /// The first one is an error.
@@ -31,7 +29,6 @@ pub enum Check {
     ListAll,
 }
 
-/// Settings of an inspection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct InspectSettings {
     pub rows: FrameRows,
@@ -46,7 +43,6 @@ pub struct InspectSettings {
 pub struct StorageStats {
     /// Rows of the chunk table.
     pub chunks: u64,
-    /// Those stored as LZMA2.
     pub lzma2_chunks: u64,
     /// Bytes in the file, each counted once.
     pub bytes: u64,
@@ -58,7 +54,6 @@ pub struct StorageStats {
     pub payload_bytes: u64,
 }
 
-/// Minimum, mean and maximum.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Spread {
     pub min: u64,
@@ -66,19 +61,16 @@ pub struct Spread {
     pub max: u64,
 }
 
-/// Statistics of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreamStats<'a> {
     pub stream: &'a StreamInfo,
     /// Uncompressed size as CALF's table 1 counts it ([`crate::streams::CodecHeader::raw_pixel_bytes`]).
     pub raw_bytes: u64,
     pub storage: StorageStats,
-    /// Tiles or cells.
     pub units: u64,
     /// Keyframes of all units.
     pub keyframes: u64,
     pub keyframes_per_unit: Spread,
-    /// Boxes of all frames.
     pub aabbs: u64,
     /// Nodes of all frames, by level and function; all nodes of a tree.
     pub nodes: ModeStatistics,
@@ -93,14 +85,12 @@ pub struct StreamStats<'a> {
 }
 
 impl StreamStats<'_> {
-    /// Pixels of all frames.
     pub fn pixels(&self) -> u64 {
         let entry = &self.stream.entry;
         self.stream.frames.count() * u64::from(entry.width) * u64::from(entry.height)
     }
 }
 
-/// Statistics of a frame of a stream.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameRow<'a> {
     pub stream: &'a StreamInfo,
@@ -108,7 +98,6 @@ pub struct FrameRow<'a> {
     pub cost: FrameCost,
 }
 
-/// Statistics of a container.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection<'a> {
     pub streams: Vec<StreamStats<'a>>,
@@ -124,12 +113,10 @@ pub struct Inspection<'a> {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Totals {
     pub streams: u64,
-    /// Images.
     pub frames: u64,
     pub raw_bytes: u64,
     /// Payloads before LZMA2.
     pub temporal_bytes: u64,
-    /// In the file.
     pub bytes: u64,
     pub chunks: u64,
     pub lzma2_chunks: u64,

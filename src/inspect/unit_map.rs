@@ -22,7 +22,6 @@ pub(super) struct UnitMap {
     pub keyframe: bool,
 }
 
-/// Activity of a chunk.
 #[derive(Debug, Default)]
 pub(super) struct ChunkSurvey {
     pub keyframes_in_blocks: u64,
@@ -54,7 +53,6 @@ pub(super) fn unit_map(chunk: &StreamChunk, size: [u32; 2], at: u32) -> UnitMap 
     UnitMap { patches, keyframe: at == 0 }
 }
 
-/// The nodes of frame `at` of a runtime form.
 fn nodes_at(runtime: &Runtime, at: u32) -> Vec<(Place, Function)> {
     let Ok(found) = runtime.frames().binary_search_by_key(&at, |frame| frame.frame) else { return Vec::new() };
     let nodes = runtime.nodes(runtime.frames()[found]);

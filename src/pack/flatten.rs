@@ -14,7 +14,6 @@ use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::streams::{CodecHeader, DEPTH_TREE, DepthCoding, DepthHeader, NodeHeader};
 
-/// Settings of packed nodes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlattenSettings {
     /// Largest error of a node; at most what the tree was built for.
@@ -31,17 +30,14 @@ pub struct FlattenSettings {
     pub min_children: u8,
 }
 
-/// Packs one stream of trees.
 #[derive(Debug)]
 pub struct Flattener {
     entry: StreamEntry,
     settings: NodeSettings,
-    /// The tree's.
     domain: Domain,
     header: CodecHeader,
 }
 
-/// Whether a stream holds trees.
 pub fn is_tree(entry: &StreamEntry) -> bool {
     entry.codec == DEPTH_TREE
 }
@@ -74,7 +70,6 @@ impl Flattener {
         })
     }
 
-    /// The stream of packed nodes.
     pub fn entry(&self) -> StreamEntry {
         StreamEntry { codec: self.header.codec(), codec_header: self.header.write(), ..self.entry.clone() }
     }

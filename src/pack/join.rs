@@ -23,19 +23,15 @@ const BATCH_BYTES: u64 = 256 << 20;
 /// picture (4); 6 to spare.
 const PACKING_BYTES: u64 = 64;
 
-/// Storage of chunks in the result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repack {
-    /// As the input stored them.
     #[default]
     Keep,
     /// LZMA2 at this preset where it helps.
     Lzma2(u32),
-    /// Without compression.
     Raw,
 }
 
-/// Settings of a pack.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PackSettings {
     pub repack: Repack,
@@ -45,14 +41,11 @@ pub struct PackSettings {
     pub memory: Budget,
 }
 
-/// Figures of a pack.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct PackSummary {
-    /// Size of the container.
     pub bytes: u64,
     /// Size of the same footage as CALF's table 1 counts it ([`CodecHeader::raw_pixel_bytes`]), streams of unknown codecs left out.
     pub raw_bytes: u64,
-    /// Images: frames of all streams.
     pub frames: u64,
     pub streams: u64,
     /// Streams of trees that became packed nodes.
@@ -63,12 +56,9 @@ pub struct PackSummary {
 /// Figures of a pack that took `seconds`.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct PackReport {
-    /// The figures.
     #[serde(flatten)]
     pub summary: PackSummary,
-    /// Bytes of all inputs.
     pub input_bytes: u64,
-    /// Time of the pack.
     pub seconds: f64,
 }
 
@@ -212,7 +202,6 @@ fn flatteners(reader: &Reader, settings: &PackSettings) -> Result<Vec<Option<Fla
     flatteners.collect()
 }
 
-/// Copies chunks from one container into another.
 struct Copier<'a> {
     reader: &'a Reader,
     repack: Repack,
