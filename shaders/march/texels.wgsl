@@ -1,5 +1,5 @@
-// Inverse depths of the texels of a view (CALF 6.2): `write_depth` of src/views/face_cache.rs, with what
-// `InverseDepth` of src/views/light_field.rs makes of codes. An invocation writes a texel. Needs `job_of`.
+// Inverse depths of the texels of a view (CALF 6.2): `write_depth` of src/views/face_cache.rs with
+// `InverseDepth` of src/views/inverse_depth.rs. An invocation writes a texel. Needs `job_of`.
 
 @group(0) @binding(0) var<storage, read> pictures: array<u32>;
 @group(0) @binding(1) var<storage, read> tables: array<u32>;

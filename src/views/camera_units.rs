@@ -1,4 +1,7 @@
 //! The units in the frusta of cameras, as a filter for decoding (CALF 6.2).
+//!
+//! The frustum of a unit goes through the corners of its rectangle, from near to far of the depth stream of the same face; without
+//! one, from the probe to infinity. Tests are conservative: a visible unit is never missed.
 
 use std::collections::HashMap;
 

@@ -9,6 +9,8 @@
 //!   point has no direction and counts as one at a right angle; where the eye is in it, distance decides.
 //! - Culling by angle is at the eye. A view in the eye has no direction: only another one there is redundant to it.
 //! - Views of the same priority come by their distance, then by their number.
+//!
+//! Pictures depend on the order, which is a function of the eye alone, and not on slots. Only performance culling reads clocks.
 
 use glam::DVec3;
 
