@@ -34,8 +34,7 @@ use crate::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, P
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::{SelectionSettings, ViewPriority};
 use crate::march::render::RAYS_AT_ONCE;
-use crate::march::specular::environment::MOST_TEXELS;
-use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_BALLS};
+use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
 use crate::math::Camera;
 use crate::memory::Need;
 use crate::views::catalogue::ProbeChoice;
@@ -292,7 +291,7 @@ impl Args {
         of_probes.sort_unstable_by_key(|&texels| std::cmp::Reverse(texels));
         let most = self.views.views.map_or(usize::MAX, |views| views as usize);
         let texels: u64 = of_probes.into_iter().take(most).sum();
-        let balls = (texels / LEAST_TEXELS as u64).min(MOST_BALLS as u64);
+        let balls = (texels / LEAST_TEXELS as u64).min(MOST_PROXIES as u64);
         let around = 6
             * u64::from(MOST_TEXELS).pow(2)
             * (balls * AROUND_BYTES + balls.min(rayon::current_num_threads() as u64) * MAKING_BYTES);
@@ -382,7 +381,7 @@ impl Args {
             far_m: march.far.map(|metres| metres as f32),
             samples: march.samples,
             holes: march.holes.into(),
-            effects: march.effects.into(),
+            specular: march.effects.into(),
             max_bounces: march.max_bounces,
             acceleration: march.acceleration.into(),
         }

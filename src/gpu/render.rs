@@ -28,12 +28,11 @@ use crate::gpu::render::texels::{DeviceTexels, Transferred};
 use crate::image::plane::Plane;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
-use crate::march::interpolate::camera_weights;
 use crate::march::pyramid::LEAST_M;
-use crate::march::render::{Rendered, sends_on};
+use crate::march::render::{Rendered, has_secondary_rays};
 use crate::march::settings::{Acceleration, RenderSettings};
+use crate::march::specular::proxy::{Proxies, Proxy, proxies_in_sight};
 use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
-use crate::march::specular::sphere_fit::{GlassBall, GlassBalls};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{ColorCoding, FaceTexels, LightField};
@@ -75,8 +74,8 @@ pub struct RenderCost {
     pub bytes_copied: u64,
     /// Cost of decoding on the device.
     pub units: UnitCost,
-    /// Time of the CPU for fitting refractive spheres and their local environment maps.
-    pub glass: Duration,
+    /// CPU time for refractive proxies.
+    pub proxies: Duration,
     /// Time in which the device marched, from the first dispatch to the end of the last.
     pub marching: Duration,
     /// Time for reading pictures back.
@@ -147,7 +146,7 @@ impl<'a> GpuRenderer<'a> {
     /// The kernel that renders with these settings.
     pub fn kernel(views: &ActiveViews<'_>, settings: &RenderSettings) -> &'static Kernel {
         match settings.acceleration {
-            _ if sends_on(views, settings.effects) => &kernels::RENDER_EFFECTS,
+            _ if has_secondary_rays(views, settings.specular) => &kernels::RENDER_EFFECTS,
             Acceleration::None => &kernels::RENDER,
             Acceleration::Pyramid => &kernels::RENDER_PYRAMID,
         }
@@ -168,9 +167,9 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
-    /// Brings the texels of these views, and of local environment maps of spheres, which are new for each picture.
-    fn bring_glass(&mut self, views: &ActiveViews<'_>, glass: &GlassBalls) -> Result<()> {
-        for view in glass.balls.iter().map(|ball| &ball.view) {
+    /// Brings the texels of these views, and of environment maps, which are new for each picture.
+    fn bring_all(&mut self, views: &ActiveViews<'_>, proxies: &Proxies) -> Result<()> {
+        for view in proxies.proxies.iter().map(|proxy| &proxy.environment) {
             for (face, texels) in view.faces.iter().enumerate() {
                 let Some(FaceTexels { size: [width, height], .. }) = texels else { continue };
                 for kind in [StreamKind::Depth, StreamKind::Color] {
@@ -178,8 +177,8 @@ impl<'a> GpuRenderer<'a> {
                 }
             }
         }
-        let from_balls = glass.balls.iter().map(GlassBall::around);
-        let all = views.views.iter().cloned().chain(from_balls).collect();
+        let environments = proxies.proxies.iter().map(Proxy::environment_view);
+        let all = views.views.iter().cloned().chain(environments).collect();
         self.bring(&ActiveViews { views: all, coding: views.coding })
     }
 
@@ -193,14 +192,14 @@ impl<'a> GpuRenderer<'a> {
     ) -> Result<Rendered> {
         monitor.check()?;
         let start = Instant::now();
-        let glass = match sends_on(views, settings.effects) {
-            true => GlassBalls::shown(views, &camera_weights(views), camera, monitor)?,
-            false => GlassBalls::none(views.coding),
+        let proxies = match has_secondary_rays(views, settings.specular) {
+            true => proxies_in_sight(views, camera, monitor)?,
+            false => Proxies::none(views.coding),
         };
-        self.cost.glass += start.elapsed();
-        self.bring_glass(views, &glass)?;
+        self.cost.proxies += start.elapsed();
+        self.bring_all(views, &proxies)?;
         let origin = |image| self.texels.origin(image);
-        let rows = SceneRows::new((views, &glass), camera, settings, self.texels.pyramid_rows(), origin);
+        let rows = SceneRows::new(views, &proxies, camera, settings, self.texels.pyramid_rows(), origin);
         let [width, height] = settings.size;
         let kernel = Self::kernel(views, settings);
         let target = self.target(kernel, &rows, settings.size)?;

@@ -13,7 +13,7 @@ use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::RenderSettings;
 use crate::march::shading::HOLE_DIFFERENCE;
-use crate::march::synthetic::{Made, room};
+use crate::march::synthetic::{SyntheticProbe, room};
 use crate::math::Camera;
 use crate::monitor::Silent;
 use crate::views::light_field::LightField;
@@ -51,7 +51,7 @@ fn sight(eye: DVec3, direction: DVec3) -> Option<(f64, [u8; 3])> {
 fn setup() -> Setup {
     let view = |x| {
         let position = DVec3::new(x, 0.0, 0.0);
-        Made::new(position, SIDE).cube(CODES, &|direction| sight(position, direction))
+        SyntheticProbe::new(position, SIDE).cube(CODES, &|direction| sight(position, direction))
     };
     let field = LightField { views: PROBES_M.map(view).into(), coding: CODES };
     Setup { field, eye: DVec3::new(EYE_M, 0.0, 0.0), range_m: [0.05, 16.0] }

@@ -17,8 +17,8 @@ use crate::march::counters::Counters;
 use crate::march::intersect::intersect;
 use crate::march::ray::{Ray, Steps};
 use crate::march::render::{Rendered, render, render_plainly};
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
-use crate::march::synthetic::{Made, room};
+use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use crate::march::synthetic::{SyntheticProbe, room};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -141,7 +141,7 @@ fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
         let sight =
             |direction| room(position, direction, ROOM, 0.1).map(|(distance_m, color)| (distance_m * size, color));
         let range_m = [0.125, 16.0].map(|metres| metres * size as f32);
-        Made { range_m, ..Made::new(position * size + away, SIDE) }.cube(CODES, &sight)
+        SyntheticProbe { range_m, ..SyntheticProbe::new(position * size + away, SIDE) }.cube(CODES, &sight)
     };
     let field = LightField { views: positions.iter().map(view).collect(), coding: CODES };
     Setup { field, eye: eye * size + away, range_m: [0.0625, 16.0].map(|metres| metres * size as f32) }
@@ -150,7 +150,7 @@ fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
 /// One probe of the room alone, and the eye in it.
 fn own_room(side: u32) -> Setup {
     let position = POSITIONS[1];
-    let view = Made::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
+    let view = SyntheticProbe::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
     let field = LightField { views: vec![view], coding: CODES };
     Setup { field, eye: position, range_m: [0.0625, 16.0] }
 }
@@ -175,7 +175,7 @@ fn steps_of_all() -> Setup {
 
 /// One probe in the origin, and an eye beside it.
 fn made(sight: fn(DVec3) -> Option<(f64, [u8; 3])>) -> Setup {
-    let view = Made::new(DVec3::ZERO, SIDE).cube(CODES, &sight);
+    let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &sight);
     let field = LightField { views: vec![view], coding: CODES };
     Setup { field, eye: DVec3::new(0.25, 0.125, -0.5), range_m: [0.01, 200.0] }
 }
@@ -206,7 +206,7 @@ impl Setup {
             steps: self.steps(),
             samples: 1,
             holes: HoleFill::Blank,
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::Pyramid,
         }
@@ -378,8 +378,8 @@ fn empty() -> Result<Measured> {
 
 /// The eye in the middle of a cube whose walls are at 1.5 m: rays along the axes meet them between the last two steps.
 fn at_the_last_step() -> Measured {
-    let view =
-        Made::new(DVec3::ZERO, SIDE).cube(CODES, &|direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0));
+    let view = SyntheticProbe::new(DVec3::ZERO, SIDE)
+        .cube(CODES, &|direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0));
     let field = LightField { views: vec![view], coding: CODES };
     let setup = Setup { field, eye: DVec3::ZERO, range_m: [0.01, 1.5 * 1.0001] };
     let views = setup.views();

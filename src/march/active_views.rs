@@ -1,7 +1,11 @@
-//! The views that take part in a picture, as one eye has them (CALF 6, 6.3).
+//! The views that take part in a picture, relative to its eye (CALF 6, 6.3).
 //!
-//! All lengths are relative to the eye: positions are subtracted in double precision, so that a light field far from the
-//! origin of the world is as sharp as one around it.
+//! Positions are subtracted in double precision, so that pictures far from the world's origin lose no precision. All
+//! points are in metres from the eye.
+//!
+//! The paper leaves out views too near to a point, where directions mean little. But no surface of a probe is nearer
+//! than its near plane, so within it a point is empty whatever the texels say. A point that no view decides about is a
+//! surface in algorithm 4, which would put one before any eye too near to all views; here it is none.
 
 use std::sync::Arc;
 
@@ -12,26 +16,31 @@ use crate::march::pyramid::{Pyramids, ViewPyramids};
 use crate::march::ray::Ray;
 use crate::views::light_field::{ColorCoding, LightField, Projected, UNKNOWN, View};
 
-/// What a view says of a point.
+/// ε of the weight of a view by its distance from the eye, relative to the farthest active view.
+pub const CAMERA_EPSILON: f32 = 0.01;
+
+/// Result of testing a point against the depths of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Evidence {
-    /// The point is between the viewpoint and the surface that it sees in this direction: empty space.
-    Open,
-    /// A surface lies before the point, or in it.
-    Behind,
-    /// The view knows nothing of this direction.
+pub enum Occupancy {
+    /// Between the viewpoint and the surface that it sees in this direction.
+    Empty,
+    /// On that surface or behind it.
+    Occupied,
+    /// The view has no depth in this direction.
     Unknown,
 }
 
-/// A view, relative to the eye.
+/// A view relative to the eye.
 #[derive(Debug, Clone)]
 pub struct ActiveView<'a> {
     /// Its texels.
     pub view: &'a View,
-    /// Its centre, in metres from the eye along the world's axes.
+    /// Its centre.
     pub from_eye: Vec3,
-    /// Turns directions of the world into those of its faces.
+    /// Rotates directions of the world into its axes.
     pub probe_from_world: Mat3,
+    /// w_cam of algorithm 4.
+    pub camera_weight: f32,
     /// [`ViewPyramids::greatest`].
     pub greatest_inverse_depth: f32,
     /// Pyramids above its inverse depths; an empty one proves nothing.
@@ -39,57 +48,56 @@ pub struct ActiveView<'a> {
 }
 
 impl<'a> ActiveView<'a> {
-    /// A view whose centre is at `from_eye`.
+    /// A view of weight 1 whose centre is at `from_eye`.
     pub fn new(view: &'a View, pyramids: Arc<ViewPyramids>, from_eye: Vec3) -> ActiveView<'a> {
-        let probe_from_world = view.probe_from_world.as_mat3();
-        ActiveView { view, from_eye, probe_from_world, greatest_inverse_depth: pyramids.greatest(view), pyramids }
+        ActiveView {
+            view,
+            from_eye,
+            probe_from_world: view.probe_from_world.as_mat3(),
+            camera_weight: 1.0,
+            greatest_inverse_depth: pyramids.greatest(view),
+            pyramids,
+        }
     }
 
-    /// The way from the viewpoint to a point, in the probe's axes; `point` is in metres from the eye.
+    /// Vector from the viewpoint to a point, in the probe's axes.
     pub fn local(&self, point: Vec3) -> Vec3 {
         self.probe_from_world * (point - self.from_eye)
     }
 
-    /// Inverse planar depth of the texel that a point falls into; [`UNKNOWN`] where there is none.
+    /// Inverse planar depth of the texel that contains a point; [`UNKNOWN`] where there is none.
     pub fn nearest_inverse_depth(&self, at: &Projected) -> f32 {
         let Some(face) = &self.view.faces[at.face] else { return UNKNOWN };
         let [column, row] = [0, 1].map(|axis| (at.at[axis].max(0.0) as u32).min(face.size[axis] - 1));
         face.inverse_depth[row as usize * face.size[0] as usize + column as usize]
     }
 
-    /// BetweenViewpointAndGeometry (algorithm 4, line 1), with a third answer where nothing is known.
-    ///
-    /// The paper leaves out views whose centre is too near to the point, as directions mean little there. But no surface
-    /// of a probe is nearer than its near plane, so within that the answer is known without any direction: open.
-    pub fn evidence(&self, point: Vec3) -> Evidence {
+    /// BetweenViewpointAndGeometry (algorithm 4, line 1).
+    pub fn occupancy(&self, point: Vec3) -> Occupancy {
         let local = self.local(point);
         let near = local.length_squared() < self.view.near_m * self.view.near_m;
         let Some(at) = self.view.project(local) else {
             // The centre itself has no direction.
-            return if near && local.length_squared() <= f32::MIN_POSITIVE {
-                Evidence::Open
-            } else {
-                Evidence::Unknown
-            };
+            let is_centre = near && local.length_squared() <= f32::MIN_POSITIVE;
+            return if is_centre { Occupancy::Empty } else { Occupancy::Unknown };
         };
         let surface = self.nearest_inverse_depth(&at);
-        // Within near it is so even where no texel was decoded.
         if near || surface < at.inverse_depth {
-            Evidence::Open
+            Occupancy::Empty
         } else if surface == UNKNOWN {
-            Evidence::Unknown
+            Occupancy::Unknown
         } else {
-            Evidence::Behind
+            Occupancy::Occupied
         }
     }
 }
 
-/// The views that are asked, in the order of their priority.
+/// The active views, by priority.
 #[derive(Debug, Clone)]
 pub struct ActiveViews<'a> {
     /// The views.
     pub views: Vec<ActiveView<'a>>,
-    /// What their colours are coded in.
+    /// Coding of their colours.
     pub coding: ColorCoding,
 }
 
@@ -112,44 +120,48 @@ impl<'a> ActiveViews<'a> {
     ) -> ActiveViews<'a> {
         let known = indices.iter().filter_map(|&at| Some((at, field.views.get(at)?)));
         let views = known.map(|(at, view)| ActiveView::new(view, pyramids(at), (view.position - eye).as_vec3()));
-        ActiveViews { views: views.collect(), coding: field.coding }
-    }
-
-    /// Whether a surface is met at a point: no view sees past it, and at least one sees a surface before it.
-    ///
-    /// In algorithm 4 a point that no view was asked about is a surface, which would put one before any eye that all
-    /// views are too near to. Here it is not.
-    pub fn is_surface(&self, point: Vec3) -> bool {
-        let mut behind = false;
-        for view in &self.views {
-            match view.evidence(point) {
-                Evidence::Open => return false,
-                Evidence::Behind => behind = true,
-                Evidence::Unknown => {}
+        let mut views: Vec<ActiveView<'_>> = views.collect();
+        let farthest_m = views.iter().map(|view| view.from_eye.length()).fold(0.0, f32::max);
+        if farthest_m > 0.0 {
+            for view in &mut views {
+                view.camera_weight = 1.0 / (view.from_eye.length() / farthest_m + CAMERA_EPSILON);
             }
         }
-        behind
+        ActiveViews { views, coding: field.coding }
     }
 
-    /// Halves the interval in which a surface begins; returns its end that is in the surface.
+    /// Whether a point is on or behind a surface: empty in no view, and occupied in at least one.
+    pub fn is_surface(&self, point: Vec3) -> bool {
+        let mut occupied = false;
+        for view in &self.views {
+            match view.occupancy(point) {
+                Occupancy::Empty => return false,
+                Occupancy::Occupied => occupied = true,
+                Occupancy::Unknown => {}
+            }
+        }
+        occupied
+    }
+
+    /// Bisects the interval in which a surface begins; returns its end that is in the surface.
     pub fn refine(&self, ray: &Ray, interval_m: [f32; 2], times: u32, counters: &mut Counters) -> f32 {
-        let [mut open_m, mut surface_m] = interval_m;
+        let [mut empty_m, mut surface_m] = interval_m;
         for _ in 0..times {
-            let middle_m = 0.5 * (open_m + surface_m);
+            let middle_m = 0.5 * (empty_m + surface_m);
             counters.refine_steps += 1;
             if self.is_surface(ray.at(middle_m)) {
                 surface_m = middle_m;
             } else {
-                open_m = middle_m;
+                empty_m = middle_m;
             }
         }
         surface_m
     }
 
-    /// The farthest that a surface of these views can be from the eye, in metres; 0 without views.
+    /// Greatest distance of a surface of these views from the eye, in metres; 0 without views.
     pub fn far_m(&self) -> f32 {
-        // Planar depths reach √3 times as far in the corner of a face, and farther in a wide perspective image.
-        let reach = |view: &ActiveView<'_>| {
+        // A planar depth is √3 times as far in the corner of a cube face, and more in a wide perspective image.
+        let reach_m = |view: &ActiveView<'_>| {
             let corner = view.view.faces.iter().flatten().flat_map(|face| {
                 let [right, bottom] = face.size.map(|size| size - 1);
                 [[0, 0], [right, 0], [0, bottom], [right, bottom]]
@@ -157,10 +169,10 @@ impl<'a> ActiveViews<'a> {
             });
             view.from_eye.length() + view.view.far_m * corner.fold(1.0, f32::max)
         };
-        self.views.iter().map(reach).fold(0.0, f32::max)
+        self.views.iter().map(reach_m).fold(0.0, f32::max)
     }
 
-    /// The nearest that a surface of these views is to its own view, in metres; 1 without views.
+    /// Least distance of a surface of these views from its own view, in metres; 1 without views.
     pub fn near_m(&self) -> f32 {
         self.views.iter().map(|view| view.view.near_m).reduce(f32::min).unwrap_or(1.0)
     }

@@ -1,8 +1,8 @@
-//! Near and far of a camera: which of the surfaces along a ray from its eye it shows.
+//! Near and far clip planes of a camera.
 //!
-//! Enters: where a ray meets a surface. Leaves: where it meets one that lies between the two planes, if there is one. A ray
-//! that meets a surface before the near plane goes on behind the plane, once a view sees past it again; what lies in between
-//! is hidden from all views. Rays that mirrors and glass have sent on know neither plane.
+//! Enters: where a ray meets a surface. Leaves: where it meets one between the planes. A surface before the near plane is
+//! cut away: the ray continues at the plane, from the first point that some view sees to be empty. Secondary rays are not
+//! clipped.
 
 use glam::Vec3;
 
@@ -13,14 +13,14 @@ use crate::march::ray::{Ray, StepsFrom};
 use crate::march::settings::RenderSettings;
 use crate::math::Camera;
 
-/// The planes, at right angles to the axis of the camera.
+/// Planes perpendicular to the axis of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipPlanes {
-    /// Where the camera looks, of length 1.
+    /// The axis, of length 1.
     forward: Vec3,
-    /// Nothing nearer is shown: metres along the axis.
+    /// Metres along the axis.
     near_m: f32,
-    /// Nothing farther is shown: metres along the axis, may be `+inf`.
+    /// Metres along the axis, may be `+inf`.
     far_m: f32,
 }
 
@@ -31,23 +31,24 @@ impl ClipPlanes {
         camera.has_range().then(|| ClipPlanes { forward: camera.axes()[0].as_vec3(), near_m, far_m })
     }
 
-    /// Whether a point so deep, in metres along the axis, lies between the planes, both included.
-    pub fn shows(&self, depth_m: f32) -> bool {
+    /// Whether a depth, in metres along the axis, lies between the planes, both included.
+    pub fn contains(&self, depth_m: f32) -> bool {
         (self.near_m..=self.far_m).contains(&depth_m)
     }
 
     /// The distance in metres at which a ray from the eye meets a surface between the planes, where it first meets one
-    /// at `met_m`.
-    pub fn shown(
+    /// at `hit_m`.
+    pub fn visible_hit(
         &self,
-        (views, ray): (&ActiveViews<'_>, &Ray),
-        met_m: f32,
+        views: &ActiveViews<'_>,
+        ray: &Ray,
+        hit_m: f32,
         settings: &RenderSettings,
         counters: &mut Counters,
     ) -> Option<f32> {
         let cosine = ray.direction.dot(self.forward);
-        if met_m * cosine >= self.near_m {
-            return self.shows(met_m * cosine).then_some(met_m);
+        if hit_m * cosine >= self.near_m {
+            return self.contains(hit_m * cosine).then_some(hit_m);
         }
         let distances_m = &settings.steps.distances_m;
         let mut first = distances_m.partition_point(|distance_m| distance_m * cosine < self.near_m);
@@ -58,9 +59,9 @@ impl ClipPlanes {
             }
             first += 1;
         }
-        let met_m =
-            intersect_from(settings.acceleration, views, ray, StepsFrom { steps: &settings.steps, first }, counters)?;
-        self.shows(met_m * cosine).then_some(met_m)
+        let steps = StepsFrom { steps: &settings.steps, first };
+        let hit_m = intersect_from(settings.acceleration, views, ray, steps, counters)?;
+        self.contains(hit_m * cosine).then_some(hit_m)
     }
 }
 
@@ -73,8 +74,8 @@ mod tests {
     use crate::image::transfer::ToneMap;
     use crate::march::ray::Steps;
     use crate::march::render::{Rendered, render, render_plainly};
-    use crate::march::settings::{Acceleration, EffectMode};
-    use crate::march::synthetic::{Made, field, room};
+    use crate::march::settings::{Acceleration, SpecularMode};
+    use crate::march::synthetic::{SyntheticProbe, field, room};
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
@@ -87,7 +88,9 @@ mod tests {
         acceleration: Acceleration,
     ) -> Rendered {
         let coding = ColorCoding::Codes(ToneMap::default());
-        let view = |&at: &DVec3| Made::new(at, 48).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), pillar));
+        let view = |&at: &DVec3| {
+            SyntheticProbe::new(at, 48).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), pillar))
+        };
         let light_field = field(places.iter().map(view).collect(), coding);
         let all: Vec<usize> = (0..places.len()).collect();
         let views = ActiveViews::new(&light_field, &all, eye);
@@ -98,7 +101,7 @@ mod tests {
             steps: Steps::new(256, 0.01, views.far_m(), 8),
             samples: 1,
             holes: HoleFill::Blank,
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 0,
             acceleration,
         };

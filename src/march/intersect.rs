@@ -60,8 +60,8 @@ mod tests {
     use crate::evaluate::rendered_image::HoleFill;
     use crate::image::transfer::ToneMap;
     use crate::march::render::render;
-    use crate::march::settings::{EffectMode, RenderSettings};
-    use crate::march::synthetic::{Made, field, room};
+    use crate::march::settings::{RenderSettings, SpecularMode};
+    use crate::march::synthetic::{SyntheticProbe, field, room};
     use crate::math::{Camera, Lens};
     use crate::monitor::Silent;
     use crate::views::light_field::ColorCoding;
@@ -70,7 +70,8 @@ mod tests {
     fn few_steps_make_no_holes_however_they_are_refined() {
         let coding = ColorCoding::Codes(ToneMap::default());
         let places = [DVec3::new(0.3, 0.1, -0.2), DVec3::new(-0.4, -0.2, 0.3)];
-        let view = |at: DVec3| Made::new(at, 32).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), 0.0));
+        let view =
+            |at: DVec3| SyntheticProbe::new(at, 32).cube(coding, &|to| room(at, to, DVec3::new(3.0, 1.5, 2.0), 0.0));
         let light_field = field(places.map(view).to_vec(), coding);
         let eye = DVec3::new(0.11, 0.07, 0.02);
         let views = ActiveViews::new(&light_field, &[0, 1], eye);
@@ -81,7 +82,7 @@ mod tests {
                 steps: Steps::new(16, 0.01, views.far_m(), refine),
                 samples: 1,
                 holes: HoleFill::Blank,
-                effects: EffectMode::None,
+                specular: SpecularMode::None,
                 max_bounces: 0,
                 acceleration: Acceleration::Pyramid,
             };

@@ -77,7 +77,7 @@ impl Steps {
 
     /// How far, in the logarithm of the distance, hits may lie behind the surface: what is left of the interval between
     /// two steps when it has been halved.
-    pub fn unsure(&self) -> f32 {
+    pub fn uncertainty(&self) -> f32 {
         let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
         -(-left).ln_1p()
     }
@@ -93,10 +93,10 @@ mod tests {
             let steps = Steps::new(16, 0.01, 10.0, refine);
             let [near_m, far_m] = [steps.distances_m[3], steps.distances_m[4]];
             let open_m = far_m - (far_m - near_m) / 2f32.powi(refine as i32);
-            assert!((steps.unsure() - (far_m / open_m).ln()).abs() < 1e-5, "{refine}: {}", steps.unsure());
+            assert!((steps.uncertainty() - (far_m / open_m).ln()).abs() < 1e-5, "{refine}: {}", steps.uncertainty());
         }
-        assert_eq!(Steps::new(16, 1.0, 1.0, 0).unsure(), 0.0);
-        assert!(Steps::new(1, 1e-6, 1e6, u32::MAX).unsure() < 1e-6);
+        assert_eq!(Steps::new(16, 1.0, 1.0, 0).uncertainty(), 0.0);
+        assert!(Steps::new(1, 1e-6, 1e6, u32::MAX).uncertainty() < 1e-6);
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Pictures of a light field from any eye: Main of algorithm 4 (CALF 6).
+//! Rendering a light field from any eye: Main of algorithm 4 (CALF 6).
 //!
-//! Enters: active views, a camera, settings. Leaves: a picture in linear light with alpha, and what it came to.
+//! Enters: active views, a camera, settings. Leaves: a picture in linear light with alpha, and counters.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,14 +11,13 @@ use crate::image::plane::Plane;
 use crate::march::active_views::ActiveViews;
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
-use crate::march::interpolate::camera_weights;
 use crate::march::intersect::intersect;
 use crate::march::packet::render::PacketScene;
 use crate::march::ray::Ray;
-use crate::march::settings::{EffectMode, RenderSettings};
-use crate::march::shading::{Outcome, background, surface};
-use crate::march::specular::secondary_rays::{Effects, Met};
-use crate::march::specular::sphere_fit::GlassBalls;
+use crate::march::settings::{RenderSettings, SpecularMode};
+use crate::march::shading::{PrimaryHit, RayResult, background, surface};
+use crate::march::specular::proxy::{Proxies, proxies_in_sight};
+use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
@@ -31,8 +30,8 @@ pub struct Rendered {
     pub counters: Counters,
 }
 
-/// Rays that are followed before the monitor is asked again whether to stop, and all of a row that is held at once: a
-/// multiple of four, so that packets stay whole.
+/// Rays of a row that are in flight at once, and between two checks of the monitor: a multiple of four, so that packets
+/// stay whole.
 pub(crate) const RAYS_AT_ONCE: usize = 1024;
 
 /// Renders. The monitor advances by one for each row.
@@ -45,25 +44,16 @@ pub fn render(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let weights = camera_weights(views);
-    let scene = PacketScene::new(views, &weights, ClipPlanes::of(camera));
-    let glass = glass(views, &weights, (camera, settings), monitor)?;
-    render_rows((camera, settings), monitor, |directions, counters| {
+    let scene = PacketScene::new(views, ClipPlanes::of(camera));
+    let picture = Picture::new(views, camera, settings, monitor)?;
+    picture.rows(|directions, counters| {
         let mut row = scene.row(settings);
-        let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
-        let mut all = Vec::with_capacity(directions.len());
-        for four in directions.chunks(4) {
-            let outcomes = row.outcomes(four, counters);
-            all.extend(four.iter().zip(outcomes).map(|(&direction, (distance_m, outcome))| {
-                let ray = Ray { origin: Vec3::ZERO, direction };
-                sent_on(&mut effects, &ray, distance_m, outcome, counters)
-            }));
-        }
-        all
+        let hits = directions.chunks(4).flat_map(|four| row.hits(four, counters).into_iter().take(four.len()));
+        hits.collect()
     })
 }
 
-/// Renders with every ray by itself, in the plainest form: what [`render`] is measured against.
+/// Renders ray by ray, in the plainest form: the reference for [`render`].
 ///
 /// # Errors
 /// When the monitor says to stop.
@@ -73,125 +63,151 @@ pub fn render_plainly(
     settings: &RenderSettings,
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
-    let weights = camera_weights(views);
-    let glass = glass(views, &weights, (camera, settings), monitor)?;
     let clip = ClipPlanes::of(camera);
-    render_rows((camera, settings), monitor, |directions, counters| {
-        let mut effects = glass.as_ref().map(|glass| Effects::new(views, &weights, settings, glass));
-        let of_one = |&direction: &Vec3| {
-            let ray = Ray { origin: Vec3::ZERO, direction };
-            let (distance_m, outcome) = outcome((views, &weights), clip.as_ref(), &ray, settings, counters);
-            sent_on(&mut effects, &ray, distance_m, outcome, counters)
-        };
-        directions.iter().map(of_one).collect()
+    let picture = Picture::new(views, camera, settings, monitor)?;
+    picture.rows(|directions, counters| {
+        let rays = directions.iter().map(|&direction| Ray { origin: Vec3::ZERO, direction });
+        rays.map(|ray| primary_hit(views, clip.as_ref(), &ray, settings, counters)).collect()
     })
 }
 
-/// Whether rays are sent on in a picture of these views.
-pub fn sends_on(views: &ActiveViews<'_>, effects: EffectMode) -> bool {
-    match effects {
-        EffectMode::None => false,
-        EffectMode::Force => views.views.iter().any(|view| view.view.has_material()),
-        EffectMode::Auto => views.views.iter().any(|view| view.view.is_specular()),
-    }
-}
-
-/// The balls of glass of a picture; None where no rays are sent on.
-fn glass(
+fn primary_hit(
     views: &ActiveViews<'_>,
-    weights: &[f32],
-    (camera, settings): (&Camera, &RenderSettings),
-    monitor: &dyn Monitor,
-) -> Result<Option<GlassBalls>> {
-    sends_on(views, settings.effects).then(|| GlassBalls::shown(views, weights, camera, monitor)).transpose()
+    clip: Option<&ClipPlanes>,
+    ray: &Ray,
+    settings: &RenderSettings,
+    counters: &mut Counters,
+) -> PrimaryHit {
+    let mut distance_m = intersect(settings.acceleration, views, ray, &settings.steps, counters);
+    if let Some(clip) = clip {
+        distance_m = distance_m.and_then(|hit_m| clip.visible_hit(views, ray, hit_m, settings, counters));
+    }
+    let result = match distance_m {
+        Some(distance_m) => surface(views, ray.at(distance_m), settings.steps.uncertainty()),
+        None => {
+            counters.background_rays += 1;
+            background(views, ray.direction)
+        }
+    };
+    PrimaryHit { distance_m, result }
 }
 
-/// What a ray from the eye brings when mirrors and glass have sent it on, where they do.
-fn sent_on(
-    effects: &mut Option<Effects<'_>>,
-    ray: &Ray,
-    distance_m: Option<f32>,
-    outcome: Outcome,
-    counters: &mut Counters,
-) -> Outcome {
-    match (effects, distance_m, outcome) {
-        (Some(effects), Some(distance_m), Outcome::Seen(light)) => {
-            let met = Met { point: ray.at(distance_m), direction: ray.direction, light };
-            Outcome::Seen(effects.light(&met, counters))
-        }
-        _ => outcome,
+/// Whether a picture of these views has secondary rays.
+pub fn has_secondary_rays(views: &ActiveViews<'_>, specular: SpecularMode) -> bool {
+    match specular {
+        SpecularMode::None => false,
+        SpecularMode::Force => views.views.iter().any(|view| view.view.has_material()),
+        SpecularMode::Auto => views.views.iter().any(|view| view.view.is_specular()),
     }
 }
 
-/// Renders with what brings the outcomes of rays of a row that follow each other, by their directions.
-fn render_rows(
-    (camera, settings): (&Camera, &RenderSettings),
-    monitor: &dyn Monitor,
-    outcomes: impl Fn(&[Vec3], &mut Counters) -> Vec<Outcome> + Sync,
-) -> Result<Rendered> {
-    let [width, height] = settings.size;
-    let samples = settings.samples.max(1) as usize;
-    let (rays_of_pixel, rays_of_row) = (samples * samples, samples * samples * width as usize);
-    let pixels = width as usize * height as usize;
-    let (mut color, mut alpha) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
-    let row = |(y, (color, alpha)): (usize, (&mut [[f32; 3]], &mut [f32]))| -> Result<Counters> {
-        let mut counters = Counters { primary_rays: rays_of_row as u64, ..Counters::default() };
-        let (mut pixels, mut brought) = (color.iter_mut().zip(alpha), Brought::default());
-        for first in (0..rays_of_row).step_by(RAYS_AT_ONCE) {
-            monitor.check()?;
-            let some = first..rays_of_row.min(first + RAYS_AT_ONCE);
-            let directions: Vec<Vec3> = some.map(|ray| direction(camera, settings, [ray, y])).collect();
-            for outcome in outcomes(&directions, &mut counters) {
-                brought.add(outcome, settings.holes);
-                if brought.rays as usize == rays_of_pixel
-                    && let Some((color, alpha)) = pixels.next()
-                {
-                    counters.hole_rays += u64::from(brought.rays - brought.seen);
-                    (*color, *alpha) = std::mem::take(&mut brought).color_and_alpha();
+struct Picture<'a> {
+    views: &'a ActiveViews<'a>,
+    camera: &'a Camera,
+    settings: &'a RenderSettings,
+    monitor: &'a dyn Monitor,
+    /// None without secondary rays.
+    proxies: Option<Proxies>,
+}
+
+impl<'a> Picture<'a> {
+    fn new(
+        views: &'a ActiveViews<'a>,
+        camera: &'a Camera,
+        settings: &'a RenderSettings,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Picture<'a>> {
+        let specular = has_secondary_rays(views, settings.specular);
+        let proxies = specular.then(|| proxies_in_sight(views, camera, monitor)).transpose()?;
+        Ok(Picture { views, camera, settings, monitor, proxies })
+    }
+
+    /// Renders rows in parallel, with the primary hits of adjacent rays by their directions.
+    fn rows(&self, hits: impl Fn(&[Vec3], &mut Counters) -> Vec<PrimaryHit> + Sync) -> Result<Rendered> {
+        let [width, height] = self.settings.size;
+        let samples = self.settings.samples.max(1) as usize;
+        let (rays_of_pixel, rays_of_row) = (samples * samples, samples * samples * width as usize);
+        let pixels = width as usize * height as usize;
+        let (mut color, mut alpha) = (vec![[0.0; 3]; pixels], vec![0.0; pixels]);
+        let row = |(y, (color, alpha)): (usize, (&mut [[f32; 3]], &mut [f32]))| -> Result<Counters> {
+            let mut counters = Counters { primary_rays: rays_of_row as u64, ..Counters::default() };
+            let (mut pixels, mut sum) = (color.iter_mut().zip(alpha), PixelSum::default());
+            let new = |proxies| SecondaryRays::new(self.views, self.settings, proxies);
+            let mut secondary = self.proxies.as_ref().map(new);
+            for first in (0..rays_of_row).step_by(RAYS_AT_ONCE) {
+                self.monitor.check()?;
+                let chunk = first..rays_of_row.min(first + RAYS_AT_ONCE);
+                let directions: Vec<Vec3> = chunk.map(|ray| self.direction([ray, y])).collect();
+                for (hit, &direction) in hits(&directions, &mut counters).into_iter().zip(&directions) {
+                    sum.add(shade(&mut secondary, hit, direction, &mut counters), self.settings.holes);
+                    if sum.rays as usize == rays_of_pixel
+                        && let Some((color, alpha)) = pixels.next()
+                    {
+                        counters.hole_rays += u64::from(sum.rays - sum.seen);
+                        (*color, *alpha) = std::mem::take(&mut sum).color_and_alpha();
+                    }
                 }
             }
+            self.monitor.advance(1);
+            Ok(counters)
+        };
+        let in_row = (width as usize).max(1);
+        let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
+        let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum.plus(of_row)))?;
+        let image =
+            RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? };
+        Ok(Rendered { image, counters })
+    }
+
+    /// Direction of a ray by its number in a row of pixels: pixel by pixel, in a pixel row by row.
+    fn direction(&self, [ray, y]: [usize; 2]) -> Vec3 {
+        let samples = self.settings.samples.max(1) as usize;
+        let (x, at) = (ray / (samples * samples), ray % (samples * samples));
+        let place = |pixel: usize, sample: usize, size: u32| {
+            (pixel as f64 + (sample as f64 + 0.5) / samples as f64) / f64::from(size)
+        };
+        let size = self.settings.size;
+        let window = [place(x, at % samples, size[0]), place(y, at / samples, size[1])];
+        self.camera.direction(window).as_vec3()
+    }
+}
+
+/// Adds the light of secondary rays where a primary ray hits a surface that views saw.
+fn shade(
+    secondary: &mut Option<SecondaryRays<'_>>,
+    PrimaryHit { distance_m, result }: PrimaryHit,
+    direction: Vec3,
+    counters: &mut Counters,
+) -> RayResult {
+    match (secondary, distance_m, result) {
+        (Some(secondary), Some(distance_m), RayResult::Light(light)) => {
+            let point = Ray { origin: Vec3::ZERO, direction }.at(distance_m);
+            RayResult::Light(secondary.light(&SurfaceHit { point, direction, light }, counters))
         }
-        monitor.advance(1);
-        Ok(counters)
-    };
-    let in_row = (width as usize).max(1);
-    let rows = color.par_chunks_mut(in_row).zip(alpha.par_chunks_mut(in_row)).enumerate();
-    let counters = rows.map(row).try_reduce(Counters::default, |sum, of_row| Ok(sum.plus(of_row)))?;
-    let image = RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? };
-    Ok(Rendered { image, counters })
+        _ => result,
+    }
 }
 
-/// Direction of a ray by its number in a row of pixels: pixel by pixel, and in a pixel row by row.
-fn direction(camera: &Camera, settings: &RenderSettings, [ray, y]: [usize; 2]) -> Vec3 {
-    let samples = settings.samples.max(1) as usize;
-    let (x, at) = (ray / (samples * samples), ray % (samples * samples));
-    let place = |pixel: usize, sample: usize, size: u32| {
-        (pixel as f64 + (sample as f64 + 0.5) / samples as f64) / f64::from(size)
-    };
-    let window = [place(x, at % samples, settings.size[0]), place(y, at / samples, settings.size[1])];
-    camera.direction(window).as_vec3()
-}
-
-/// What rays of a pixel have brought.
+/// Sums over the rays of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
-struct Brought {
-    /// Sum of the light of those that have a colour.
+struct PixelSum {
     color: Vec3,
+    /// Rays in `color`.
     colored: u32,
-    /// Rays that end in something that a view saw.
+    /// Rays whose end a view saw.
     seen: u32,
     rays: u32,
 }
 
-impl Brought {
-    fn add(&mut self, outcome: Outcome, holes: HoleFill) {
+impl PixelSum {
+    fn add(&mut self, result: RayResult, holes: HoleFill) {
         self.rays += 1;
-        let light = match outcome {
-            Outcome::Seen(light) => {
+        let light = match result {
+            RayResult::Light(light) => {
                 self.seen += 1;
                 Some(light)
             }
-            Outcome::Hole(nearest) => nearest.filter(|_| holes == HoleFill::Nearest),
+            RayResult::Disoccluded(nearest) => nearest.filter(|_| holes == HoleFill::Nearest),
         };
         if let Some(light) = light {
             self.color += light;
@@ -202,25 +218,4 @@ impl Brought {
     fn color_and_alpha(self) -> ([f32; 3], f32) {
         ((self.color / self.colored.max(1) as f32).to_array(), self.seen as f32 / self.rays as f32)
     }
-}
-
-fn outcome(
-    (views, weights): (&ActiveViews<'_>, &[f32]),
-    clip: Option<&ClipPlanes>,
-    ray: &Ray,
-    settings: &RenderSettings,
-    counters: &mut Counters,
-) -> (Option<f32>, Outcome) {
-    let mut met = intersect(settings.acceleration, views, ray, &settings.steps, counters);
-    if let Some(clip) = clip {
-        met = met.and_then(|met_m| clip.shown((views, ray), met_m, settings, counters));
-    }
-    let outcome = match met {
-        Some(distance_m) => surface(views, weights, ray.at(distance_m), settings.steps.unsure()),
-        None => {
-            counters.background_rays += 1;
-            background(views, weights, ray.direction)
-        }
-    };
-    (met, outcome)
 }

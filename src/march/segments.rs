@@ -13,7 +13,7 @@
 use glam::Vec3;
 
 use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
+use crate::march::active_views::{ActiveView, ActiveViews, Occupancy};
 use crate::march::counters::Counters;
 use crate::march::pyramid::LEAST_M;
 use crate::march::ray::{Ray, StepsFrom};
@@ -34,7 +34,7 @@ pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 /// Points are up to 2e from the segment between the ends, where e is what rounding makes of each. That moves a place in
 /// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
 /// least 4e; the second part is for the division and what follows.
-pub fn is_segment_open(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
+pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) -> bool {
     let error_m = ROUNDING * (reach_m + view.from_eye.abs().max_element()) + LEAST_M;
     let [a, b] = ends.map(|end| view.local(end));
     // A planar depth is the greatest coordinate, whatever the face.
@@ -180,16 +180,16 @@ pub(crate) fn intersect(
         let order = all.clone().filter(|&view| view == favourite).chain(all.filter(|&view| view != favourite));
         let proves = |&at: &usize| {
             let view = &views.views[at];
-            match view.evidence(ends[1]) {
-                Evidence::Open => {
+            match view.occupancy(ends[1]) {
+                Occupancy::Empty => {
                     sees_past = true;
-                    from == to || is_segment_open(view, ends, reach_m)
+                    from == to || is_segment_empty(view, ends, reach_m)
                 }
-                Evidence::Behind => {
+                Occupancy::Occupied => {
                     behind = true;
                     false
                 }
-                Evidence::Unknown => false,
+                Occupancy::Unknown => false,
             }
         };
         match { order }.find(proves) {

@@ -3,42 +3,42 @@
 use crate::evaluate::rendered_image::HoleFill;
 use crate::march::ray::Steps;
 
-/// Whether rays are sent on by mirrors and glass (CALF 6.1).
+/// Reflection and refraction by secondary rays (CALF 6.1).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum EffectMode {
-    /// Where the light field has materials with weights above 0; else no code for it is in the way.
+pub enum SpecularMode {
+    /// Where a material has a weight above 0; other pictures run no code for it.
     #[default]
     Auto,
     /// Never: views are interpolated everywhere.
     None,
-    /// Also where no weight of the materials is above 0, for tests: the pictures are the same.
+    /// For tests, also where all weights are 0: the pictures are the same.
     Force,
 }
 
-/// How points of a ray are passed over.
+/// How points of a ray are skipped.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Acceleration {
-    /// Every point is looked at.
+    /// Every point is tested.
     None,
-    /// Segments that a view proves to be empty are passed over; the hits are the same.
+    /// Segments that a view proves empty are skipped; the hits are the same.
     #[default]
     Pyramid,
 }
 
-/// How a picture is made.
+/// Settings of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderSettings {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Where rays are looked at.
+    /// Where rays are sampled.
     pub steps: Steps,
     /// Rays in each row and column of a pixel, at least 1.
     pub samples: u32,
-    /// What is shown in holes.
+    /// Fill for disoccluded pixels.
     pub holes: HoleFill,
-    /// Whether mirrors and glass send rays on.
-    pub effects: EffectMode,
-    /// How often at most a ray is sent on.
+    /// Whether surfaces reflect and refract.
+    pub specular: SpecularMode,
+    /// Reflections and refractions of a ray at most.
     pub max_bounces: u32,
     /// How rays are marched.
     pub acceleration: Acceleration,

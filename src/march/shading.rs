@@ -1,53 +1,56 @@
-//! The light of a ray by where it ends: on a surface, in the background, or in a disocclusion.
+//! Light at the end of a ray: on a surface, in the background, or in a disocclusion.
 
 use glam::Vec3;
 
 use crate::image::transfer::ToneMap;
 use crate::march::active_views::ActiveViews;
-use crate::march::interpolate::{Seen, background_color, surface_color};
+use crate::march::interpolate::{Interpolated, background_color, surface_color};
 use crate::views::light_field::ColorCoding;
 
-/// A hit is a hole where every texel differs from it by more than this in the logarithm of the distance, beyond what the
-/// steps leave open: nobody saw a surface there.
+/// A hit is disoccluded where the logarithms of the distances of all texels differ from its own by more than this, beyond
+/// the uncertainty of the steps.
 pub const HOLE_DIFFERENCE: f32 = 0.1;
 
-/// What a ray from the eye has brought.
+/// Result of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
-    /// A colour in linear light, of a surface or of the background.
-    Seen(Vec3),
-    /// A hole; the colour of what comes nearest, where there is anything.
-    Hole(Option<Vec3>),
+pub enum RayResult {
+    /// Linear light of a surface or of the background.
+    Light(Vec3),
+    /// No view saw this point; the light of the nearest texels, where there are any.
+    Disoccluded(Option<Vec3>),
 }
 
-impl Outcome {
-    /// What views saw of a surface: a hole where nothing fits; `unsure` is how far steps leave open where it is.
-    pub(crate) fn of_surface(seen: Option<Seen>, unsure: f32, light: impl Fn(&Seen) -> Vec3) -> Outcome {
-        match seen {
-            Some(seen) if seen.difference <= HOLE_DIFFERENCE + unsure => Outcome::Seen(light(&seen)),
-            seen => Outcome::Hole(seen.map(|seen| light(&seen))),
+/// Where a primary ray ends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PrimaryHit {
+    /// Metres to the surface, if it meets one.
+    pub(crate) distance_m: Option<f32>,
+    /// Without secondary rays.
+    pub(crate) result: RayResult,
+}
+
+impl RayResult {
+    /// `uncertainty` is that of the hit, in the logarithm of its distance.
+    pub(crate) fn of_surface(color: Option<Interpolated>, uncertainty: f32, light: impl Fn(Vec3) -> Vec3) -> RayResult {
+        match color {
+            Some(found) if found.difference <= HOLE_DIFFERENCE + uncertainty => RayResult::Light(light(found.color)),
+            found => RayResult::Disoccluded(found.map(|found| light(found.color))),
         }
     }
 }
 
-/// What a ray brings that ends in a surface at a point; `unsure` is how far, in the logarithm of the distance, the steps
-/// leave open where.
-pub fn surface(views: &ActiveViews<'_>, weights: &[f32], point: Vec3, unsure: f32) -> Outcome {
-    Outcome::of_surface(surface_color(views, weights, point), unsure, |seen| light(views.coding, seen))
+/// Shades a surface point; `uncertainty` as for [`RayResult::of_surface`].
+pub fn surface(views: &ActiveViews<'_>, point: Vec3, uncertainty: f32) -> RayResult {
+    RayResult::of_surface(surface_color(views, point), uncertainty, |color| light_of(views.coding, color))
 }
 
-/// What a ray brings that meets no surface and goes in this direction, of length 1.
-pub fn background(views: &ActiveViews<'_>, weights: &[f32], direction: Vec3) -> Outcome {
-    background_color(views, weights, direction)
-        .map_or(Outcome::Hole(None), |seen| Outcome::Seen(light(views.coding, &seen)))
+/// Shades the background in a direction of length 1.
+pub fn background(views: &ActiveViews<'_>, direction: Vec3) -> RayResult {
+    background_color(views, direction)
+        .map_or(RayResult::Disoccluded(None), |found| RayResult::Light(light_of(views.coding, found.color)))
 }
 
-/// Linear light of what views saw.
-fn light(coding: ColorCoding, seen: &Seen) -> Vec3 {
-    light_of(coding, seen.color)
-}
-
-/// Linear light of a colour as it is coded.
+/// Linear light of a coded colour.
 pub fn light_of(coding: ColorCoding, color: Vec3) -> Vec3 {
     match coding {
         ColorCoding::Light => color,

@@ -13,7 +13,7 @@ pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
 /// A probe to be made.
 #[derive(Debug, Clone, Copy)]
-pub struct Made {
+pub struct SyntheticProbe {
     /// Where it stands, in metres.
     pub position: DVec3,
     /// Turns directions of the probe into those of the world.
@@ -24,10 +24,10 @@ pub struct Made {
     pub range_m: [f32; 2],
 }
 
-impl Made {
+impl SyntheticProbe {
     /// A cube map with square faces that is not turned.
-    pub fn new(position: DVec3, side: u32) -> Made {
-        Made { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
+    pub fn new(position: DVec3, side: u32) -> SyntheticProbe {
+        SyntheticProbe { position, turn: DQuat::IDENTITY, size: [side; 2], range_m: [0.1, 100.0] }
     }
 
     /// Its cube map.

@@ -17,8 +17,8 @@ use crate::march::packet::views::PacketViews;
 use crate::march::pyramid::DepthPyramid;
 use crate::march::ray::{Ray, Steps, StepsFrom};
 use crate::march::render::{render, render_plainly};
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
-use crate::march::synthetic::{Made, field, room};
+use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use crate::march::synthetic::{SyntheticProbe, field, room};
 use crate::math::{Camera, Lens};
 use crate::monitor::{Monitor, Silent};
 use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, UNKNOWN, View};
@@ -65,7 +65,7 @@ fn random_view(random: &mut Random, half: DVec3, origin: DVec3, coding: ColorCod
     let is_cube = random.below(5) != 0;
     let side = 1 + random.below(48);
     let size = if is_cube && random.below(3) != 0 { [side; 2] } else { [side, 1 + random.below(48)] };
-    let made = Made { position: origin + within, turn: random.turn(), size, range_m: [0.05, 50.0] };
+    let made = SyntheticProbe { position: origin + within, turn: random.turn(), size, range_m: [0.05, 50.0] };
     let noise = [0.0, 0.01, 0.8][random.below(3) as usize];
     let seed = std::cell::RefCell::new(Random(random.0));
     let sight = |direction: DVec3| {
@@ -186,7 +186,8 @@ fn furnished() -> LightField {
     let half = DVec3::new(4.0, 1.5, 3.0);
     let position =
         |at: u32| DVec3::new(f64::from(at % 3) - 1.0, 0.3 * f64::from(at % 2), 0.8 * f64::from(at / 3) - 1.7);
-    let view = |at| Made::new(position(at), 64).cube(CODES, &|direction| room(position(at), direction, half, 0.1));
+    let view =
+        |at| SyntheticProbe::new(position(at), 64).cube(CODES, &|direction| room(position(at), direction, half, 0.1));
     field((0..9).map(view).collect(), CODES)
 }
 
@@ -221,7 +222,7 @@ fn pictures_are_the_same_to_a_hundredth_of_a_code() {
             steps: Steps::new(64, 0.01, 20.0, at % 9),
             samples: 1 + at % 3,
             holes: if at % 2 == 0 { HoleFill::Nearest } else { HoleFill::Blank },
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 4,
             acceleration: if at % 4 == 0 { Acceleration::None } else { Acceleration::Pyramid },
         };
@@ -263,7 +264,7 @@ fn rows_are_told_and_a_picture_is_given_up_within_one() {
         steps: Steps::new(8, 0.01, 20.0, 0),
         samples: 1,
         holes: HoleFill::Blank,
-        effects: EffectMode::None,
+        specular: SpecularMode::None,
         max_bounces: 0,
         acceleration: Acceleration::Pyramid,
     };
@@ -317,7 +318,8 @@ fn rounding_is_allowed_for() {
         let turn = DQuat::from_axis_angle(random.unit(), 6.0 * random.next());
         let (forward, along) = (turn * DVec3::X, turn * DVec3::new(0.0, 0.6, 0.8));
         let depth_m = 1.0 + random.next();
-        let made = Made { turn, ..Made::new(-depth_m * forward - 0.5 * along, 1 + random.below(4)) };
+        let made =
+            SyntheticProbe { turn, ..SyntheticProbe::new(-depth_m * forward - 0.5 * along, 1 + random.below(4)) };
         let mut light_field = field(vec![made.cube(CODES, &|_| Some((depth_m, [0; 3])))], CODES);
         let steps = Steps::new(64, 0.01, 1.0, 0);
         let ray = Ray { origin: Vec3::ZERO, direction: along.as_vec3() };

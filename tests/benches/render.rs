@@ -21,8 +21,8 @@ use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
 use lightfold::march::ray::Steps;
 use lightfold::march::render::{render, render_plainly};
-use lightfold::march::settings::{Acceleration, EffectMode, RenderSettings};
-use lightfold::march::synthetic::{Made, room};
+use lightfold::march::settings::{Acceleration, RenderSettings, SpecularMode};
+use lightfold::march::synthetic::{SyntheticProbe, room};
 use lightfold::math::{Camera, Lens};
 use lightfold::monitor::Silent;
 use lightfold::report::plot::axis::Axis;
@@ -157,7 +157,7 @@ impl Measurement {
             steps: Steps::new(self.steps, views.near_m() / 10.0, views.far_m(), self.refine),
             samples: 1,
             holes: HoleFill::Blank,
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: if self.pyramid { Acceleration::Pyramid } else { Acceleration::None },
         };
@@ -202,7 +202,7 @@ fn furnished() -> LightField {
     let view = |at: u32| {
         let position = DVec3::new(f64::from(at % 3) - 1.0, 0.3 * f64::from(at % 2), f64::from(at / 3) - 2.5);
         let sight = |direction| room(position, direction, DVec3::new(4.0, 1.5, 3.0), 0.1);
-        Made::new(position, SIZE).cube(coding, &sight)
+        SyntheticProbe::new(position, SIZE).cube(coding, &sight)
     };
     LightField { views: (0..9).map(view).collect(), coding }
 }

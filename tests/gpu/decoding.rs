@@ -15,7 +15,7 @@ use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{DepthPyramid, ViewPyramids};
-use lightfold::march::settings::EffectMode;
+use lightfold::march::settings::SpecularMode;
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::Silent;
@@ -143,12 +143,12 @@ fn compare_walk(
     gpu: &Gpu,
     container: &Path,
     count: u32,
-    (most, effects, kept_words): (Option<usize>, EffectMode, Option<usize>),
+    (most, specular, kept_words): (Option<usize>, SpecularMode, Option<usize>),
 ) -> Result<Walked, Failed> {
     let decoder = Decoder::open(container).map_err(said)?;
     let selection = SelectionSettings { most, ..SelectionSettings::default() };
     let settings = PlaybackOptions { selection, ..PlaybackOptions::default() };
-    let options = PictureOptions { size: [40, 30], steps: 48, effects, ..PictureOptions::default() };
+    let options = PictureOptions { size: [40, 30], steps: 48, specular, ..PictureOptions::default() };
     let mut playbacks = Vec::new();
     for _ in 0..3 {
         playbacks.push(Playback::new(&decoder, settings.clone()).map_err(said)?);
@@ -210,7 +210,7 @@ pub fn texels() -> Result<(), Failed> {
         )?;
         cube("planar", "courtyard", &["--size", "44", "--depth", "planar"])?;
         cube("distance", "mirrors", &["--size", "50", "--depth", "distance", "--aov", "depth,material"])?;
-        let (none, auto) = (EffectMode::None, EffectMode::Auto);
+        let (none, auto) = (SpecularMode::None, SpecularMode::Auto);
         for (set, options, count, how) in [
             ("planar", "", 8, (Some(2), auto, None)),
             ("planar", "--keyframe-interval 2", 8, (Some(2), auto, Some(0))),

@@ -13,7 +13,7 @@ use lightfold::gpu::{DeviceRenderer, Gpu, GpuRenderer};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer, Stage};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::render::{Rendered, render};
-use lightfold::march::settings::{Acceleration, EffectMode};
+use lightfold::march::settings::{Acceleration, SpecularMode};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::{Monitor, Silent};
@@ -30,7 +30,7 @@ struct Both<'a> {
 }
 
 impl Renderer for Both<'_> {
-    fn effects(&self) -> EffectMode {
+    fn effects(&self) -> SpecularMode {
         self.on_cpu.effects()
     }
 
@@ -66,12 +66,14 @@ fn compare(gpu: &Gpu, container: &str, requests: u32, most: Option<usize>) -> Re
     let said = |error: Error| error.to_string();
     let decoder = Decoder::open(container).map_err(said)?;
     let mut sent = Vec::new();
-    for (acceleration, effects) in [(Acceleration::Pyramid, EffectMode::Auto), (Acceleration::None, EffectMode::None)] {
+    for (acceleration, specular) in
+        [(Acceleration::Pyramid, SpecularMode::Auto), (Acceleration::None, SpecularMode::None)]
+    {
         let selection = SelectionSettings { most, ..SelectionSettings::default() };
         let settings = PlaybackOptions { selection, ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, settings).map_err(said)?;
         let options =
-            PictureOptions { size: [160, 120], steps: 128, acceleration, effects, ..PictureOptions::default() };
+            PictureOptions { size: [160, 120], steps: 128, acceleration, specular, ..PictureOptions::default() };
         let on_cpu = CpuRenderer::new(options.clone());
         let mut both = Both { on_device: DeviceRenderer::new(gpu, options), on_cpu, found: Vec::new() };
         let mut before = 0;
@@ -194,7 +196,7 @@ pub fn no_effects() -> Result<(), Failed> {
     }
     with_gpu(|gpu| {
         let mut case = pictures::cases().map_err(|error| error.to_string())?.swap_remove(0);
-        case.settings.effects = EffectMode::Auto;
+        case.settings.specular = SpecularMode::Auto;
         let found = pictures::run(gpu, &case).map_err(|error| error.to_string())?;
         let counters = found.on_device.counters;
         let effects = [counters.secondary_rays, counters.normal_evals, counters.material_samples];

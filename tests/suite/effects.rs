@@ -9,14 +9,14 @@ use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
 use lightfold::image::{Face, ImageProjection, TexelMap};
 use lightfold::march::active_views::ActiveViews;
 use lightfold::march::counters::Counters;
-use lightfold::march::interpolate::camera_weights;
 use lightfold::march::intersect::intersect;
 use lightfold::march::ray::{Ray, Steps};
 use lightfold::march::render::{Rendered, render, render_plainly};
-use lightfold::march::settings::{Acceleration, EffectMode, RenderSettings};
+use lightfold::march::settings::{Acceleration, RenderSettings, SpecularMode};
 use lightfold::march::specular::normal::patch;
-use lightfold::march::specular::sphere_fit::GlassBalls;
-use lightfold::march::synthetic::Made;
+use lightfold::march::specular::proxy::Proxies;
+use lightfold::march::specular::sphere_fit::SphereFit;
+use lightfold::march::synthetic::SyntheticProbe;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::psnr::SquaredError;
 use lightfold::monitor::Silent;
@@ -89,24 +89,24 @@ fn corners() -> Vec<DVec3> {
     (0..8).map(corner).collect()
 }
 
-fn settings(size: u32, views: &ActiveViews<'_>, effects: EffectMode) -> RenderSettings {
+fn settings(size: u32, views: &ActiveViews<'_>, specular: SpecularMode) -> RenderSettings {
     RenderSettings {
         size: [size; 2],
         steps: Steps::new(256, views.near_m() / 10.0, views.far_m(), 8),
         samples: 1,
         holes: HoleFill::Blank,
-        effects,
+        specular,
         max_bounces: 4,
         acceleration: Acceleration::Pyramid,
     }
 }
 
 /// A picture of the scene's end with the balls.
-fn look(field: &LightField, eye: DVec3, size: u32, effects: EffectMode) -> Rendered {
+fn look(field: &LightField, eye: DVec3, size: u32, specular: SpecularMode) -> Rendered {
     let indices: Vec<usize> = (0..field.views.len()).collect();
     let views = ActiveViews::new(field, &indices, eye);
     let camera = Camera::look_at(eye, eye + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
-    render(&views, &camera, &settings(size, &views, effects), &Silent).unwrap()
+    render(&views, &camera, &settings(size, &views, specular), &Silent).unwrap()
 }
 
 /// Sets all materials of a light field.
@@ -141,7 +141,7 @@ fn mirrors_show_what_stands_around_them() {
     let (scene, size) = (scene(), 96);
     let field = field(&scene, &corners(), size);
     let truth = capture(&scene, MIDDLE, Face::Nz, size);
-    let [plain, sent] = [EffectMode::None, EffectMode::Auto].map(|effects| look(&field, MIDDLE, size, effects));
+    let [plain, sent] = [SpecularMode::None, SpecularMode::Auto].map(|specular| look(&field, MIDDLE, size, specular));
     assert_eq!(plain.counters.secondary_rays, 0);
     assert!(sent.counters.secondary_rays > 500);
     assert_eq!(plain.image.alpha, sent.image.alpha);
@@ -165,13 +165,13 @@ fn mirrors_do_not_depend_on_where_steps_begin() {
     let views = ActiveViews::new(&field, &indices, MIDDLE);
     let camera = Camera::look_at(MIDDLE, MIDDLE + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
     let mirror = |picture: &Rendered| psnr(picture, &truth, |[reflect, refract, _]| reflect > 0.0 && refract == 0.0);
-    let look = |near_m: f32, effects| {
+    let look = |near_m: f32, specular| {
         let settings =
-            RenderSettings { steps: Steps::new(256, near_m, views.far_m(), 8), ..settings(size, &views, effects) };
+            RenderSettings { steps: Steps::new(256, near_m, views.far_m(), 8), ..settings(size, &views, specular) };
         mirror(&render(&views, &camera, &settings, &Silent).unwrap())
     };
-    let [plain, near, far] = [(0.01, EffectMode::None), (0.01, EffectMode::Auto), (0.6, EffectMode::Auto)]
-        .map(|(near_m, effects)| look(near_m, effects));
+    let [plain, near, far] = [(0.01, SpecularMode::None), (0.01, SpecularMode::Auto), (0.6, SpecularMode::Auto)]
+        .map(|(near_m, specular)| look(near_m, specular));
     assert!(near >= plain + 8.0 && far >= near - 1.0, "{plain} dB without, {near} and {far} dB with effects");
 }
 
@@ -181,7 +181,7 @@ fn the_fast_form_is_the_plain_one() {
     let field = field(&scene, &corners(), size);
     let views = ActiveViews::new(&field, &[0, 3, 5, 6], MIDDLE);
     let camera = Camera::look_at(MIDDLE, MIDDLE + DVec3::NEG_Z, DVec3::Y, Lens::new(90.0)).unwrap();
-    let settings = settings(size, &views, EffectMode::Auto);
+    let settings = settings(size, &views, SpecularMode::Auto);
     let fast = render(&views, &camera, &settings, &Silent).unwrap();
     let plain = render_plainly(&views, &camera, &settings, &Silent).unwrap();
     assert!(plain.counters.secondary_rays > 0);
@@ -195,21 +195,22 @@ fn the_fast_form_is_the_plain_one() {
 #[test]
 fn nothing_is_sent_on_where_nothing_calls_for_it() {
     let field = field(&scene(), &corners()[..2], 24);
-    let none = look(&field, MIDDLE, 24, EffectMode::None);
+    let none = look(&field, MIDDLE, 24, SpecularMode::None);
     let work = |picture: &Rendered| {
         let counters = picture.counters;
         [counters.secondary_rays, counters.normal_evals, counters.material_samples]
     };
     for material in [None, Some([0, 0, 64, 0])] {
         let field = with_material(field.clone(), material);
-        let [auto, force] = [EffectMode::Auto, EffectMode::Force].map(|effects| look(&field, MIDDLE, 24, effects));
+        let [auto, force] =
+            [SpecularMode::Auto, SpecularMode::Force].map(|specular| look(&field, MIDDLE, 24, specular));
         assert_eq!(auto, none);
         assert_eq!(force.image, none.image);
         assert_eq!(work(&auto), [0; 3]);
         assert_eq!(work(&force)[..2], [0; 2]);
         assert_eq!(work(&force)[2] > 0, material.is_some());
     }
-    assert!(work(&look(&field, MIDDLE, 24, EffectMode::Auto)).iter().all(|&count| count > 0));
+    assert!(work(&look(&field, MIDDLE, 24, SpecularMode::Auto)).iter().all(|&count| count > 0));
 }
 
 #[test]
@@ -228,8 +229,8 @@ fn light_is_neither_made_nor_without_end() {
         [[255, 0, 0, 0], [255, 255, 128, 0], [0, 255, 0, 0], [20, 235, 64, 0], [30, 225, 255, 0], [40, 50, 64, 0]]
     {
         let field = alike(material);
-        let plain = look(&field, MIDDLE, 16, EffectMode::None);
-        let sent = look(&field, MIDDLE, 16, EffectMode::Auto);
+        let plain = look(&field, MIDDLE, 16, SpecularMode::None);
+        let sent = look(&field, MIDDLE, 16, SpecularMode::Auto);
         assert!(sent.counters.secondary_rays > 0, "{material:?}");
         // At most four rays of each surface, each sent on four times.
         assert!(sent.counters.secondary_rays <= sent.counters.primary_rays * 4 * 85, "{material:?}");
@@ -244,14 +245,13 @@ fn normals_are_those_of_the_ball() {
     let field = field(&scene(), &corners(), 96);
     let indices: Vec<usize> = (0..8).collect();
     let views = ActiveViews::new(&field, &indices, MIDDLE);
-    let weights = camera_weights(&views);
     let to_eye = (MIDDLE - GLASS.0).normalize();
     let (mut angles, mut errors) = (Vec::new(), Vec::new());
     for at in 0..64 {
         let [x, y] = [at % 8, at / 8].map(|at| (f64::from(at) - 3.5) / 7.0);
         let normal = (to_eye + DVec3::new(x, y, 0.0)).normalize();
         let point = (GLASS.0 + GLASS.1 * normal - MIDDLE).as_vec3();
-        let Some(found) = patch(&views, &weights, point) else { continue };
+        let Some(found) = patch(&views, point) else { continue };
         assert!((found.normal.length() - 1.0).abs() < 1e-5);
         angles.push(found.normal.angle_between(normal.as_vec3()).to_degrees());
         errors.extend(found.curvature.map(|curvature| (f64::from(curvature) * GLASS.1 - 1.0).abs()));
@@ -271,11 +271,11 @@ fn balls_of_glass_are_known_as_wholes() {
     let field = field(&scene(), &corners(), 96);
     let indices: Vec<usize> = (0..8).collect();
     let views = ActiveViews::new(&field, &indices, MIDDLE);
-    let glass = GlassBalls::of(&views, &camera_weights(&views), &Silent).unwrap();
-    let [found] = &glass.balls[..] else { panic!("one ball of glass: {:?}", glass.balls.len()) };
-    assert!(found.ball.centre.distance((GLASS.0 - MIDDLE).as_vec3()) < 1e-3, "{:?}", found.ball);
-    assert!((f64::from(found.ball.radius_m) - GLASS.1).abs() < 1e-3 && (found.ior - 1.5).abs() < 0.01, "{found:?}");
-    let around = glass.around();
+    let glass = Proxies::of(&SphereFit, &views, &Silent).unwrap();
+    let [found] = &glass.proxies[..] else { panic!("one ball of glass: {:?}", glass.proxies.len()) };
+    assert!(found.sphere.centre.distance((GLASS.0 - MIDDLE).as_vec3()) < 1e-3, "{:?}", found.sphere);
+    assert!((f64::from(found.sphere.radius_m) - GLASS.1).abs() < 1e-3 && (found.ior - 1.5).abs() < 0.01, "{found:?}");
+    let around = glass.environments();
     let (mut errors, steps) = (Vec::new(), Steps::new(256, 0.02, 10.0, 8));
     for at in 0..63 {
         let [x, y] = [at % 9, at / 9].map(|at| (f64::from(at) - 4.0) / 10.0);
@@ -283,7 +283,7 @@ fn balls_of_glass_are_known_as_wholes() {
         // The walls of the room of the scene.
         let walls = [DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0)].map(|wall| (wall - GLASS.0) / direction);
         let expected_m = walls[0].max(walls[1]).min_element();
-        let ray = Ray { origin: found.ball.centre, direction: direction.as_vec3() };
+        let ray = Ray { origin: found.sphere.centre, direction: direction.as_vec3() };
         let hit = intersect(Acceleration::Pyramid, &around[0], &ray, &steps, &mut Counters::default());
         errors.push((f64::from(hit.unwrap()) / expected_m).ln().abs());
     }
@@ -296,11 +296,11 @@ fn planes_have_exact_normals_and_are_flat() {
     let field = field(&scene(), &corners()[..1], 48);
     let views = ActiveViews::new(&field, &[0], MIDDLE);
     // The wall behind the eye, two metres from the middle of the room.
-    let wall = patch(&views, &[1.0], (DVec3::new(0.2, 1.2, 2.0) - MIDDLE).as_vec3()).unwrap();
+    let wall = patch(&views, (DVec3::new(0.2, 1.2, 2.0) - MIDDLE).as_vec3()).unwrap();
     assert!(wall.normal.distance(Vec3::NEG_Z) < 2e-3, "{}", wall.normal);
     assert!(wall.curvature.unwrap().abs() < 0.05);
     // No view knows a point that is nowhere near a surface.
-    assert_eq!(patch(&views, &[1.0], Vec3::new(0.0, 0.0, -0.1)), None);
+    assert_eq!(patch(&views, Vec3::new(0.0, 0.0, -0.1)), None);
 }
 
 /// What a probe sees from one place to another direction: distance, colour and material.
@@ -308,7 +308,7 @@ type Sight<'a> = &'a dyn Fn(DVec3) -> (f64, [u8; 3], [u8; 4]);
 
 /// A probe of what is seen in a scene of formulas, as linear codes.
 fn made(position: DVec3, size: u32, sight: Sight<'_>) -> View {
-    let mut view = Made::new(position, size).cube(CODES, &|to| {
+    let mut view = SyntheticProbe::new(position, size).cube(CODES, &|to| {
         let (distance_m, color, _) = sight(to);
         Some((distance_m, color))
     });
@@ -376,9 +376,9 @@ fn mirrors_that_face_each_other_show_places_in_order() {
         }
         Some(color_of(at))
     };
-    let errors = [EffectMode::None, EffectMode::Auto].map(|effects| {
+    let errors = [SpecularMode::None, SpecularMode::Auto].map(|specular| {
         let settings =
-            RenderSettings { steps: Steps::new(1024, 0.01, views.far_m(), 8), ..settings(size, &views, effects) };
+            RenderSettings { steps: Steps::new(1024, 0.01, views.far_m(), 8), ..settings(size, &views, specular) };
         code_error(&render(&views, &camera, &settings, &Silent).unwrap(), size, expected)
     });
     assert!(errors[0] > 20.0 && errors[1] < 4.0, "codes off without and with effects: {errors:?}");
@@ -417,8 +417,8 @@ fn glass_of_index_one_is_not_there() {
         let inside = (ball - eye).cross(direction).length() < 0.8 * radius_m;
         inside.then(|| color_of(wall(eye, direction).1))
     };
-    let errors = [EffectMode::None, EffectMode::Auto].map(|effects| {
-        let settings = settings(size, &views, effects);
+    let errors = [SpecularMode::None, SpecularMode::Auto].map(|specular| {
+        let settings = settings(size, &views, specular);
         code_error(&render(&views, &camera, &settings, &Silent).unwrap(), size, expected)
     });
     assert!(errors[0] > 60.0 && errors[1] < 8.0, "codes off without and with effects: {errors:?}");
@@ -463,8 +463,8 @@ fn glass_shows_what_it_hides() {
         let inside = (ball - eye).cross(direction).length() < 0.6 * radius_m;
         inside.then(|| sight(eye, direction).1)
     };
-    let errors = [EffectMode::None, EffectMode::Auto].map(|effects| {
-        let settings = settings(size, &views, effects);
+    let errors = [SpecularMode::None, SpecularMode::Auto].map(|specular| {
+        let settings = settings(size, &views, specular);
         code_error(&render(&views, &camera, &settings, &Silent).unwrap(), size, expected)
     });
     assert!(errors[1] < 11.0 && errors[1] < 0.7 * errors[0], "codes off without and with effects: {errors:?}");

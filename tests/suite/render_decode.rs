@@ -11,7 +11,7 @@ use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};
-use lightfold::march::settings::{Acceleration, EffectMode};
+use lightfold::march::settings::{Acceleration, SpecularMode};
 use lightfold::math::{Camera, Lens};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
@@ -46,8 +46,8 @@ fn request(frame: u32, camera: Camera) -> FrameRequest {
 }
 
 /// Renders pictures of few pixels, where pictures do not matter.
-fn little(effects: EffectMode) -> CpuRenderer {
-    CpuRenderer::new(PictureOptions { size: [4, 4], steps: 8, effects, ..PictureOptions::default() })
+fn little(specular: SpecularMode) -> CpuRenderer {
+    CpuRenderer::new(PictureOptions { size: [4, 4], steps: 8, specular, ..PictureOptions::default() })
 }
 
 /// Wants what a hash of stream, unit and frame says.
@@ -222,7 +222,7 @@ fn what_did_not_change_is_not_done_again() {
     let folder = TempDir::new().unwrap();
     let decoder = courtyard(folder.path(), "");
     let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
-    let mut renderer = little(EffectMode::Auto);
+    let mut renderer = little(SpecularMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.0, -3.0], 100.0);
     let first = playback.show(&request(0, looking), &mut renderer, &Silent).unwrap().counts;
     assert!(first.cells_decoded > 0 && first.texels_updated > 0 && first.bytes_read > 0);
@@ -254,13 +254,13 @@ fn with_effects_all_units_of_a_light_field_with_materials_are_decoded() {
     fine("encode cap --color-cell 8 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = request(0, camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0));
-    let unseen = |effects| {
+    let unseen = |specular| {
         let mut playback = Playback::new(&decoder, PlaybackOptions::default()).unwrap();
-        let mut renderer = little(effects);
+        let mut renderer = little(specular);
         playback.show(&looking, &mut renderer, &Silent).unwrap().counts.cells_unseen
     };
-    assert_eq!(unseen(EffectMode::Auto), 0);
-    assert!(unseen(EffectMode::None) > 0);
+    assert_eq!(unseen(SpecularMode::Auto), 0);
+    assert!(unseen(SpecularMode::None) > 0);
 }
 
 /// A scene without mirrors and glass whose materials were captured all the same.
@@ -273,17 +273,17 @@ fn materials_that_call_for_nothing_do_not_decode_everything() {
     fine("encode cap --color-cell 8 --depth-tile 16 -o a.lfold", folder.path());
     let decoder = Decoder::open(folder.path().join("a.lfold")).unwrap();
     let looking = camera([0.1, 1.5, 0.0], [2.0, 1.5, 0.0], 40.0);
-    let shown = |decode, effects| {
+    let shown = |decode, specular| {
         let options = PlaybackOptions { decode, ..PlaybackOptions::default() };
         let mut playback = Playback::new(&decoder, options).unwrap();
-        let mut renderer = little(effects);
+        let mut renderer = little(specular);
         playback.show(&request(0, looking), &mut renderer, &Silent).unwrap();
         playback.show(&request(1, looking), &mut renderer, &Silent).unwrap()
     };
-    let none = shown(DecodeScope::Seen, EffectMode::None);
-    let all = shown(DecodeScope::All, EffectMode::Auto);
-    for effects in [EffectMode::Auto, EffectMode::Force] {
-        let seen = shown(DecodeScope::Seen, effects);
+    let none = shown(DecodeScope::Seen, SpecularMode::None);
+    let all = shown(DecodeScope::All, SpecularMode::Auto);
+    for specular in [SpecularMode::Auto, SpecularMode::Force] {
+        let seen = shown(DecodeScope::Seen, specular);
         // At most all materials more, which are a third of all units where cells and tiles are alike.
         assert!(
             seen.counts.cells_unseen > 0 && none.counts.cells_unseen >= seen.counts.cells_unseen,
@@ -307,7 +307,7 @@ fn probes_take_part_in_the_frames_that_they_have() {
     let options = PlaybackOptions { decode: DecodeScope::All, ..PlaybackOptions::default() };
     let mut playback = Playback::new(&decoder, options).unwrap();
     assert_eq!((playback.player().frames().first, playback.player().frames().last), (0, 5));
-    let mut renderer = little(EffectMode::Auto);
+    let mut renderer = little(SpecularMode::Auto);
     let looking = camera([0.1, 1.5, 0.1], [2.0, 1.5, 0.3], 60.0);
     for (frame, probes) in [(0, "a"), (1, "ab"), (2, "b"), (5, "c"), (1, "ab")] {
         let shown = playback.show(&request(frame, looking), &mut renderer, &Silent).unwrap();
@@ -477,7 +477,7 @@ fn only_chosen_probes_take_part_and_unknown_names_are_refused() {
     // A limit of views is kept, and told.
     let selection = SelectionSettings { most: Some(2), ..SelectionSettings::default() };
     let mut playback = Playback::new(&decoder, PlaybackOptions { selection, ..PlaybackOptions::default() }).unwrap();
-    let mut renderer = little(EffectMode::Auto);
+    let mut renderer = little(SpecularMode::Auto);
     let shown =
         playback.show(&request(0, camera([0.3, 1.4, 0.2], [2.0, 1.5, 0.3], 60.0)), &mut renderer, &Silent).unwrap();
     let (active, culled) = (&shown.trace.active, &shown.trace.culled);

@@ -20,7 +20,7 @@ use lightfold::image::{Face, FrameRange};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions, Renderer};
 use lightfold::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use lightfold::march::render::Rendered;
-use lightfold::march::settings::EffectMode;
+use lightfold::march::settings::SpecularMode;
 use lightfold::math::{Camera, Lens};
 use lightfold::metrics::pu21::DEFAULT_WHITE_CD_M2;
 use lightfold::monitor::Silent;
@@ -208,13 +208,13 @@ fn pictures_of_real_footage_are_no_worse_and_good_enough() {
 fn gains_of_effects(decoder: &Decoder, probe: &str) -> [f64; 2] {
     let mut reference = Reference::open(&footage("glass")).unwrap();
     let images = reference.images().to_vec();
-    let [with, without] = [EffectMode::Auto, EffectMode::None].map(|effects| {
+    let [with, without] = [SpecularMode::Auto, SpecularMode::None].map(|specular| {
         let probes = ProbeChoice { without: vec![probe.into()], ..ProbeChoice::default() };
         let mut playback = Playback::new(decoder, PlaybackOptions { probes, ..PlaybackOptions::default() }).unwrap();
         let tone = playback.player().field().coding.tone();
         let mut sum = Similarity::empty();
         for (at, image) in images.iter().enumerate().filter(|(_, image)| image.probe == probe) {
-            let options = PictureOptions { size: image.size, effects, ..PictureOptions::default() };
+            let options = PictureOptions { size: image.size, specular, ..PictureOptions::default() };
             let rendered = picture(&mut playback, image, &mut CpuRenderer::new(options));
             sum.merge(&Similarity::of(&rendered.image, &reference.truth(at, 0).unwrap(), tone).unwrap()).unwrap();
         }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::cli::options::{parse_not_negative, parse_point, parse_positive};
 use crate::evaluate::rendered_image::HoleFill;
-use crate::march::settings::{Acceleration, EffectMode};
+use crate::march::settings::{Acceleration, SpecularMode};
 
 /// `--method`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -60,12 +60,12 @@ pub enum EffectsArg {
     Force,
 }
 
-impl From<EffectsArg> for EffectMode {
-    fn from(effects: EffectsArg) -> EffectMode {
+impl From<EffectsArg> for SpecularMode {
+    fn from(effects: EffectsArg) -> SpecularMode {
         match effects {
-            EffectsArg::Auto => EffectMode::Auto,
-            EffectsArg::None => EffectMode::None,
-            EffectsArg::Force => EffectMode::Force,
+            EffectsArg::Auto => SpecularMode::Auto,
+            EffectsArg::None => SpecularMode::None,
+            EffectsArg::Force => SpecularMode::Force,
         }
     }
 }

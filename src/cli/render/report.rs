@@ -155,7 +155,7 @@ impl Report<'_> {
             let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3 / summary.shots.max(1) as f64;
             report["gpu"] = json!({
                 "sending_ms": ms(cost.sending),
-                "glass_ms": ms(cost.glass),
+                "glass_ms": ms(cost.proxies),
                 "marching_ms": ms(cost.marching),
                 "reading_ms": ms(cost.reading),
                 "bytes_sent": cost.bytes_sent,

@@ -14,7 +14,7 @@ use crate::march::active_views::ActiveViews;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
 use crate::march::pyramid::Pyramids;
 use crate::march::render::Rendered;
-use crate::march::settings::EffectMode;
+use crate::march::settings::SpecularMode;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::backend::TexelBackend;
@@ -43,7 +43,7 @@ impl<'a> DeviceRenderer<'a> {
     pub fn decoding(self, decoder: &'a Decoder, coding: ColorCoding) -> DeviceRenderer<'a> {
         let gpu = self.gpu;
         let has_material = decoder.streams().iter().any(|stream| stream.kind == StreamKind::Material);
-        let is_apart = self.options.effects == EffectMode::None || !has_material;
+        let is_apart = self.options.specular == SpecularMode::None || !has_material;
         let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes))
             .then(|| GpuRenderer::decoding(gpu, coding, GpuBackend::new(gpu, decoder)));
         DeviceRenderer { renderer, ..self }
@@ -71,8 +71,8 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Renderer for DeviceRenderer<'_> {
-    fn effects(&self) -> EffectMode {
-        self.options.effects
+    fn effects(&self) -> SpecularMode {
+        self.options.specular
     }
 
     fn backend(&mut self) -> Option<&mut dyn TexelBackend> {

@@ -6,12 +6,11 @@ use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::layout::{Face, Scene, View};
 use crate::image::transfer::Transfer;
 use crate::march::active_views::ActiveViews;
-use crate::march::interpolate::camera_weights;
 use crate::march::pyramid::DepthPyramid;
 use crate::march::settings::{Acceleration, RenderSettings};
 use crate::march::shading::HOLE_DIFFERENCE;
+use crate::march::specular::proxy::{Proxies, Proxy};
 use crate::march::specular::secondary_rays::MAX_BOUNCES;
-use crate::march::specular::sphere_fit::GlassBalls;
 use crate::math::{Camera, Window};
 use crate::views::light_field::{ColorCoding, FaceTexels};
 
@@ -67,21 +66,22 @@ impl SceneRows {
     /// The input for a picture. `pyramid_rows` is [`super::texels::DeviceTexels::pyramid_rows`]; `origin` is where the image
     /// of a probe's face lies.
     pub fn new(
-        (views, glass): (&ActiveViews<'_>, &GlassBalls),
+        views: &ActiveViews<'_>,
+        proxies: &Proxies,
         camera: &Camera,
         settings: &RenderSettings,
         pyramid_rows: u32,
         origin: impl Fn(ImageId) -> Origin,
     ) -> SceneRows {
-        let ball_count = glass.balls.len() as u32;
+        let ball_count = proxies.proxies.len() as u32;
         let mut rows = SceneRows {
             scene: Scene { pyramid_rows, ball_count, ..scene(views, camera, settings) },
             views: Vec::new(),
             faces: Vec::new(),
             distances_m: settings.steps.distances_m.clone(),
         };
-        let from_balls = glass.balls.iter().map(|ball| (ball.around(), 1.0));
-        for (active, camera_weight) in views.views.iter().cloned().zip(camera_weights(views)).chain(from_balls) {
+        let environments = proxies.proxies.iter().map(Proxy::environment_view);
+        for active in views.views.iter().cloned().chain(environments) {
             let mut faces = [NO_FACE; FACES_OF_VIEW];
             for (number, texels) in active.view.faces.iter().enumerate() {
                 let Some(texels) = texels else { continue };
@@ -101,7 +101,7 @@ impl SceneRows {
                 from_eye: active.from_eye.to_array(),
                 near_m: active.view.near_m,
                 turn_x: turn.x_axis.to_array(),
-                camera_weight,
+                camera_weight: active.camera_weight,
                 turn_y: turn.y_axis.to_array(),
                 greatest_inverse_depth: active.greatest_inverse_depth.min(NO_BOUND),
                 turn_z: turn.z_axis.to_array(),
@@ -165,7 +165,7 @@ fn scene(views: &ActiveViews<'_>, camera: &Camera, settings: &RenderSettings) ->
         view_count: views.views.len() as u32,
         distance_count: settings.steps.distances_m.len() as u32,
         refine: settings.steps.refine,
-        hole_difference: HOLE_DIFFERENCE + settings.steps.unsure(),
+        hole_difference: HOLE_DIFFERENCE + settings.steps.uncertainty(),
         fill_holes: u32::from(settings.holes == HoleFill::Nearest),
         coding,
         gain,
@@ -194,9 +194,9 @@ mod tests {
     use crate::march::segments;
     use crate::march::specular::material;
     use crate::march::specular::normal;
+    use crate::march::specular::proxy;
     use crate::march::specular::secondary_rays;
     use crate::march::specular::solid;
-    use crate::march::specular::sphere_fit;
     use crate::streams::convert::IOR_RANGE;
     use crate::views::light_field::{BACKGROUND, UNKNOWN};
 
@@ -237,7 +237,7 @@ mod tests {
             ("SAME_MATERIAL", normal::SAME_MATERIAL as f32),
             ("FLAT", solid::FLAT),
             ("BEHIND_TEXELS", solid::BEHIND_TEXELS),
-            ("NEAR_BALL", sphere_fit::NEAR_BALL),
+            ("NEAR_SURFACE", proxy::NEAR_SURFACE),
             ("LEAST_SHARE", secondary_rays::LEAST_SHARE),
             ("LIFT_TEXELS", secondary_rays::LIFT_TEXELS),
             ("HIDDEN_TEXELS", secondary_rays::HIDDEN_TEXELS),

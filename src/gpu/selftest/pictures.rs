@@ -19,7 +19,7 @@ use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render};
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
+use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
 use crate::math::Camera;
 use crate::math::camera::Lens;
 use crate::monitor::Silent;
@@ -85,8 +85,8 @@ pub fn cases() -> Result<Vec<PictureCase>> {
     let away = DVec3::new(1e6, -2e5, 3e6);
     cases[5].field.views.iter_mut().for_each(|view| view.position += away);
     cases[5].camera = looking(eye + away)?;
-    for (case, effects) in [(11, EffectMode::Force), (12, EffectMode::Auto)] {
-        cases[case].settings.effects = effects;
+    for (case, specular) in [(11, SpecularMode::Force), (12, SpecularMode::Auto)] {
+        cases[case].settings.specular = specular;
     }
     let lens = Lens { near_m: 2.0, far_m: 6.0, ..Lens::new(80.0) };
     cases[13].camera = Camera::look_at(eye, eye + DVec3::new(-0.7, -0.15, -0.6), DVec3::Y, lens)?;
@@ -126,9 +126,9 @@ pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
         KernelReport { name: kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
     let mut cases = cases()?;
     if kernel.name == kernels::RENDER_EFFECTS.name {
-        cases.retain(|case| case.settings.effects != EffectMode::None);
+        cases.retain(|case| case.settings.specular != SpecularMode::None);
     } else {
-        cases.iter_mut().for_each(|case| case.settings.effects = EffectMode::None);
+        cases.iter_mut().for_each(|case| case.settings.specular = SpecularMode::None);
     }
     if kernel.name == kernels::RENDER.name {
         cases.iter_mut().for_each(|case| case.settings.acceleration = Acceleration::None);
@@ -200,7 +200,7 @@ impl Captured {
             steps: Steps::new(96, active.near_m() / 10.0, active.far_m().max(1.0), 8),
             samples: 1,
             holes: HoleFill::Blank,
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 4,
             acceleration: Acceleration::Pyramid,
         };

@@ -11,9 +11,8 @@ use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::image::plane::{DepthPlane, Plane};
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
-use crate::march::interpolate::camera_weights;
 use crate::march::render::Rendered;
-use crate::march::shading::{Outcome, background, surface};
+use crate::march::shading::{RayResult, background, surface};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
@@ -30,7 +29,6 @@ pub fn reproject(
     monitor: &dyn Monitor,
 ) -> Result<Rendered> {
     let (width, height) = (distance_m.width(), distance_m.height());
-    let weights = camera_weights(views);
     let mut rows = vec![Vec::new(); height as usize];
     rows.par_iter_mut().enumerate().try_for_each(|(y, row)| {
         monitor.check()?;
@@ -38,8 +36,8 @@ pub fn reproject(
             let middle = |at: usize, size: u32| (at as f64 + 0.5) / f64::from(size);
             let direction: Vec3 = camera.direction([middle(x, width), middle(y, height)]).as_vec3();
             let outcome = match distance_m.is_finite() {
-                true => surface(views, &weights, direction * *distance_m, 0.0),
-                false => background(views, &weights, direction),
+                true => surface(views, direction * *distance_m, 0.0),
+                false => background(views, direction),
             };
             (outcome, distance_m.is_finite())
         };
@@ -52,8 +50,8 @@ pub fn reproject(
     for (outcome, is_surface) in rows.into_iter().flatten() {
         counters.background_rays += u64::from(!is_surface);
         pixels.push(match outcome {
-            Outcome::Seen(light) => (light.to_array(), 1.0),
-            Outcome::Hole(nearest) => {
+            RayResult::Light(light) => (light.to_array(), 1.0),
+            RayResult::Disoccluded(nearest) => {
                 counters.hole_rays += 1;
                 let shown = nearest.filter(|_| holes == HoleFill::Nearest);
                 (shown.unwrap_or(Vec3::ZERO).to_array(), 0.0)

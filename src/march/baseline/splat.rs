@@ -111,7 +111,7 @@ impl Image<'_> {
             (from_eye, distance_m)
         };
         let ([x, y], depth_m) = camera.project(DVec3::from(from_eye))?;
-        if distance_m.is_finite() && clip.is_some_and(|clip| !clip.shows(depth_m as f32)) {
+        if distance_m.is_finite() && clip.is_some_and(|clip| !clip.contains(depth_m as f32)) {
             return None;
         }
         let pixel = |at: f64, size: u32| {
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
     use crate::image::transfer::{ToneMap, Transfer};
     use crate::march::ray::Steps;
-    use crate::march::settings::{Acceleration, EffectMode};
+    use crate::march::settings::{Acceleration, SpecularMode};
     use crate::math::Lens;
     use crate::monitor::Silent;
     use crate::views::light_field::{ColorCoding, ColorTexels, LightField, View};
@@ -192,7 +192,7 @@ mod tests {
             steps: Steps::new(4, 0.5, 50.0, 0),
             samples: 1,
             holes,
-            effects: EffectMode::None,
+            specular: SpecularMode::None,
             max_bounces: 0,
             acceleration: Acceleration::None,
         };

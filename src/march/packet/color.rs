@@ -1,15 +1,15 @@
-//! What colours four points have: [`crate::march::interpolate::surface_color`] of each, but for what rounding makes of logarithms
-//! and of the order of sums: less than a hundredth of a code of 8 bits.
+//! Colours of four points at once: [`crate::march::interpolate::surface_color`] up to rounding of logarithms and of the order
+//! of sums, less than a hundredth of an 8-bit code.
 
 use glam::Vec3;
 
 use crate::image::transfer::ToneMap;
-use crate::march::interpolate::{DEPTH_EPSILON, Seen};
+use crate::march::interpolate::{DEPTH_EPSILON, Interpolated};
 use crate::march::packet::lanes::{Lanes, Points, bytes, either, floor, lanes_of, ln, number_of, to_whole};
 use crate::march::packet::views::{PacketView, PacketViews, Places};
 use crate::views::light_field::{BACKGROUND, ColorTexels, UNKNOWN};
 
-/// What views saw, summed up.
+/// Weighted sums over texels.
 #[derive(Debug)]
 struct Sums {
     /// Red, green and blue, in codes up to 255 or light.
@@ -18,18 +18,18 @@ struct Sums {
     difference: Lanes,
 }
 
-/// What the views saw of surfaces in the points of these lanes. None where none of them saw any surface in its direction.
+/// Colours of surface points in the `asked` lanes. None where no view has a surface in its direction.
 pub(crate) fn surface_colors(
-    (views, guesses): (&PacketViews<'_>, &mut [usize]),
-    camera_weights: &[f32],
+    views: &PacketViews<'_>,
+    guesses: &mut [usize],
     asked: u32,
     points: &Points,
-) -> [Option<Seen>; 4] {
+) -> [Option<Interpolated>; 4] {
     let mut sums = Sums { color: [Lanes::ZERO; 3], weight: Lanes::ZERO, difference: Lanes::INFINITY };
-    for ((view, guess), &camera_weight) in views.views.iter().zip(guesses).zip(camera_weights) {
+    for (view, guess) in views.views.iter().zip(guesses) {
         let places = view.places_of(points, guess);
         if asked & places.exist != 0 {
-            add(&mut sums, view, &places, asked & places.exist, camera_weight);
+            add(&mut sums, view, &places, asked & places.exist);
         }
     }
     let unit = if views.are_codes { 255.0 } else { 1.0 };
@@ -37,18 +37,18 @@ pub(crate) fn surface_colors(
     let (weight, difference) = (sums.weight.to_array(), sums.difference.to_array());
     std::array::from_fn(|lane| {
         let color = Vec3::new(red[lane], green[lane], blue[lane]);
-        (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(Seen { color, difference: difference[lane] })
+        (asked >> lane & 1 != 0 && weight[lane] > 0.0).then_some(Interpolated { color, difference: difference[lane] })
     })
 }
 
-/// Numbers, inverse depths and colours of texels of lanes.
+/// Inverse depths and colours of texels of lanes.
 struct Texels {
     depth: Lanes,
     color: [Lanes; 3],
 }
 
 #[inline(always)]
-fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, camera_weight: f32) {
+fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32) {
     let (mut columns, mut rows, mut parts) = ([Lanes::ZERO; 2], [Lanes::ZERO; 2], [Lanes::ZERO; 2]);
     for (axis, ends) in [&mut columns, &mut rows].into_iter().enumerate() {
         let at = places.at[axis] - 0.5;
@@ -60,7 +60,7 @@ fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, came
     let [across, down] = parts;
     let above = 1.0 - down;
     let bilinear = [(1.0 - across) * above, across * above, (1.0 - across) * down, across * down];
-    let weights = bilinear.map(|weight| weight * camera_weight);
+    let weights = bilinear.map(|weight| weight * view.camera_weight);
     let at = |tap: usize| [columns[tap % 2], rows[tap / 2]];
     match view.face_of_codes(places) {
         Some((depth, codes)) => {
@@ -77,7 +77,7 @@ fn add(sums: &mut Sums, view: &PacketView<'_>, places: &Places, lanes: u32, came
 }
 
 impl Sums {
-    /// Adds texels with their weights, as far as these do not depend on depth, as seen from a point.
+    /// Adds texels; `weight` lacks the factor of depth.
     #[inline(always)]
     fn add(&mut self, weight: Lanes, planar_m: Lanes, texels: Texels) {
         let is_surface = texels.depth.cmpgt(Lanes::splat(BACKGROUND)) & texels.depth.cmplt(Lanes::splat(UNKNOWN));
@@ -92,7 +92,7 @@ impl Sums {
     }
 }
 
-/// Texels of one face, whose colours are codes.
+/// Texels of one face with coded colours.
 #[inline(always)]
 fn texels_of_face(depth: &[f32], codes: &[[u8; 4]], at: [u32; 4]) -> Texels {
     let depth_of = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
@@ -103,7 +103,7 @@ fn texels_of_face(depth: &[f32], codes: &[[u8; 4]], at: [u32; 4]) -> Texels {
     }
 }
 
-/// Texels of these lanes, each in its own face; of others, and of those that show no surface, colours are 0.
+/// Texels of these lanes, each in its own face; colours of other lanes and of no surface are 0.
 #[inline(never)]
 fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, row]: [Lanes; 2]) -> Texels {
     let (column, row) = (to_whole(column), to_whole(row));
@@ -118,7 +118,7 @@ fn texels_anywhere(view: &PacketView<'_>, places: &Places, lanes: u32, [column, 
     Texels { depth: Lanes::from_array(depths), color: colors(view, places, counted, &texels) }
 }
 
-/// Red, green and blue of texels: codes up to 255, or light; 0 in lanes that do not count.
+/// Red, green and blue: codes up to 255, or light; 0 in other lanes.
 fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4]) -> [Lanes; 3] {
     let mut codes = [0u32; 4];
     let mut light = [[0.0; 4]; 3];
@@ -136,14 +136,14 @@ fn colors(view: &PacketView<'_>, places: &Places, lanes: u32, texels: &[usize; 4
     if are_codes { bytes(codes) } else { light.map(Lanes::from_array) }
 }
 
-/// Linear light of codes between those of 8 bits, from a table.
+/// Linear light of fractional 8-bit codes, from a table.
 #[derive(Debug)]
 pub(crate) struct LightCurve {
     values: Vec<f32>,
 }
 
 impl LightCurve {
-    /// Entries of the table; between them it is straight, which is off by less than 2e-7 of the brightest light.
+    /// Linear interpolation between entries errs by less than 2e-7 of the brightest light.
     const PARTS: usize = 4096;
 
     pub(crate) fn new(tone: ToneMap) -> LightCurve {

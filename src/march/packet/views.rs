@@ -1,5 +1,5 @@
 //! Views as four rays ask them at once: the same questions as [`ActiveView::evidence`] and
-//! [`crate::march::segments::is_segment_open`], with the same operations in the same order, so that the answers are the same bits.
+//! [`crate::march::segments::is_segment_empty`], with the same operations in the same order, so that the answers are the same bits.
 //!
 //! Points that are asked about together lie beside each other, and near those that were asked about before: they are taken to
 //! be in the same face. Where all four surely are, which the places in it tell, no face has to be found for each.
@@ -40,6 +40,7 @@ pub(crate) struct PacketView<'a> {
     near_m: Lanes,
     near_squared: f32,
     greatest_inverse_depth: f32,
+    pub(crate) camera_weight: f32,
     is_view: bool,
     /// Whether the number of every texel in its image is below 2²³.
     are_small: bool,
@@ -161,6 +162,7 @@ impl<'a> PacketView<'a> {
             near_m: Lanes::splat(active.view.near_m),
             near_squared: active.view.near_m * active.view.near_m,
             greatest_inverse_depth: active.greatest_inverse_depth,
+            camera_weight: active.camera_weight,
             are_small,
             is_view,
             pyramids: &active.pyramids,
@@ -463,7 +465,7 @@ mod tests {
 
     use super::*;
     use crate::image::transfer::ToneMap;
-    use crate::march::synthetic::{Made, field, room};
+    use crate::march::synthetic::{SyntheticProbe, field, room};
 
     #[test]
     fn guesses_are_what_is_found_without_them() {
@@ -471,7 +473,7 @@ mod tests {
         let turns = [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 0.7)];
         let mut answered = 0;
         for (turn, size) in turns.into_iter().zip([[16, 16], [9, 24]]) {
-            let made = Made { turn, size, ..Made::new(DVec3::new(0.1, -0.2, 0.3), 1) };
+            let made = SyntheticProbe { turn, size, ..SyntheticProbe::new(DVec3::new(0.1, -0.2, 0.3), 1) };
             let sight = |direction| room(made.position, direction, DVec3::new(3.0, 1.5, 2.0), 0.0);
             let mut cube = made.cube(coding, &sight);
             cube.faces[3] = None;

@@ -18,7 +18,7 @@ use crate::march::playback::trace::{self, FrameTrace};
 use crate::march::pyramid::Pyramids;
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render};
-use crate::march::settings::{Acceleration, EffectMode, RenderSettings};
+use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
 use crate::math::Camera;
 use crate::memory::Budget;
 use crate::monitor::Monitor;
@@ -65,7 +65,7 @@ pub struct PictureOptions {
     pub samples: u32,
     pub holes: HoleFill,
     /// Secondary rays.
-    pub effects: EffectMode,
+    pub specular: SpecularMode,
     /// Most bounces of a ray.
     pub max_bounces: u32,
     pub acceleration: Acceleration,
@@ -81,7 +81,7 @@ impl Default for PictureOptions {
             far_m: None,
             samples: 1,
             holes: HoleFill::Blank,
-            effects: EffectMode::Auto,
+            specular: SpecularMode::Auto,
             max_bounces: 4,
             acceleration: Acceleration::Pyramid,
         }
@@ -98,7 +98,7 @@ impl PictureOptions {
             steps: Steps::new(self.steps, near_m, far_m, self.refine),
             samples: self.samples,
             holes: self.holes,
-            effects: self.effects,
+            specular: self.specular,
             max_bounces: self.max_bounces,
             acceleration: self.acceleration,
         }
@@ -117,7 +117,7 @@ pub struct Stage<'s> {
 /// A rendering method, on the CPU or a device.
 pub trait Renderer {
     /// Secondary rays, which decide what is decoded.
-    fn effects(&self) -> EffectMode;
+    fn effects(&self) -> SpecularMode;
 
     /// What decodes and keeps depth and colour, unless the CPU does; always the same.
     fn backend(&mut self) -> Option<&mut dyn TexelBackend> {
@@ -151,8 +151,8 @@ impl CpuRenderer {
 }
 
 impl Renderer for CpuRenderer {
-    fn effects(&self) -> EffectMode {
-        self.options.effects
+    fn effects(&self) -> SpecularMode {
+        self.options.specular
     }
 
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
@@ -241,7 +241,7 @@ impl<'a> Playback<'a> {
         let eye = request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len() as f64;
         let selection = self.selector.select(&self.player.candidates(request.frame), eye);
         let views = selection.views();
-        let secondary_rays = renderer.effects() != EffectMode::None && self.player.has_material();
+        let secondary_rays = renderer.effects() != SpecularMode::None && self.player.has_material();
         let units = if self.options.decode == DecodeScope::All {
             UnitRequest { visible: &AllUnits, secondary_rays: false }
         } else {

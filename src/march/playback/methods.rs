@@ -10,7 +10,7 @@ use crate::march::baseline::splat::splat;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
 use crate::march::pyramid::Pyramids;
 use crate::march::render::Rendered;
-use crate::march::settings::EffectMode;
+use crate::march::settings::SpecularMode;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::player::Change;
@@ -22,8 +22,8 @@ pub struct SplatRenderer {
 }
 
 impl Renderer for SplatRenderer {
-    fn effects(&self) -> EffectMode {
-        EffectMode::None
+    fn effects(&self) -> SpecularMode {
+        SpecularMode::None
     }
 
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
@@ -45,8 +45,8 @@ pub struct ReprojectRenderer {
 }
 
 impl Renderer for ReprojectRenderer {
-    fn effects(&self) -> EffectMode {
-        EffectMode::None
+    fn effects(&self) -> SpecularMode {
+        SpecularMode::None
     }
 
     fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {

@@ -1,12 +1,9 @@
-//! How a surface lies in a point, from the depths around it (CALF 6.1).
+//! Normal and curvature of a surface point, from the depths around it (CALF 6.1).
 //!
-//! Enters: active views and a point on a surface. Leaves: its normal, how it bends, and how large a texel is there.
-//!
-//! Each view that sees the surface in that point has a polynomial of the second degree fitted to the inverse planar depths of
-//! 5 × 5 texels around it, or of 3 × 3: planes are linear in inverse planar depth, so they come out exactly. Where an edge
-//! is among the texels, those of the same surface have a plane fitted to them. The views' normals are averaged with the
-//! weights of their colours times how squarely they look at the surface: one alone is as good as its own few texels,
-//! and a mirror doubles its error.
+//! Each view that sees the point fits a polynomial of the second degree to the inverse planar depths of 5 × 5 texels, or of
+//! 3 × 3: planes are linear in inverse planar depth, so they come out exactly. At an edge it fits a plane to the texels of
+//! the same surface. Normals of views are averaged with the weights of their colours times the cosine of the viewing angle:
+//! one view's few texels are too noisy, and a mirror doubles the error.
 
 use glam::Vec3;
 
@@ -15,33 +12,33 @@ use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::interpolate::DEPTH_EPSILON;
 use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// A view sees a point's surface where its depth there is as far off as this in the logarithm, or less.
+/// A view sees a point where the logarithm of its depth differs by at most this.
 pub const SAME_SURFACE: f32 = 0.02;
-/// A polynomial over texels up to 1 and up to 2 beside one fits where it is nowhere farther off than this part of its inverse depth.
+/// Greatest relative residual of a polynomial over 3 × 3 and 5 × 5 texels.
 pub const FIT: [f32; 2] = [0.01, 0.002];
-/// Texels belong to the surface of their neighbour where their inverse depths differ by at most this part.
+/// Adjacent texels are of one surface where their inverse depths differ by at most this part.
 pub const SAME_PATCH: f32 = 0.03;
-/// Texels are of different solids where the sums of their weights, in 255ths, differ by more than this.
+/// Texels are of one solid where the sums of their weights, in 255ths, differ by at most this.
 pub const SAME_MATERIAL: i32 = 64;
 
-/// A surface in the neighbourhood of a point.
+/// A surface around a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
     /// Of length 1, along the world's axes, on the side of the views.
     pub normal: Vec3,
-    /// How far the normal turns along the surface, in radians for each metre: 1 over the radius of a ball, 0 for what is flat,
-    /// below 0 for a hollow. None where too few texels are known to tell.
+    /// Turn of the normal in radians per metre: 1 over the radius of a sphere, 0 where flat, below 0 where concave. None
+    /// where too few texels are known.
     pub curvature: Option<f32>,
-    /// Width in metres of a texel of the view that knows most of it.
+    /// Width in metres of a texel of the view with the greatest weight.
     pub texel_m: f32,
 }
 
-/// The surface in a point, `point` in metres from the eye. None where no view knows it well enough.
-pub fn patch(views: &ActiveViews<'_>, camera_weights: &[f32], point: Vec3) -> Option<Patch> {
+/// The surface at a point. None where no view has a fit.
+pub fn patch(views: &ActiveViews<'_>, point: Vec3) -> Option<Patch> {
     let (mut normal, mut curvature, mut bent, mut best) = (Vec3::ZERO, 0.0, 0.0, [0.0, 0.0]);
-    for (view, camera_weight) in views.views.iter().zip(camera_weights) {
+    for view in &views.views {
         let Some(seen) = of_view(view, view.local(point)) else { continue };
-        let weight = camera_weight * seen.facing / (seen.difference + DEPTH_EPSILON);
+        let weight = view.camera_weight * seen.facing / (seen.difference + DEPTH_EPSILON);
         normal += weight * (view.probe_from_world.transpose() * seen.normal);
         if let Some(bend) = seen.curvature {
             curvature += weight * bend;
@@ -55,7 +52,7 @@ pub fn patch(views: &ActiveViews<'_>, camera_weights: &[f32], point: Vec3) -> Op
     Some(Patch { normal, curvature: (bent > 0.0).then(|| curvature / bent), texel_m: best[1] })
 }
 
-/// What one view knows, in its own axes.
+/// The surface in one view, in its own axes.
 #[derive(Debug, Clone, Copy)]
 struct Local {
     normal: Vec3,
@@ -74,7 +71,6 @@ fn of_view(view: &ActiveView<'_>, local: Vec3) -> Option<Local> {
     let offset = [0, 1].map(|axis| at.at[axis] - (texel[axis] as f32 + 0.5));
     let fit = fit(face, texel)?;
     let difference = (fit.value(offset) / at.inverse_depth).ln().abs();
-    // What is no number is no surface either.
     if difference.is_nan() || difference > SAME_SURFACE {
         return None;
     }
@@ -106,7 +102,7 @@ impl Fit {
     }
 }
 
-/// An image, of which face it is, and a texel of it.
+/// A texel of an image of a face.
 struct Image<'a> {
     face: &'a FaceTexels,
     number: Face,
@@ -114,7 +110,7 @@ struct Image<'a> {
 }
 
 impl Image<'_> {
-    /// A place that is so many texels from the centre of the texel.
+    /// The place at an offset in texels from the centre of the texel.
     fn place(&self, offset: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|axis| self.texel[axis] as f32 + 0.5 + offset[axis])
     }
@@ -133,7 +129,7 @@ impl Image<'_> {
         self.face.map.direction(self.number, self.place(offset)) / fit.value(offset)
     }
 
-    /// How the normal turns over two texels along and two down, as it would on a ball.
+    /// Turn of the normal over two texels along and two down.
     fn curvature(&self, fit: &Fit) -> Option<f32> {
         let (mut turned, mut moved) = (0.0, 0.0);
         for [a, b] in [[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]] {
@@ -146,7 +142,7 @@ impl Image<'_> {
     }
 }
 
-/// The texels around one, as far as they are known.
+/// The texels around one.
 struct Around<'a> {
     face: &'a FaceTexels,
     texel: [u32; 2],

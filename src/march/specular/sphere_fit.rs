@@ -1,252 +1,128 @@
-//! Balls of glass, as wholes (CALF 6.1): where they stand, and what is around them.
+//! Spheres as refractive proxies, fitted to refractive texels.
 //!
-//! Enters: active views. Leaves: the balls that the views' glass texels lie on, each with a view from its centre.
-//!
-//! They cost more than a small picture does. So none are made for a picture with nothing in sight that sends rays on ([`in_sight`]):
-//! its rays end where they meet the first surface. That is asked of texels alone, and so is the same on all devices.
-//!
-//! A ball shows above all what it hides, and turns errors of its shape into larger ones of the ray. So texels of glass that
-//! lie on one ball have it fitted to all of them, which is far better than the few texels around a point; and a view from the centre of
-//! the ball (`surroundings`) says what the rays that leave it meet, also where no view sees it but through the ball.
+//! Enters: active views. Leaves: the spheres on which connected refractive texels lie, with maps of their environments.
+
+mod environment;
+mod plane_extrapolation;
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::image::cube::Face;
-use crate::march::active_views::{ActiveView, ActiveViews, Evidence};
+use crate::march::active_views::{ActiveViews, Occupancy};
 use crate::march::pyramid::ViewPyramids;
-use crate::march::ray::Steps;
-use crate::march::specular::environment::surroundings;
 use crate::march::specular::normal::SAME_PATCH;
-use crate::march::specular::solid::Ball;
-use crate::math::Camera;
+use crate::march::specular::proxy::{Proxy, ProxyProvider};
+use crate::march::specular::sphere::Sphere;
+use crate::march::specular::texel_points::SpecularImage;
 use crate::monitor::Monitor;
 use crate::streams::convert::IOR_RANGE;
-use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN, View, has_specular_weight};
 
-/// A ball is fitted to at least so many texels that are connected in an image.
+pub use environment::MOST_TEXELS;
+
+/// Least number of connected texels in an image that a sphere is fitted to.
 pub const LEAST_TEXELS: usize = 32;
-/// At most so many balls are known as wholes, those with the most texels in one image: each has a view of its own.
-pub const MOST_BALLS: usize = 16;
-/// At most so many pieces of glass are looked at for whether they are such balls.
+/// Proxies at most, by their texels in one image.
+pub const MOST_PROXIES: usize = 16;
+/// Clusters at most that spheres are fitted to.
 pub const MOST_CANDIDATES: usize = 256;
-/// Texels lie on a ball where they are at most so far from it, in parts of its radius.
-pub const ON_BALL: f64 = 0.02;
-/// A ball fits where so many of its texels lie on it.
-pub const FITTING: f64 = 0.95;
-/// Texels must reach over so much of the radius: a flat piece has a ball of any size.
-pub const LEAST_REACH: f64 = 0.5;
-/// Whether no view sees past a ball is asked at this part of its radius.
+/// A texel is an inlier at most this far from a sphere, in parts of its radius.
+pub const ON_SPHERE: f64 = 0.02;
+/// Least part of inliers of a fit.
+pub const INLIERS: f64 = 0.95;
+/// Least extent of the texels in parts of the radius: spheres of any size fit a flat cluster.
+pub const LEAST_EXTENT: f64 = 0.5;
+/// Occupancy of a sphere is tested at this part of its radius.
 pub const WITHIN: f32 = 0.7;
-/// No ball is smaller, in metres: steps around it would not be told apart.
+/// Least radius in metres: steps around a smaller sphere would coincide.
 pub const LEAST_RADIUS_M: f32 = 1e-6;
-/// A point belongs to a ball where it is at most so far from its surface, in parts of its radius.
-pub const NEAR_BALL: f32 = 0.03;
-/// A texel is in sight where so many widths of it from its centre are: colours and materials are interpolated.
-pub const MARGIN_TEXELS: f64 = 4.0;
-/// Points lie in a plane where the determinant of their spread, whose trace is 1, is below this. A cap that reaches over
-/// [`LEAST_REACH`] of the radius has more than 1e-4.
+/// Points are coplanar where the determinant of their covariance, scaled to a trace of 1, is below this. A cap over
+/// [`LEAST_EXTENT`] of the radius has more than 1e-4.
 pub const IN_PLANE: f64 = 1e-9;
 
-/// A ball of glass.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GlassBall {
-    /// Where it is.
-    pub ball: Ball,
-    /// Index of refraction, 1 to 3.
-    pub ior: f32,
-    /// What is seen from its centre, along the world's axes. Its position means nothing: all is relative to the eye.
-    pub view: View,
-    pyramids: Arc<ViewPyramids>,
-}
+/// Fits spheres.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SphereFit;
 
-/// The balls of glass of some active views.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GlassBalls {
-    /// The balls, the one with the most texels first.
-    pub balls: Vec<GlassBall>,
-    coding: ColorCoding,
-}
-
-impl GlassBalls {
-    /// Finds the balls that views see. `camera_weights` are those of [`crate::march::interpolate::camera_weights`].
-    ///
-    /// # Errors
-    /// When the monitor says to stop.
-    pub fn of(views: &ActiveViews<'_>, camera_weights: &[f32], monitor: &dyn Monitor) -> Result<GlassBalls> {
-        let balls = fitted(views, monitor)?.into_iter().enumerate();
-        let with_view = |(at, (ball, ior)): (usize, (Ball, f32))| {
-            // Numbers of probes begin at the other end.
-            let mut view = surroundings((views, camera_weights), (ball, ior), monitor)?;
-            view.probe = usize::MAX - at;
-            let pyramids = Arc::new(ViewPyramids::of(&view));
-            Ok(GlassBall { ball, ior, view, pyramids })
+impl ProxyProvider for SphereFit {
+    fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>> {
+        let with_environment = |(at, Refractor { sphere, ior }): (usize, Refractor)| {
+            let mut environment = environment::map(views, sphere, ior, monitor)?;
+            // Probe numbers of environment maps count down from the greatest.
+            environment.probe = usize::MAX - at;
+            let pyramids = Arc::new(ViewPyramids::of(&environment));
+            Ok(Proxy { sphere, ior, environment, pyramids })
         };
-        Ok(GlassBalls { balls: balls.map(with_view).collect::<Result<_>>()?, coding: views.coding })
-    }
-
-    /// The balls that a picture of these views needs: none where nothing that sends rays on is in the camera's sight.
-    ///
-    /// # Errors
-    /// When the monitor says to stop.
-    pub fn shown(
-        views: &ActiveViews<'_>,
-        camera_weights: &[f32],
-        camera: &Camera,
-        monitor: &dyn Monitor,
-    ) -> Result<GlassBalls> {
-        monitor.check()?;
-        match in_sight(views, camera) {
-            true => GlassBalls::of(views, camera_weights, monitor),
-            false => Ok(GlassBalls::none(views.coding)),
-        }
-    }
-
-    /// None at all.
-    pub fn none(coding: ColorCoding) -> GlassBalls {
-        GlassBalls { balls: Vec::new(), coding }
-    }
-
-    /// The ball whose surface is at a point, in metres from the eye.
-    pub fn at(&self, point: glam::Vec3) -> Option<usize> {
-        self.balls.iter().position(|GlassBall { ball, .. }| {
-            ((point - ball.centre).length() - ball.radius_m).abs() <= NEAR_BALL * ball.radius_m
-        })
-    }
-
-    /// The view from the centre of each ball, alone.
-    pub fn around(&self) -> Vec<ActiveViews<'_>> {
-        self.balls.iter().map(|ball| ActiveViews { views: vec![ball.around()], coding: self.coding }).collect()
+        refractors(views, monitor)?.into_iter().enumerate().map(with_environment).collect()
     }
 }
 
-impl GlassBall {
-    /// The view from its centre, as the eye has it.
-    pub fn around(&self) -> ActiveView<'_> {
-        ActiveView::new(&self.view, Arc::clone(&self.pyramids), self.ball.centre)
-    }
-}
-
-/// Whether a texel that sends rays on, of mirror or glass, may be in a camera's picture, hidden or not.
-pub fn in_sight(views: &ActiveViews<'_>, camera: &Camera) -> bool {
-    let [forward, right, down] = camera.axes();
-    let window = camera.window();
-    let edges = [window.u, window.v].map(|edges| edges.map(|edge| (edge, (1.0 + edge * edge).sqrt())));
-    let near_picture = |point: DVec3, margin_m: f64| {
-        let depth_m = point.dot(forward);
-        let beside_m = [point.dot(right), point.dot(down)];
-        depth_m >= -margin_m
-            && beside_m.iter().zip(edges).all(|(beside_m, [low, high])| {
-                // Distances from the planes of the picture's edges.
-                beside_m - high.0 * depth_m <= high.1 * margin_m && low.0 * depth_m - beside_m <= low.1 * margin_m
-            })
-    };
-    faces(views).into_par_iter().any(|(active, face, texels)| {
-        let scale = f64::from(texels.map.scale[0].abs().min(texels.map.scale[1].abs()));
-        texels.material.as_ref().is_some_and(|material| {
-            (0..material.len()).filter(|&at| has_specular_weight(&material[at])).any(|at| {
-                let margin_m = || MARGIN_TEXELS / (f64::from(texels.inverse_depth[at]) * scale);
-                texel_point(active, face, texels, at).is_some_and(|point| near_picture(point, margin_m()))
-            })
-        })
-    })
-}
-
-/// The images that have texels which send rays on, each with its view and its number.
-pub(crate) fn faces<'a>(views: &'a ActiveViews<'a>) -> Vec<(&'a ActiveView<'a>, usize, &'a FaceTexels)> {
-    let of_view = |active: &'a ActiveView<'a>| {
-        let faces = active.view.faces.iter().enumerate();
-        faces.filter_map(move |(face, texels)| texels.as_ref().map(|texels| (active, face, texels)))
-    };
-    let all = views.views.iter().flat_map(of_view);
-    all.filter(|(_, _, texels)| texels.is_specular && !texels.is_in_backend()).collect()
-}
-
-/// The distance of the steps by which what is around a ball is looked for: some texels of `size` a face wide.
-pub(crate) fn steps_around(views: &ActiveViews<'_>, ball: &Ball, size: u32) -> Steps {
-    let near_m = ball.radius_m * 2.0 / size as f32;
-    Steps::new(96, near_m, views.far_m() + ball.centre.length(), 8)
-}
-
-/// The centre of a texel on the surface that it shows, in metres from the eye. None where it shows none.
-pub(crate) fn texel_point(active: &ActiveView<'_>, face: usize, texels: &FaceTexels, at: usize) -> Option<DVec3> {
-    let inverse = texels.inverse_depth[at];
-    if inverse == BACKGROUND || inverse == UNKNOWN {
-        return None;
-    }
-    let width = texels.size[0] as usize;
-    let centre = [at % width, at / width].map(|at| at as f32 + 0.5);
-    let local = texels.map.direction(Face::from_index(face as u8)?, centre).as_dvec3() / f64::from(inverse);
-    let point = active.probe_from_world.as_dmat3().transpose() * local + active.from_eye.as_dvec3();
-    point.is_finite().then_some(point)
-}
-
-/// Whether a texel is of glass.
-pub(crate) fn is_glass(texels: &FaceTexels, at: usize) -> bool {
-    texels.material.as_ref().is_some_and(|material| material[at][1] > 0)
-}
-
-/// Points that may lie on one ball.
+/// Points that may lie on one sphere.
 struct Cluster {
     points: Vec<DVec3>,
     /// Sum of the indices of refraction.
     ior_sum: f64,
     /// Centres of the views that see them.
     seen_from: Vec<DVec3>,
-    centre: DVec3,
-    radius_m: f64,
-    /// Points that it was fitted to.
+    sphere: FittedSphere,
+    /// Number of points of the fit.
     fitted: usize,
 }
 
 impl Cluster {
     fn new(points: Vec<DVec3>, ior_sum: f64, seen_from: DVec3) -> Cluster {
         let seen_from = vec![seen_from];
-        Cluster { points, ior_sum, seen_from, centre: DVec3::ZERO, radius_m: 0.0, fitted: 0 }
+        Cluster { points, ior_sum, seen_from, sphere: FittedSphere::default(), fitted: 0 }
     }
 
-    /// The part of some points that lies on the ball.
-    fn fitting(&self, points: &[DVec3]) -> f64 {
-        let far_m = ON_BALL * self.radius_m;
-        let near = points.iter().filter(|point| ((**point - self.centre).length() - self.radius_m).abs() <= far_m);
-        near.count() as f64 / points.len() as f64
+    /// The part of some points that are inliers.
+    fn inliers(&self, points: &[DVec3]) -> f64 {
+        let FittedSphere { centre, radius_m } = self.sphere;
+        let near = |point: &&DVec3| ((**point - centre).length() - radius_m).abs() <= ON_SPHERE * radius_m;
+        points.iter().filter(near).count() as f64 / points.len() as f64
     }
 
-    /// Fits the ball to the points; false where none fits.
+    /// Fits the sphere to the points; false where none fits.
     fn fit(&mut self) -> bool {
         self.fitted = self.points.len();
-        let Some((centre, radius_m)) = fit(&self.points) else { return false };
-        (self.centre, self.radius_m) = (centre, radius_m);
+        let Some(sphere) = fit(&self.points) else { return false };
+        self.sphere = sphere;
+        let FittedSphere { centre, radius_m } = sphere;
         let [low, high] = [DVec3::min, DVec3::max].map(|of| self.points.iter().copied().reduce(of).unwrap_or_default());
         let is_outside = |from: &DVec3| (*from - centre).length() > radius_m;
-        (high - low).length() >= LEAST_REACH * radius_m
-            && self.fitting(&self.points) >= FITTING
+        (high - low).length() >= LEAST_EXTENT * radius_m
+            && self.inliers(&self.points) >= INLIERS
             && self.seen_from.iter().all(is_outside)
     }
 }
 
-/// The balls of glass texels with their indices of refraction.
-fn fitted(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<(Ball, f32)>> {
-    let of_face = |(active, face, texels): (&ActiveView<'_>, usize, &FaceTexels)| {
+/// A sphere with its index of refraction.
+struct Refractor {
+    sphere: Sphere,
+    ior: f32,
+}
+
+/// The spheres of refractive texels.
+fn refractors(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Refractor>> {
+    let of_image = |image: SpecularImage<'_>| {
         monitor.check()?;
-        Ok(connected(active, face, texels))
+        Ok(connected(&image))
     };
-    let found: Vec<Vec<Cluster>> = faces(views).into_par_iter().map(of_face).collect::<Result<_>>()?;
+    let found: Vec<Vec<Cluster>> = SpecularImage::all(views).into_par_iter().map(of_image).collect::<Result<_>>()?;
     let mut pieces: Vec<Cluster> = found.into_iter().flatten().collect();
     pieces.sort_by_key(|piece: &Cluster| std::cmp::Reverse(piece.points.len()));
     let mut clusters: Vec<Cluster> = Vec::new();
     for mut piece in pieces {
         monitor.check()?;
         let is_room = clusters.len() < MOST_CANDIDATES;
-        match clusters.iter_mut().find(|cluster| cluster.fitting(&piece.points) >= FITTING) {
+        match clusters.iter_mut().find(|cluster| cluster.inliers(&piece.points) >= INLIERS) {
             Some(cluster) => {
                 cluster.points.append(&mut piece.points);
                 cluster.seen_from.append(&mut piece.seen_from);
                 cluster.ior_sum += piece.ior_sum;
-                // Else pieces of a texel each would take a time that grows as their number squared.
+                // Refitting for every texel would take quadratic time.
                 if cluster.points.len() >= 2 * cluster.fitted {
                     cluster.fit();
                 }
@@ -259,40 +135,42 @@ fn fitted(views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<(Ball, f
     }
     let of_cluster = |mut cluster: Cluster| {
         let fits = cluster.fit();
-        let ball = Ball { centre: cluster.centre.as_vec3(), radius_m: cluster.radius_m as f32 };
-        let is_outside = ball.radius_m >= LEAST_RADIUS_M && ball.centre.length() > ball.radius_m;
+        let FittedSphere { centre, radius_m } = cluster.sphere;
+        let sphere = Sphere { centre: centre.as_vec3(), radius_m: radius_m as f32 };
+        let is_outside = sphere.radius_m >= LEAST_RADIUS_M && sphere.centre.length() > sphere.radius_m;
         let ior = (cluster.ior_sum / cluster.points.len() as f64) as f32;
-        (fits && is_outside && is_whole(views, &ball)).then_some((ball, ior))
+        (fits && is_outside && is_occupied(views, &sphere)).then_some(Refractor { sphere, ior })
     };
-    Ok(clusters.into_iter().filter_map(of_cluster).take(MOST_BALLS).collect())
+    Ok(clusters.into_iter().filter_map(of_cluster).take(MOST_PROXIES).collect())
 }
 
-/// Whether no view sees past what should be within a ball.
-fn is_whole(views: &ActiveViews<'_>, ball: &Ball) -> bool {
+/// Whether no view sees empty space within a sphere.
+fn is_occupied(views: &ActiveViews<'_>, sphere: &Sphere) -> bool {
     (0..27).all(|at| {
-        let way = glam::Vec3::new((at % 3) as f32, (at / 3 % 3) as f32, (at / 9) as f32) - 1.0;
-        let point = ball.centre + WITHIN * ball.radius_m * way.normalize_or_zero();
-        views.views.iter().all(|view| view.evidence(point) != Evidence::Open)
+        let way = Vec3::new((at % 3) as f32, (at / 3 % 3) as f32, (at / 9) as f32) - 1.0;
+        let point = sphere.centre + WITHIN * sphere.radius_m * way.normalize_or_zero();
+        views.views.iter().all(|view| view.occupancy(point) != Occupancy::Empty)
     })
 }
 
-/// The glass texels of an image that are beside each other and at much the same depth.
-fn connected(active: &ActiveView<'_>, face: usize, texels: &FaceTexels) -> Vec<Cluster> {
+/// Connected refractive texels of an image: adjacent, and of much the same depth.
+fn connected(image: &SpecularImage<'_>) -> Vec<Cluster> {
+    let texels = image.texels;
     let Some(material) = &texels.material else { return Vec::new() };
     let [width, height] = texels.size.map(|size| size as usize);
     // Mirrors alone need no list.
-    if !(0..material.len()).any(|at| is_glass(texels, at)) {
+    if !(0..material.len()).any(|at| image.is_refractive(at)) {
         return Vec::new();
     }
-    let mut taken: Vec<bool> = (0..material.len()).map(|at| !is_glass(texels, at)).collect();
+    let mut taken: Vec<bool> = (0..material.len()).map(|at| !image.is_refractive(at)).collect();
     let mut found = Vec::new();
     for start in 0..taken.len() {
         if std::mem::replace(&mut taken[start], true) {
             continue;
         }
-        let (mut open, mut points, mut ior_sum) = (vec![start], Vec::new(), 0.0);
-        while let Some(at) = open.pop() {
-            let Some(point) = texel_point(active, face, texels, at) else { continue };
+        let (mut stack, mut points, mut ior_sum) = (vec![start], Vec::new(), 0.0);
+        while let Some(at) = stack.pop() {
+            let Some(point) = image.point(at) else { continue };
             points.push(point);
             let part = f64::from(material[at][2]) / 255.0;
             ior_sum += f64::from(IOR_RANGE[0]) + part * f64::from(IOR_RANGE[1] - IOR_RANGE[0]);
@@ -307,40 +185,45 @@ fn connected(active: &ActiveView<'_>, face: usize, texels: &FaceTexels) -> Vec<C
                 let [a, b] = [at, next].map(|at| texels.inverse_depth[at]);
                 if !taken[next] && (a - b).abs() <= SAME_PATCH * a.max(b) {
                     taken[next] = true;
-                    open.push(next);
+                    stack.push(next);
                 }
             }
         }
         if !points.is_empty() {
-            found.push(Cluster::new(points, ior_sum, active.from_eye.as_dvec3()));
+            found.push(Cluster::new(points, ior_sum, image.view.from_eye.as_dvec3()));
         }
     }
     found
 }
 
-/// Centre and radius of the ball that points lie on, by least squares of |x − centre|² − radius². None where they lie in a
-/// plane, or nearly ([`IN_PLANE`]).
-fn fit(points: &[DVec3]) -> Option<(DVec3, f64)> {
+/// Centre and radius in metres.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct FittedSphere {
+    centre: DVec3,
+    radius_m: f64,
+}
+
+/// The sphere through points, by least squares of |x − centre|² − radius². None where they are coplanar ([`IN_PLANE`]).
+fn fit(points: &[DVec3]) -> Option<FittedSphere> {
     let count = points.len() as f64;
     let middle = points.iter().copied().sum::<DVec3>() / count;
-    // In units of how far they are from their middle: nothing else tells what is small.
+    // Scaled by their root mean square distance from the mean.
     let unit_m = (points.iter().map(|point| (*point - middle).length_squared()).sum::<f64>() / count).sqrt();
-    let (mut spread, mut pull) = (DMat3::ZERO, DVec3::ZERO);
+    let (mut covariance, mut pull) = (DMat3::ZERO, DVec3::ZERO);
     for point in points {
         let from = (*point - middle) / unit_m;
-        spread += DMat3::from_cols(from * from.x, from * from.y, from * from.z);
+        covariance += DMat3::from_cols(from * from.x, from * from.y, from * from.z);
         pull += 0.5 * from.length_squared() * from;
     }
-    (spread, pull) = (spread * count.recip(), pull / count);
-    // Also where all points are one, and nothing is a number.
-    if spread.determinant().is_nan() || spread.determinant() < IN_PLANE {
+    (covariance, pull) = (covariance * count.recip(), pull / count);
+    // NaN where all points are one.
+    if covariance.determinant().is_nan() || covariance.determinant() < IN_PLANE {
         return None;
     }
-    let to_centre = spread.inverse() * pull;
-    // The mean square of the distances from the middle is 1.
+    let to_centre = covariance.inverse() * pull;
     let radius_m = unit_m * (to_centre.length_squared() + 1.0).sqrt();
     let centre = middle + unit_m * to_centre;
-    (centre.is_finite() && radius_m.is_finite() && radius_m > 0.0).then_some((centre, radius_m))
+    (centre.is_finite() && radius_m.is_finite() && radius_m > 0.0).then_some(FittedSphere { centre, radius_m })
 }
 
 #[cfg(test)]
@@ -350,21 +233,21 @@ mod tests {
 
     use crate::error::Error;
     use crate::image::transfer::{ToneMap, Transfer};
-    use crate::march::interpolate::camera_weights;
-    use crate::march::synthetic::{Made, field};
-    use crate::math::Lens;
+    use crate::march::specular::proxy::{Proxies, has_specular_in_frustum, proxies_in_sight};
+    use crate::march::synthetic::{SyntheticProbe, field};
+    use crate::math::{Camera, Lens};
     use crate::monitor::Silent;
-    use crate::views::light_field::LightField;
+    use crate::views::light_field::{BACKGROUND, ColorCoding, LightField, View};
 
     const AWAY_M: f64 = 3.0;
     const RADIUS_M: f64 = 0.5;
 
-    fn balls(field: &LightField, views: &[usize]) -> GlassBalls {
+    fn proxies(field: &LightField, views: &[usize]) -> Proxies {
         let views = ActiveViews::new(field, views, DVec3::ZERO);
-        GlassBalls::of(&views, &camera_weights(&views), &Silent).unwrap()
+        Proxies::of(&SphereFit, &views, &Silent).unwrap()
     }
 
-    /// Beads of glass around a probe, and where they are.
+    /// Refractive spheres around a probe, and their centres.
     fn beads(count: usize) -> (LightField, Vec<DVec3>) {
         // Turned by the golden angle from one to the next.
         let centre = |at: usize| {
@@ -379,7 +262,7 @@ mod tests {
 
     const CODING: ColorCoding = ColorCoding::Codes(ToneMap { transfer: Transfer::Srgb, exposure_ev: 0.0 });
 
-    /// What a probe in the origin sees of balls of glass before nothing.
+    /// A view in the origin of refractive spheres before the background.
     fn glass(centres: &[DVec3], radii_m: &[f64]) -> View {
         let sight = |direction: DVec3| {
             let met_m = |(centre, radius_m): (&DVec3, &f64)| {
@@ -389,7 +272,7 @@ mod tests {
             };
             centres.iter().zip(radii_m).find_map(met_m).map(|distance_m| (distance_m, [50; 3]))
         };
-        let mut view = Made::new(DVec3::ZERO, 64).cube(CODING, &sight);
+        let mut view = SyntheticProbe::new(DVec3::ZERO, 64).cube(CODING, &sight);
         for texels in view.faces.iter_mut().flatten() {
             let glass = |&inverse: &f32| if inverse == BACKGROUND { [0; 4] } else { [0, 255, 64, 0] };
             texels.material = Some(texels.inverse_depth.iter().map(glass).collect());
@@ -399,43 +282,49 @@ mod tests {
     }
 
     #[test]
-    fn beads_are_found_up_to_a_number() {
-        for count in [1, 5, MOST_BALLS, MOST_BALLS + 4] {
+    fn spheres_are_found_up_to_a_limit() {
+        for count in [1, 5, MOST_PROXIES, MOST_PROXIES + 4] {
             let (field, centres) = beads(count);
-            let found = balls(&field, &[0]);
-            assert_eq!(found.balls.len(), count.min(MOST_BALLS));
-            for GlassBall { ball, ior, .. } in &found.balls {
-                let off_m = |centre: &DVec3| (*centre - ball.centre.as_dvec3()).length();
-                assert_eq!(centres.iter().filter(|centre| off_m(centre) < 1e-3).count(), 1, "{ball:?}");
-                assert!((f64::from(ball.radius_m) - RADIUS_M).abs() < 1e-3 && (1.0..=3.0).contains(ior), "{ball:?}");
+            let found = proxies(&field, &[0]);
+            assert_eq!(found.proxies.len(), count.min(MOST_PROXIES));
+            for Proxy { sphere, ior, .. } in &found.proxies {
+                let off_m = |centre: &DVec3| (*centre - sphere.centre.as_dvec3()).length();
+                assert_eq!(centres.iter().filter(|centre| off_m(centre) < 1e-3).count(), 1, "{sphere:?}");
+                assert!(
+                    (f64::from(sphere.radius_m) - RADIUS_M).abs() < 1e-3 && (1.0..=3.0).contains(ior),
+                    "{sphere:?}"
+                );
             }
         }
     }
 
     /// A second view sees past all balls but the smallest.
     #[test]
-    fn what_is_not_whole_keeps_no_ball_out() {
-        let (_, mut centres) = beads(2 * MOST_BALLS + 1);
-        centres.swap(0, 2 * MOST_BALLS);
+    fn spheres_with_empty_space_count_not_as_found() {
+        let (_, mut centres) = beads(2 * MOST_PROXIES + 1);
+        centres.swap(0, 2 * MOST_PROXIES);
         let mut radii = vec![0.4; centres.len()];
-        radii[2 * MOST_BALLS] = 0.3;
-        let small = [centres[2 * MOST_BALLS]];
+        radii[2 * MOST_PROXIES] = 0.3;
+        let small = [centres[2 * MOST_PROXIES]];
         let field = field(vec![glass(&centres, &radii), glass(&small, &[0.3])], CODING);
-        assert_eq!(balls(&field, &[0]).balls.len(), MOST_BALLS);
-        let found = balls(&field, &[0, 1]);
-        let [GlassBall { ball, .. }] = &found.balls[..] else { panic!("{:?}", found.balls.len()) };
-        assert!(ball.centre.distance(small[0].as_vec3()) < 1e-3 && (ball.radius_m - 0.3).abs() < 1e-3, "{ball:?}");
+        assert_eq!(proxies(&field, &[0]).proxies.len(), MOST_PROXIES);
+        let found = proxies(&field, &[0, 1]);
+        let [Proxy { sphere, .. }] = &found.proxies[..] else { panic!("{:?}", found.proxies.len()) };
+        assert!(
+            sphere.centre.distance(small[0].as_vec3()) < 1e-3 && (sphere.radius_m - 0.3).abs() < 1e-3,
+            "{sphere:?}"
+        );
     }
 
     #[test]
-    fn balls_are_made_where_some_are_in_sight() {
+    fn proxies_are_made_where_specular_texels_are_in_the_frustum() {
         let field = field(vec![glass(&[DVec3::new(0.0, 0.0, -AWAY_M)], &[RADIUS_M])], CODING);
         let views = ActiveViews::new(&field, &[0], DVec3::ZERO);
         let seen = |target: DVec3, lens: Lens| {
             let camera = Camera::look_at(DVec3::ZERO, target, DVec3::Y, lens).unwrap();
-            let shown = GlassBalls::shown(&views, &[1.0], &camera, &Silent).unwrap();
-            assert_eq!(shown.balls.len() == 1, in_sight(&views, &camera));
-            in_sight(&views, &camera)
+            let shown = proxies_in_sight(&views, &camera, &Silent).unwrap();
+            assert_eq!(shown.proxies.len() == 1, has_specular_in_frustum(&views, &camera));
+            has_specular_in_frustum(&views, &camera)
         };
         assert!(seen(DVec3::NEG_Z, Lens::new(10.0)) && seen(DVec3::new(1.0, 0.0, -1.0), Lens::new(90.0)));
         assert!(!seen(DVec3::Z, Lens::new(170.0)) && !seen(DVec3::X, Lens::new(90.0)));
@@ -445,7 +334,7 @@ mod tests {
         // Wider than high.
         let wide = Lens { aspect: 4.0, ..Lens::new(40.0) };
         assert!(seen(DVec3::new(1.0, 0.0, -1.0), wide) && !seen(DVec3::new(0.0, 1.0, -1.0), wide));
-        assert!(!in_sight(
+        assert!(!has_specular_in_frustum(
             &ActiveViews { views: Vec::new(), coding: CODING },
             &Camera::look_at(DVec3::ZERO, DVec3::Z, DVec3::Y, wide).unwrap()
         ));
@@ -466,12 +355,12 @@ mod tests {
     }
 
     #[test]
-    fn balls_stop_when_they_are_told_to() {
+    fn fitting_stops_on_request() {
         let (field, _) = beads(1);
         let views = ActiveViews::new(&field, &[0], DVec3::ZERO);
         let with = |after: usize| {
             let monitor = Stops { asked: AtomicUsize::new(0), after };
-            (GlassBalls::of(&views, &[1.0], &monitor), monitor.asked.into_inner())
+            (Proxies::of(&SphereFit, &views, &monitor), monitor.asked.into_inner())
         };
         let (all, asked) = with(usize::MAX);
         // For each row of the view from the centre, at least.
@@ -482,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn fits_know_no_size() {
+    fn fits_are_scale_free() {
         // A cap that reaches over half the radius, and a plane.
         let cap = |at: usize| {
             let [x, y] = [at % 9, at / 9].map(|at| (at as f64 - 4.0) / 20.0);
@@ -491,7 +380,7 @@ mod tests {
         for size in [1e-30, 1e-5, 1.0, 1e5, 1e30] {
             let middle = size * DVec3::new(3.0, -2.0, 7.0);
             let points: Vec<DVec3> = (0..81).map(|at| middle + size * cap(at)).collect();
-            let (centre, radius_m) = fit(&points).unwrap();
+            let FittedSphere { centre, radius_m } = fit(&points).unwrap();
             assert!((centre - middle).length() < 1e-9 * size && (radius_m / size - 1.0).abs() < 1e-9, "{size}");
             let flat: Vec<DVec3> = points.iter().map(|point| point.with_z(point.x + 0.3 * point.y)).collect();
             assert_eq!((fit(&flat), fit(&flat[..1])), (None, None), "{size}");

@@ -1,17 +1,17 @@
-//! What is around a ball of glass, as a view from its centre (CALF 6.1).
+//! The local environment map of a refractive sphere: a view from its centre.
 //!
-//! Enters: active views and a ball that all of them see from outside. Leaves: a view of which every texel has a depth and a
-//! colour.
+//! Enters: active views that all see the sphere from outside. Leaves: a view whose every texel has a depth and a colour.
 //!
-//! Where a ray from the ball comes to a surface that views see, that is its depth and its colour. What is behind the ball is
-//! hidden from them, and it is most of what the ball shows. Planes go on there (`hidden_planes`), else depths are interpolated
-//! between those around. Colours are those that views see through the ball: the ray of each texel of glass is followed to where
-//! it ends in the surroundings, and its colour stays there.
+//! Directions in which views see a surface take its depth and colour. Others, behind the sphere, are hidden, and they are
+//! most of what the sphere shows. Their depths are those of extrapolated planes, else interpolated from around. Their
+//! colours are those that views see through the sphere: each refractive texel's ray is traced to the environment, where
+//! its colour is splatted.
 
 use glam::{DMat3, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
 
+use super::plane_extrapolation::{Edge, Plane, nearest_inverse, planes};
 use crate::error::Result;
 use crate::image::TexelMap;
 use crate::image::cube::Face;
@@ -25,23 +25,23 @@ use crate::march::settings::Acceleration;
 use crate::march::shading::HOLE_DIFFERENCE;
 use crate::march::specular::material::fresnel;
 use crate::march::specular::normal::patch;
-use crate::march::specular::plane_extrapolation::{Edge, Plane, first_met, planes};
-use crate::march::specular::solid::{Ball, refract};
-use crate::march::specular::sphere_fit::{NEAR_BALL, faces, is_glass, steps_around, texel_point};
+use crate::march::specular::proxy::NEAR_SURFACE;
+use crate::march::specular::solid::{Exit, refract};
+use crate::march::specular::sphere::Sphere;
+use crate::march::specular::texel_points::SpecularImage;
 use crate::monitor::Monitor;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, View};
 
-/// The widest faces, in texels.
+/// Greatest width of a face, in texels.
 pub const MOST_TEXELS: u32 = 128;
-/// Texels of glass that let less than this part of the light straight through say nothing of what is behind.
+/// Texels that refract less than this part of the light straight through are not splatted.
 pub const LEAST_THROUGH: f32 = 0.5;
-/// Planes are looked for in at most so many points beside what is hidden: the time grows as their number squared.
+/// Points at most that planes are fitted to, in quadratic time.
 pub const MOST_EDGES: usize = 4096;
-/// How much what a view sees through a ball counts, as a power of its weight for the distance from the eye: what is bent
-/// twice differs more from view to view than surfaces do.
+/// Splats are weighted by this power of the view's camera weight: refracted light differs more between views than surfaces.
 pub const NEARNESS: i32 = 4;
 
-/// Images of the six faces of a cube, row by row: sums of weighted values, and of their weights.
+/// Six faces of a cube, row by row: sums of weighted values, and of their weights.
 struct Cube {
     size: usize,
     sums: Vec<Vec3>,
@@ -58,7 +58,7 @@ impl Cube {
         self.weights[at] += weight;
     }
 
-    /// Values everywhere: where weights are below 1, those of coarser images fill up what is missing.
+    /// Means; where weights are below 1, coarser images fill in the rest (pull-push).
     fn filled(&self) -> Vec<Vec3> {
         let size = self.size;
         if size == 1 {
@@ -69,7 +69,7 @@ impl Cube {
         let mut coarse = Cube::empty(size / 2);
         for (at, (&sum, &weight)) in self.sums.iter().zip(&self.weights).enumerate() {
             let (row, column) = (at / size, at % size);
-            // Rows of all faces are one below the other, and their number is even.
+            // Faces lie below each other, with an even number of rows.
             let above = row / 2 * coarse.size + column / 2;
             coarse.sums[above] += sum;
             coarse.weights[above] += weight;
@@ -96,69 +96,65 @@ impl Cube {
     }
 }
 
-/// What is known of a direction from the ball.
+/// What views see in a direction from the sphere.
 #[derive(Clone, Copy)]
 enum Known {
-    /// A surface at a distance in metres from the centre, or the background at 1 over 0.
+    /// Distance in metres from the centre, infinite for the background, and colour.
     Seen(f32, Vec3),
-    /// It is hidden from all views.
+    /// No view sees it.
     Hidden,
 }
 
-/// The view from the centre of a ball with an index of refraction. `camera_weights` are those of
-/// [`crate::march::interpolate::camera_weights`].
+/// The environment map of a sphere with an index of refraction.
 ///
 /// # Errors
 /// When the monitor says to stop.
-pub fn surroundings(
-    (views, camera_weights): (&ActiveViews<'_>, &[f32]),
-    (ball, ior): (Ball, f32),
-    monitor: &dyn Monitor,
-) -> Result<View> {
+pub fn map(views: &ActiveViews<'_>, sphere: Sphere, ior: f32, monitor: &dyn Monitor) -> Result<View> {
     let of_views = views.views.iter().flat_map(|view| view.view.faces.iter().flatten().map(|face| face.size[0]));
     let size = of_views.max().unwrap_or(1).clamp(1, MOST_TEXELS).next_power_of_two();
-    let steps = steps_around(views, &ball, size);
-    // Colours come later; the coding does not matter before.
+    let far_m = views.far_m() + sphere.centre.length();
+    // Steps are a few texels of the map wide.
+    let steps = Steps::new(96, sphere.radius_m * 2.0 / size as f32, far_m, 8);
+    // Colours are written at the end; their coding does not matter before.
     let face = FaceTexels::unknown([size; 2], TexelMap::cube_face([size; 2]), ColorCoding::Light);
-    let looking = Looking { views, camera_weights, ball, steps: &steps, face: &face, monitor };
-    let known = looking.all_known()?;
+    let search = Search { views, sphere, steps: &steps, face: &face, monitor };
+    let known = search.all_known()?;
     let mut view = View {
-        name: "ball".into(),
+        name: "environment".into(),
         probe: usize::MAX,
         position: DVec3::ZERO,
         probe_from_world: DMat3::IDENTITY,
-        near_m: ball.radius_m,
-        far_m: views.far_m() + ball.centre.length(),
+        near_m: sphere.radius_m,
+        far_m,
         faces: Default::default(),
     };
-    put_depths(&mut view, &known, &planes(&looking.edges(&known)?, monitor)?, &face);
-    let colors = colors(&looking, &known, &view, ior)?;
+    put_depths(&mut view, &known, &planes(&search.edges(&known)?, monitor)?, &face);
+    let colors = search.colors(&known, &view, ior)?;
     for (texels, colors) in view.faces.iter_mut().flatten().zip(colors.chunks((size * size) as usize)) {
         texels.color = coded(colors, views.coding);
     }
     Ok(view)
 }
 
-/// The way through the centre of a texel, counted through all faces, which are such as this one.
+/// Direction of a texel, counted through all faces, which have the size of this one.
 fn direction(at: usize, face: &FaceTexels) -> Vec3 {
     let [width, height] = face.size.map(|size| size as usize);
     let centre = [at % width, at / width % height].map(|at| at as f32 + 0.5);
     face.map.direction(Face::CUBE[at / (width * height)], centre)
 }
 
-/// How views look for what is around a ball.
-struct Looking<'a> {
+/// Searches the views for what surrounds a sphere.
+struct Search<'a> {
     views: &'a ActiveViews<'a>,
-    camera_weights: &'a [f32],
-    ball: Ball,
+    sphere: Sphere,
     steps: &'a Steps,
-    /// As all faces of the view from the centre are.
+    /// Size and projection of the faces of the map.
     face: &'a FaceTexels,
     monitor: &'a dyn Monitor,
 }
 
-impl Looking<'_> {
-    /// What views see in the direction of each texel, counted through all faces.
+impl Search<'_> {
+    /// What views see in the direction of each texel.
     fn all_known(&self) -> Result<Vec<Known>> {
         let [width, height] = self.face.size.map(|size| size as usize);
         let row = |row: usize| -> Result<Vec<Known>> {
@@ -169,35 +165,35 @@ impl Looking<'_> {
         Ok((0..6 * height).into_par_iter().map(row).collect::<Result<Vec<_>>>()?.concat())
     }
 
-    /// What views see in a direction from the ball: rays begin hidden, and have come into the open where a view sees past them.
+    /// Rays start inside the solid, and march from the first point that is empty in a view.
     fn known(&self, direction: Vec3) -> Known {
-        let ray = Ray { origin: self.ball.centre + self.ball.radius_m * direction, direction };
+        let ray = Ray { origin: self.sphere.centre + self.sphere.radius_m * direction, direction };
         let distances_m = &self.steps.distances_m;
-        let Some(open) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
+        let Some(first) = distances_m.iter().position(|&distance_m| !self.views.is_surface(ray.at(distance_m))) else {
             return Known::Hidden;
         };
         let hit = intersect_from(
             Acceleration::Pyramid,
             self.views,
             &ray,
-            StepsFrom { steps: self.steps, first: open },
+            StepsFrom { steps: self.steps, first },
             &mut Counters::default(),
         );
         match hit {
-            Some(distance_m) => match surface_color(self.views, self.camera_weights, ray.at(distance_m)) {
-                Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.unsure() => {
-                    Known::Seen(self.ball.radius_m + distance_m, seen.color)
+            Some(distance_m) => match surface_color(self.views, ray.at(distance_m)) {
+                Some(seen) if seen.difference <= HOLE_DIFFERENCE + self.steps.uncertainty() => {
+                    Known::Seen(self.sphere.radius_m + distance_m, seen.color)
                 }
                 _ => Known::Hidden,
             },
-            None => match background_color(self.views, self.camera_weights, direction) {
+            None => match background_color(self.views, direction) {
                 Some(seen) => Known::Seen(f32::INFINITY, seen.color),
                 None => Known::Hidden,
             },
         }
     }
 
-    /// Surfaces beside what is hidden, [`MOST_EDGES`] of them or fewer, everywhere alike.
+    /// Surface points beside hidden texels, evenly thinned to [`MOST_EDGES`].
     fn edges(&self, known: &[Known]) -> Result<Vec<Edge>> {
         let size = self.face.size[0] as usize;
         let at_edge = |&at: &usize| {
@@ -214,7 +210,7 @@ impl Looking<'_> {
         let edge = |at: usize| {
             let Known::Seen(distance_m, _) = known[at] else { return None };
             let point = distance_m * direction(at, self.face).normalize();
-            let normal = patch(self.views, self.camera_weights, self.ball.centre + point)?.normal;
+            let normal = patch(self.views, self.sphere.centre + point)?.normal;
             Some(Edge { point, normal })
         };
         let is_seen = |at: &usize| matches!(known[*at], Known::Seen(distance_m, _) if distance_m.is_finite());
@@ -224,27 +220,74 @@ impl Looking<'_> {
         Ok(some.into_par_iter().filter_map(edge).collect())
     }
 
-    /// The way of a ray from a view straight through the ball, and the part of its light that goes there.
-    fn through(&self, ray: &Ray, ior: f32) -> Option<(Ray, f32)> {
-        let entry = self.ball.entry(ray)?;
-        let normal = self.ball.normal(entry)?;
+    /// The ray that leaves the sphere straight through, and its part of the light.
+    fn through(&self, ray: &Ray, ior: f32) -> Option<Exit> {
+        let entry = self.sphere.entry(ray)?;
+        let normal = self.sphere.normal(entry)?;
         let entering = 1.0 - fresnel(-ray.direction.dot(normal), ior);
         let inside = Ray { origin: entry, direction: refract(ray.direction, normal, ior.recip())? };
-        let end = inside.at(self.ball.exit_m(&inside)?);
-        let normal = self.ball.normal(end)?;
+        let origin = inside.at(self.sphere.exit_m(&inside)?);
+        let normal = self.sphere.normal(origin)?;
         let direction = refract(inside.direction, -normal, ior)?;
-        Some((Ray { origin: end, direction }, entering * (1.0 - fresnel(direction.dot(normal), ior))))
+        let part = entering * (1.0 - fresnel(direction.dot(normal), ior));
+        Some(Exit { ray: Ray { origin, direction }, part })
+    }
+
+    /// Colours of the map, as views code them.
+    fn colors(&self, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
+        let Search { views, sphere, steps, monitor, .. } = *self;
+        let from_centre = ActiveView::new(view, ViewPyramids::of(view).into(), sphere.centre);
+        let alone = ActiveViews { views: vec![from_centre], coding: views.coding };
+        let mut cube = Cube::empty(self.face.size[0] as usize);
+        for (at, known) in known.iter().enumerate() {
+            if let Known::Seen(_, color) = known {
+                cube.add(at, *color, 1.0);
+            }
+        }
+        let greatest = views.views.iter().map(|view| view.camera_weight).fold(f32::MIN_POSITIVE, f32::max);
+        for image in SpecularImage::all(views) {
+            let nearness = (image.view.camera_weight / greatest).powi(NEARNESS);
+            let splat = |at: usize| {
+                let point = image.point(at).filter(|_| image.is_refractive(at))?.as_vec3();
+                let off_m = ((point - sphere.centre).length() - sphere.radius_m).abs();
+                if off_m > NEAR_SURFACE * sphere.radius_m {
+                    return None;
+                }
+                let ray = Ray { origin: point, direction: (point - image.view.from_eye).try_normalize()? };
+                let exit = self.through(&ray, ior).filter(|exit| exit.part >= LEAST_THROUGH)?;
+                let hit = intersect(Acceleration::Pyramid, &alone, &exit.ray, steps, &mut Counters::default());
+                let end = hit.map_or(exit.ray.direction, |hit_m| alone.views[0].local(exit.ray.at(hit_m)));
+                Some((view.project(end)?, exit.part, image.texels.color.get(at)))
+            };
+            let [width, height] = image.texels.size.map(|size| size as usize);
+            let of_row = |row: usize| -> Result<Vec<_>> {
+                monitor.check()?;
+                Ok((row * width..(row + 1) * width).filter_map(splat).collect())
+            };
+            let of_rows: Vec<Vec<_>> = (0..height).into_par_iter().map(of_row).collect::<Result<_>>()?;
+            for (end, part, color) in of_rows.into_iter().flatten() {
+                let Some(onto) = &view.faces[end.face] else { continue };
+                let taps = Taps::around(end.at, onto);
+                for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
+                    let at = end.face * onto.inverse_depth.len() + texel;
+                    if matches!(known[at], Known::Hidden) {
+                        cube.add(at, color, weight * part * nearness);
+                    }
+                }
+            }
+        }
+        Ok(cube.filled())
     }
 }
 
-/// Depths of the faces: where nothing is known, planes go on, else what is around fills it in inverse distance.
+/// Depths of the map: of hidden texels those of planes, else interpolated in inverse distance.
 fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTexels) {
     let size = like.size[0];
     let mut cube = Cube::empty(size as usize);
     for (at, known) in known.iter().enumerate() {
         let inverse = match known {
             Known::Seen(distance_m, _) => Some(distance_m.recip()),
-            Known::Hidden => first_met(planes, direction(at, like).normalize()),
+            Known::Hidden => nearest_inverse(planes, direction(at, like).normalize()),
         };
         if let Some(inverse) = inverse {
             cube.add(at, Vec3::splat(inverse), 1.0);
@@ -259,55 +302,6 @@ fn put_depths(view: &mut View, known: &[Known], planes: &[Plane], like: &FaceTex
         }
         view.faces[face] = Some(texels);
     }
-}
-
-/// Colours of the faces, as views code them.
-fn colors(looking: &Looking<'_>, known: &[Known], view: &View, ior: f32) -> Result<Vec<Vec3>> {
-    let Looking { views, ball, steps, monitor, .. } = *looking;
-    let alone = ActiveViews {
-        views: vec![ActiveView::new(view, ViewPyramids::of(view).into(), ball.centre)],
-        coding: views.coding,
-    };
-    let mut cube = Cube::empty(looking.face.size[0] as usize);
-    for (at, known) in known.iter().enumerate() {
-        if let Known::Seen(_, color) = known {
-            cube.add(at, *color, 1.0);
-        }
-    }
-    let greatest = looking.camera_weights.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    for (active, face, texels) in faces(views) {
-        let of_view = views.views.iter().position(|view| std::ptr::eq(view, active)).unwrap_or_default();
-        let nearness = (looking.camera_weights[of_view] / greatest).powi(NEARNESS);
-        let ends = |at: usize| {
-            let point = texel_point(active, face, texels, at).filter(|_| is_glass(texels, at))?.as_vec3();
-            let off_m = ((point - ball.centre).length() - ball.radius_m).abs();
-            if off_m > NEAR_BALL * ball.radius_m {
-                return None;
-            }
-            let ray = Ray { origin: point, direction: (point - active.from_eye).try_normalize()? };
-            let (out, part) = looking.through(&ray, ior).filter(|(_, part)| *part >= LEAST_THROUGH)?;
-            let hit = intersect(Acceleration::Pyramid, &alone, &out, steps, &mut Counters::default());
-            let end = hit.map_or(out.direction, |distance_m| alone.views[0].local(out.at(distance_m)));
-            Some((view.project(end)?, part, texels.color.get(at)))
-        };
-        let [width, height] = texels.size.map(|size| size as usize);
-        let of_row = |row: usize| -> Result<Vec<_>> {
-            monitor.check()?;
-            Ok((row * width..(row + 1) * width).filter_map(ends).collect())
-        };
-        let of_rows: Vec<Vec<_>> = (0..height).into_par_iter().map(of_row).collect::<Result<_>>()?;
-        for (end, part, color) in of_rows.into_iter().flatten() {
-            let Some(onto) = &view.faces[end.face] else { continue };
-            let taps = Taps::around(end.at, onto);
-            for (texel, weight) in taps.texels.into_iter().zip(taps.weights) {
-                let at = end.face * onto.inverse_depth.len() + texel;
-                if matches!(known[at], Known::Hidden) {
-                    cube.add(at, color, weight * part * nearness);
-                }
-            }
-        }
-    }
-    Ok(cube.filled())
 }
 
 fn coded(colors: &[Vec3], coding: ColorCoding) -> ColorTexels {
@@ -329,7 +323,7 @@ mod tests {
     use crate::monitor::Silent;
 
     #[test]
-    fn what_is_missing_is_filled_by_what_is_around() {
+    fn missing_texels_are_filled_from_around() {
         let size = 16;
         let mut cube = Cube::empty(size);
         // A face of which the middle is missing, red to the left of it and green to the right; all others are unknown.
@@ -352,13 +346,16 @@ mod tests {
     }
 
     #[test]
-    fn light_takes_the_way_of_snell_through_a_ball() {
-        let ball = Ball { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 1.0 };
+    fn light_is_refracted_through_a_sphere() {
+        let sphere = Sphere { centre: Vec3::new(0.0, 0.0, -3.0), radius_m: 1.0 };
         let views = ActiveViews { views: Vec::new(), coding: ColorCoding::Light };
         let steps = Steps::new(4, 0.1, 1.0, 0);
         let face = &FaceTexels::unknown([1; 2], TexelMap::cube_face([1; 2]), ColorCoding::Light);
-        let looking = Looking { views: &views, camera_weights: &[], ball, steps: &steps, face, monitor: &Silent };
-        let through = |x: f32, ior| looking.through(&Ray { origin: Vec3::X * x, direction: Vec3::NEG_Z }, ior);
+        let search = Search { views: &views, sphere, steps: &steps, face, monitor: &Silent };
+        let through = |x: f32, ior| {
+            let ray = Ray { origin: Vec3::X * x, direction: Vec3::NEG_Z };
+            search.through(&ray, ior).map(|exit| (exit.ray, exit.part))
+        };
         let (straight, part) = through(0.0, 1.5).unwrap();
         assert_eq!((straight.origin, straight.direction), (Vec3::NEG_Z * 4.0, Vec3::NEG_Z));
         assert!((part - 0.96 * 0.96).abs() < 1e-4);

@@ -1,6 +1,6 @@
-//! Planes that go on where nothing sees them, such as walls and the floor behind a ball of glass (CALF 6.1).
+//! Plane extrapolation: walls and floors that continue behind a refractive solid.
 //!
-//! Enters: points at the edge of what is hidden, seen from one centre. Leaves: the planes that many of them lie on.
+//! Enters: surface points beside hidden directions, relative to one centre. Leaves: the planes that many of them lie in.
 
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -8,22 +8,22 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::monitor::Monitor;
 
-/// A plane counts where it goes through so large a part of the points.
+/// Least part of the points that lie in a plane.
 pub const LEAST_PART: f32 = 0.1;
 /// A point lies in a plane where their distances in its direction differ by at most this part.
 pub const IN_PLANE: f32 = 0.01;
-/// At most so many planes.
+/// Planes at most.
 pub const MOST_PLANES: usize = 8;
 
-/// A plane, by the vector whose product with a direction is 1 over the distance at which it is met.
+/// The vector whose product with a direction is 1 over the distance of the plane in it.
 pub type Plane = Vec3;
 
-/// A point and the direction out of its surface, of length 1; both from the centre, the point in metres.
+/// A surface point beside a hidden direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
-    /// Where.
+    /// Metres from the centre.
     pub point: Vec3,
-    /// Which way the surface looks.
+    /// Of length 1.
     pub normal: Vec3,
 }
 
@@ -31,7 +31,7 @@ fn lies_in(plane: Plane, edge: &Edge) -> bool {
     (plane.dot(edge.point) - 1.0).abs() <= IN_PLANE
 }
 
-/// The planes of some points, the one with the most points first. The time grows as the square of their number.
+/// The planes of some points, the one with the most points first. Takes quadratic time.
 ///
 /// # Errors
 /// When the monitor says to stop.
@@ -41,7 +41,7 @@ pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     while found.len() < MOST_PLANES && left.len() >= least {
         let count_of = |edge: &Edge| -> Result<Option<(usize, Plane)>> {
             monitor.check()?;
-            // The surface looks at the centre, or it would not be seen from there.
+            // Surfaces seen from the centre face it.
             let height_m = edge.normal.dot(edge.point);
             let plane = edge.normal / height_m;
             let count = || left.iter().filter(|edge| lies_in(plane, edge)).count();
@@ -63,27 +63,27 @@ pub fn planes(edges: &[Edge], monitor: &dyn Monitor) -> Result<Vec<Plane>> {
     Ok(found)
 }
 
-/// The plane that points lie in, by least squares of what its product with them differs from 1; none where they lie on a
-/// line, or in a plane through the centre.
+/// The plane through points, by least squares of its product with them minus 1; none where they lie on a line, or in a plane
+/// through the centre.
 ///
-/// The spread S of the points is taken around their middle m, and the normal equations (S + m·mᵀ)·p = m are solved by
-/// Sherman and Morrison's formula with the adjugate of S: what is flat, or small and far away, has an S that cannot be inverted.
+/// With the covariance S of the points and their mean m, the normal equations (S + m·mᵀ)·p = m are solved by the formula of
+/// Sherman and Morrison with the adjugate of S, as S is singular for flat, small or distant sets.
 fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
     let points = || edges.clone().map(|edge| edge.point.as_dvec3());
     let count = points().count() as f64;
     let middle = points().sum::<DVec3>() / count;
-    // In units of how far they are from their middle, and their middle in units of its distance.
+    // Points in units of their root mean square distance from the mean, the mean in units of its distance.
     let unit_m = (points().map(|point| (point - middle).length_squared()).sum::<f64>() / count).sqrt();
     let spread = points()
         .map(|point| (point - middle) / unit_m)
         .fold(DMat3::ZERO, |spread, from| spread + DMat3::from_cols(from * from.x, from * from.y, from * from.z));
     let spread = spread * count.recip();
     let (away_m, way) = (middle.length(), middle.try_normalize()?);
-    // The columns of the adjugate; the spread is the same across its diagonal.
+    // The columns of the adjugate of a symmetric matrix.
     let [x, y, z] = [spread.x_axis, spread.y_axis, spread.z_axis];
     let across = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * way;
     let facing = way.dot(across);
-    // Single floats tell no more of where points are.
+    // Points have the precision of single floats.
     let rounding = f64::from(f32::EPSILON) * away_m.hypot(unit_m) / unit_m;
     if facing.is_nan() || facing < rounding * rounding {
         return None;
@@ -94,9 +94,8 @@ fn fit<'a>(edges: impl Iterator<Item = &'a Edge> + Clone) -> Option<Plane> {
     plane.is_finite().then_some(plane)
 }
 
-/// 1 over the distance at which the first of these planes is met in a direction of length 1, as in a room, whose walls hide
-/// each other nowhere; none where none of them is met.
-pub fn first_met(planes: &[Plane], direction: Vec3) -> Option<f32> {
+/// 1 over the distance of the nearest plane in a direction of length 1, as inside a convex room.
+pub fn nearest_inverse(planes: &[Plane], direction: Vec3) -> Option<f32> {
     planes.iter().map(|plane| plane.dot(direction)).filter(|&inverse| inverse > 0.0).reduce(f32::max)
 }
 
@@ -122,22 +121,22 @@ mod tests {
     }
 
     #[test]
-    fn walls_go_on_and_balls_do_not() {
+    fn walls_are_extrapolated_and_spheres_are_not() {
         let found = planes(&edges(), &Silent).unwrap();
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_Y) < 0.01), "{found:?}");
         assert!(found.iter().any(|plane| plane.distance(Vec3::NEG_X) < 0.01), "{found:?}");
         // Down and to the left beyond all points, where the two walls meet.
         let down = Vec3::new(-0.6, -0.8, 0.0);
-        assert!((first_met(&found, down).unwrap() - 0.8).abs() < 0.01);
-        assert!((first_met(&found, Vec3::new(-0.8, -0.6, 0.0)).unwrap() - 0.8).abs() < 0.01);
-        assert_eq!(first_met(&found, Vec3::X), None);
+        assert!((nearest_inverse(&found, down).unwrap() - 0.8).abs() < 0.01);
+        assert!((nearest_inverse(&found, Vec3::new(-0.8, -0.6, 0.0)).unwrap() - 0.8).abs() < 0.01);
+        assert_eq!(nearest_inverse(&found, Vec3::X), None);
         assert!(planes(&[], &Silent).unwrap().is_empty());
     }
 
     /// A small part of a wall, which the least squares of single floats around the centre cannot tell from a line.
     #[test]
-    fn planes_know_no_size() {
+    fn planes_are_scale_free() {
         let wall = Vec3::new(0.3, -0.2, -1.0);
         let part = |at: usize, breadth: f32| {
             let [x, y] = [at % 10, at / 10].map(|at| (at as f32 - 4.5) * breadth);

@@ -1,0 +1,129 @@
+//! Refractive proxies: closed shapes that stand for refractive solids, each with a map of its environment (CALF 6.1).
+//!
+//! A solid shows mostly what it hides, and magnifies errors of its shape. So a shape fitted to all its texels replaces
+//! normals from a few, and an environment map at its centre says what leaving rays meet.
+//!
+//! Proxies are made anew for each picture, and take longer than a small picture does. So none are made for a picture
+//! without specular texels in its frustum; that test uses texels alone, and so is the same on all devices.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::march::pyramid::ViewPyramids;
+use crate::march::specular::sphere::Sphere;
+use crate::march::specular::sphere_fit::SphereFit;
+use crate::march::specular::texel_points::SpecularImage;
+use crate::math::Camera;
+use crate::monitor::Monitor;
+use crate::views::light_field::{ColorCoding, View, has_specular_weight};
+
+/// A point belongs to a proxy where it is at most this far from its surface, in parts of its radius.
+pub const NEAR_SURFACE: f32 = 0.03;
+/// Margin of a texel in the frustum test, in widths of it: colours and materials are interpolated.
+pub const MARGIN_TEXELS: f64 = 4.0;
+
+/// A refractive proxy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proxy {
+    /// Its shape.
+    pub sphere: Sphere,
+    /// Index of refraction, 1 to 3.
+    pub ior: f32,
+    /// Local environment map: a view from the centre, along the world's axes. Its position is not used.
+    pub environment: View,
+    pub(crate) pyramids: Arc<ViewPyramids>,
+}
+
+impl Proxy {
+    /// Its environment map relative to the eye, of weight 1.
+    pub fn environment_view(&self) -> ActiveView<'_> {
+        ActiveView::new(&self.environment, Arc::clone(&self.pyramids), self.sphere.centre)
+    }
+}
+
+/// The proxies of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proxies {
+    /// By size in texels, greatest first.
+    pub proxies: Vec<Proxy>,
+    coding: ColorCoding,
+}
+
+impl Proxies {
+    /// No proxies.
+    pub fn none(coding: ColorCoding) -> Proxies {
+        Proxies { proxies: Vec::new(), coding }
+    }
+
+    /// The proxies that a provider finds.
+    ///
+    /// # Errors
+    /// When the monitor says to stop.
+    pub fn of(provider: &dyn ProxyProvider, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Proxies> {
+        Ok(Proxies { proxies: provider.proxies(views, monitor)?, coding: views.coding })
+    }
+
+    /// The proxy whose surface contains a point.
+    pub fn at(&self, point: Vec3) -> Option<usize> {
+        self.proxies.iter().position(|Proxy { sphere, .. }| {
+            ((point - sphere.centre).length() - sphere.radius_m).abs() <= NEAR_SURFACE * sphere.radius_m
+        })
+    }
+
+    /// The environment map of each.
+    pub fn environments(&self) -> Vec<ActiveViews<'_>> {
+        let views = self.proxies.iter().map(|proxy| vec![proxy.environment_view()]);
+        views.map(|views| ActiveViews { views, coding: self.coding }).collect()
+    }
+}
+
+/// Finds refractive proxies.
+pub trait ProxyProvider {
+    /// The proxies of these views, the most important first.
+    ///
+    /// # Errors
+    /// When the monitor says to stop.
+    fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>>;
+}
+
+/// The proxies that a camera's picture needs.
+///
+/// # Errors
+/// When the monitor says to stop.
+pub fn proxies_in_sight(views: &ActiveViews<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Proxies> {
+    monitor.check()?;
+    match has_specular_in_frustum(views, camera) {
+        true => Proxies::of(&SphereFit, views, monitor),
+        false => Ok(Proxies::none(views.coding)),
+    }
+}
+
+/// Whether a specular texel, occluded or not, lies in a camera's frustum.
+pub fn has_specular_in_frustum(views: &ActiveViews<'_>, camera: &Camera) -> bool {
+    let [forward, right, down] = camera.axes();
+    let window = camera.window();
+    let edges = [window.u, window.v].map(|edges| edges.map(|edge| (edge, (1.0 + edge * edge).sqrt())));
+    let is_near_frustum = |point: DVec3, margin_m: f64| {
+        let depth_m = point.dot(forward);
+        let beside_m = [point.dot(right), point.dot(down)];
+        depth_m >= -margin_m
+            && beside_m.iter().zip(edges).all(|(beside_m, [low, high])| {
+                // Distances from the side planes.
+                beside_m - high.0 * depth_m <= high.1 * margin_m && low.0 * depth_m - beside_m <= low.1 * margin_m
+            })
+    };
+    SpecularImage::all(views).into_par_iter().any(|image| {
+        let texels = image.texels;
+        let scale = f64::from(texels.map.scale[0].abs().min(texels.map.scale[1].abs()));
+        texels.material.as_ref().is_some_and(|material| {
+            (0..material.len()).filter(|&at| has_specular_weight(&material[at])).any(|at| {
+                let margin_m = || MARGIN_TEXELS / (f64::from(texels.inverse_depth[at]) * scale);
+                image.point(at).is_some_and(|point| is_near_frustum(point, margin_m()))
+            })
+        })
+    })
+}

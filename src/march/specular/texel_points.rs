@@ -1,0 +1,49 @@
+//! Surface points of the texels of specular materials.
+
+use glam::DVec3;
+
+use crate::image::cube::Face;
+use crate::march::active_views::{ActiveView, ActiveViews};
+use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
+
+/// An image of an active view that has specular texels.
+#[derive(Debug, Clone, Copy)]
+pub struct SpecularImage<'a> {
+    /// Its view.
+    pub view: &'a ActiveView<'a>,
+    /// Number of its face.
+    pub face: usize,
+    /// Its texels.
+    pub texels: &'a FaceTexels,
+}
+
+impl<'a> SpecularImage<'a> {
+    /// Those of all views that are decoded on the CPU.
+    pub fn all(views: &'a ActiveViews<'a>) -> Vec<SpecularImage<'a>> {
+        let of_view = |view: &'a ActiveView<'a>| {
+            let faces = view.view.faces.iter().enumerate();
+            faces.filter_map(move |(face, texels)| Some(SpecularImage { view, face, texels: texels.as_ref()? }))
+        };
+        let all = views.views.iter().flat_map(of_view);
+        all.filter(|image| image.texels.is_specular && !image.texels.is_in_backend()).collect()
+    }
+
+    /// The centre of a texel on its surface, in metres from the eye. None where it has no surface.
+    pub fn point(&self, at: usize) -> Option<DVec3> {
+        let inverse = self.texels.inverse_depth[at];
+        if inverse == BACKGROUND || inverse == UNKNOWN {
+            return None;
+        }
+        let width = self.texels.size[0] as usize;
+        let centre = [at % width, at / width].map(|at| at as f32 + 0.5);
+        let local =
+            self.texels.map.direction(Face::from_index(self.face as u8)?, centre).as_dvec3() / f64::from(inverse);
+        let point = self.view.probe_from_world.as_dmat3().transpose() * local + self.view.from_eye.as_dvec3();
+        point.is_finite().then_some(point)
+    }
+
+    /// Whether a texel refracts.
+    pub fn is_refractive(&self, at: usize) -> bool {
+        self.texels.material.as_ref().is_some_and(|material| material[at][1] > 0)
+    }
+}
