@@ -1,13 +1,13 @@
-//! How hard an encoder searches.
+//! Search effort.
 
-/// The three efforts that every search of the toolkit offers under `--effort`.
+/// Effort of every search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
 pub enum Effort {
-    /// A stated loss for speed.
+    /// Faster, with a stated loss.
     Fast,
-    /// The default: what the reference finds, or close to it, in reasonable time.
+    /// Close to the result of exhaustive.
     #[default]
     Normal,
-    /// The literal search: the reference that the others are measured against.
+    /// Full search: the reference.
     Exhaustive,
 }

@@ -1,26 +1,21 @@
-//! What work is of and how it is done, as far as its result depends on it: so that no other work goes on where it stopped.
-//!
-//! Enters: names and values, in an order that does not change. Leaves: whether two of them agree, and where not.
+//! Configuration hash: inputs and settings that a result depends on. Only work of the same configuration may be resumed.
 
 use std::hash::{DefaultHasher, Hasher};
 
-/// Names and values, in an order that does not change.
+/// Names and values in a fixed order. Settings are named as in messages, `` `depth_window` ``.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fingerprint(Vec<(String, String)>);
 
 impl Fingerprint {
-    /// That of these names and values.
     pub fn new(fields: Vec<(String, String)>) -> Fingerprint {
         Fingerprint(fields)
     }
 
-    /// The names and values.
     pub fn fields(&self) -> &[(String, String)] {
         &self.0
     }
 
-    /// What every result of this program depends on: its version, and the sources that it is built from. Versions may have
-    /// other encoders between them: `build.rs` hashes the sources.
+    /// Version and source hash of the program (`build.rs`), as encoders change between versions.
     pub fn of_program() -> Vec<(&'static str, String)> {
         vec![
             ("the version of lightfold", env!("CARGO_PKG_VERSION").to_owned()),
@@ -28,7 +23,7 @@ impl Fingerprint {
         ]
     }
 
-    /// What differs first between this one, of work that was begun, and one that would go on with it.
+    /// The first difference of unfinished work to the work `now`.
     pub fn difference(&self, now: &Fingerprint) -> Option<String> {
         let mut pairs = self.0.iter().zip(&now.0);
         match pairs.find(|(old, new)| old != new) {
@@ -38,12 +33,12 @@ impl Fingerprint {
                 format!("{name} was {old} and is {new} now")
             }),
             None if self.0.len() == now.0.len() => None,
-            _ => Some("it was begun by another lightfold".to_owned()),
+            _ => Some("it was begun by another version of lightfold".to_owned()),
         }
     }
 }
 
-/// A stand-in for what is too long to keep.
+/// A hash of long values.
 pub fn digest(bytes: &[u8]) -> String {
     let hash = |part: u8| {
         let mut hasher = DefaultHasher::new();
@@ -63,14 +58,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_difference_is_told() {
+    fn the_first_difference_is_reported() {
         let begun = of(&[("`size`", "8"), ("the cameras", "#01")]);
         assert_eq!(begun.difference(&begun.clone()), None);
         let says = |now: &[(&str, &str)]| begun.difference(&of(now)).unwrap();
         assert_eq!(says(&[("`size`", "9"), ("the cameras", "#02")]), "`size` was 8 and is 9 now");
         assert_eq!(says(&[("`size`", "8"), ("the cameras", "#02")]), "the cameras were others");
         for now in [&[("`size`", "8")][..], &[("`fps`", "8"), ("the cameras", "#01")]] {
-            assert!(says(now).contains("another lightfold"), "{now:?}");
+            assert!(says(now).contains("another version of lightfold"), "{now:?}");
         }
     }
 

@@ -1,68 +1,66 @@
-//! How much memory work may take: a budget, and how many jobs of a size fit into it at once.
+//! Memory budget, and the number of parallel jobs that fit into it.
 //!
-//! A budget counts what grows with the footage: pictures, chunks and tables. What every process takes anyway, its code
-//! and the stacks of its threads, is not in it.
+//! A budget counts images, chunks and tables, which grow with the footage, but neither code nor stacks.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// The most that pictures, chunks and tables may take together.
+/// Limit of the bytes of images, chunks and tables.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Budget {
     bytes: Option<u64>,
 }
 
-/// What some work takes.
+/// Memory of some work.
 #[derive(Debug, Clone, Copy)]
 pub struct Need<'a> {
-    /// The work, for the error: `encoding the color of probe 00`.
+    /// The work, for errors: `encoding the color of probe 00`.
     pub what: &'a str,
-    /// Bytes that are taken however many jobs run.
+    /// Bytes regardless of the number of jobs.
     pub fixed: u64,
     /// Bytes of each job.
     pub each: u64,
-    /// What else would help than more memory, such as `a smaller --keyframe-reach`; may be empty.
+    /// What helps besides more memory, such as `` a smaller `keyframe_reach` ``; may be empty.
     pub instead: &'a str,
 }
 
 impl Budget {
-    /// No limit: each command keeps to its own.
+    /// No limit, other than built-in ones.
     pub const UNLIMITED: Budget = Budget { bytes: None };
 
-    /// At most so many bytes.
     pub fn of(bytes: u64) -> Budget {
         Budget { bytes: Some(bytes) }
     }
 
-    /// The limit, if there is one.
+    /// The limit.
     pub fn bytes(self) -> Option<u64> {
         self.bytes
     }
 
-    /// What is left of it when so many bytes are taken; nothing where they are more than it has.
+    /// The budget without `taken` bytes, at least 0.
     #[must_use]
     pub fn less(self, taken: u64) -> Budget {
         Budget { bytes: self.bytes.map(|bytes| bytes.saturating_sub(taken)) }
     }
 
-    /// The budget, or `usual` bytes where that is less or there is no budget.
+    /// The lesser of the budget and `usual` bytes.
     pub fn at_most(self, usual: u64) -> u64 {
         self.bytes.map_or(usual, |bytes| bytes.min(usual))
     }
 
-    /// How many jobs may run at once: at least one, at most `most`.
+    /// Number of parallel jobs, 1 to `most`.
     ///
     /// # Errors
-    /// When not even one fits. The sentence says how much it takes, and what helps.
+    /// Not even one job fits.
     pub fn at_once(self, need: &Need<'_>, most: usize) -> Result<usize> {
         let Some(bytes) = self.bytes else { return Ok(most.max(1)) };
         let least = need.fixed.saturating_add(need.each);
         if least > bytes {
             let instead = if need.instead.is_empty() { String::new() } else { format!(", or {}", need.instead) };
             return Err(Error::Usage(format!(
-                "`memory` {self}: {} may take {} MB; give it that much{instead}",
+                "`memory` {self}: {} needs up to {} MB; allow that much{instead}",
                 need.what,
                 least.div_ceil(1_000_000)
             )));
@@ -85,10 +83,9 @@ impl fmt::Display for Budget {
 impl FromStr for Budget {
     type Err = Error;
 
-    /// Bytes, with a unit or without: `k M G T`, also with a `B`, are powers of 1000, `KiB MiB GiB TiB` powers of
-    /// 1024. Fractions are fine: `1.5GiB`.
+    /// Bytes with an optional unit: `k M G T`, also with a `B`, are powers of 1000, `KiB MiB GiB TiB` powers of 1024.
     fn from_str(text: &str) -> Result<Budget> {
-        let wrong = || Error::Usage(format!("\"{text}\" is no size: write it as 512M, 2G, 1.5GiB, or bytes"));
+        let wrong = || Error::Usage(format!("\"{text}\" is not a size such as 512M, 2G, 1.5GiB, or a number of bytes"));
         let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
         let number: f64 = text[..end].parse().map_err(|_| wrong())?;
         let unit = text[end..].trim().to_ascii_lowercase();
@@ -144,7 +141,7 @@ mod tests {
         assert_eq!(budget.at_once(&need(0, 0), 5).unwrap(), 5);
         assert_eq!(budget.at_once(&need(70_000_000, 30_000_000), 9).unwrap(), 1);
         let refused = budget.at_once(&need(70_000_000, 30_000_001), 9).unwrap_err().to_string();
-        assert_eq!(refused, "`memory` 100M: the work may take 101 MB; give it that much, or a smaller `depth_tile`");
+        assert_eq!(refused, "`memory` 100M: the work needs up to 101 MB; allow that much, or a smaller `depth_tile`");
         assert!(budget.at_once(&need(u64::MAX, 9), 9).is_err());
         assert_eq!(Budget::UNLIMITED.at_once(&need(u64::MAX, 1), 7).unwrap(), 7);
         assert_eq!(budget.less(99_999_000).to_string(), "1000");

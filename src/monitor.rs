@@ -1,22 +1,22 @@
-//! How long work tells that it goes on, and learns that it should not.
+//! Progress and cancellation.
 
 use crate::error::{Error, Result};
 
-/// Watches a command at work. Implemented by the command line; everything below only calls it.
+/// Receives progress, and may cancel. Implemented by the caller.
 pub trait Monitor: Sync {
-    /// `steps` more of the announced work are done.
+    /// Reports `steps` completed steps.
     fn advance(&self, steps: u64);
 
-    /// Whether the user has asked to stop.
+    /// Whether to stop.
     fn interrupted(&self) -> bool;
 
-    /// An error once the user has asked to stop; long loops call it.
+    /// [`Error::Interrupted`] if interrupted; called in long loops.
     fn check(&self) -> Result<()> {
         if self.interrupted() { Err(Error::Interrupted) } else { Ok(()) }
     }
 }
 
-/// Watches nothing and never stops.
+/// Ignores progress and never stops.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

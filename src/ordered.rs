@@ -1,4 +1,4 @@
-//! Work on many threads whose error does not depend on which thread came first.
+//! Parallel maps with deterministic errors.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,24 +7,24 @@ use rayon::prelude::*;
 
 use crate::error::Result;
 
-/// What `f` makes of every job, in the order of the jobs.
+/// Maps jobs in parallel; results are in the order of the jobs.
 ///
 /// # Errors
-/// Of all jobs that fail, the first in order. Jobs after one that is known to have failed are left out.
+/// The first failed job in order. Jobs after it may be skipped.
 pub fn try_map_ordered<J: Send, T: Send>(jobs: Vec<J>, f: impl Fn(J) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
     try_map_ordered_with(jobs, || (), |(), job| f(job))
 }
 
-/// As [`try_map_ordered`], with something that successive jobs hand on to each other, made by `init` where needed.
+/// As [`try_map_ordered`], with state that jobs of a thread share, made by `init`.
 ///
 /// # Errors
-/// Of all jobs that fail, the first in order.
+/// The first failed job in order.
 pub fn try_map_ordered_with<J: Send, T: Send, S>(
     jobs: Vec<J>,
     init: impl Fn() -> S + Sync + Send,
     f: impl Fn(&mut S, J) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
-    // The earliest job known to have failed: later ones are left out, earlier ones still run.
+    // The first failed job so far: later ones are skipped, earlier ones still run.
     let failed = AtomicUsize::new(usize::MAX);
     let results: Vec<Option<Result<T>>> = jobs
         .into_par_iter()
@@ -43,11 +43,10 @@ pub fn try_map_ordered_with<J: Send, T: Send, S>(
     results.into_iter().flatten().collect()
 }
 
-/// As [`try_map_ordered`], with at most `at_once` jobs at work: one that waits for work of its own on other threads counts,
-/// and no thread begins another for it.
+/// As [`try_map_ordered`], with at most `at_once` jobs at a time, including jobs that wait for their own parallel work.
 ///
 /// # Errors
-/// Of all jobs that fail, the first in order.
+/// The first failed job in order.
 pub fn try_map_at_once<J: Send, T: Send>(
     jobs: Vec<J>,
     at_once: usize,
@@ -56,10 +55,10 @@ pub fn try_map_at_once<J: Send, T: Send>(
     try_map_at_once_with(jobs, at_once, || (), |(), job| f(job))
 }
 
-/// As [`try_map_at_once`], with something that successive jobs hand on to each other.
+/// As [`try_map_at_once`], with state that jobs of a thread share, made by `init`.
 ///
 /// # Errors
-/// Of all jobs that fail, the first in order.
+/// The first failed job in order.
 pub fn try_map_at_once_with<J: Send, T: Send, S>(
     jobs: Vec<J>,
     at_once: usize,
@@ -71,7 +70,7 @@ pub fn try_map_at_once_with<J: Send, T: Send, S>(
     }
     let failed = AtomicUsize::new(usize::MAX);
     let left = Mutex::new(jobs.into_iter().enumerate());
-    // A poisoned lock means that a thread has panicked, and that ends all of them.
+    // Poisoned only if a thread panicked, which ends all.
     let next = || left.lock().ok().and_then(|mut left| left.next());
     let mut results: Vec<(usize, Result<T>)> = (0..at_once.max(1))
         .into_par_iter()

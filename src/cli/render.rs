@@ -52,19 +52,19 @@ const DEFAULT_SIZE: u32 = 512;
 /// Bytes of each pixel of a request, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
 /// as codes or channels of a file. Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
-/// Bytes of each ray that a thread holds: its direction and what it brought.
+/// Bytes of a ray: its direction and result.
 const RAY_BYTES: u64 = 64;
-/// Bytes of a texel of material that finding balls takes: its point, twice where a ball gathers them, and where its ray ends.
+/// Bytes of a texel of material for fitting spheres: its point, twice in a sphere, and the end of its ray.
 const GLASS_BYTES: u64 = 64;
-/// Bytes of a direction from a ball of glass, as a texel of the view from its centre.
+/// Bytes of a texel of the local environment map of a refractive sphere.
 const AROUND_BYTES: u64 = 16;
-/// Bytes of one while the view is made, one after the other: what is known of it, sums, weights, and coarser images.
+/// Bytes of such a texel while the map is computed: sums, weights, mip levels.
 const MAKING_BYTES: u64 = 96;
-/// Bytes of each pixel of a reference: the faces of colour, depth and material that lie in one file, and errors.
+/// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
 const REFERENCE_BYTES: u64 = 320;
-/// Bytes of a picture on a contact sheet.
+/// Bytes of an image on a contact sheet.
 const SHEET_BYTES: u64 = 1 << 20;
-/// Bytes of a texel that is drawn as a point.
+/// Bytes of a splatted texel.
 const POINT_BYTES: u64 = 64;
 
 /// Renders.
@@ -247,10 +247,10 @@ impl Args {
         Ok(())
     }
 
-    /// The most bytes that are taken beside the views: by pictures, and by what they are compared with.
+    /// Largest memory of images and references, in addition to the views.
     ///
     /// # Errors
-    /// When they do not fit into the memory that there may be.
+    /// They exceed the memory limit.
     fn bytes_beside_views(&self, jobs: &[Job], decoder: &Decoder) -> Result<u64> {
         let reference = if self.truth.reference.is_some() { REFERENCE_BYTES } else { 0 };
         let of_job = |job: &Job| {
@@ -265,13 +265,13 @@ impl Args {
         };
         let of_pictures = jobs.iter().map(of_job).max().unwrap_or(0).saturating_add(sheet + points);
         let fixed = of_pictures.saturating_add(self.bytes_of_rays(decoder));
-        let need = Need { what: "making the pictures", fixed, each: 0, instead: "a smaller --size" };
+        let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         self.memory.get().at_once(&need, 1)?;
         Ok(fixed)
     }
 
-    /// The most bytes that following rays takes: those that threads hold, and where there may be balls of glass, finding them
-    /// in the views and looking around them.
+    /// Largest memory of rays: those of all threads, and with materials the fit of refractive spheres and their local
+    /// environment maps.
     fn bytes_of_rays(&self, decoder: &Decoder) -> u64 {
         if self.march.method != MethodArg::March {
             return 0;

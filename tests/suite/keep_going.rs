@@ -223,6 +223,6 @@ fn an_old_file_of_a_missing_image_does_not_stay() {
         for (kind, _, frame) in &missing {
             assert!(gone.iter().any(|name| name.ends_with(&format!("{kind}.{frame:04}.exr"))), "{gone:?}");
         }
-        assert!(said.contains(&format!("held {} files of images that are now missing", gone.len())), "{said}");
+        assert!(said.contains(&format!("removed {} older files", gone.len())), "{said}");
     }
 }

@@ -50,7 +50,7 @@ pub struct Args {
     /// Name of the animation to play [default: the first]
     #[arg(long, value_name = "NAME")]
     pub animation: Option<String>,
-    /// Frames; without them, all of the animation, or frame 0 where nothing moves.
+    /// Frames.
     #[command(flatten)]
     pub frames: FrameArgs,
     /// Frames per second

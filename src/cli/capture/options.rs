@@ -14,7 +14,7 @@ use crate::math::{Camera, Lens};
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};
 
-/// Side of a cube face where none is given; panoramas that become such faces are four times as wide.
+/// Default side of a cube face; panoramas are four times as wide.
 const DEFAULT_SIDE: u32 = 512;
 
 /// Kind of the cameras of a file.
@@ -153,7 +153,7 @@ impl Args {
         match aspect {
             // Rounding may cost a pixel.
             Some(aspect) if (width - height * aspect).abs() > 1.0 => Err(Error::Usage(format!(
-                "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone takes it from them"
+                "--size {width}x{height}: the cameras have an aspect of {aspect}; --size {height} alone applies it"
             ))),
             _ => Ok(size),
         }

@@ -37,10 +37,9 @@ pub struct Args {
     /// One row for every frame of every stream
     #[arg(long)]
     pub per_frame: bool,
+    // Without a value it is the older form of --per-frame.
     /// With --per-frame, only rows of these frames, such as 10-99 or 12
-    ///
-    /// Without a value it is the older form of --per-frame.
-    #[arg(long, value_name = "A-B", num_args = 0..=1, value_parser = options::parse_frames, help = "With --per-frame, only rows of these frames, such as 10-99 or 12")]
+    #[arg(long, value_name = "A-B", num_args = 0..=1, value_parser = options::parse_frames)]
     pub frames: Option<Option<FrameRange>>,
     /// The older form of --frames A-B.
     #[arg(long, value_name = "A-B", hide = true, conflicts_with = "per_frame", value_parser = options::parse_frames)]

@@ -14,12 +14,12 @@ use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
 use crate::report::contact_sheet::ContactSheet;
 
-/// What stands for the eye in a pattern.
+/// Field of the eye in a pattern.
 pub const EYE_FIELD: &str = "%V";
 /// Their names, from left to right.
 pub const EYES: [&str; 2] = ["left", "right"];
 
-/// What a picture is called.
+/// Name of an image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PictureName {
     /// Its number in patterns: the frame, or the place of its camera where several look in one frame.
@@ -56,7 +56,7 @@ enum Destination {
     Folder(OutputFolder),
 }
 
-/// Takes pictures; nothing appears before [`Self::commit`].
+/// Writes images; files appear at [`Self::commit`].
 pub struct Pictures {
     destination: Destination,
     tone: ToneMap,
@@ -66,22 +66,22 @@ pub struct Pictures {
     pub bytes: u64,
 }
 
-/// What becomes of pictures.
+/// Output options.
 pub struct PictureOptions<'a> {
-    /// `-o`; none where nothing is written.
+    /// `-o`.
     pub output: Option<&'a Path>,
     /// `--contact-sheet`.
     pub contact_sheet: Option<&'a Path>,
-    /// What the pictures are called that there will be, those of two eyes together.
+    /// Names of the images; stereo pairs have one.
     pub names: Vec<&'a PictureName>,
-    /// Whether there are two eyes.
+    /// Whether images are stereo pairs.
     pub stereo: bool,
-    /// What is in holes.
+    /// Fill of holes.
     pub holes: HoleFill,
 }
 
 impl Pictures {
-    /// Refuses what cannot be written before anything is rendered.
+    /// Opens the outputs, before anything is rendered.
     ///
     /// # Errors
     /// A name that is none of a PNG or EXR file, one file for several pictures, a folder that cannot be made.

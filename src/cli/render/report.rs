@@ -1,4 +1,4 @@
-//! What `render` says in the end.
+//! Reports of `render`.
 
 use serde_json::{Value, json};
 
@@ -11,7 +11,7 @@ use crate::gpu::render::RenderCost;
 use crate::march::playback::frames::PlaybackSummary;
 use crate::march::playback::trace::FrameTrace;
 
-/// What differs from frame to frame.
+/// Active probes and times by frame.
 #[derive(Debug, Default)]
 pub struct Frames {
     views: Vec<usize>,
@@ -19,18 +19,18 @@ pub struct Frames {
 }
 
 impl Frames {
-    /// Takes note of one.
+    /// Adds a frame.
     pub fn add(&mut self, trace: &FrameTrace) {
         self.views.push(trace.active.len());
         self.milliseconds.push(trace.update_ms + trace.render_ms);
     }
 
-    /// How many took no longer than this.
+    /// Number of frames within this time.
     fn within(&self, target_ms: f64) -> usize {
         self.milliseconds.iter().filter(|&&ms| ms <= target_ms).count()
     }
 
-    /// `6 probes`, or `2 to 6 probes` where it was not always the same number.
+    /// `6 probes`, or `2 to 6 probes` if the number varies.
     fn probes(&self) -> String {
         match (self.views.iter().min(), self.views.iter().max()) {
             (Some(least), Some(most)) if least < most => format!("{least} to {most} probes"),
@@ -44,37 +44,37 @@ fn plural(count: u64, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// All that there is to say.
+/// Results of a run.
 pub struct Report<'a> {
-    /// What was asked for.
+    /// The command line.
     pub args: &'a Args,
-    /// What it came to.
+    /// Figures of all frames.
     pub summary: PlaybackSummary,
-    /// Pixels of all pictures.
+    /// Pixels of all images.
     pub pixels: u64,
-    /// Pictures.
+    /// Number of images.
     pub pictures: u64,
-    /// Views and times, frame by frame.
+    /// Active probes and times by frame.
     pub frames: &'a Frames,
-    /// Whether rays end where they are told to, or cameras do not show all surfaces.
+    /// Whether near or far distances clip surfaces.
     pub is_cut_off: bool,
-    /// From the first frame to the last, writing included.
+    /// Time for all frames, with writing.
     pub seconds: f64,
-    /// Bytes of pictures that were written.
+    /// Bytes of written images.
     pub bytes_out: u64,
-    /// What rendered.
+    /// Name of the device.
     pub device: String,
-    /// What a graphics device has cost, where one rendered.
+    /// Cost of the graphics device, if used.
     pub gpu_cost: Option<RenderCost>,
-    /// `device` or `cpu`: where depth and colour were decoded.
+    /// Decoder of depth and colour: `device` or `cpu`.
     pub decoded_on: &'static str,
     /// The reference.
     pub truth: Option<&'a TruthRun>,
 }
 
 impl Report<'_> {
-    /// Prints it on standard output, or words on standard error where something else goes there. A quiet command whose
-    /// result is a file says no more than the figures that were asked for.
+    /// Prints the report on standard output, or text on standard error if a result goes there. With --quiet and a file, only
+    /// requested figures.
     ///
     /// # Errors
     /// When standard output cannot be written.
@@ -192,11 +192,11 @@ impl Report<'_> {
             let percent = 100.0 * counters.hole_rays as f64 / counters.primary_rays.max(1) as f64;
             let filled = match self.args.march.holes {
                 super::options::HolesArg::Blank => "",
-                super::options::HolesArg::Nearest => ", filled with what comes nearest",
+                super::options::HolesArg::Nearest => ", filled with the nearest texel",
             };
-            let far = if self.is_cut_off { ", or where near and far cut them off" } else { "" };
+            let far = if self.is_cut_off { " or are clipped by near and far" } else { "" };
             lines.push(format!(
-                "{} of {} rays ({percent:.2}%) end where no probe saw anything{far}: alpha is 0 there{filled}",
+                "{} of {} rays ({percent:.2}%) hit holes{far}: alpha is 0{filled}",
                 counters.hole_rays, counters.primary_rays
             ));
         }
@@ -210,7 +210,7 @@ impl Report<'_> {
         lines
     }
 
-    /// ` of 6 pictures`, where each frame has as many, and more than one.
+    /// ` of 6 pictures`, if all frames have the same number above 1.
     fn pictures_a_frame(&self) -> String {
         match self.pictures.checked_div(self.summary.shots as u64) {
             Some(each) if each > 1 && each * self.summary.shots as u64 == self.pictures => {
@@ -226,8 +226,8 @@ impl Report<'_> {
         let per_ray = |count: u64| count as f64 / (counters.primary_rays + counters.secondary_rays).max(1) as f64;
         vec![
             format!(
-                "{} rays from the eye, {:.1} steps and {:.1} refinements a ray; {} rays sent on, {} normals, {} materials, \
-                 {} rays into the background",
+                "{} primary rays, {:.1} steps and {:.1} refinements per ray; {} secondary rays, {} normals, {} material \
+                 samples, {} background rays",
                 counters.primary_rays,
                 per_ray(counters.march_steps),
                 per_ray(counters.refine_steps),
@@ -237,7 +237,7 @@ impl Report<'_> {
                 counters.background_rays,
             ),
             format!(
-                "{} tiles and cells decoded{}, {} skipped ({} unchanged, {} out of sight); {} of {} read ({:.1}%)",
+                "{} tiles and cells decoded{}, {} skipped ({} unchanged, {} not visible); {} of {} read ({:.1}%)",
                 counts.cells_decoded,
                 if self.decoded_on == "device" { " on the device" } else { "" },
                 counts.cells_skipped(),
@@ -248,7 +248,7 @@ impl Report<'_> {
                 100.0 * counts.bytes_read as f64 / summary.counts.bytes_all.max(1) as f64,
             ),
             format!(
-                "frames: {:.1} ms in the mean, half within {:.1}, 95% within {:.1}, the longest {:.1}",
+                "frames: mean {:.1} ms, median {:.1}, 95% within {:.1}, longest {:.1}",
                 pacing.mean_ms, pacing.p50_ms, pacing.p95_ms, pacing.max_ms
             ),
         ]
@@ -259,7 +259,7 @@ fn similarity(truth: &TruthRun) -> String {
     let all = truth.all();
     let ssim = all.ssim().map(|ssim| format!(", SSIM {ssim:.4}")).unwrap_or_default();
     let mut parts = format!(
-        "{}: PSNR {:.2} dB over all pixels, {:.2} dB in the mean of {} pictures{ssim}; {:.2}% holes, {:.2} dB without them",
+        "{}: PSNR {:.2} dB over all pixels, mean {:.2} dB of {} images{ssim}; {:.2}% holes, {:.2} dB without holes",
         truth.path().display(),
         all.all.psnr_db(),
         all.mean_psnr_db(),

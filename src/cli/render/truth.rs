@@ -38,7 +38,7 @@ impl TruthRun {
     /// Opens the reference, if there is one.
     ///
     /// # Errors
-    /// When it cannot be read, has no such probe, or has not what a method jobs.
+    /// When it cannot be read, has no such probe, or lacks what a method needs.
     pub fn open(args: &TruthArgs, method: MethodArg) -> Result<Option<TruthRun>> {
         let Some(path) = &args.reference else {
             return match method {
