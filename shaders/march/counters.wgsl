@@ -1,4 +1,4 @@
-// What rendering came to. Mirrors src/march/counters.rs.
+// Counters of rendering. Mirrors src/march/counters.rs.
 
 const PRIMARY_RAYS = 0u;
 const MARCH_STEPS = 1u;

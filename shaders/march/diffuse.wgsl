@@ -1,4 +1,4 @@
-// The light of a surface where neither mirrors nor glass send rays on: that part of `outcome` of src/march/render.rs.
+// The light of a surface without secondary rays.
 // Needs `light_of`.
 
 fn surface_light(ray: Ray, distance_m: f32, seen: Seen) -> vec3<f32> {

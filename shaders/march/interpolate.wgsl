@@ -48,8 +48,8 @@ fn seen_of(sum: Sum) -> Seen {
 
 fn surface_color(point: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
-    for (var number = 0u; number < asked_count(); number++) {
-        let view = asked_view(number);
+    for (var number = 0u; number < view_count(); number++) {
+        let view = view_at(number);
         let at = project(view, local_of(view, point));
         if (at.face == NO_FACE) {
             continue;
@@ -72,8 +72,8 @@ fn surface_color(point: vec3<f32>) -> Seen {
 
 fn background_color(direction: vec3<f32>) -> Seen {
     var sum = EMPTY_SUM;
-    for (var number = 0u; number < asked_count(); number++) {
-        let view = asked_view(number);
+    for (var number = 0u; number < view_count(); number++) {
+        let view = view_at(number);
         let at = project(view, to_probe(view, direction));
         if (at.face == NO_FACE) {
             continue;

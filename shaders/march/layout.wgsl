@@ -1,4 +1,4 @@
-// What a picture is rendered of, as src/gpu/render/scene.rs writes it; a test compares the two.
+// Input of a picture, as src/gpu/render/scene.rs writes it; a test compares the two.
 
 struct Scene {
     // Forward, and right and down to the edges of the picture at distance 1.
@@ -14,9 +14,9 @@ struct Scene {
     view_count: u32,
     distance_count: u32,
     refine: u32,
-    // A hit that differs more is a hole.
+    // A hit that differs more is disoccluded.
     hole_difference: f32,
-    // 1: holes get the colour of what comes nearest.
+    // 1: disoccluded pixels get the colour of the nearest texels.
     fill_holes: u32,
     coding: u32,
     // Light of the brightest code.
@@ -26,13 +26,13 @@ struct Scene {
     rows: u32,
     // Rows of texels of the pyramid of an image: the power of two that its rows fit into.
     pyramid_rows: u32,
-    // Points of a segment at most, a power of two; 1 where every point is looked at.
+    // Points of a segment at most, a power of two; 1 where every point is tested.
     longest_segment: u32,
     // Points of the first segment.
     first_segment: u32,
-    // Balls of glass: for each of them a view from its centre comes after the views that take part.
-    ball_count: u32,
-    // Surfaces that are less deep along the axis of the camera, or deeper, are not shown: metres.
+    // Proxies; their environment maps follow the active views.
+    proxy_count: u32,
+    // Clip planes of the camera: metres along its axis.
     near_m: f32,
     far_m: f32,
     // The middle of the picture, in parts of `right` and `down`: 0 unless its window is off-axis.
@@ -43,7 +43,7 @@ struct Scene {
 struct View {
     // Metres, along the axes of the world.
     from_eye: vec3<f32>,
-    // Of a view from the centre of a ball, the radius of the ball.
+    // Of an environment map, the radius of the proxy.
     near_m: f32,
     // The columns of the matrix that turns directions of the world into those of the probe.
     turn_x: vec3<f32>,

@@ -1,4 +1,4 @@
-// What a surface does with light in a point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors src/march/specular/material.rs.
+// The material of a surface point: SampleMaterial of algorithm 4 (CALF 6.1). Mirrors src/march/specular/material.rs.
 // Needs `project`, `local_of`, `taps_around` and `DEPTH_EPSILON`.
 
 @group(0) @binding(9) var materials: texture_2d_array<f32>;
@@ -67,7 +67,7 @@ fn fresnel(direct: f32, ior: f32) -> f32 {
     return min(0.5 * dot(parts, parts), 1.0);
 }
 
-fn towards(material: Material, cosine: f32) -> Material {
+fn at_angle(material: Material, cosine: f32) -> Material {
     let whole = material.reflect + material.refract;
     if (material.refract == 0.0 || whole < CLEAR) {
         return material;

@@ -1,4 +1,4 @@
-// How a surface lies in a point, from the depths around it (CALF 6.1). Mirrors src/march/specular/normal.rs. Needs `project`,
+// Normal and curvature of a surface point, from the depths around it (CALF 6.1). Mirrors src/march/specular/normal.rs. Needs `project`,
 // `local_of`, `texel_material` and `DEPTH_EPSILON`.
 
 const SAME_SURFACE: f32 = 0.02;
@@ -42,7 +42,7 @@ struct Around {
     solid: i32,
 }
 
-// What one view knows, in its own axes.
+// The surface in one view, in its own axes.
 struct LocalPatch {
     found: bool,
     bends: bool,

@@ -1,166 +1,24 @@
-// Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4). Mirrors
-// src/march/pyramid.rs. Needs `evidence` and `refine`.
+// The greatest inverse depths of squares of texels, level by level: `DepthPyramid::update` of src/march/pyramid.rs. An
+// invocation writes a square; inverse depths are compared as bits, as none is below 0. Needs `job_of`.
 
-@group(0) @binding(8) var pyramids: texture_2d_array<u32>;
+@group(0) @binding(0) var<storage, read> jobs: PyramidJobs;
+@group(0) @binding(1) var<storage, read_write> planes: array<u32>;
 
-const ROUNDING: f32 = 1.0 / 1048576.0;
-const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
-const LEAST_M: f32 = 1e-18;
-
-// A point in the plane at depth 1 of a face; `face` is its number, or NO_FACE behind a perspective view.
-struct PlanePlace {
-    face: u32,
-    // Before the division by the planar depth.
-    plane: vec2<f32>,
-    planar_m: f32,
-}
-
-// The bits of the greatest inverse depth of the texels from one to another, or of somewhat more of them.
-fn greatest_between(face: u32, low: vec2<u32>, high: vec2<u32>) -> u32 {
-    let extent = max(high.x - low.x, high.y - low.y);
-    let level = select(firstLeadingBit(extent), 0u, extent == 0u);
-    if (level > faces[face].levels) {
-        return UNKNOWN;
+@compute @workgroup_size(WORKGROUP)
+fn write_squares(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let invocation = invocation_of(id, groups);
+    if (invocation >= jobs.total) {
+        return;
     }
+    let number = job_of(invocation);
+    let job = jobs.list[number];
+    let square = invocation - job_begin(number);
+    let at = vec2u(job.left + square % job.width, job.top + square / job.width);
+    let last = vec2u(job.below_width, job.below_height) - 1u;
     var greatest = 0u;
-    let first = low >> vec2(level);
-    let last = high >> vec2(level);
-    // Levels lie below each other: half of the rows, a quarter, and so on.
-    let rows = scene.pyramid_rows;
-    let above = vec2(faces[face].pyramid_column, faces[face].pyramid_row + rows - (rows >> (max(level, 1u) - 1u)));
-    for (var row = first.y; row <= last.y; row++) {
-        for (var column = first.x; column <= last.x; column++) {
-            let at = vec2(column, row);
-            if (level == 0u) {
-                greatest = max(greatest, inverse_depth_bits(face, at));
-            } else {
-                greatest = max(greatest, textureLoad(pyramids, above + at, faces[face].layer, 0).r);
-            }
-        }
+    for (var corner = 0u; corner < 4u; corner++) {
+        let below = min(2u * at + vec2u(corner % 2u, corner / 2u), last);
+        greatest = max(greatest, planes[job.below + below.y * job.below_pitch + below.x]);
     }
-    return greatest;
-}
-
-fn plane_of(view: u32, local: vec3<f32>) -> PlanePlace {
-    if (views[view].faces[VIEW_FACE] != NO_FACE) {
-        return PlanePlace(select(NO_FACE, VIEW_FACE, local.z < 0.0), vec2(local.x, -local.y), -local.z);
-    }
-    let place = cube_face(local);
-    return PlanePlace(place.face, place.plane, place.planar_m);
-}
-
-fn greatest_coordinate(x: vec3<f32>) -> f32 {
-    return max(abs(x.x), max(abs(x.y), abs(x.z)));
-}
-
-fn is_segment_open(view: u32, from_point: vec3<f32>, to_point: vec3<f32>, reach_m: f32) -> bool {
-    let error_m = ROUNDING * (reach_m + greatest_coordinate(views[view].from_eye)) + LEAST_M;
-    let a_local = local_of(view, from_point);
-    let b_local = local_of(view, to_point);
-    let all_m = max(greatest_coordinate(a_local), greatest_coordinate(b_local)) + 2.0 * error_m;
-    if (views[view].greatest_inverse_depth * all_m < SURELY_BELOW_ONE) {
-        return true;
-    }
-    let a = plane_of(view, a_local);
-    let b = plane_of(view, b_local);
-    let nearest_m = min(a.planar_m, b.planar_m);
-    let farthest_m = max(a.planar_m, b.planar_m) + 2.0 * error_m;
-    if (a.face == NO_FACE || a.face != b.face || nearest_m < 4.0 * error_m) {
-        return false;
-    }
-    let face = views[view].faces[a.face];
-    if (face == NO_FACE) {
-        return false;
-    }
-    let one = a.plane * (1.0 / a.planar_m);
-    let two = b.plane * (1.0 / b.planar_m);
-    let widths = max(abs(one), abs(two));
-    let widest = max(widths.x, widths.y);
-    let slack = (1.0 + widest) * (4.0 * error_m / nearest_m + ROUNDING);
-    let is_view = a.face == VIEW_FACE;
-    if (!is_view && widest + slack > 1.0) {
-        return false;
-    }
-    let size = vec2(f32(faces[face].width), f32(faces[face].height));
-    let margin = slack * abs(faces[face].scale) + size * ROUNDING;
-    let one_at = one * faces[face].scale + faces[face].centre;
-    let two_at = two * faces[face].scale + faces[face].centre;
-    let low = min(one_at, two_at) - margin;
-    let high = max(one_at, two_at) + margin;
-    if (is_view && !(all(low >= vec2(0.0)) && all(high < size))) {
-        return false;
-    }
-    let from_texel = vec2<u32>(clamp(low, vec2(0.0), size - 1.0));
-    let to_texel = vec2<u32>(clamp(high, vec2(0.0), size - 1.0));
-    let greatest = greatest_between(face, from_texel, to_texel);
-    return greatest != UNKNOWN && bitcast<f32>(greatest) * farthest_m < SURELY_BELOW_ONE;
-}
-
-// From the `first` of the distances on: what is nearer is taken to be open. The walk of src/march/pyramid.rs.
-fn intersect_from(ray: Ray, first: u32) -> Hit {
-    let count = scene.distance_count;
-    let origin = greatest_coordinate(ray.origin);
-    let direction = greatest_coordinate(ray.direction);
-    var at = first;
-    // As long as one may be that begins here.
-    var length = select(min(first & (~first + 1u), scene.first_segment), scene.first_segment, first == 0u);
-    // The last point of which it is known that no view sees past it, and whether one sees a surface before it.
-    var blocked = count;
-    var is_surface_there = false;
-    while (at < count) {
-        let last = min(at + length, count) - 1u;
-        var passed = false;
-        if (blocked == last) {
-            // A segment that ends there cannot be open: it is halved unasked.
-            if (last == at && is_surface_there) {
-                let before_m = select(0.0, distances_m[max(at, 1u) - 1u], at > 0u);
-                return Hit(true, refine(ray, before_m, distances_m[at]));
-            }
-            if (last == at) {
-                length = 1u;
-                passed = true;
-            } else {
-                length /= 2u;
-            }
-        } else {
-            if (last == at) {
-                length = 1u;
-            }
-            counted[MARCH_STEPS]++;
-            let from_point = point_at(ray, distances_m[at]);
-            let to_point = point_at(ray, distances_m[last]);
-            let reach_m = origin + direction * distances_m[last];
-            var sees_past = false;
-            var behind = false;
-            for (var turn = 0u; turn < asked_count(); turn++) {
-                let view = view_of_turn(turn);
-                let says = evidence(view, to_point);
-                sees_past |= says == OPEN;
-                behind |= says == BEHIND;
-                if (says == OPEN && (at == last || is_segment_open(view, from_point, to_point, reach_m))) {
-                    remember_open(view);
-                    passed = true;
-                    break;
-                }
-            }
-            if (!passed && !sees_past) {
-                blocked = last;
-                is_surface_there = behind;
-            }
-            if (!passed && last > at) {
-                length /= 2u;
-            }
-        }
-        if (passed) {
-            at += length;
-            if (at % (2u * length) == 0u && length < scene.longest_segment) {
-                length *= 2u;
-            }
-        }
-    }
-    return Hit(false, 0.0);
-}
-
-fn intersect(ray: Ray) -> Hit {
-    return intersect_from(ray, 0u);
+    planes[job.output + at.y * job.pitch + at.x] = min(greatest, job.limit);
 }

@@ -1,4 +1,4 @@
-// A ray in metres from the eye, and the distances at which it is looked at: `Ray` and `Steps` of src/march/intersect.rs.
+// A ray in metres from the eye, and the distances of its samples. Mirrors src/march/ray.rs.
 
 @group(0) @binding(3) var<storage, read> distances_m: array<f32>;
 
@@ -42,17 +42,17 @@ fn next_from_surface(last: FromSurface, texel_m: f32) -> FromSurface {
     return FromSurface(distances_m[last.step], last.step + 1u, true, last.before);
 }
 
-// Halves the interval in which a surface begins; answers its end that is in the surface. Needs `is_surface`.
+// Bisects the interval in which a surface begins; returns its end that is in the surface. Needs `is_surface`.
 fn refine(ray: Ray, from_m: f32, to_m: f32) -> f32 {
-    var open_m = from_m;
+    var empty_m = from_m;
     var surface_m = to_m;
     for (var turn = 0u; turn < scene.refine; turn++) {
-        let middle_m = 0.5 * (open_m + surface_m);
+        let middle_m = 0.5 * (empty_m + surface_m);
         counted[REFINE_STEPS]++;
         if (is_surface(point_at(ray, middle_m))) {
             surface_m = middle_m;
         } else {
-            open_m = middle_m;
+            empty_m = middle_m;
         }
     }
     return surface_m;

@@ -1,4 +1,4 @@
-// Pictures from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
+// Rendering from any eye: Main of algorithm 4 (CALF 6). Mirrors src/march/render.rs.
 //
 // An invocation makes a pixel. Counts are summed over a workgroup. Needs `intersect`, `intersect_from`, `surface_color`, `background_color`,
 // `surface_light` and `light_of`.
@@ -11,16 +11,15 @@ const TILE = 8u;
 
 var<workgroup> group_counts: array<atomic<u32>, COUNTERS>;
 
-// What a ray from the eye has brought: a colour in linear light, if any, and whether a view saw it.
-struct Outcome {
+// Result of a primary ray: a colour in linear light, if any, and whether a view saw it.
+struct RayResult {
     color: vec3<f32>,
     is_colored: bool,
     is_seen: bool,
 }
 
-// Where a ray from the eye meets a surface between near and far of the camera, where it first meets one at `met`. Mirrors
-// src/march/clip.rs.
-fn shown(ray: Ray, met: Hit) -> Hit {
+// The hit between the clip planes, where a primary ray first hits a surface at `met`. Mirrors src/march/clip.rs.
+fn visible_hit(ray: Ray, met: Hit) -> Hit {
     let cosine = dot(ray.direction, scene.forward);
     var hit = met;
     if (met.found && met.distance_m * cosine < scene.near_m) {
@@ -41,18 +40,18 @@ fn shown(ray: Ray, met: Hit) -> Hit {
     return Hit(hit.found && depth_m >= scene.near_m && depth_m <= scene.far_m, hit.distance_m);
 }
 
-fn outcome(ray: Ray) -> Outcome {
-    let hit = shown(ray, intersect(ray));
+fn primary_hit(ray: Ray) -> RayResult {
+    let hit = visible_hit(ray, intersect(ray));
     if (hit.found) {
         let seen = surface_color(point_at(ray, hit.distance_m));
         if (seen.found && seen.difference <= scene.hole_difference) {
-            return Outcome(surface_light(ray, hit.distance_m, seen), true, true);
+            return RayResult(surface_light(ray, hit.distance_m, seen), true, true);
         }
-        return Outcome(light_of(seen.color), seen.found, false);
+        return RayResult(light_of(seen.color), seen.found, false);
     }
     counted[BACKGROUND_RAYS]++;
     let seen = background_color(ray.direction);
-    return Outcome(light_of(seen.color), seen.found, seen.found);
+    return RayResult(light_of(seen.color), seen.found, seen.found);
 }
 
 fn render_pixel(x: u32, y: u32) -> vec4<f32> {
@@ -66,7 +65,7 @@ fn render_pixel(x: u32, y: u32) -> vec4<f32> {
         let plane = window + scene.middle;
         let direction = normalize(scene.forward + plane.x * scene.right + plane.y * scene.down);
         counted[PRIMARY_RAYS]++;
-        let found = outcome(Ray(vec3(0.0), direction));
+        let found = primary_hit(Ray(vec3(0.0), direction));
         if (found.is_seen) {
             seen++;
         } else {

@@ -1,4 +1,4 @@
-// The way of a ray through glass (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs `patch_at`, `surface_material`,
+// Refraction through a solid (CALF 6.1). Mirrors src/march/specular/solid.rs. Needs `patch_at`, `surface_material`,
 // `fresnel`, `is_surface` and `refine`.
 
 const FLAT: f32 = 2e-3;
@@ -18,22 +18,22 @@ struct Bent {
     direction: vec3<f32>,
 }
 
-// Where a ray inside of a solid meets its back, and the normal there, which points out of the solid.
+// Where a ray inside a solid meets its back, with the outward normal.
 struct Back {
     found: bool,
     point: vec3<f32>,
     normal: vec3<f32>,
 }
 
-// A ball that touches the front and is bent as it is.
-struct Ball {
+// A sphere, if any. Mirrors src/march/specular/sphere.rs.
+struct Sphere {
     found: bool,
     centre: vec3<f32>,
     radius_m: f32,
 }
 
-// The distance from which on a view sees past a ray.
-struct FirstOpen {
+// The distance of the first point that is empty in a view.
+struct FirstEmpty {
     found: bool,
     distance_m: f32,
 }
@@ -49,7 +49,7 @@ fn refracted(direction: vec3<f32>, normal: vec3<f32>, ratio: f32) -> Bent {
     return Bent(size > LEAST_LENGTH, bent / max(size, LEAST_LENGTH));
 }
 
-fn first_open(ray: Ray, texel_m: f32, limit_m: f32) -> FirstOpen {
+fn first_empty(ray: Ray, texel_m: f32, limit_m: f32) -> FirstEmpty {
     var before_m = 0.0;
     var at = IN_SURFACE;
     while (at.step < scene.distance_count) {
@@ -60,43 +60,43 @@ fn first_open(ray: Ray, texel_m: f32, limit_m: f32) -> FirstOpen {
         }
         counted[MARCH_STEPS]++;
         if (!is_surface(point_at(ray, distance_m))) {
-            // From behind, what is open comes last.
-            return FirstOpen(true, refine(ray, distance_m, before_m));
+            // The surface end is the nearer one here.
+            return FirstEmpty(true, refine(ray, distance_m, before_m));
         }
         before_m = distance_m;
     }
-    return FirstOpen(false, 0.0);
+    return FirstEmpty(false, 0.0);
 }
 
-// Where a ray that comes from outside first meets a ball.
+// Where the line of a ray enters a sphere.
 struct Entry {
     found: bool,
     point: vec3<f32>,
 }
 
-fn entry_of(ball: Ball, ray: Ray) -> Entry {
-    let from_centre = ray.origin - ball.centre;
+fn entry_of(sphere: Sphere, ray: Ray) -> Entry {
+    let from_centre = ray.origin - sphere.centre;
     let along = dot(ray.direction, from_centre);
-    let squared = along * along - (dot(from_centre, from_centre) - ball.radius_m * ball.radius_m);
+    let squared = along * along - (dot(from_centre, from_centre) - sphere.radius_m * sphere.radius_m);
     return Entry(squared > 0.0, point_at(ray, -along - sqrt(max(squared, 0.0))));
 }
 
-// How far a ray, which need not start on the ball, goes until it leaves it; 0: it does not go through it.
-fn exit_of(ball: Ball, ray: Ray) -> f32 {
-    let from_centre = ray.origin - ball.centre;
+// Distance at which a ray leaves a sphere; 0: it passes by.
+fn exit_of(sphere: Sphere, ray: Ray) -> f32 {
+    let from_centre = ray.origin - sphere.centre;
     let along = dot(ray.direction, from_centre);
-    let squared = along * along - (dot(from_centre, from_centre) - ball.radius_m * ball.radius_m);
+    let squared = along * along - (dot(from_centre, from_centre) - sphere.radius_m * sphere.radius_m);
     return select(0.0, sqrt(max(squared, 0.0)) - along, squared >= 0.0);
 }
 
-fn back_of(inside: Ray, ball: Ball, is_whole: bool, texel_m: f32) -> Back {
-    let chord_m = exit_of(ball, inside);
-    if (ball.found && !(chord_m > 0.0)) {
+fn back_of(inside: Ray, sphere: Sphere, is_whole: bool, texel_m: f32) -> Back {
+    let chord_m = exit_of(sphere, inside);
+    if (sphere.found && !(chord_m > 0.0)) {
         return Back(false, vec3(0.0), vec3(0.0));
     }
-    var open = FirstOpen(false, 0.0);
+    var open = FirstEmpty(false, 0.0);
     if (!is_whole) {
-        open = first_open(inside, texel_m, select(NO_LIMIT_M, 2.0 * chord_m, ball.found));
+        open = first_empty(inside, texel_m, select(NO_LIMIT_M, 2.0 * chord_m, sphere.found));
     }
     if (open.found) {
         let end = point_at(inside, open.distance_m);
@@ -109,17 +109,17 @@ fn back_of(inside: Ray, ball: Ball, is_whole: bool, texel_m: f32) -> Back {
             }
         }
     }
-    if (!ball.found) {
+    if (!sphere.found) {
         return Back(false, vec3(0.0), vec3(0.0));
     }
     let end = point_at(inside, select(chord_m, min(chord_m, open.distance_m), open.found));
-    let outwards = end - ball.centre;
+    let outwards = end - sphere.centre;
     let size = length(outwards);
     return Back(size > LEAST_LENGTH, end, outwards / max(size, LEAST_LENGTH));
 }
 
-// `whole` is the ball that the solid is known to be, if it is.
-fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Ball) -> array<Exit, MAX_INSIDE> {
+// `whole` is the proxy of the solid, if it has one.
+fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Sphere) -> array<Exit, MAX_INSIDE> {
     var exits: array<Exit, MAX_INSIDE>;
     if (!front.bends) {
         return exits;
@@ -139,16 +139,16 @@ fn pass_through(ray: Ray, front: Patch, ior: f32, whole: Ball) -> array<Exit, MA
         return exits;
     }
     var inside = Ray(ray.origin, entering.direction);
-    var ball = whole;
+    var sphere = whole;
     if (!whole.found && bend * front.texel_m > FLAT) {
-        ball = Ball(true, ray.origin - front.normal / bend, 1.0 / bend);
+        sphere = Sphere(true, ray.origin - front.normal / bend, 1.0 / bend);
     }
     var share = 1.0;
     for (var turn = 0u; turn < MAX_INSIDE; turn++) {
-        let back = back_of(inside, ball, whole.found, front.texel_m);
+        let back = back_of(inside, sphere, whole.found, front.texel_m);
         if (!back.found) {
             // A pane.
-            if (!ball.found && turn == 0u) {
+            if (!sphere.found && turn == 0u) {
                 exits[turn] = Exit(ray, share);
             }
             break;

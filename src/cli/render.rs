@@ -9,7 +9,6 @@ mod report;
 mod truth;
 mod truth_args;
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,7 +17,6 @@ use crate::cli::device::{self, DeviceArg};
 use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
-use crate::dataset::stream::StreamKind;
 use crate::decode::Decoder;
 use crate::error::{Error, Result};
 use crate::evaluate::camera_path::TimedCamera;
@@ -30,11 +28,10 @@ use crate::gpu::render::RenderCost;
 use crate::gpu::render::playback::DeviceRenderer;
 use crate::image::FrameRange;
 use crate::march::active_views::ActiveViews;
+use crate::march::memory::{march_bytes, splat_bytes};
 use crate::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Renderer};
 use crate::march::playback::methods::{ReprojectRenderer, SplatRenderer};
 use crate::march::playback::selection::{SelectionSettings, ViewPriority};
-use crate::march::render::RAYS_AT_ONCE;
-use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
 use crate::math::Camera;
 use crate::memory::Need;
 use crate::views::catalogue::ProbeChoice;
@@ -52,20 +49,10 @@ const DEFAULT_SIZE: u32 = 512;
 /// Bytes of each pixel of a request, from its rays until it is written: light and alpha, as a picture, joined for two eyes, and
 /// as codes or channels of a file. Rays are held by the thread that follows them.
 const PICTURE_BYTES: u64 = 96;
-/// Bytes of a ray: its direction and result.
-const RAY_BYTES: u64 = 64;
-/// Bytes of a texel of material for fitting spheres: its point, twice in a sphere, and the end of its ray.
-const GLASS_BYTES: u64 = 64;
-/// Bytes of a texel of the local environment map of a refractive sphere.
-const AROUND_BYTES: u64 = 16;
-/// Bytes of such a texel while the map is computed: sums, weights, mip levels.
-const MAKING_BYTES: u64 = 96;
 /// Bytes of a pixel of a reference: faces of colour, depth and material in one file, and errors.
 const REFERENCE_BYTES: u64 = 320;
 /// Bytes of an image on a contact sheet.
 const SHEET_BYTES: u64 = 1 << 20;
-/// Bytes of a splatted texel.
-const POINT_BYTES: u64 = 64;
 
 /// Renders.
 pub fn run(args: &Args, global: &GlobalArgs) -> Result<ExitStatus> {
@@ -258,44 +245,16 @@ impl Args {
             pixels.saturating_mul(PICTURE_BYTES + reference)
         };
         let sheet = if self.contact_sheet.is_some() { jobs.len() as u64 * SHEET_BYTES } else { 0 };
-        let images = decoder.streams().iter().map(|stream| pixels([stream.entry.width, stream.entry.height])).max();
-        let points = match self.march.method {
-            MethodArg::Splat => images.unwrap_or(0) * POINT_BYTES,
-            MethodArg::March | MethodArg::Reproject => 0,
+        let of_method = match self.march.method {
+            MethodArg::March => march_bytes(decoder, &self.playback_options(), self.march.effects.into()),
+            MethodArg::Splat => splat_bytes(decoder),
+            MethodArg::Reproject => 0,
         };
-        let of_pictures = jobs.iter().map(of_job).max().unwrap_or(0).saturating_add(sheet + points);
-        let fixed = of_pictures.saturating_add(self.bytes_of_rays(decoder));
+        let of_pictures = jobs.iter().map(of_job).max().unwrap_or(0).saturating_add(sheet);
+        let fixed = of_pictures.saturating_add(of_method);
         let need = Need { what: "rendering", fixed, each: 0, instead: "a smaller --size" };
         self.memory.get().at_once(&need, 1)?;
         Ok(fixed)
-    }
-
-    /// Largest memory of rays: those of all threads, and with materials the fit of refractive spheres and their local
-    /// environment maps.
-    fn bytes_of_rays(&self, decoder: &Decoder) -> u64 {
-        if self.march.method != MethodArg::March {
-            return 0;
-        }
-        let held = (rayon::current_num_threads() * RAYS_AT_ONCE) as u64 * RAY_BYTES;
-        if self.march.effects == EffectsArg::None {
-            return held;
-        }
-        let probes = self.playback_options().probes;
-        let mut of_probes = BTreeMap::<usize, u64>::new();
-        for stream in decoder.streams().iter().filter(|stream| stream.kind == StreamKind::Material) {
-            if probes.takes(&decoder.probe(stream).name) {
-                *of_probes.entry(stream.probe).or_default() += pixels([stream.entry.width, stream.entry.height]);
-            }
-        }
-        let mut of_probes: Vec<u64> = of_probes.into_values().collect();
-        of_probes.sort_unstable_by_key(|&texels| std::cmp::Reverse(texels));
-        let most = self.views.views.map_or(usize::MAX, |views| views as usize);
-        let texels: u64 = of_probes.into_iter().take(most).sum();
-        let balls = (texels / LEAST_TEXELS as u64).min(MOST_PROXIES as u64);
-        let around = 6
-            * u64::from(MOST_TEXELS).pow(2)
-            * (balls * AROUND_BYTES + balls.min(rayon::current_num_threads() as u64) * MAKING_BYTES);
-        texels.saturating_mul(GLASS_BYTES).saturating_add(around + held)
     }
 
     /// Refuses outputs that are inputs, or each other.

@@ -6,6 +6,7 @@ pub mod clip;
 pub mod counters;
 pub mod interpolate;
 pub mod intersect;
+pub mod memory;
 mod packet;
 pub mod playback;
 pub mod pyramid;

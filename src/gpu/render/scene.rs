@@ -73,9 +73,9 @@ impl SceneRows {
         pyramid_rows: u32,
         origin: impl Fn(ImageId) -> Origin,
     ) -> SceneRows {
-        let ball_count = proxies.proxies.len() as u32;
+        let proxy_count = proxies.proxies.len() as u32;
         let mut rows = SceneRows {
-            scene: Scene { pyramid_rows, ball_count, ..scene(views, camera, settings) },
+            scene: Scene { pyramid_rows, proxy_count, ..scene(views, camera, settings) },
             views: Vec::new(),
             faces: Vec::new(),
             distances_m: settings.steps.distances_m.clone(),
@@ -250,8 +250,8 @@ mod tests {
     /// Constants that shaders have for themselves: what stands for an enum or for nothing, and lengths that floats set.
     const OF_SHADERS: [&str; 12] = [
         "ALL_VIEWS",
-        "OPEN",
-        "BEHIND",
+        "EMPTY",
+        "OCCUPIED",
         "NOT_KNOWN",
         "FOUND_NOTHING",
         "FOUND_LIGHT",

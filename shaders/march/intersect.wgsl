@@ -1,7 +1,7 @@
-// Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), every point looked at. Mirrors
+// Where a ray meets a surface: RayIntersection of algorithm 4 (CALF 6), testing every point. Mirrors
 // src/march/intersect.rs. Needs `is_surface`.
 
-// From the `first` of the distances on: what is nearer is taken to be open.
+// From the step `first` on: nearer points count as empty.
 fn intersect_from(ray: Ray, first: u32) -> Hit {
     var before_m = select(0.0, distances_m[max(first, 1u) - 1u], first > 0u);
     for (var at = first; at < scene.distance_count; at++) {

@@ -1,4 +1,4 @@
-// What mirrors and glass show: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
+// Secondary rays of reflective and refractive surfaces: CalculateColor_RR of algorithm 4 (CALF 6.1). Mirrors src/march/specular/secondary_rays.rs.
 //
 // In place of diffuse.wgsl. WGSL has no recursion: surfaces whose light is not divided yet wait on a stack. Needs
 // `surface_material`, `patch_at`, `pass_through`, `intersect_from`, `surface_color`, `background_color` and `light_of`.
@@ -6,11 +6,11 @@
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 const LIFT_TEXELS: f32 = 1.0;
 const HIDDEN_TEXELS: f32 = 12.0;
-const NEAR_BALL: f32 = 0.03;
-// Surfaces that may wait. One sends on four rays at most, so eight bounces take no more than 25.
+const NEAR_SURFACE: f32 = 0.03;
+// Pending surfaces. One has at most four secondary rays, so eight bounces take no more than 25.
 const MOST_PENDING = 32u;
 
-// A surface that a ray met, in linear light, and whose share of a pixel is not divided yet.
+// A surface hit, in linear light, whose share of a pixel is not divided yet.
 struct Pending {
     point: vec3<f32>,
     direction: vec3<f32>,
@@ -20,7 +20,7 @@ struct Pending {
 }
 
 const FOUND_NOTHING = 0u;
-// Light that is not sent on.
+// Light without further rays.
 const FOUND_LIGHT = 1u;
 const FOUND_SURFACE = 2u;
 
@@ -33,55 +33,55 @@ struct Found {
 var<private> pending: array<Pending, MOST_PENDING>;
 var<private> pending_count: u32;
 
-// How a ray left the surface that sent it on: it met another one, or is open at the step `first`.
-struct Left {
+// How a ray leaves the surface where it starts: it meets another one, or is in empty space at the step `first`.
+struct Departure {
     found: bool,
     hit: Hit,
     first: u32,
 }
 
-fn leave(ray: Ray, texel_m: f32) -> Left {
+fn leave_surface(ray: Ray, texel_m: f32) -> Departure {
     var at = IN_SURFACE;
-    var is_open = false;
-    var open_m = 0.0;
+    var is_empty = false;
+    var empty_m = 0.0;
     while (at.step < scene.distance_count) {
         at = next_from_surface(at, texel_m);
         counted[MARCH_STEPS]++;
         if (!is_surface(point_at(ray, at.distance_m))) {
             if (at.is_step) {
-                return Left(true, Hit(false, 0.0), at.step - 1u);
+                return Departure(true, Hit(false, 0.0), at.step - 1u);
             }
-            is_open = true;
-            open_m = at.distance_m;
-        } else if (is_open) {
-            return Left(true, Hit(true, refine(ray, open_m, at.distance_m)), 0u);
+            is_empty = true;
+            empty_m = at.distance_m;
+        } else if (is_empty) {
+            return Departure(true, Hit(true, refine(ray, empty_m, at.distance_m)), 0u);
         } else if (at.distance_m > HIDDEN_TEXELS * texel_m) {
             break;
         }
     }
-    return Left(false, Hit(false, 0.0), 0u);
+    return Departure(false, Hit(false, 0.0), 0u);
 }
 
-// The ball of the view `around`; none of ALL_VIEWS.
-fn ball_of(around: u32) -> Ball {
+// The proxy whose environment map is `around`; none of ALL_VIEWS.
+fn proxy_of(around: u32) -> Sphere {
     if (around == ALL_VIEWS) {
-        return Ball(false, vec3(0.0), 0.0);
+        return Sphere(false, vec3(0.0), 0.0);
     }
-    return Ball(true, views[around].from_eye, views[around].near_m);
+    return Sphere(true, views[around].from_eye, views[around].near_m);
 }
 
-// The view from the centre of the ball whose surface is at a point, or ALL_VIEWS.
+// The environment map of the proxy whose surface contains a point, or ALL_VIEWS.
 fn around_of(point: vec3<f32>) -> u32 {
-    for (var at = 0u; at < scene.ball_count; at++) {
-        let ball = ball_of(scene.view_count + at);
-        if (abs(length(point - ball.centre) - ball.radius_m) <= NEAR_BALL * ball.radius_m) {
+    for (var at = 0u; at < scene.proxy_count; at++) {
+        let sphere = proxy_of(scene.view_count + at);
+        if (abs(length(point - sphere.centre) - sphere.radius_m) <= NEAR_SURFACE * sphere.radius_m) {
             return scene.view_count + at;
         }
     }
     return ALL_VIEWS;
 }
 
-// How a surface lies in a point, and of a ball the view from its centre.
+// The surface at a hit, and the environment map of its proxy.
 struct Front {
     surface: Patch,
     point: vec3<f32>,
@@ -91,24 +91,24 @@ struct Front {
 fn front_of(met: Ray, is_glass: bool) -> Front {
     let around = around_of(met.origin);
     if (is_glass && around != ALL_VIEWS) {
-        let ball = ball_of(around);
-        let entry = entry_of(ball, met);
-        let outwards = entry.point - ball.centre;
+        let sphere = proxy_of(around);
+        let entry = entry_of(sphere, met);
+        let outwards = entry.point - sphere.centre;
         let size = length(outwards);
         if (entry.found && size > LEAST_LENGTH) {
-            return Front(Patch(true, true, outwards / size, 1.0 / ball.radius_m, 0.0), entry.point, around);
+            return Front(Patch(true, true, outwards / size, 1.0 / sphere.radius_m, 0.0), entry.point, around);
         }
     }
     return Front(patch_at(met.origin), met.origin, ALL_VIEWS);
 }
 
-// `around` is the view from the centre of the ball that the ray leaves, or ALL_VIEWS.
+// `around` is the environment map of the proxy that the ray leaves, or ALL_VIEWS.
 fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
     let nothing = Found(FOUND_NOTHING, vec3(0.0), vec3(0.0));
     counted[SECONDARY_RAYS]++;
-    var left = Left(true, Hit(false, 0.0), 0u);
+    var left = Departure(true, Hit(false, 0.0), 0u);
     if (around == ALL_VIEWS) {
-        left = leave(ray, texel_m);
+        left = leave_surface(ray, texel_m);
     }
     if (!left.found) {
         return nothing;
@@ -131,7 +131,7 @@ fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
     if (seen.found && seen.difference <= scene.hole_difference) {
         return Found(FOUND_SURFACE, point, light_of(seen.color));
     }
-    // What is hidden from all views was seen through the ball.
+    // Hidden from all views, but seen through the solid.
     if (around != ALL_VIEWS) {
         alone = around;
         let through = surface_color(point);
@@ -143,7 +143,7 @@ fn follow(ray: Ray, texel_m: f32, around: u32) -> Found {
     return nothing;
 }
 
-// The light of what a ray found, which of a surface comes later.
+// The light that a ray found; that of a surface stays pending.
 fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f32> {
     if (found.kind == FOUND_SURFACE && pending_count < MOST_PENDING) {
         pending[pending_count] = Pending(found.point, direction, found.light, share, bounces - 1u);
@@ -153,7 +153,7 @@ fn take(found: Found, direction: vec3<f32>, share: f32, bounces: u32) -> vec3<f3
     return share * found.light;
 }
 
-// Divides the share of a surface among the rays that it sends on.
+// Divides the share of a surface among its secondary rays.
 fn divide(next: Pending) -> vec3<f32> {
     let whole = next.share * next.light;
     if (next.bounces == 0u) {
@@ -171,12 +171,12 @@ fn divide(next: Pending) -> vec3<f32> {
     if (!front.found || cosine <= 0.0) {
         return whole;
     }
-    let material = towards(seen, cosine);
+    let material = at_angle(seen, cosine);
     var exits: array<Exit, MAX_INSIDE>;
     if (next.share * material.refract >= LEAST_SHARE) {
-        exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, ball_of(at_point.around));
+        exits = pass_through(Ray(at_point.point, next.direction), front, material.ior, proxy_of(at_point.around));
     }
-    // What is refracted, and last what is reflected. In one loop, as drivers write functions out wherever they are called.
+    // Refracted rays, then the reflected one, in one loop: drivers inline functions at each call.
     var light = vec3(0.0);
     var left = next.share;
     for (var at = 0u; at <= MAX_INSIDE; at++) {

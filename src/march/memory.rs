@@ -1,0 +1,51 @@
+//! Upper bounds of the memory that rendering takes beside the views.
+
+use std::collections::BTreeMap;
+
+use crate::dataset::stream::StreamKind;
+use crate::decode::{Decoder, StreamInfo};
+use crate::march::playback::frames::PlaybackOptions;
+use crate::march::render::RAYS_AT_ONCE;
+use crate::march::settings::SpecularMode;
+use crate::march::specular::sphere_fit::{LEAST_TEXELS, MOST_PROXIES, MOST_TEXELS};
+
+/// Bytes of each ray that a thread holds: its direction and its result.
+const RAY_BYTES: u64 = 64;
+/// Bytes of a texel of material while spheres are fitted: its point, twice in a cluster, and the end of its ray.
+const FIT_BYTES: u64 = 64;
+/// Bytes of a texel of an environment map.
+const MAP_BYTES: u64 = 16;
+/// Bytes of one while the map is made: what views see, sums, weights, and coarser images.
+const MAKING_BYTES: u64 = 96;
+/// Bytes of a texel that is splatted.
+const POINT_BYTES: u64 = 64;
+
+fn pixels(stream: &StreamInfo) -> u64 {
+    u64::from(stream.entry.width) * u64::from(stream.entry.height)
+}
+
+/// Bytes that ray marching takes: rays that threads hold, and with secondary rays refractive proxies.
+pub fn march_bytes(decoder: &Decoder, options: &PlaybackOptions, specular: SpecularMode) -> u64 {
+    let held = (rayon::current_num_threads() * RAYS_AT_ONCE) as u64 * RAY_BYTES;
+    if specular == SpecularMode::None {
+        return held;
+    }
+    let mut of_probes = BTreeMap::<usize, u64>::new();
+    for stream in decoder.streams().iter().filter(|stream| stream.kind == StreamKind::Material) {
+        if options.probes.takes(&decoder.probe(stream).name) {
+            *of_probes.entry(stream.probe).or_default() += pixels(stream);
+        }
+    }
+    let mut of_probes: Vec<u64> = of_probes.into_values().collect();
+    of_probes.sort_unstable_by_key(|&texels| std::cmp::Reverse(texels));
+    let texels: u64 = of_probes.into_iter().take(options.selection.most.unwrap_or(usize::MAX)).sum();
+    let proxies = (texels / LEAST_TEXELS as u64).min(MOST_PROXIES as u64);
+    let in_work = proxies.min(rayon::current_num_threads() as u64);
+    let maps = 6 * u64::from(MOST_TEXELS).pow(2) * (proxies * MAP_BYTES + in_work * MAKING_BYTES);
+    texels.saturating_mul(FIT_BYTES).saturating_add(maps + held)
+}
+
+/// Bytes that splatting takes.
+pub fn splat_bytes(decoder: &Decoder) -> u64 {
+    decoder.streams().iter().map(pixels).max().unwrap_or(0) * POINT_BYTES
+}
