@@ -173,6 +173,9 @@ fn all_damaged_units_of_an_image_are_listed_and_people_can_read_it() {
     assert_eq!(listed, expected.len(), "{said}");
     assert!(expected.len() >= 6, "{expected:?}");
     assert!(said.contains("  stream 0 (depth of probe 00 face px), unit 1, frames 3-"), "{said}");
+    // Damage is no progress: --quiet names it, too.
+    let (_, _, quiet) = run("decode bad.lfold --null --keep-going --quiet", folder.path());
+    assert!(quiet.contains("  stream 0 (depth of probe 00 face px), unit 1, frames 3-"), "{quiet}");
     // Of the damaged stream alone nothing is left, and so nothing is made.
     let (code, _, said) = run("decode bad.lfold --stream depth --face px --keep-going -o none", folder.path());
     assert_eq!(code, 2);
