@@ -3,9 +3,10 @@
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::cli::global::GlobalArgs;
+use crate::cli::tradeoff::Args as TradeoffArgs;
 use crate::cli::{
     bc4w, capture, completions, decode, demo, diff, encode, encode_color, encode_depth, inspect, man, pack, place,
-    quadtree, render, selftest, tradeoff,
+    quadtree, render, selftest,
 };
 
 /// Codec toolkit for animated light fields: encodes, inspects, decodes and compares probes of colour and depth.
@@ -60,7 +61,7 @@ pub enum Command {
     /// Compare two containers, datasets or image sequences
     Diff(diff::Args),
     /// Measure bytes, time and quality of settings on your own footage
-    Tradeoff(tradeoff::Args),
+    Tradeoff(TradeoffArgs),
     /// Test graphics devices against the CPU, and hard cases against their error bounds
     Selftest(selftest::Args),
     /// Print a completion script for a shell

@@ -20,7 +20,7 @@ mod partial_file;
 mod partial_folder;
 
 pub use atomic::write_whole;
-pub use lock::{Locked, open_locked};
+pub use lock::open_locked;
 pub use output_file::OutputFile;
 pub use output_folder::OutputFolder;
 pub use partial_file::IntactBytes;

@@ -1,10 +1,9 @@
-//! How results look: tables for people, CSV for spreadsheets, charts; and sweeps of knobs. No command has a layout of its own.
+//! Tables, CSV, charts and pictures for all commands; sweeps.
 
-pub mod anatomy;
-pub mod contact_sheet;
+pub mod coding_map;
 pub mod csv;
-pub mod error_picture;
 pub mod machine;
+pub mod picture;
 pub mod placement;
 pub mod plot;
 pub mod table;

@@ -33,7 +33,6 @@ pub struct Curve {
 pub struct Figure {
     /// Name of its files, without an ending.
     pub name: &'static str,
-    /// The picture.
     pub drawing: Drawing,
 }
 

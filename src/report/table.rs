@@ -7,9 +7,7 @@ use comfy_table::{CellAlignment, ContentArrangement, presets};
 /// A column: its heading, and the side that its cells keep to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Column<'a> {
-    /// Words.
     Left(&'a str),
-    /// Numbers.
     Right(&'a str),
 }
 

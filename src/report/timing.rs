@@ -3,9 +3,7 @@
 /// The shortest and the longest of some runs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// The shortest.
     pub low: f64,
-    /// The longest.
     pub high: f64,
 }
 
@@ -21,7 +19,6 @@ pub fn median(runs: &[f64]) -> Option<f64> {
     }
 }
 
-/// The range of runs.
 pub fn spread(runs: &[f64]) -> Option<Spread> {
     let runs = || runs.iter().copied();
     Some(Spread { low: runs().min_by(f64::total_cmp)?, high: runs().max_by(f64::total_cmp)? })

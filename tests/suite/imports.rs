@@ -20,15 +20,6 @@ const IN_CIRCLES: &[&str] = &[
     "src/block/bptc.rs",
     "src/block/encode.rs",
     "src/block/mod.rs",
-    "src/cli/command_line.rs",
-    "src/cli/tradeoff.rs",
-    "src/cli/tradeoff/coding.rs",
-    "src/cli/tradeoff/fixed.rs",
-    "src/cli/tradeoff/input.rs",
-    "src/cli/tradeoff/measure.rs",
-    "src/cli/tradeoff/placement.rs",
-    "src/cli/tradeoff/rendering.rs",
-    "src/cli/tradeoff/tiles.rs",
     "src/dataset/cameras.rs",
     "src/dataset/manifest.rs",
     "src/dataset/mod.rs",
@@ -38,12 +29,6 @@ const IN_CIRCLES: &[&str] = &[
     "src/march/specular/proxy.rs",
     "src/march/specular/sphere_fit.rs",
     "src/march/specular/sphere_fit/environment.rs",
-    "src/report/anatomy.rs",
-    "src/report/anatomy/errors.rs",
-    "src/report/anatomy/frames.rs",
-    "src/report/anatomy/keyframes.rs",
-    "src/report/plot/chart.rs",
-    "src/report/plot/legend.rs",
 ];
 
 /// A source file as a module.

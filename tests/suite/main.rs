@@ -1,11 +1,11 @@
 //! One test binary for everything that is tested from outside the crate.
 
-mod anatomy;
 mod blocks;
 mod capture;
 mod capture_footage;
 mod capture_scenes;
 mod cli;
+mod coding_map;
 mod commands;
 mod convention;
 mod convention_footage;

@@ -13,7 +13,7 @@ use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::files::OutputFolder;
 use crate::image::sequence::FrameRange;
-use crate::report::anatomy::{self, Request, What};
+use crate::report::coding_map::{self, Request, What};
 
 /// More images than this are only counted.
 const MAX_LINES: usize = 24;
@@ -58,8 +58,8 @@ pub fn write<'a>(folder: &Path, report: &Report<'a>, global: &GlobalArgs) -> Res
     let source = sides.as_ref().zip(pairing.as_ref());
     let request = Request { decoder, streams: &streams, frame: args.frame, source };
     let out = OutputFolder::create(folder)?;
-    let progress = Progress::start(global, "drawing", anatomy::steps(&request))?;
-    let plots = anatomy::plot(&request, out.work_path(), &progress).map_err(|error| out.present(error))?;
+    let progress = Progress::start(global, "drawing", coding_map::steps(&request))?;
+    let plots = coding_map::plot(&request, out.work_path(), &progress).map_err(|error| out.present(error))?;
     drop(progress);
     let plots = plots.into_iter().map(|plot| PlotOut {
         path: folder.join(&plot.file).display().to_string(),

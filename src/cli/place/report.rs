@@ -11,7 +11,7 @@ use crate::dataset::cameras::CameraSet;
 use crate::error::Result;
 use crate::placement::report::{DecayPlacement, PlacementReport};
 use crate::placement::{Figures, Lighting, Placement, Search};
-use crate::report::anatomy::counted;
+use crate::report::coding_map::counted;
 use crate::report::placement::Curve;
 use crate::report::{Column, Table, csv};
 

@@ -12,7 +12,7 @@ use crate::image::plane::Plane;
 use crate::image::sequence::Pattern;
 use crate::image::transfer::ToneMap;
 use crate::image::{exr, png};
-use crate::report::contact_sheet::ContactSheet;
+use crate::report::picture::contact_sheet::ContactSheet;
 
 /// Field of the eye in a pattern.
 pub const EYE_FIELD: &str = "%V";

@@ -21,7 +21,7 @@ use crate::image::FrameRange;
 use crate::image::plane::DepthPlane;
 use crate::image::png;
 use crate::image::transfer::ToneMap;
-use crate::report::error_picture;
+use crate::report::picture::error_picture;
 
 /// A reference, and the similarity of the images so far.
 pub struct TruthRun {

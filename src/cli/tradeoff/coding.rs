@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::args::Args;
 use super::measure::{Opened, Sweeping};
-use super::{Args, input, text, tiles};
+use super::{input, text, tiles};
 use crate::cli::{ExitStatus, GlobalArgs, output};
 use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
@@ -19,7 +20,6 @@ use crate::report::tradeoff::plan::{self, Preset};
 use crate::report::tradeoff::store::{Store, StoredPoint};
 use crate::report::tradeoff::study::{Study, all_points};
 
-/// Recommends from the points of a folder.
 pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatus> {
     let store = Store::open(&CODING, &args.output, None)?;
     let is_chosen = |row: &&StoredPoint| {
@@ -44,7 +44,6 @@ pub fn recommend_from_folder(args: &Args, demands: &Demands) -> Result<ExitStatu
     Ok(advised.status())
 }
 
-/// Recommendations.
 struct Advised<'a> {
     advice: Vec<Advice<'a>>,
     /// Kinds of streams that were measured and have no demands.
@@ -78,18 +77,18 @@ impl<'a> Advised<'a> {
 /// Measures footage; recommends where there are demands.
 pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &GlobalArgs) -> Result<ExitStatus> {
     let start = Instant::now();
-    let (footage, fixed) = input::open(path, &args.stream, &args.fixed, global)?;
+    let footage = input::open(path, &args.stream, &args.fixed, global)?;
     let streams: Vec<StreamKind> = footage.input.kinds.iter().map(|(stream, _)| *stream).collect();
     let nothing = args.sweep.is_empty() && args.preset.is_none();
     // Demands alone need some points.
     let preset = args.preset.map(Into::into).or((nothing && demands.is_some()).then_some(Preset::Quick));
-    let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &fixed.knobs };
+    let request = plan::Request { streams: &streams, sweeps: &args.sweep, preset, fixed: &footage.knobs };
     let plan = plan::plan(&request)?;
     input::check(&footage.input, &all_points(&plan.studies))?;
     let made_of = footage.input.made_of;
     let mut opened = Opened::new(args, &CODING, |folder: &Path| Store::open(&CODING, folder, Some(made_of)))?;
     if !global.quiet {
-        implied(&plan.studies, &fixed.knobs).iter().for_each(output::note);
+        implied(&plan.studies, &footage.knobs).iter().for_each(output::note);
     }
     let mut left_out = plan.left_out;
     // They are first, so that the points have all of the time that is left.
@@ -105,7 +104,7 @@ pub fn measure(args: &Args, path: &str, demands: Option<Demands>, global: &Globa
         commands: Vec::new(),
     };
     let finished = sweeping.measure(&CODING, &mut opened, |work| Box::new(CodingBench::new(&footage.input, work)))?;
-    if input::made_of(path, &footage.source, &fixed)? != made_of {
+    if input::made_of(&footage.input, &footage.source)? != made_of {
         return Err(Error::invalid(format!(
             "{path}: the footage, or this program, changed while it was measured; measure again with --overwrite"
         )));

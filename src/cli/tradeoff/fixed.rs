@@ -35,7 +35,6 @@ impl FixedOption {
 
 /// The subcommand whose options are read.
 pub struct OptionsOf<'a> {
-    /// Its name.
     pub command: &'a str,
     /// Words that make a line of it complete.
     pub line: &'a [&'a str],

@@ -25,11 +25,10 @@ const OWN: &[&str] = &["output", "stream", "json", "quiet"];
 /// Options of decoding that may be given to all points.
 const OF_DECODING: &[&str] = &["device", "gpu-index"];
 
-/// Options that all points have.
+/// Options that all points have, by the command that they are for.
 #[derive(Debug, Default)]
-pub struct Fixed {
-    /// Those that are knobs.
-    pub knobs: Vec<Setting>,
+struct Fixed {
+    knobs: Vec<Setting>,
     encode: Vec<String>,
     diff: Vec<String>,
     decode: Vec<String>,
@@ -39,12 +38,13 @@ pub struct Fixed {
 pub struct Footage {
     /// What commands are made from.
     pub input: Input,
-    /// Its files.
     pub source: Source,
     /// How tiles of depth are modelled on their own: as the options of all points say, fast where they do not.
     pub tiles: EncodeSettings,
     /// The same in words.
     pub tiles_how: String,
+    /// Options of all points that are knobs.
+    pub knobs: Vec<Setting>,
 }
 
 /// The subcommand that encodes footage of a form.
@@ -61,7 +61,7 @@ fn encoder(form: Form, kinds: &[StreamKind], path: &str) -> Result<&'static str>
 }
 
 /// Opens footage; `kinds` are those that were asked for, and `words` the options of all points.
-pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<(Footage, Fixed)> {
+pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalArgs) -> Result<Footage> {
     let form = if manifest::is_dataset(Path::new(path)) { Form::Dataset } else { Form::Sequence };
     let subcommand = encoder(form, kinds, path)?;
     let mut fixed = fixed(subcommand, path, words)?;
@@ -102,16 +102,17 @@ pub fn open(path: &str, kinds: &[StreamKind], words: &[String], global: &GlobalA
         return Err(Error::Usage(format!("--stream {}: {path} has no such streams", missing.name())));
     }
     let wanted = there.into_iter().filter(|(kind, _)| kinds.is_empty() || kinds.contains(kind)).collect();
-    let input = Input {
+    let mut input = Input {
         path: path.into(),
         form,
         kinds: wanted,
-        made_of: made_of(path, &source, &fixed)?,
-        encode: fixed.encode.clone(),
-        diff: fixed.diff.clone(),
-        decode: fixed.decode.clone(),
+        made_of: 0,
+        encode: fixed.encode,
+        diff: fixed.diff,
+        decode: fixed.decode,
     };
-    Ok((Footage { input, source, tiles, tiles_how }, fixed))
+    input.made_of = made_of(&input, &source)?;
+    Ok(Footage { input, source, tiles, tiles_how, knobs: fixed.knobs })
 }
 
 /// Sorts options after `--` by the command that they are for.
@@ -183,7 +184,7 @@ pub fn check(input: &Input, points: &[Point]) -> Result<()> {
 
 /// Configuration hash of the footage, the fixed options, the program and the processor; times of files do not count. All
 /// files are read.
-pub fn made_of(path: &str, source: &Source, fixed: &Fixed) -> Result<u32> {
+pub fn made_of(input: &Input, source: &Source) -> Result<u32> {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
@@ -194,12 +195,12 @@ pub fn made_of(path: &str, source: &Source, fixed: &Fixed) -> Result<u32> {
     let program = std::env::current_exe().map_err(|error| Error::io(Path::new("lightfold"), error))?;
     add(&crc_of(&program)?.to_le_bytes());
     add(machine::processor().as_bytes());
-    let full = Path::new(path).canonicalize().unwrap_or_else(|_| path.into());
+    let full = input.path.canonicalize().unwrap_or_else(|_| input.path.clone());
     add(full.as_os_str().as_encoded_bytes());
     if source.manifest().is_some() {
         add(&crc_of(&manifest::manifest_path(&full))?.to_le_bytes());
     }
-    for word in fixed.encode.iter().chain(&fixed.diff).chain(&fixed.decode) {
+    for word in input.encode.iter().chain(&input.diff).chain(&input.decode) {
         add(word.as_bytes());
     }
     let groups = source.groups().iter();

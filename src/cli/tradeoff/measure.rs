@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::args::Args;
 use super::child::Children;
-use super::{Args, text};
+use super::text;
 use crate::cli::progress::Progress;
 use crate::cli::{GlobalArgs, output};
 use crate::error::{Error, Result};
@@ -25,7 +26,6 @@ use crate::report::tradeoff::study::{ExampleCommand, Results, Study, all_points}
 /// The locked folder of a sweep, and its points so far.
 pub struct Opened {
     pub folder: Folder,
-    /// The points.
     pub store: Store,
 }
 
@@ -61,15 +61,11 @@ impl Opened {
     }
 }
 
-/// A sweep that is to be measured.
 pub struct Sweeping<'a> {
-    /// The arguments.
     pub args: &'a Args,
-    /// The global ones.
     pub global: &'a GlobalArgs,
     /// When the command began.
     pub start: Instant,
-    /// What is swept.
     pub studies: Vec<Study>,
     /// What a preset has and the input has no streams for.
     pub left_out: Vec<String>,

@@ -6,9 +6,9 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
+use super::args::{Args, refuse_options_of_coding};
 use super::fixed::{OptionsOf, parse};
 use super::measure::{Opened, Sweeping};
-use super::{Args, refuse_options_of_coding};
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::manifest::Manifest;
 use crate::error::{Error, Result};

@@ -5,9 +5,7 @@ use super::number;
 /// How values are laid along an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scale {
-    /// Evenly.
     Linear,
-    /// By their logarithm.
     Log,
     /// By the logarithm of 1 + value / unit, so that 0 has a place.
     LogFromZero {
@@ -31,7 +29,6 @@ impl Scale {
     }
 }
 
-/// An axis of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// What it shows, with its unit.
@@ -47,7 +44,6 @@ pub struct Axis {
 
 /// Part of an axis that is left for infinite values where there are any.
 const INFINITE_SHARE: f64 = 0.12;
-/// Ticks that are aimed at.
 const TICKS: f64 = 5.0;
 /// Values that are at least this share of the largest may leave 0 outside of the axis.
 const FAR_FROM_ZERO: f64 = 0.6;

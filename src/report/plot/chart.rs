@@ -7,15 +7,8 @@ use super::labels::Labels;
 use super::legend::{self, Entry};
 use super::marker::Look;
 use super::palette;
+use super::style::{MARGIN, MARKER, NAME_EM, TICK_EM, TITLE_EM};
 
-/// Ems of titles, of axes' names and of ticks, in pixels.
-pub(super) const TITLE_EM: f64 = 14.0;
-pub(super) const NAME_EM: f64 = 12.0;
-pub(super) const TICK_EM: f64 = 11.0;
-/// Radius of markers in pixels.
-pub(super) const MARKER: f64 = 4.0;
-/// Between the picture's border and what is in it, in pixels.
-pub(super) const MARGIN: f64 = 12.0;
 /// Half the width of the ends of bars of spreads, in pixels.
 const CAP: f64 = 4.0;
 /// Longest tick label that stands upright, in pixels.
@@ -39,9 +32,7 @@ pub enum Kind {
 /// A point of a series.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mark {
-    /// Across.
     pub x: f64,
-    /// Up.
     pub y: f64,
     /// Least and largest y, for a bar of its spread.
     pub spread: Option<(f64, f64)>,
@@ -74,11 +65,8 @@ pub struct Rule {
 /// A chart with two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// What it shows.
     pub title: String,
-    /// The axis across.
     pub x: Axis,
-    /// The axis up.
     pub y: Axis,
     /// What the names in the legend are, such as the knob whose values they are; may be empty.
     pub legend: String,
@@ -90,7 +78,6 @@ pub struct Chart {
     pub front: Vec<Spot>,
     /// Short names of points and what they stand for, listed under the legend.
     pub key: Vec<(String, String)>,
-    /// What the key lists.
     pub key_title: String,
 }
 

@@ -33,7 +33,6 @@ impl Ink {
 /// What a line looks like.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
-    /// Colour.
     pub ink: Ink,
     /// Width in pixels.
     pub width: f64,
@@ -56,7 +55,6 @@ impl Stroke {
 /// Which part of a text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
-    /// Its beginning.
     Start,
     Middle,
     End,
@@ -65,22 +63,17 @@ pub enum Anchor {
 /// Which way a text runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Direction {
-    /// To the right.
     Across,
     /// Upwards, as beside a vertical axis.
     Up,
 }
 
-/// A text of one line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Text {
     /// What it says. Control characters become spaces.
     pub text: String,
-    /// Pixels of an em.
     pub em: f64,
-    /// Bold or not.
     pub weight: Weight,
-    /// Colour.
     pub ink: Ink,
     /// Which part of the baseline is at the place that it is given.
     pub anchor: Anchor,
@@ -140,27 +133,21 @@ pub enum Shape {
         /// What it looks like.
         stroke: Stroke,
     },
-    /// A rectangle, filled.
     Rectangle {
         /// Upper left corner.
         from: Spot,
         /// Lower right corner.
         to: Spot,
-        /// Filled with it.
         ink: Ink,
     },
-    /// A polygon, filled.
     Polygon {
         corners: Vec<Spot>,
-        /// Filled with it.
         ink: Ink,
     },
     Disc {
-        /// Its centre.
         at: Spot,
         /// In pixels.
         radius: f64,
-        /// Filled with it.
         ink: Ink,
     },
     Text {
@@ -218,7 +205,6 @@ impl Drawing {
         self.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], stroke);
     }
 
-    /// Fills a polygon.
     pub fn polygon(&mut self, corners: &[Spot], ink: Ink) {
         if corners.len() > 2 && corners.iter().all(is_place) {
             self.shapes.push(Shape::Polygon { corners: corners.to_vec(), ink });

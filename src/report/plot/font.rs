@@ -15,7 +15,6 @@ pub const CAP_PER_EM: f64 = 0.729;
 /// Height of a line in ems, from its highest letter to its lowest: DejaVu's ascender and descender.
 pub const LINE_PER_EM: f64 = 1.164;
 
-/// Weight of letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Weight {
     Regular,

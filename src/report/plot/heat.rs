@@ -1,9 +1,9 @@
 //! Heat maps: a grid of cells with their values in print, the best one marked, and a colour bar.
 
 use super::axis::Axis;
-use super::chart::{MARGIN, NAME_EM, TICK_EM, TITLE_EM};
 use super::drawing::{Anchor, Drawing, Stroke, Text};
 use super::font::{self, Weight};
+use super::style::{MARGIN, NAME_EM, TICK_EM, TITLE_EM};
 use super::{number, palette};
 
 /// Smallest width and height of a cell in pixels.
@@ -17,21 +17,17 @@ const LOG_FROM: f64 = 12.0;
 /// Longest name of a row in pixels.
 const LONGEST_ROW: f64 = 110.0;
 
-/// What stands in a cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// What the colour shows, in the unit of the bar.
     pub value: f64,
-    /// What is printed.
     pub text: String,
 }
 
 /// A heat map. Less is darker.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// What it shows.
     pub title: String,
-    /// What columns are, and the name of each.
     pub columns: (String, Vec<String>),
     /// What rows are, and the name of each, the lowest first.
     pub rows: (String, Vec<String>),

@@ -1,10 +1,10 @@
 //! The legend beside a chart: what each series is, and what the short names of points stand for.
 
-use super::chart::{MARKER, TICK_EM};
 use super::drawing::{Drawing, Ink, Spot, Stroke, Text};
 use super::font::{self, Weight};
 use super::marker::Look;
 use super::palette;
+use super::style::{MARKER, TICK_EM};
 
 /// From one line to the next, in pixels.
 const LINE: f64 = 17.0;
@@ -39,7 +39,6 @@ pub struct Legend {
     pub title: String,
     /// Series and rules.
     pub entries: Vec<Entry>,
-    /// What the key lists.
     pub key_title: String,
     /// Short names of points and what they stand for.
     pub key: Vec<(String, String)>,

@@ -29,7 +29,6 @@ impl Look {
         Look { dash: Some(dash), ..self }
     }
 
-    /// Its line.
     pub fn stroke(&self, width: f64) -> Stroke {
         Stroke { ink: self.ink, width, dash: self.dash }
     }

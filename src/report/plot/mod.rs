@@ -14,6 +14,7 @@ pub mod marker;
 pub mod number;
 pub mod palette;
 pub mod save;
+mod style;
 
 pub use drawing::{Drawing, Ink};
 pub use save::{save, save_png};

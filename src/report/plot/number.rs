@@ -1,11 +1,9 @@
 //! Numbers as charts show them: three digits that count, and prefixes in place of zeros.
 
-/// A unit of bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// What stands behind the number.
     pub name: &'static str,
-    /// Bytes in one.
     pub size: f64,
 }
 
@@ -24,7 +22,6 @@ pub fn bytes_unit(largest: f64) -> Unit {
     *fitting.unwrap_or(&BYTES[if largest > 0.0 { 0 } else { 1 }])
 }
 
-/// Bytes with their unit.
 pub fn bytes(count: f64) -> String {
     let unit = bytes_unit(count);
     format!("{} {}", short(count / unit.size), unit.name)

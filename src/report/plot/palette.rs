@@ -1,5 +1,5 @@
-//! Colours of all pictures: of values, by viridis, and of what is to be told apart, by the colours of Okabe and Ito, which
-//! colour-blind people can tell apart, too.
+//! Colours of all pictures: viridis for values, the colours of Okabe and Ito for categories, which colour-blind people can
+//! tell apart. Scales grow lighter or darker all the way, so that they can be read in grey.
 
 use super::drawing::Ink;
 
@@ -30,11 +30,8 @@ const VIRIDIS: [[u8; 3]; 20] = [
 /// Blue of Okabe and Ito.
 pub const BLUE: Ink = Ink::opaque([0, 114, 178]);
 pub const VERMILION: Ink = Ink::opaque([213, 94, 0]);
-/// Their bluish green.
 pub const GREEN: Ink = Ink::opaque([0, 158, 115]);
-/// Their reddish purple.
 pub const PURPLE: Ink = Ink::opaque([204, 121, 167]);
-/// Their sky blue.
 pub const SKY: Ink = Ink::opaque([86, 180, 233]);
 pub const ORANGE: Ink = Ink::opaque([230, 159, 0]);
 /// Their yellow, for areas; it is too bright for lines on white.
@@ -46,18 +43,34 @@ const SERIES: [Ink; 8] =
 
 /// Text and lines of axes.
 pub const TEXT: Ink = Ink::opaque([34, 34, 34]);
-/// Text that matters less.
 pub const FAINT_TEXT: Ink = Ink::opaque([96, 96, 96]);
-/// A line that says little, such as one to where there is no value.
+/// Faint lines, such as those to missing values.
 pub const FAINT_LINE: Ink = Ink::opaque([165, 165, 165]);
-/// Lines of a grid.
 pub const GRID: Ink = Ink::opaque([226, 226, 226]);
-/// Ground of what is missing.
+/// Ground of missing values.
 pub const MISSING: Ink = Ink::opaque([240, 240, 240]);
-/// What is to be seen first: the best cell of a map, the line of what is lossless.
+/// Highlights: the best cell of a map, the lossless line.
 pub const MARK: Ink = Ink::opaque([214, 39, 40]);
 
-/// The colour of a value between 0, dark, and 1, bright. What is not a number is taken as 0.
+/// sRGB codes.
+pub type Rgb = [u8; 3];
+
+/// Ground of sheets.
+pub const PAPER: Rgb = [255, 255, 255];
+/// Text of sheets.
+pub const INK: Rgb = [24, 24, 24];
+/// Faint text and thin lines of sheets.
+pub const SOFT_INK: Rgb = FAINT_TEXT.rgb;
+/// No surface; hatched.
+pub const BACKGROUND: Rgb = [30, 30, 30];
+/// Background on one side only, and depth outside of the range; hatched.
+pub const MISMATCH: Rgb = [213, 60, 0];
+/// A cell without any error.
+pub const EXACT: Rgb = [236, 236, 236];
+/// Greys of near and far.
+const GREYS: [f64; 2] = [240.0, 84.0];
+
+/// The colour of a value from 0, dark, to 1, bright; NaN is 0.
 pub fn viridis(value: f64) -> Ink {
     let last = VIRIDIS.len() - 1;
     let place = if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) * last as f64 };
@@ -79,9 +92,47 @@ pub fn legible_on(ground: Ink) -> Ink {
     if luminance > 0.179 { Ink::BLACK } else { Ink::WHITE }
 }
 
-/// The colour of the series of a number; colours come again after eight.
+/// The colour of a series by its number; there are eight.
 pub fn series(number: usize) -> Ink {
     SERIES[number % SERIES.len()]
+}
+
+/// The colour `part` of the way from one to another, 0 to 1.
+pub fn mix(from: Rgb, to: Rgb, part: f64) -> Rgb {
+    std::array::from_fn(|at| {
+        let (from, to) = (f64::from(from[at]), f64::from(to[at]));
+        (from + (to - from) * part.clamp(0.0, 1.0)).round() as u8
+    })
+}
+
+/// How light a colour is, 0 to 255.
+pub fn lightness([red, green, blue]: Rgb) -> u32 {
+    (54 * u32::from(red) + 183 * u32::from(green) + 19 * u32::from(blue)) / 256
+}
+
+/// A colour for text or lines on this one.
+pub fn contrast(ground: Rgb) -> Rgb {
+    legible_on(Ink::opaque(ground)).rgb
+}
+
+/// A colour as an outline over it shows it.
+pub fn outlined(color: Rgb) -> Rgb {
+    if lightness(color) > 72 { mix(color, [0, 0, 0], 0.75) } else { mix(color, [255, 255, 255], 0.5) }
+}
+
+/// A colour as hatching over it shows it.
+pub fn hatched(color: Rgb) -> Rgb {
+    mix(color, contrast(color), 0.28)
+}
+
+/// Grey from near (0) to far (1).
+pub fn grey(part: f64) -> Rgb {
+    [(GREYS[0] + (GREYS[1] - GREYS[0]) * part.clamp(0.0, 1.0)).round() as u8; 3]
+}
+
+/// A scale from dark violet (0) by green to yellow (1): viridis.
+pub fn heat(part: f64) -> Rgb {
+    viridis(part).rgb
 }
 
 #[cfg(test)]
@@ -103,5 +154,12 @@ mod tests {
     fn text_is_legible_on_both_ends() {
         assert_eq!(legible_on(viridis(0.0)), Ink::WHITE);
         assert_eq!(legible_on(viridis(1.0)), Ink::BLACK);
+    }
+
+    #[test]
+    fn scales_grow_lighter_or_darker_all_the_way() {
+        let steps = || (0..=100).map(|step| f64::from(step) / 100.0);
+        assert!(steps().map(|part| lightness(heat(part))).is_sorted());
+        assert!(steps().map(|part| lightness(grey(part))).is_sorted_by(|a, b| a >= b));
     }
 }

@@ -28,7 +28,6 @@ const FARTHEST: f64 = 1e6;
 /// Who draws letters.
 #[derive(Debug, Clone, Copy)]
 enum Letters {
-    /// The viewer of the file.
     Viewer,
     /// The font that the program carries.
     Own,

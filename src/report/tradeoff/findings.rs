@@ -33,13 +33,11 @@ impl Serialize for Verdict {
 /// A finding of a paper, tested.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// A short name.
     pub name: &'static str,
     /// What the paper found, and where.
     pub sentence: &'static str,
     /// Whether the points agree.
     pub verdict: Verdict,
-    /// The rule, in words.
     pub rule: &'static str,
     /// The values that it was judged by, a sentence; or what would have to be measured.
     pub rests_on: String,

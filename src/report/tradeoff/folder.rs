@@ -12,7 +12,6 @@ use super::page::PAGE;
 use crate::error::{Error, Result};
 use crate::files::open_locked;
 
-/// The file that is locked.
 const LOCK: &str = ".tradeoff.lock";
 /// Prefix and ending of names of unfinished files and folders.
 const UNFINISHED: [&str; 2] = [".tradeoff.", ".partial"];

@@ -47,7 +47,6 @@ impl<'a> Report<'a> {
     }
 }
 
-/// A point with all of its values.
 pub fn point(row: &StoredPoint) -> Value {
     let mut value = values(&row.measured);
     value["studies"] = json!(row.studies);

@@ -15,7 +15,6 @@ pub struct SweepKind {
     pub stem: &'static str,
     /// Title of the page, before the name of the input.
     pub title: &'static str,
-    /// What the input is called.
     pub input_label: &'static str,
     /// Options that can be swept, in the order of reports.
     pub knobs: &'static [Knob],
@@ -36,7 +35,6 @@ pub struct SweepKind {
 }
 
 impl SweepKind {
-    /// The knob of a name, or of a former name.
     pub fn knob(&self, name: &str) -> Option<&'static Knob> {
         self.knobs.iter().find(|knob| knob.name == name || knob.former == Some(name))
     }
@@ -50,12 +48,10 @@ impl SweepKind {
         self.measures.iter().find(|measure| measure.name == name)
     }
 
-    /// Name of the CSV file.
     pub fn csv_name(&self) -> String {
         format!("{}.csv", self.stem)
     }
 
-    /// Name of the JSON file.
     pub fn json_name(&self) -> String {
         format!("{}.json", self.stem)
     }
@@ -79,7 +75,6 @@ pub struct Measure {
 /// How tables print a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// With a unit of bytes.
     Bytes,
     /// With so many decimals; infinite is "lossless".
     Decimals(usize),
@@ -128,7 +123,6 @@ impl Measure {
         Measure::new(name, Source::Number { is_needed: false, may_be_infinite: false })
     }
 
-    /// A finite number.
     pub const fn number(name: &'static str) -> Measure {
         Measure::new(name, Source::Number { is_needed: true, may_be_infinite: false })
     }
@@ -203,7 +197,6 @@ pub struct PanelLine {
 pub struct Panel {
     /// Title with unit; that of bytes follows from the values.
     pub title: &'static str,
-    /// What it shows.
     pub lines: &'static [PanelLine],
     /// Its vertical axis.
     pub scale: Scale,
@@ -213,8 +206,28 @@ pub struct Panel {
     pub map: Option<Better>,
 }
 
+impl PanelLine {
+    /// The only line of a panel.
+    pub const fn of(measure: &'static str) -> PanelLine {
+        PanelLine { label: "", measure, factor: 1.0 }
+    }
+}
+
 impl Panel {
-    /// Whether points of a kind of stream have it.
+    pub const fn new(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
+        Panel { title, lines, scale, streams: &[], map: None }
+    }
+
+    /// Shows it as a heat map, too.
+    pub const fn mapped(self, better: Better) -> Panel {
+        Panel { map: Some(better), ..self }
+    }
+
+    /// Restricts it to kinds of streams.
+    pub const fn for_streams(self, streams: &'static [StreamKind]) -> Panel {
+        Panel { streams, ..self }
+    }
+
     pub fn concerns(&self, stream: Option<StreamKind>) -> bool {
         self.streams.is_empty() || stream.is_some_and(|stream| self.streams.contains(&stream))
     }
@@ -223,15 +236,12 @@ impl Panel {
 /// An axis of a [`Trade`].
 #[derive(Debug, Clone, Copy)]
 pub struct TradeAxis {
-    /// Label with unit.
     pub label: &'static str,
     /// The measure's name.
     pub measure: &'static str,
     /// What values are multiplied by.
     pub factor: f64,
-    /// The axis.
     pub scale: Scale,
-    /// Which end is better.
     pub better: Better,
     pub is_time: bool,
 }
@@ -242,9 +252,7 @@ pub struct Trade {
     /// End of the name of its files.
     pub name: &'static str,
     pub title: &'static str,
-    /// Horizontal axis.
     pub across: TradeAxis,
-    /// Vertical axis.
     pub up: TradeAxis,
     /// Sentence of the caption about the measures.
     pub note: &'static str,
@@ -299,7 +307,6 @@ pub fn words(settings: &[Setting]) -> Option<String> {
     (!words.is_empty()).then(|| words.join(" "))
 }
 
-/// A stored value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     Count(u64),
@@ -343,20 +350,17 @@ impl Measured {
         self
     }
 
-    /// Stores a value.
     pub fn set(&mut self, name: &'static str, value: Value) {
         debug_assert!(self.kind.measure(name).is_some(), "{name}");
         self.values.insert(name, value);
     }
 
-    /// Stores a count.
     pub fn set_count(&mut self, name: &'static str, count: Option<u64>) {
         if let Some(count) = count {
             self.set(name, Value::Count(count));
         }
     }
 
-    /// Stores a number.
     pub fn set_number(&mut self, name: &'static str, number: Option<f64>) {
         if let Some(number) = number {
             self.set(name, Value::Number(number));
@@ -407,7 +411,6 @@ impl Measured {
         }
     }
 
-    /// Timed runs that are complete.
     pub fn timed_runs(&self) -> usize {
         let measures = self.kind.measures.iter().filter(|measure| matches!(measure.source, Source::Runs));
         measures.map(|measure| self.runs(measure.name).len()).min().unwrap_or(0)

@@ -5,9 +5,7 @@ use crate::dataset::stream::StreamKind;
 /// The command that a knob is an option of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
-    /// Encoding.
     Encode,
-    /// Decoding.
     Decode,
     /// Encoding and decoding.
     Both,
@@ -18,7 +16,6 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Stage::Encode => "encode",
@@ -47,7 +44,6 @@ pub struct Knob {
     pub implies: &'static [(&'static str, &'static str)],
     /// The value that stands for leaving the option out, if the option itself has no such value.
     pub without: Option<&'static str>,
-    /// The default, in words.
     pub default: &'static str,
     /// Values that are swept by default.
     pub usual: &'static [&'static str],
@@ -67,7 +63,6 @@ impl Knob {
         Knob { name, former: None, label, streams: &[], stage, implies: &[], without: None, default, usual }
     }
 
-    /// Restricts it to kinds of streams.
     pub const fn of(self, streams: &'static [StreamKind]) -> Knob {
         Knob { streams, ..self }
     }

@@ -40,9 +40,7 @@ th,td{padding:1px 3px}}";
 /// What a page shows besides the points.
 #[derive(Debug, Clone, Default)]
 pub struct Extras {
-    /// Further figures.
     pub figures: Vec<Figure>,
-    /// Findings of papers.
     pub findings: Vec<Finding>,
 }
 
@@ -93,7 +91,6 @@ fn html(results: &Results, figures: &[Figure], findings: &[Finding]) -> Result<S
     Ok(page)
 }
 
-/// A count with its noun.
 fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
@@ -184,7 +181,6 @@ fn least_points(page: &mut String, results: &Results) {
     );
 }
 
-/// Quality of a point of coding.
 fn quality(point: &Measured) -> String {
     if point.number("psnr_db") == Some(f64::INFINITY) {
         return "lossless".to_owned();

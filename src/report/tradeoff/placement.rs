@@ -55,19 +55,13 @@ const MEASURES: &[Measure] = &[
     Measure::runs("runs"),
 ];
 
-const fn panel(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
-    Panel { title, lines, scale, streams: &[], map: None }
-}
-
-const fn line(measure: &'static str, factor: f64) -> PanelLine {
-    PanelLine { label: "", measure, factor }
-}
+const COVERAGE: PanelLine = PanelLine { label: "", measure: "coverage", factor: 100.0 };
 
 const PANELS: &[Panel] = &[
-    Panel { map: Some(Better::More), ..panel("Coverage (%)", Scale::WithoutZero, &[line("coverage", 100.0)]) },
-    Panel { map: Some(Better::Less), ..panel("Search (s)", Scale::Linear, &[line("seconds", 1.0)]) },
-    panel("Cameras", Scale::Linear, &[line("cameras", 1.0)]),
-    panel("Objective calls", Scale::Linear, &[line("objective_calls", 1.0)]),
+    Panel::new("Coverage (%)", Scale::WithoutZero, &[COVERAGE]).mapped(Better::More),
+    Panel::new("Search (s)", Scale::Linear, &[PanelLine::of("seconds")]).mapped(Better::Less),
+    Panel::new("Cameras", Scale::Linear, &[PanelLine::of("cameras")]),
+    Panel::new("Objective calls", Scale::Linear, &[PanelLine::of("objective_calls")]),
 ];
 
 const TIME: TradeAxis = TradeAxis {

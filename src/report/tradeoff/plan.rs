@@ -77,7 +77,6 @@ pub struct Request<'a> {
     pub fixed: &'a [Setting],
 }
 
-/// What is to be measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Grids of points.
@@ -92,7 +91,6 @@ struct PresetStudy {
     name: &'static str,
     title: &'static str,
     stream: StreamKind,
-    /// Knobs and their values.
     knobs: &'static [(&'static str, &'static str)],
 }
 

@@ -61,21 +61,13 @@ const MEASURES: &[Measure] = &[
     Measure::runs("update_runs"),
 ];
 
-const fn panel(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
-    Panel { title, lines, scale, streams: &[], map: None }
-}
-
-const fn line(measure: &'static str) -> PanelLine {
-    PanelLine { label: "", measure, factor: 1.0 }
-}
-
 const PANELS: &[Panel] = &[
-    Panel { map: Some(Better::More), ..panel("PSNR (dB)", Scale::Decibels, &[line("psnr_db")]) },
-    Panel { map: Some(Better::Less), ..panel("Rendering (ms per Mpixel)", Scale::Linear, &[line("ms_per_megapixel")]) },
-    panel("SSIM", Scale::WithoutZero, &[line("ssim")]),
-    panel("Holes (% of pixels)", Scale::Linear, &[line("hole_percent")]),
-    panel("Steps per ray", Scale::Linear, &[line("steps_per_ray")]),
-    panel("Read from the container", Scale::Bytes, &[line("bytes_read")]),
+    Panel::new("PSNR (dB)", Scale::Decibels, &[PanelLine::of("psnr_db")]).mapped(Better::More),
+    Panel::new("Rendering (ms per Mpixel)", Scale::Linear, &[PanelLine::of("ms_per_megapixel")]).mapped(Better::Less),
+    Panel::new("SSIM", Scale::WithoutZero, &[PanelLine::of("ssim")]),
+    Panel::new("Holes (% of pixels)", Scale::Linear, &[PanelLine::of("hole_percent")]),
+    Panel::new("Steps per ray", Scale::Linear, &[PanelLine::of("steps_per_ray")]),
+    Panel::new("Read from the container", Scale::Bytes, &[PanelLine::of("bytes_read")]),
 ];
 
 const TIME: TradeAxis = TradeAxis {
@@ -127,7 +119,6 @@ impl RenderingBench {
         words
     }
 
-    /// The command of a point.
     pub fn render(&self, container: &Path, point: &Point) -> Vec<OsString> {
         let mut words: Vec<OsString> =
             vec!["render".into(), container.into(), "--reference".into(), self.dataset.clone().into()];

@@ -66,7 +66,6 @@ pub trait Bench {
 /// Result of the first measurement of a point.
 #[derive(Debug, Clone)]
 pub struct Survey {
-    /// Its values.
     pub measured: Measured,
     pub cost: Cost,
 }
@@ -75,7 +74,6 @@ pub struct Survey {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Cost {
     pub survey: f64,
-    /// Each timed run.
     pub run: f64,
 }
 

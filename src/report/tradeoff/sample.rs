@@ -53,7 +53,6 @@ pub fn study(name: &str, kind: StreamKind, axes: &[(&str, &[&str])]) -> Study {
     }
 }
 
-/// Results of studies, each point as a function has it.
 pub fn results(studies: Vec<Study>, mut of: impl FnMut(&Point) -> Option<Measured>) -> Results {
     let points = all_points(&studies);
     Results {

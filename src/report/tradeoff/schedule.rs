@@ -95,7 +95,6 @@ pub fn measure<'a>(studies: &[Study], extent: Extent, lab: Lab<'a>, monitor: &'a
     Ok(Schedule { studies, left_out, failed: told })
 }
 
-/// Names of the studies that a point belongs to.
 fn names_of(point: &Point, studies: &[Study]) -> Vec<String> {
     studies.iter().filter(|study| study.points().contains(point)).map(|study| study.name.clone()).collect()
 }

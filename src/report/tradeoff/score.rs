@@ -6,7 +6,6 @@ use super::study::{Results, Study, Weights};
 /// Least time that is counted, so that ratios exist.
 const LEAST_SECONDS: f64 = 1e-9;
 
-/// Points with their scores.
 #[derive(Debug, Clone)]
 pub struct Scored<'a> {
     /// In the order that they were given in; none where nothing was measured.

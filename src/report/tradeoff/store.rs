@@ -23,7 +23,6 @@ pub struct StoredPoint {
     pub studies: Vec<String>,
     /// Its values; as many runs as are finished.
     pub measured: Measured,
-    /// The command that makes it.
     pub command: String,
     /// Configuration hash of the input, the fixed options and the program.
     pub made_of: u32,
@@ -34,7 +33,6 @@ pub struct StoredPoint {
 pub struct Store {
     kind: &'static SweepKind,
     path: PathBuf,
-    /// Knobs that have columns.
     knobs: Vec<&'static str>,
     /// One for each point, in the order in which they were first measured.
     pub rows: Vec<StoredPoint>,
@@ -82,7 +80,6 @@ impl Store {
         Ok(store)
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -91,7 +88,6 @@ impl Store {
         self.rows.iter().find(|row| row.measured.point == *point)
     }
 
-    /// The row of a point, to be changed.
     pub fn row_mut(&mut self, point: &Point) -> Option<&mut StoredPoint> {
         self.rows.iter_mut().find(|row| row.measured.point == *point)
     }
@@ -107,7 +103,6 @@ impl Store {
         write_whole(&self.path, |partial| std::fs::write(partial, text).map_err(|error| Error::io(partial, error)))
     }
 
-    /// Names of all columns.
     fn columns(&self) -> Vec<String> {
         let measures = self.measures().map(|measure| measure.name.to_owned());
         if self.kind.is_resumable {
@@ -119,7 +114,6 @@ impl Store {
         }
     }
 
-    /// Measures that have columns.
     fn measures(&self) -> impl Iterator<Item = &'static Measure> {
         let with_runs = self.kind.is_resumable;
         self.kind.measures.iter().filter(move |measure| with_runs || !matches!(measure.source, Source::Runs))

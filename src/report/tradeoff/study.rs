@@ -73,7 +73,6 @@ impl Study {
         self.axes.iter().filter(|axis| axis.values.len() > 1).collect()
     }
 
-    /// Label of an axis with its unit.
     pub fn label(&self, axis: &Axis) -> &'static str {
         self.sweep.knob(axis.knob).map_or(axis.knob, |knob| knob.label)
     }
@@ -103,9 +102,7 @@ pub fn product<'a>(settings: &[Setting], axes: impl IntoIterator<Item = &'a Axis
 /// Weights of size and decoding time in a score; their sum is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Weights {
-    /// Of bytes.
     pub compression: f64,
-    /// Of decoding time.
     pub decoding: f64,
 }
 
@@ -123,7 +120,6 @@ pub struct ExampleCommand {
     pub line: String,
 }
 
-/// The results of a sweep.
 #[derive(Debug, Clone)]
 pub struct Results {
     pub sweep: &'static SweepKind,
@@ -141,14 +137,12 @@ pub struct Results {
     pub measured: Vec<Measured>,
     /// What is missing and why, a sentence each.
     pub left_out: Vec<String>,
-    /// Weights of the score.
     pub weights: Weights,
     /// Commands that anyone can repeat.
     pub commands: Vec<ExampleCommand>,
 }
 
 impl Results {
-    /// What was measured of a point.
     pub fn of(&self, point: &Point) -> Option<&Measured> {
         self.measured.iter().find(|measured| measured.point == *point)
     }

@@ -15,13 +15,11 @@ pub struct PointTable<'a> {
 /// A row of a [`PointTable`].
 pub struct PointRow<'a> {
     pub point: &'a Measured,
-    /// One for each heading.
     pub cells: Vec<Cell>,
 }
 
 /// A value and its range.
 pub struct Cell {
-    /// The value.
     pub text: String,
     /// The shortest and the longest run, if there are several.
     pub range: Option<String>,

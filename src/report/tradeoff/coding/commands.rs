@@ -23,12 +23,10 @@ pub fn decoder_passes(pass_seconds: f64) -> u32 {
     ((TIMED_SECONDS / pass_seconds.max(1e-9)) as u32).clamp(least, most)
 }
 
-/// What the input is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// A `lightfield.json`, or its folder.
     Dataset,
-    /// A lone sequence.
     Sequence,
 }
 

@@ -15,7 +15,6 @@ pub struct Demands {
     pub min_psnr_db: Option<f64>,
     /// Milliseconds for one point in time, all probes and faces.
     pub decode_ms: Option<f64>,
-    /// Bytes of the container.
     pub max_bytes: Option<u64>,
     /// Bytes of the container in percent of those of the footage.
     pub max_ratio_percent: Option<f64>,

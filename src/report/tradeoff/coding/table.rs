@@ -132,31 +132,19 @@ const fn line(label: &'static str, measure: &'static str) -> PanelLine {
     PanelLine { label, measure, factor: 1.0 }
 }
 
-const fn panel(title: &'static str, scale: Scale, lines: &'static [PanelLine]) -> Panel {
-    Panel { title, lines, scale, streams: &[], map: None }
-}
-
 const PANELS: &[Panel] = &[
-    Panel {
-        map: Some(Better::Less),
-        ..panel("Container", Scale::Bytes, &[line("container", "bytes_container"), line("with LZMA2", "bytes_lzma2")])
-    },
-    Panel {
-        streams: &[Color],
-        ..panel("PSNR (dB)", Scale::Decibels, &[line("all samples", "psnr_db"), line("worst cell", "min_psnr_db")])
-    },
-    Panel { streams: &[Depth, Material], ..panel("PSNR (dB)", Scale::Decibels, &[line("", "psnr_db")]) },
-    Panel { streams: &[Color], ..panel("SSIM", Scale::Linear, &[line("", "ssim")]) },
-    Panel { streams: &[Depth], ..panel("Largest error (16-bit codes)", Scale::Linear, &[line("", "max_error_codes")]) },
-    Panel {
-        streams: &[Material],
-        ..panel("Largest error (8-bit steps)", Scale::Linear, &[line("", "max_error_codes")])
-    },
-    Panel {
-        map: Some(Better::Less),
-        ..panel("Decoding (ms a frame)", Scale::Linear, &[line("", "decode_ms_per_frame")])
-    },
-    panel("Encoding (s)", Scale::Linear, &[line("", "encode_seconds")]),
+    Panel::new("Container", Scale::Bytes, &[line("container", "bytes_container"), line("with LZMA2", "bytes_lzma2")])
+        .mapped(Better::Less),
+    Panel::new("PSNR (dB)", Scale::Decibels, &[line("all samples", "psnr_db"), line("worst cell", "min_psnr_db")])
+        .for_streams(&[Color]),
+    Panel::new("PSNR (dB)", Scale::Decibels, &[PanelLine::of("psnr_db")]).for_streams(&[Depth, Material]),
+    Panel::new("SSIM", Scale::Linear, &[PanelLine::of("ssim")]).for_streams(&[Color]),
+    Panel::new("Largest error (16-bit codes)", Scale::Linear, &[PanelLine::of("max_error_codes")])
+        .for_streams(&[Depth]),
+    Panel::new("Largest error (8-bit steps)", Scale::Linear, &[PanelLine::of("max_error_codes")])
+        .for_streams(&[Material]),
+    Panel::new("Decoding (ms a frame)", Scale::Linear, &[PanelLine::of("decode_ms_per_frame")]).mapped(Better::Less),
+    Panel::new("Encoding (s)", Scale::Linear, &[PanelLine::of("encode_seconds")]),
 ];
 
 const RATE: TradeAxis = TradeAxis {

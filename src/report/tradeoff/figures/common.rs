@@ -18,7 +18,6 @@ pub struct Figure {
     pub name: String,
     /// What it shows and how it is read, in sentences.
     pub caption: String,
-    /// The picture.
     pub drawing: Drawing,
 }
 

@@ -134,7 +134,10 @@ impl Grid<'_> {
 
     fn values(&self, panel: &Panel, line: &PanelLine, better: Better) -> MapValues {
         let unit = self.unit(panel, line);
-        let value = |point: &Measured| Some(point.number(line.measure)? * line.factor / unit.size);
+        let value = |point: &Measured| {
+            let value = point.number(line.measure)? * line.factor / unit.size;
+            Some(value).filter(|value| value.is_finite())
+        };
         let values: Vec<Option<f64>> = self.points.iter().map(|point| point.and_then(value)).collect();
         let best = match better {
             Better::Less => score::best(&values),
@@ -188,7 +191,6 @@ impl Grid<'_> {
     }
 }
 
-/// With a capital at the beginning.
 pub fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

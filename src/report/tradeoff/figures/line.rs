@@ -13,13 +13,11 @@ const CHART: [u32; 2] = [500, 320];
 pub struct Along<'a> {
     study: &'a Study,
     axis: &'a Axis,
-    /// By place.
     pub points: Vec<PlacedPoint<'a>>,
 }
 
 /// A point and its place on the axis.
 pub struct PlacedPoint<'a> {
-    /// The place.
     pub x: f64,
     pub point: &'a Measured,
 }

@@ -13,7 +13,6 @@ use crate::report::tradeoff::study::{Results, Study};
 /// Size of the charts in pixels, with their legends.
 const CHART: [u32; 2] = [980, 460];
 
-/// A point with its place.
 struct PlacedPoint<'a> {
     point: &'a Measured,
     x: f64,
@@ -85,7 +84,6 @@ fn figure(results: &Results, stream: Option<StreamKind>, trade: &Trade) -> Optio
     Some(Figure { name: format!("{stem}-{}", trade.name), caption, drawing })
 }
 
-/// The mark of a point, with its rank on the front.
 fn mark(points: &[PlacedPoint<'_>], front: &[usize], at: usize) -> Mark {
     let name = front.iter().position(|&on| on == at).map(|rank| (rank + 1).to_string());
     Mark { x: points[at].x, y: points[at].y, spread: None, name }

@@ -10,18 +10,14 @@ use crate::report::tradeoff::study::{Axis, Results, Study};
 /// Size of each chart in pixels.
 const CHART: [u32; 2] = [500, 330];
 
-const fn panel(title: &'static str, lines: &'static [PanelLine]) -> Panel {
-    Panel { title, lines, scale: Scale::Linear, streams: &[], map: None }
-}
-
 const fn line(measure: &'static str) -> PanelLine {
     PanelLine { label: "modelling functions", measure, factor: 1.0 }
 }
 
 const PANELS: [Panel; 3] = [
-    panel("Decoding (ms a frame)", &[line("decode_ms_per_frame")]),
-    panel("Throughput (Mpixel/s)", &[line("megapixels_per_second")]),
-    panel("Pixels written (% of those shown)", &[line("changed_percent")]),
+    Panel::new("Decoding (ms a frame)", Scale::Linear, &[line("decode_ms_per_frame")]),
+    Panel::new("Throughput (Mpixel/s)", Scale::Linear, &[line("megapixels_per_second")]),
+    Panel::new("Pixels written (% of those shown)", Scale::Linear, &[line("changed_percent")]),
 ];
 
 /// A figure for each study of the error bound alone that was timed.

@@ -1,17 +1,14 @@
-//! Pictures of what streams are made of, in the spirit of GDC's figure 1: (b) the nodes, boxes or blocks that a frame's
-//! record writes, tinted by what they are written with; where in the image a stream of colour spends its keyframes; and (c)
-//! how far the decoded image is from its source.
+//! Pictures of how streams are coded (GDC figure 1): (b) the nodes, boxes or blocks of a frame, tinted by their coding; the
+//! keyframes of each cell of colour; and (c) the error of the decoded image.
 //!
-//! Enters: an open container, some of its streams, and the footage that they were made of, where that is at hand. Leaves: a
-//! PNG file for each picture, the same bytes whatever the number of threads. An image is enlarged or reduced by a whole
-//! factor, so that a file is never much larger than 2048 pixels on a side.
+//! Enters: an open container, some of its streams, and their source for errors. Leaves: a PNG file for each picture, of at
+//! most about 2048 pixels on a side; its bytes do not depend on the number of threads.
 
 mod errors;
 mod frames;
 mod keyframes;
-pub(super) mod palette;
-pub(super) mod raster;
-pub(super) mod sheet;
+mod subject;
+mod tints;
 
 use std::path::Path;
 
@@ -24,35 +21,12 @@ use crate::inspect::{Survey, coding_map, survey, survey_steps};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
-pub use sheet::Sheet;
+use crate::report::picture::sheet::Sheet;
+use subject::Subject;
+pub use subject::{What, counted};
 
 /// More pictures than this are refused.
 const MAX_PLOTS: usize = 4096;
-
-/// What a picture shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum What {
-    /// Nodes of a quadtree, or BC4w blocks.
-    Nodes,
-    /// Boxes around what changes.
-    Boxes,
-    /// Cells of colour: what a frame shows, and how many keyframes each has.
-    Keyframes,
-    /// Distance from the source.
-    Error,
-}
-
-impl What {
-    /// The word for it in names of files and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            What::Nodes => "nodes",
-            What::Boxes => "boxes",
-            What::Keyframes => "keyframes",
-            What::Error => "error",
-        }
-    }
-}
 
 /// A picture that was written.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,14 +35,11 @@ pub struct Plot<'a> {
     pub file: String,
     pub stream: &'a StreamInfo,
     pub frame: u32,
-    /// What it shows.
     pub what: What,
 }
 
-/// What is to be drawn.
 #[derive(Clone, Copy)]
 pub struct Request<'a> {
-    /// The container.
     pub decoder: &'a Decoder,
     pub streams: &'a [&'a StreamInfo],
     /// The frame. None: of depth and material the first one, which shows whole pictures, and the one that changes most
@@ -77,15 +48,6 @@ pub struct Request<'a> {
     pub frame: Option<u32>,
     /// The container and its source, and which of their streams belong together, for pictures of errors.
     pub source: Option<(&'a [Side; 2], &'a Pairing<'a>)>,
-}
-
-/// A stream, and what is known when its pictures are drawn.
-struct Subject<'a> {
-    stream: &'a StreamInfo,
-    /// The container's file name.
-    file: String,
-    /// Such as `depth 00/px`.
-    name: String,
 }
 
 /// Steps that [`plot`] advances its monitor by.
@@ -133,13 +95,13 @@ fn plot_stream<'a>(
     let mut plots = Vec::new();
     for frame in frames_of(request.frame, stream, surveyed.as_ref()) {
         monitor.check()?;
-        let anatomy = coding_map(decoder, stream, frame)?;
+        let map = coding_map(decoder, stream, frame)?;
         let picture = decoder.face(stream).decode(frame)?;
         let (what, sheet) = match &surveyed {
             Some(survey) if stream.kind == StreamKind::Color => {
-                (What::Keyframes, keyframes::sheet(&subject, &anatomy, &picture, survey)?)
+                (What::Keyframes, keyframes::sheet(&subject, &map, &picture, survey)?)
             }
-            _ => frames::sheet(&subject, &anatomy, &picture),
+            _ => frames::sheet(&subject, &map, &picture),
         };
         let mut save = |what: What, sheet: Sheet| {
             let file = format!("{}_{probe}_{}_{frame:04}_{}.png", stream.kind.name(), stream.face.name(), what.name());
@@ -175,46 +137,4 @@ fn frames_of(asked: Option<u32>, stream: &StreamInfo, survey: Option<&Survey>) -
         (None, StreamKind::Color) => vec![busiest.unwrap_or(stream.frames.first)],
         (None, _) => [stream.frames.first].into_iter().chain(busiest).collect(),
     }
-}
-
-impl Subject<'_> {
-    fn size(&self) -> [u32; 2] {
-        [self.stream.entry.width, self.stream.entry.height]
-    }
-
-    /// The line that all sheets have: file, codec, size.
-    fn fact(&self, scale: raster::Scale) -> String {
-        let ([width, height], frames) = (self.size(), self.stream.frames);
-        format!(
-            "{}: frames {}-{}, codec {}, {width}x{height} pixels, {}.",
-            self.file,
-            frames.first,
-            frames.last,
-            self.stream.header.codec_name(),
-            scale.words()
-        )
-    }
-
-    /// How many units there are of one, `tile` or `cell`.
-    fn unit_word(&self) -> &'static str {
-        if self.stream.kind == StreamKind::Color { "cell" } else { "tile" }
-    }
-}
-
-/// A count with its word.
-pub(crate) fn counted(count: u64, what: &str) -> String {
-    format!(
-        "{count} {what}{}",
-        if count == 1 {
-            ""
-        } else if what.ends_with('x') {
-            "es"
-        } else {
-            "s"
-        }
-    )
-}
-
-fn percent(part: u64, whole: u64) -> String {
-    format!("{:.2}%", 100.0 * part as f64 / whole.max(1) as f64)
 }

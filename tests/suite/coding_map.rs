@@ -9,7 +9,7 @@ use lightfold::decode::{Decoder, Picture, StreamInfo};
 use lightfold::image::{DepthPlane, Face, Plane};
 use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, survey, survey_steps};
 use lightfold::monitor::Silent;
-use lightfold::report::anatomy::{Request, plot};
+use lightfold::report::coding_map::{Request, plot};
 use serde_json::Value;
 use tempfile::TempDir;
 

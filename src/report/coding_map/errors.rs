@@ -1,21 +1,21 @@
 //! How far a decoded image is from its source (GDC figure 1c): the error of each pixel, and for colour the PSNR of each cell.
 
 use super::keyframes::{CellMark, draw_cells};
-use super::palette::{self, Rgb};
-use super::raster::{HALF_ROOM, ROOM, Scale, hatch, render};
-use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
-use super::{Subject, counted, percent};
+use super::subject::{Subject, counted, percent};
 use crate::color::quality::PU_STEPS;
 use crate::compare::{Coding, ErrorMap, LargestError};
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::metrics::depth_error::PixelError;
+use crate::report::picture::raster::{HALF_SIDE, MAX_SIDE, Scale, hatch, render};
+use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
+use crate::report::plot::palette::{self, Rgb};
 use crate::streams::{CodecHeader, ColorFormat};
 
 /// The sheet of a frame's errors against the source that the user named.
 pub(super) fn sheet(subject: &Subject<'_>, map: &ErrorMap, source: &str, frame: u32) -> Result<Sheet> {
     let size = subject.size();
-    let scale = Scale::of(size, if map.cells.is_empty() { ROOM } else { HALF_ROOM });
+    let scale = Scale::of(size, if map.cells.is_empty() { MAX_SIDE } else { HALF_SIDE });
     let LargestError { steps: largest, background_pixels: background, outside_pixels: outside } = map.largest();
     let scale_of = ErrorScale::of(largest, bound(subject));
     let (unit, steps) = match map.domain.coding {

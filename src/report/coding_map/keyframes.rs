@@ -1,28 +1,26 @@
 //! Cells of colour: what a frame shows of them, and how many keyframes each has over all frames.
 
 use super::frames::{Shades, key, sentence, tinted};
-use super::palette::{self, Rgb};
-use super::raster::{HALF_ROOM, Scale};
-use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
-use super::{Subject, counted};
+use super::subject::{Subject, counted};
 use crate::decode::Picture;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
 use crate::inspect::{CodingMap, Survey};
+use crate::report::picture::raster::{HALF_SIDE, Scale};
+use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
+use crate::report::plot::palette::{self, Rgb};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, convert};
 
-/// A cell as it is drawn.
 pub(super) struct CellMark {
     /// Left, top, width and height in the image.
     pub rect: [u32; 4],
     pub color: Rgb,
     /// Written in it where there is room.
     pub words: String,
-    /// Whether its corner is marked.
     pub corner: bool,
 }
 
@@ -59,14 +57,14 @@ pub(super) fn draw_cells(size: [u32; 2], scale: Scale, cells: &[CellMark]) -> Re
 }
 
 /// The sheet of a stream of colour.
-pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Picture, survey: &Survey) -> Result<Sheet> {
-    let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_ROOM));
+pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture, survey: &Survey) -> Result<Sheet> {
+    let (size, scale) = (subject.size(), Scale::of(subject.size(), HALF_SIDE));
     let shades = Shades::plain(light(subject, picture));
     let frames = subject.stream.frames;
     let frame = Panel {
-        caption: format!("Frame {}, and the cells that it writes", anatomy.frame),
-        image: tinted(subject, scale, &shades, anatomy),
-        key: key(subject, anatomy),
+        caption: format!("Frame {}, and the cells that it writes", map.frame),
+        image: tinted(subject, scale, &shades, map),
+        key: key(subject, map),
         bar: None,
     };
     let counts = || survey.cells.iter().map(|cell| cell.count());
@@ -118,9 +116,9 @@ pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Pictur
     let facts = vec![
         subject.fact(scale),
         format!("{} in {}: {spread}{ways}.", counted(total, "keyframe"), counted(survey.cells.len() as u64, "cell"),),
-        sentence(subject, anatomy, None),
+        sentence(subject, map, None),
     ];
-    let title = format!("{}, keyframes, and frame {}", subject.name, anatomy.frame);
+    let title = format!("{}, keyframes, and frame {}", subject.name, map.frame);
     Ok(Sheet { title, facts, panels: vec![frame, keyframes] })
 }
 

@@ -1,12 +1,12 @@
 //! A sheet: a title, facts, and beside each other images, each with a key and a colour bar below. What it says decides how
 //! large it is; nothing is clipped.
 
-use super::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
 use super::raster::is_hatched;
 use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::report::plot::drawing::{Anchor, Stroke, Text};
 use crate::report::plot::font::{self, Weight};
+use crate::report::plot::palette::{INK, PAPER, Rgb, SOFT_INK, contrast, hatched};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 
@@ -32,7 +32,6 @@ const MAX_BAR: f64 = 640.0;
 /// What a key shows before its words.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Swatch {
-    /// A colour.
     Flat(Rgb),
     /// A ground with lines.
     Hatched(Rgb),
@@ -45,13 +44,10 @@ pub enum Swatch {
 /// A line of a key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// What is meant.
     pub swatch: Swatch,
-    /// What it means.
     pub words: String,
 }
 
-/// A colour bar.
 #[derive(Debug, Clone)]
 pub struct Bar {
     /// The colour at each place, 0 to 1.
@@ -79,7 +75,6 @@ pub struct Panel {
 /// All of it.
 #[derive(Debug, Clone)]
 pub struct Sheet {
-    /// One line.
     pub title: String,
     /// Sentences below it.
     pub facts: Vec<String>,
@@ -322,7 +317,7 @@ mod tests {
                 Entry { swatch: Swatch::Hatched([0; 3]), words: "lines ".repeat(40) },
             ],
             bar: Some(Bar {
-                color: super::super::palette::heat,
+                color: crate::report::plot::palette::heat,
                 ticks: vec![(0.0, "0".into()), (1.0, "100".into())],
                 label: "error in codes".into(),
                 mark: Some((1.0, "the bound, 100 codes".into())),

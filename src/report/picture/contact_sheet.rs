@@ -1,11 +1,11 @@
 //! Many pictures on one sheet, small, each with its name below.
 
+use super::raster::{self, Scale};
+use super::sheet::paste;
 use crate::error::Result;
 use crate::image::plane::Plane;
-use crate::report::anatomy::palette::{INK, PAPER, Rgb};
-use crate::report::anatomy::raster::{self, Scale};
-use crate::report::anatomy::sheet::paste;
 use crate::report::plot::drawing::Text;
+use crate::report::plot::palette::{INK, PAPER, Rgb};
 use crate::report::plot::save::to_pixels;
 use crate::report::plot::{Drawing, Ink};
 

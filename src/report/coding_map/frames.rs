@@ -1,15 +1,16 @@
 //! What a frame of depth or material writes: its image in grey, and over it the nodes, boxes or blocks (GDC figure 1b).
 
-use super::palette::{self, Rgb};
-use super::raster::{ROOM, Scale, hatch, outline, parts_of, render, unit_borders};
-use super::sheet::{Bar, Entry, Panel, Sheet, Swatch};
-use super::{Subject, What, counted, percent};
+use super::subject::{Subject, What, counted, percent};
+use super::tints;
 use crate::dataset::stream::StreamKind;
 use crate::decode::Picture;
 use crate::depth::nodes::Function;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
 use crate::image::plane::Plane;
 use crate::inspect::{CodingMap, Writing};
+use crate::report::picture::raster::{MAX_SIDE, Scale, hatch, outline, parts_of, render, unit_borders};
+use crate::report::picture::sheet::{Bar, Entry, Panel, Sheet, Swatch};
+use crate::report::plot::palette::{self, Rgb};
 use crate::streams::{CodecHeader, ColorBlocks, ColorHeader, DepthCoding};
 
 /// An image in shades of grey.
@@ -97,21 +98,21 @@ fn significant(value: f64) -> String {
 }
 
 /// The image with what is written in it tinted and outlined.
-pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, anatomy: &CodingMap) -> Plane<Rgb> {
+pub(super) fn tinted(subject: &Subject<'_>, scale: Scale, shades: &Shades, map: &CodingMap) -> Plane<Rgb> {
     let size = subject.size();
     let mut writings: Plane<Option<Writing>> = Plane::filled(size[0], size[1], None);
-    for patch in &anatomy.patches {
+    for patch in &map.patches {
         let [left, top, width, height] = patch.rect;
         for y in top..top + height {
             writings.row_mut(y)[left as usize..(left + width) as usize].fill(Some(patch.writing));
         }
     }
     let over = |x: u32, y: u32, color: Rgb| match writings.get(x, y) {
-        Some(writing) => palette::tinted(color, writing),
+        Some(writing) => tints::tinted(color, writing),
         None => color,
     };
     let mut drawn = render(size, scale, |x, y| over(x, y, shades.color(x, y)));
-    outline(&mut drawn, scale, &parts_of(size, &anatomy.patches));
+    outline(&mut drawn, scale, &parts_of(size, &map.patches));
     let entry = &subject.stream.entry;
     unit_borders(&mut drawn, scale, (0..entry.unit_count()).map(|unit| entry.unit_rect(unit)));
     hatch(&mut drawn, scale, |x, y| shades.pixels.get(x, y).is_none());
@@ -142,7 +143,7 @@ fn name(header: &CodecHeader, writing: Writing) -> String {
 }
 
 /// A line for each way of writing, and one for what is not written.
-pub(super) fn key(subject: &Subject<'_>, anatomy: &CodingMap) -> Vec<Entry> {
+pub(super) fn key(subject: &Subject<'_>, map: &CodingMap) -> Vec<Entry> {
     let pixels = subject.size().iter().map(|&side| u64::from(side)).product();
     let word = match &subject.stream.header {
         CodecHeader::Depth(header) => match header.coding {
@@ -155,13 +156,13 @@ pub(super) fn key(subject: &Subject<'_>, anatomy: &CodingMap) -> Vec<Entry> {
     };
     let line = |writing: Writing, parts: u64, written: u64| {
         let count = word.map_or_else(String::new, |word| format!("{}, ", counted(parts, word)));
-        let swatch = Swatch::Flat(palette::tinted(palette::grey(0.4), writing));
+        let swatch = Swatch::Flat(tints::tinted(palette::grey(0.4), writing));
         let name = name(&subject.stream.header, writing);
         Entry { swatch, words: format!("{name}: {count}{} of the image", percent(written, pixels)) }
     };
-    let extents = anatomy.extents().into_iter();
+    let extents = map.extents().into_iter();
     let mut key: Vec<Entry> = extents.map(|(writing, extent)| line(writing, extent.parts, extent.pixels)).collect();
-    let rest = pixels - anatomy.updated_pixels();
+    let rest = pixels - map.updated_pixels();
     if rest > 0 {
         let words = format!("not written, as before: {} of the image", percent(rest, pixels));
         key.push(Entry { swatch: Swatch::Flat(palette::grey(0.4)), words });
@@ -174,8 +175,8 @@ pub(super) fn key(subject: &Subject<'_>, anatomy: &CodingMap) -> Vec<Entry> {
 }
 
 /// What the frame's record comes to, in a sentence.
-pub(super) fn sentence(subject: &Subject<'_>, anatomy: &CodingMap, parts: Option<&str>) -> String {
-    if anatomy.patches.is_empty() {
+pub(super) fn sentence(subject: &Subject<'_>, map: &CodingMap, parts: Option<&str>) -> String {
+    if map.patches.is_empty() {
         return "No pixel is written in this frame: the image is that of an earlier one.".to_owned();
     }
     let (units, word) = (subject.stream.entry.unit_count(), subject.unit_word());
@@ -183,20 +184,20 @@ pub(super) fn sentence(subject: &Subject<'_>, anatomy: &CodingMap, parts: Option
     let in_units = if units == 1 {
         format!(" in one {word}")
     } else {
-        format!(" in {} of {}", anatomy.written_units, counted(u64::from(units), word))
+        format!(" in {} of {}", map.written_units, counted(u64::from(units), word))
     };
-    let keyframes = match (units, anatomy.keyframe_units) {
+    let keyframes = match (units, map.keyframe_units) {
         (_, 0) => String::new(),
         (1, _) => ", as a keyframe".to_owned(),
         (_, count) => format!(", {count} of them keyframes"),
     };
     let parts = parts.map_or_else(String::new, |parts| format!(" by {parts}"));
-    let updated = anatomy.updated_pixels();
+    let updated = map.updated_pixels();
     format!("{updated} of {pixels} pixels ({}) are written{parts}{in_units}{keyframes}.", percent(updated, pixels))
 }
 
-pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Picture) -> (What, Sheet) {
-    let scale = Scale::of(subject.size(), ROOM);
+pub(super) fn sheet(subject: &Subject<'_>, map: &CodingMap, picture: &Picture) -> (What, Sheet) {
+    let scale = Scale::of(subject.size(), MAX_SIDE);
     let shades = Shades::of(subject, picture);
     let (what, part, note) = match &subject.stream.header {
         CodecHeader::Depth(header) => match header.coding {
@@ -212,24 +213,24 @@ pub(super) fn sheet(subject: &Subject<'_>, anatomy: &CodingMap, picture: &Pictur
         _ => (What::Boxes, "box", None),
     };
     // A keyframe of boxes is a whole tile and no box.
-    let whole = what == What::Boxes && anatomy.keyframe_units == anatomy.written_units;
-    let parts = (!whole).then(|| counted(u64::from(anatomy.parts), part));
-    let mut facts = vec![subject.fact(scale), sentence(subject, anatomy, parts.as_deref())];
+    let whole = what == What::Boxes && map.keyframe_units == map.written_units;
+    let parts = (!whole).then(|| counted(u64::from(map.parts), part));
+    let mut facts = vec![subject.fact(scale), sentence(subject, map, parts.as_deref())];
     facts.extend(note.map(str::to_owned));
-    let mut key = key(subject, anatomy);
+    let mut key = key(subject, map);
     if shades.has_background() {
         key.push(Entry { swatch: Swatch::Hatched(palette::BACKGROUND), words: "background: no surface".to_owned() });
     }
     key.extend(shades.entry.clone());
     let image = if subject.stream.kind == StreamKind::Material { "Material" } else { "Depth" };
     let caption = match (what, part) {
-        _ if anatomy.patches.is_empty() => format!("{image}; nothing is written"),
+        _ if map.patches.is_empty() => format!("{image}; nothing is written"),
         _ if whole => format!("{image}, and the whole tiles that the frame writes"),
         (What::Boxes, _) => format!("{image}, and the boxes that the frame writes"),
         (_, part) => format!("{image}, and the {part}s that the frame writes"),
     };
-    let panel = Panel { caption, image: tinted(subject, scale, &shades, anatomy), key, bar: shades.bar };
-    let title = format!("{}, frame {}", subject.name, anatomy.frame);
+    let panel = Panel { caption, image: tinted(subject, scale, &shades, map), key, bar: shades.bar };
+    let title = format!("{}, frame {}", subject.name, map.frame);
     (what, Sheet { title, facts, panels: vec![panel] })
 }
 

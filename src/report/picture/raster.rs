@@ -1,13 +1,13 @@
 //! Images as pictures show them: enlarged or reduced by whole factors, outlined, hatched.
 
-use super::palette::{Rgb, contrast, hatched, outlined};
 use crate::image::plane::Plane;
 use crate::inspect::Patch;
+use crate::report::plot::palette::{Rgb, contrast, hatched, outlined};
 
 /// The longest side of a drawn image in pixels, where there is one in a picture.
-pub const ROOM: u32 = 2048;
+pub const MAX_SIDE: u32 = 2048;
 /// And where there are two.
-pub const HALF_ROOM: u32 = 1024;
+pub const HALF_SIDE: u32 = 1024;
 /// Images are enlarged until their longest side is as long as this, or nearly.
 const COMFORTABLE: u32 = 1024;
 /// Largest enlargement.
@@ -23,15 +23,15 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The factor of an image of this width and height whose longest side may be drawn `room` pixels long.
-    pub fn of(size: [u32; 2], room: u32) -> Scale {
+    /// The factor of an image of this width and height whose longest side may be drawn `max_side` pixels long.
+    pub fn of(size: [u32; 2], max_side: u32) -> Scale {
         let longest = size[0].max(size[1]).max(1);
-        if longest > room {
-            return Scale { up: 1, down: longest.div_ceil(room) };
+        if longest > max_side {
+            return Scale { up: 1, down: longest.div_ceil(max_side) };
         }
         let wanted = COMFORTABLE.div_ceil(longest).clamp(1, MAX_UP);
         // Outlines of leaves take too much of an image that is not enlarged.
-        Scale { up: wanted.max(2).min(room / longest).max(1), down: 1 }
+        Scale { up: wanted.max(2).min(max_side / longest).max(1), down: 1 }
     }
 
     /// Width and height of the drawn image.
@@ -44,7 +44,6 @@ impl Scale {
         f64::from(at) * f64::from(self.up) / f64::from(self.down)
     }
 
-    /// The factor in words.
     pub fn words(self) -> String {
         match self {
             Scale { up: 1, down: 1 } => "drawn pixel for pixel".to_owned(),
@@ -170,19 +169,22 @@ mod tests {
     use crate::inspect::Writing;
 
     #[test]
-    fn factors_are_whole_and_images_stay_within_their_room() {
-        let of = |longest, room| (Scale::of([longest, 1], room).up, Scale::of([longest, 1], room).down);
-        assert_eq!([1, 7, 16, 100, 256].map(|longest| of(longest, ROOM)), [(64, 1), (64, 1), (64, 1), (11, 1), (4, 1)]);
+    fn factors_are_whole_and_images_stay_within_their_max_side() {
+        let of = |longest, max_side| (Scale::of([longest, 1], max_side).up, Scale::of([longest, 1], max_side).down);
         assert_eq!(
-            [1024, 1025, 2048, 2049, 65535].map(|longest| of(longest, ROOM)),
+            [1, 7, 16, 100, 256].map(|longest| of(longest, MAX_SIDE)),
+            [(64, 1), (64, 1), (64, 1), (11, 1), (4, 1)]
+        );
+        assert_eq!(
+            [1024, 1025, 2048, 2049, 65535].map(|longest| of(longest, MAX_SIDE)),
             [(2, 1), (1, 1), (1, 1), (1, 2), (1, 32)]
         );
-        assert_eq!([1, 300, 1024, 1025].map(|longest| of(longest, HALF_ROOM)), [(64, 1), (3, 1), (1, 1), (1, 2)]);
+        assert_eq!([1, 300, 1024, 1025].map(|longest| of(longest, HALF_SIDE)), [(64, 1), (3, 1), (1, 1), (1, 2)]);
         for longest in 1..5000 {
-            for room in [HALF_ROOM, ROOM] {
-                let [width, height] = Scale::of([longest, 3], room).drawn([longest, 3]);
+            for max_side in [HALF_SIDE, MAX_SIDE] {
+                let [width, height] = Scale::of([longest, 3], max_side).drawn([longest, 3]);
                 let (side, source) = (width.max(height), longest.max(3));
-                assert!(side <= room && side >= (room / 2).min(64 * source) && height > 0, "{longest} {side}");
+                assert!(side <= max_side && side >= (max_side / 2).min(64 * source) && height > 0, "{longest} {side}");
             }
         }
     }

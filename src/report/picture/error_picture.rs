@@ -1,10 +1,10 @@
 //! A picture, what it should be, and where the two differ, side by side.
 
+use super::raster::{self, HALF_SIDE, Scale};
+use super::sheet::{Bar, Panel, Sheet};
 use crate::error::Result;
 use crate::image::plane::Plane;
-use crate::report::anatomy::palette::{Rgb, heat};
-use crate::report::anatomy::raster::{self, HALF_ROOM, Scale};
-use crate::report::anatomy::sheet::{Bar, Panel, Sheet};
+use crate::report::plot::palette::{Rgb, heat};
 
 /// The difference, in codes, from which on the colour is that of the end of the bar.
 const MOST_CODES: u8 = 64;
@@ -15,7 +15,7 @@ const MOST_CODES: u8 = 64;
 /// When the font cannot be read.
 pub fn draw(title: &str, [shown, wanted]: [&Plane<Rgb>; 2], difference: &Plane<u8>) -> Result<Plane<Rgb>> {
     let size = [shown.width(), shown.height()];
-    let scale = Scale::of(size, HALF_ROOM / 2);
+    let scale = Scale::of(size, HALF_SIDE / 2);
     let panel = |caption: &str, color: &dyn Fn(u32, u32) -> Rgb, bar: Option<Bar>| Panel {
         caption: caption.to_owned(),
         image: raster::render(size, scale, color),
