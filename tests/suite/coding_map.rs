@@ -301,7 +301,7 @@ fn what_cannot_be_drawn_is_refused_in_a_sentence_and_leaves_nothing() {
         ("inspect a.lfold --plot p --source nowhere", "no such file"),
         ("inspect a.lfold --plot p --source color.lfold", "no stream and frame in common"),
         ("inspect a.lfold --plot p --depth-scale 2", "--source"),
-        ("inspect - --plot p --source .", "second time"),
+        ("inspect - --plot p --source .", "reads the container twice"),
         ("inspect a.lfold --plot file/p", "file"),
     ];
     for (line, said) in cases {
@@ -317,7 +317,7 @@ fn a_source_that_lacks_streams_is_told_of() {
     footage(folder.path(), [32, 32]);
     fine("encode . -o a.lfold", folder.path());
     let said = |line: &str| String::from_utf8(fine(line, folder.path()).stdout).unwrap();
-    assert!(said("inspect a.lfold --plot p").contains("Pictures of the error need --source"));
+    assert!(said("inspect a.lfold --plot p").contains("Error maps need --source"));
     let some = said("inspect a.lfold --plot p --source probe_00/face_px/depth.%04d.exr --face px");
     assert!(some.contains("depth_00_px_0000_error.png") && some.contains("lacks"), "{some}");
     let all = said("inspect a.lfold --plot p --source .");
