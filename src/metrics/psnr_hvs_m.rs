@@ -41,7 +41,7 @@ mod tests {
     fn texture_masks_noise() {
         let noisy = |plane: &Plane<[u8; 3]>| {
             let noise = |x: u32, y: u32| (x * 7 + y * 13 + x * y) % 5;
-            Plane::from_fn(64, 64, |x, y| plane.get(x, y).map(|value| value + noise(x, y) as u8))
+            Plane::from_fn(64, 64, |x, y| plane.get(x, y).map(|value| value + noise(x, y) as u8 - 2))
         };
         let flat = Plane::filled(64, 64, [100; 3]);
         let textured = Plane::from_fn(64, 64, |x, y| [(40 + (x * 53 + y * 97 + x * y * 31) % 160) as u8; 3]);
