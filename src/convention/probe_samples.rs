@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use crate::dataset::DepthKind;
+use crate::image::cube::{FacePoint, direction_to_face};
 use crate::image::{DepthPlane, Face, ImageProjection, Plane};
 
 /// Longest side of a face in samples.
@@ -131,8 +132,13 @@ pub struct ProbeSamples {
 impl ProbeSamples {
     /// Nearest and farthest distance around a direction along the probe's own axes.
     pub fn range_towards(&self, kind: DepthKind, direction: DVec3) -> Option<[f64; 2]> {
-        let shown = |samples: &FaceSamples| samples.projection.project(direction);
-        let (samples, at) = self.faces.iter().find_map(|samples| Some((samples, shown(samples)?)))?;
-        samples.range_at(kind, at)
+        if let [only] = self.faces.as_slice()
+            && only.face == Face::View
+        {
+            return only.range_at(kind, only.projection.project(direction)?);
+        }
+        let FacePoint { face, plane } = direction_to_face(direction);
+        let samples = self.faces.iter().find(|samples| samples.face == face)?;
+        samples.range_at(kind, samples.projection.position(plane))
     }
 }

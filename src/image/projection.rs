@@ -76,6 +76,17 @@ impl ImageProjection {
         }
     }
 
+    /// Position of (u, v) in a flat image; 0 in others.
+    pub fn position(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        match *self {
+            Self::CubeFace { size: [width, height], .. } => {
+                [(u + 1.0) * f64::from(width) / 2.0, (v + 1.0) * f64::from(height) / 2.0]
+            }
+            Self::Pinhole { intrinsics: [fx, fy, cx, cy], .. } => [u * fx + cx, v * fy + cy],
+            Self::Equirect { .. } => [0.0; 2],
+        }
+    }
+
     /// Direction of a position: of length 1 in equirectangular images, of planar depth 1 in flat ones.
     pub fn unproject(&self, at: [f64; 2]) -> DVec3 {
         let (Some([forward, right, down]), [u, v]) = (self.axes(), self.plane(at)) else {
@@ -94,12 +105,11 @@ impl ImageProjection {
         match *self {
             Self::CubeFace { face, .. } => {
                 let met = direction_to_face(direction);
-                let [u, v] = met.plane;
-                (met.face == face).then(|| [(u + 1.0) * width / 2.0, (v + 1.0) * height / 2.0])
+                (met.face == face).then(|| self.position(met.plane))
             }
-            Self::Pinhole { intrinsics: [fx, fy, cx, cy], .. } => {
+            Self::Pinhole { .. } => {
                 let [forward, right, down] = Face::View.axes().map(|axis| direction.dot(axis));
-                let [x, y] = [right / forward * fx + cx, down / forward * fy + cy];
+                let [x, y] = self.position([right / forward, down / forward]);
                 let is_inside = (0.0..=width).contains(&x) && (0.0..=height).contains(&y);
                 (forward > 0.0 && is_inside).then_some([x, y])
             }
