@@ -73,11 +73,21 @@ pub use modules::*;
 use modules::*;
 
 pub use half::f16;
-pub use modules::decode::{Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
+pub use modules::container::{ByteSource, ProbeEntry};
 #[cfg(feature = "encode")]
-pub use modules::encode::{EncodeSettings, EncodeSummary, Encoder, EncoderStream, FrameSource, ProbePose};
+pub use modules::dataset::{ProbeInfo, SourceGroup};
+pub use modules::decode::{DecodeCost, Decoder, FaceDecoder, PixelsMut, StreamInfo, UnitDecoder};
+pub use modules::depth::DepthRange;
+#[cfg(feature = "encode")]
+pub use modules::encode::{
+    ColorBlockSettings, DepthCodec, DepthSettings, EncodeSettings, EncodeSummary, Encoder, EncoderStream, ErrorBound,
+    FrameSource, MaterialSettings, ProbePose, TileSize,
+};
 pub use modules::error::{Error, Result};
-pub use modules::image::{Face, FrameRange, StreamKind};
+pub use modules::image::{DepthKind, Face, FrameRange, Projection, StreamKind};
+#[cfg(feature = "encode")]
+pub use modules::inspect::{Inspection, StreamStats, statistics};
+pub use modules::streams::{ColorBlocks, ColorFormat};
 
 #[cfg(feature = "cli")]
 #[doc(hidden)]

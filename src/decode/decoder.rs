@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::container::{ProbeEntry, Reader};
+use crate::container::{ByteSource, OpenLimits, ProbeEntry, Reader};
 use crate::decode::face::FaceDecoder;
 use crate::decode::unit::UnitDecoder;
 use crate::error::{Error, Result};
@@ -54,10 +54,16 @@ impl Decoder {
         Self::new(Reader::from_memory(file)?)
     }
 
-    /// Decodes from an open reader.
+    /// Opens a container in any source of bytes; errors call it `name`.
     ///
     /// # Errors
     /// As for [`Self::open`].
+    pub fn from_source(source: impl ByteSource + 'static, name: &str) -> Result<Decoder> {
+        Self::new(Reader::from_source(source, name, OpenLimits::default())?)
+    }
+
+    /// Decodes from an open reader.
+    #[doc(hidden)]
     pub fn new(reader: Reader) -> Result<Decoder> {
         let named = |error: Error| error.in_file(reader.path());
         let streams = streams::streams(reader.index()).map_err(named)?;
