@@ -19,7 +19,6 @@ pub mod lzma2_encode;
 pub mod lzma2_independent;
 pub mod payload;
 pub mod reader;
-#[cfg(feature = "encode")]
 pub mod serialize;
 pub mod source;
 #[cfg(feature = "encode")]

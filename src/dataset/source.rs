@@ -79,8 +79,10 @@ impl Default for SequenceLayout {
     }
 }
 
+/// A probe of a source: its pose and frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeInfo {
+    /// Unique within the source.
     pub name: String,
     /// Centre in metres.
     pub position: [f64; 3],
@@ -106,11 +108,13 @@ impl ProbeInfo {
 /// Streams of the same files: one face per file, or six in one image.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceGroup {
+    /// Colour, depth or material.
     pub kind: StreamKind,
     /// Index into [`Source::probes`].
     pub probe: usize,
     /// The faces read, in the order of their numbers.
     pub faces: Vec<Face>,
+    /// First and last frame, inclusive.
     pub frames: FrameRange,
     /// Width of a face as read.
     pub width: u32,
