@@ -13,116 +13,13 @@ pub mod bc7;
 mod bptc;
 #[cfg(feature = "encode")]
 mod encode;
+mod formats;
+mod grid;
 
 #[cfg(feature = "encode")]
 pub use encode::BlockEncoder;
-
-pub const SIDE: usize = 4;
-pub const TEXELS: usize = SIDE * SIDE;
-
-/// Columns and rows of blocks that cover `width` x `height` pixels; the last of either may reach past the edge.
-pub fn grid(width: usize, height: usize) -> [usize; 2] {
-    [width.div_ceil(SIDE), height.div_ceil(SIDE)]
-}
-
-pub trait BlockFormat {
-    type Texel: Copy + Default + PartialEq + Send + Sync + std::fmt::Debug + 'static;
-    const BYTES: usize;
-    /// Decodes the first [`Self::BYTES`] of `block` into its pixels, row by row. A shorter slice leaves `out` as it is.
-    fn decode_block(block: &[u8], out: &mut [Self::Texel; TEXELS]);
-}
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc1;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc4;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc5;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc6h;
-
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Bc7;
-
-impl BlockFormat for Bc1 {
-    type Texel = [u8; 3];
-    const BYTES: usize = 8;
-    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc1::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc4 {
-    type Texel = u8;
-    const BYTES: usize = 8;
-    fn decode_block(block: &[u8], out: &mut [u8; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc4::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc5 {
-    type Texel = [u8; 2];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u8; 2]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc5::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc6h {
-    type Texel = [u16; 3];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u16; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc6h::decode(block);
-        }
-    }
-}
-
-impl BlockFormat for Bc7 {
-    type Texel = [u8; 3];
-    const BYTES: usize = 16;
-    fn decode_block(block: &[u8], out: &mut [[u8; 3]; TEXELS]) {
-        if let Some(block) = block.first_chunk() {
-            *out = bc7::decode_rgb(block);
-        }
-    }
-}
-
-/// Decodes an image of `width` x `height` pixels (formats/blocks.md 2).
-///
-/// `blocks` holds the blocks of [`grid`] row by row, [`BlockFormat::BYTES`] each; `pixels` takes the pixels row by row.
-/// What of a block lies past the right or the bottom edge is dropped. Pixels whose block is missing stay as they are.
-pub fn decode_image<F: BlockFormat>(blocks: &[u8], width: usize, height: usize, pixels: &mut [F::Texel]) {
-    let [columns, rows] = grid(width, height);
-    if columns == 0 {
-        return;
-    }
-    let mut texels = [F::Texel::default(); TEXELS];
-    let lines = blocks.chunks(columns * F::BYTES).zip(pixels.chunks_mut(SIDE * width));
-    for (line, band) in lines.take(rows) {
-        for (column, block) in line.chunks_exact(F::BYTES).enumerate() {
-            F::decode_block(block, &mut texels);
-            let left = column * SIDE;
-            let inside = SIDE.min(width - left);
-            for (row, source) in band.chunks_exact_mut(width).zip(texels.chunks_exact(SIDE)) {
-                if inside == SIDE {
-                    row[left..left + SIDE].copy_from_slice(source);
-                } else {
-                    row[left..].copy_from_slice(&source[..inside]);
-                }
-            }
-        }
-    }
-}
+pub use formats::{Bc1, Bc4, Bc5, Bc6h, Bc7, decode_image};
+pub use grid::{BlockFormat, SIDE, TEXELS, grid};
 
 #[cfg(feature = "encode")]
 #[cfg(test)]

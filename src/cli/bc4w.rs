@@ -11,11 +11,11 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::{Source, SourceOptions};
-use crate::dataset::stream::StreamKind;
 use crate::depth::tile_psnr::{BIN_DB, TileModel, TilePsnr};
 use crate::encode::tile_quality::{self, TileQualityReport};
 use crate::encode::{DepthCodec, EncodeReport, EncodeSettings};
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::report::{Column, Table};
 
 /// Length of the longest bar of the histogram.

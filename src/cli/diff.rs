@@ -7,9 +7,9 @@ use crate::cli::output;
 use crate::cli::progress::Progress;
 use crate::cli::{ExitStatus, GlobalArgs, diff_text};
 use crate::compare::{self, Bounds, CompareSettings, Coverage, Measure, Pairing, SideOptions, SsimFrames, compare};
-use crate::dataset::stream::StreamKind;
 use crate::decode::Selection;
 use crate::error::Result;
+use crate::image::StreamKind;
 use crate::image::cube::Face;
 
 /// Arguments.

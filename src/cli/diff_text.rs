@@ -7,7 +7,7 @@ use crate::compare::{
     Bound, Coding, Comparison, Domain, Judgement, Lowest, Measured, Origin, SampleErrors, Side, StreamReport,
     Violation, side_name,
 };
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
 use crate::streams::ColorFormat;

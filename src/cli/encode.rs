@@ -12,10 +12,10 @@ use crate::cli::{ExitStatus, GlobalArgs};
 use crate::container::journal;
 use crate::dataset::manifest;
 use crate::dataset::source::{Source, SourceOptions};
-use crate::dataset::stream::StreamKind;
 use crate::encode::{self, EncodeReport, EncodeSettings, EncodeSummary, Kept, Resumable, Stopped};
 use crate::error::{Error, Result};
 use crate::files::{IntactBytes, OutputFile};
+use crate::image::StreamKind;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

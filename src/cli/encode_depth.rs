@@ -4,9 +4,9 @@ use crate::cli::encode;
 use crate::cli::options::{DepthArgs, OutputArgs, ResumeArgs, SequenceInputArgs};
 use crate::cli::{ExitStatus, GlobalArgs};
 use crate::dataset::source::SourceOptions;
-use crate::dataset::stream::StreamKind;
 use crate::encode::EncodeSettings;
 use crate::error::Result;
+use crate::image::StreamKind;
 
 /// Arguments.
 #[derive(Debug, clap::Args)]

@@ -10,7 +10,7 @@ use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport
 use crate::compare::difference::{BitErrors, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::image::sequence::FrameRange;
 use crate::image::transfer::Transfer;
 use crate::json::Number;

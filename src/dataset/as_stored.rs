@@ -2,8 +2,8 @@
 
 use super::pixels::InvalidDepth;
 use super::source::{Source, SourceGroup};
-use super::stream::DepthKind;
 use crate::error::Result;
+use crate::image::DepthKind;
 use crate::image::equirect::resample_depth;
 use crate::image::{ColorSpace, DepthPlane};
 

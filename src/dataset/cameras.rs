@@ -85,7 +85,7 @@ impl CameraSet {
     pub fn read_text(path: &Path) -> Result<Vec<u8>> {
         let source: Box<dyn Read> = match path == Path::new("-") {
             true => Box::new(std::io::stdin().lock()),
-            false => Box::new(crate::image::open_regular(path)?),
+            false => Box::new(crate::files::open_regular(path)?),
         };
         let mut text = Vec::new();
         source.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(path, error))?;

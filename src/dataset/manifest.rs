@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::{ColorSpace, Face, FrameRange, Pattern};
+use crate::image::{DepthKind, Projection, StreamKind};
 
 /// File name of a manifest inside its folder.
 pub const MANIFEST_NAME: &str = "lightfield.json";
@@ -296,7 +296,7 @@ impl Manifest {
     /// Reads and validates a manifest; `path` is the file or the folder that holds `lightfield.json`.
     pub fn read(path: &Path) -> Result<Manifest> {
         let path = manifest_path(path);
-        let file = crate::image::open_regular(&path)?;
+        let file = crate::files::open_regular(&path)?;
         let mut text = Vec::new();
         // Reads one byte more than allowed instead of trusting the file's stated length.
         file.take(MAX_MANIFEST_BYTES + 1).read_to_end(&mut text).map_err(|error| Error::io(&path, error))?;

@@ -6,14 +6,9 @@ pub mod manifest;
 mod pixels;
 pub mod source;
 
+pub use crate::image::{DepthKind, Projection, StreamKind};
 pub use cameras::{CameraSet, PlacedCamera};
 pub use manifest::Manifest;
 pub(crate) use pixels::planar_to_distance;
 pub use pixels::{InvalidColor, InvalidDepth};
 pub use source::{Arrangement, ProbeInfo, SequenceLayout, Source, SourceGroup, SourceOptions};
-pub use stream::{DepthKind, Projection, StreamKind};
-
-/// Kinds of streams by their old path.
-pub mod stream {
-    pub use crate::image::{DepthKind, Projection, StreamKind};
-}

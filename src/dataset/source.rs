@@ -14,7 +14,6 @@ use super::pixels::{
     DepthRules, InvalidColor, InvalidDepth, check_color, check_depth, check_material, keep_faces, linear_from_srgb,
     planar_to_distance,
 };
-use super::stream::{DepthKind, Projection, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::equirect::{FaceMap, check_face_size, resample_color, resample_depth, resample_nearest};
 use crate::image::layout::{cut_faces, face_size};
@@ -22,6 +21,7 @@ use crate::image::{
     ChannelSelect, ColorPlane, ColorSpace, DepthPlane, Face, FaceLayout, FrameRange, ImageProjection, MaterialPlane,
     Plane, ReadLimits, Sequence, exr, png,
 };
+use crate::image::{DepthKind, Projection, StreamKind};
 
 /// Default frames per second.
 const DEFAULT_FPS: f64 = 24.0;

@@ -5,10 +5,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::dataset::source::{ProbeInfo, Source, SourceGroup, SourceOptions};
-use crate::dataset::stream::{Projection, StreamKind};
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
 use crate::image::{Face, FrameRange};
+use crate::image::{Projection, StreamKind};
 use crate::math::camera::rotation;
 use crate::math::{Camera, Lens};
 

@@ -18,6 +18,7 @@ mod output_file;
 mod output_folder;
 mod partial_file;
 mod partial_folder;
+mod regular;
 
 pub use atomic::write_whole;
 pub use lock::open_locked;
@@ -25,3 +26,4 @@ pub use output_file::OutputFile;
 pub use output_folder::OutputFolder;
 pub use partial_file::IntactBytes;
 pub use partial_folder::{FolderKind, PartialFolder};
+pub use regular::open_regular;

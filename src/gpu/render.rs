@@ -16,7 +16,6 @@ pub mod texels;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::RenderedImage;
 use crate::gpu::device::Gpu;
@@ -25,6 +24,7 @@ use crate::gpu::layout::{Face, View, words_of};
 use crate::gpu::render::backend::{GpuBackend, UnitCost};
 use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::{DeviceTexels, Transferred};
+use crate::image::StreamKind;
 use crate::image::plane::Plane;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;

@@ -3,7 +3,6 @@
 use crate::container::index::{ProbeEntry, StreamEntry};
 use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
-use crate::dataset::stream::DepthKind;
 use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::encoder::BlockEncoder;
 use crate::depth::domain::Domain;
@@ -15,6 +14,7 @@ use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::image::DepthKind;
 use crate::math::random::Random;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
 

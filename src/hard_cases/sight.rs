@@ -4,9 +4,9 @@
 use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
-use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
 use crate::hard_cases::case::{Bound, Family, Group, HardCase, Inputs, Measured};
+use crate::image::DepthKind;
 use crate::image::cube::Face;
 use crate::math::random::Random;
 use crate::math::{Camera, Lens, Viewer};

@@ -99,7 +99,7 @@ impl Sample for f32 {
 type Reader = exr::block::reader::Reader<BufReader<File>>;
 
 fn open(path: &Path) -> Result<(Reader, u64)> {
-    let file = super::open_regular(path)?;
+    let file = crate::files::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
     let mut file = BufReader::with_capacity(1 << 16, file);
     let start = file.fill_buf().map_err(|error| Error::io(path, error))?;

@@ -1,10 +1,5 @@
 //! Images: planes of pixels, their files, transfer functions, and the image model.
 
-use std::fs::File;
-use std::path::Path;
-
-use crate::error::{Error, Result};
-
 pub mod channels;
 pub mod cube;
 pub mod equirect;
@@ -33,12 +28,3 @@ pub use projection::ImageProjection;
 pub use sequence::{FrameRange, Pattern, Sequence};
 pub use texel_map::TexelMap;
 pub use transfer::{DecodeTable, EncodeTable, ToneMap, Transfer};
-
-/// Opens a regular file; a named pipe would block.
-pub(crate) fn open_regular(path: &Path) -> Result<File> {
-    let io = |error| Error::io(path, error);
-    if std::fs::metadata(path).map_err(io)?.is_file() {
-        return File::open(path).map_err(io);
-    }
-    Err(Error::invalid("not a regular file").in_file(path))
-}

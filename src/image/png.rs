@@ -116,7 +116,7 @@ fn encode(writer: &mut dyn Write, size: [u32; 2], bytes: &[u8], color: ExtendedC
 }
 
 fn open(path: &Path, limits: &ReadLimits) -> Result<PngDecoder<BufReader<File>>> {
-    let file = super::open_regular(path)?;
+    let file = crate::files::open_regular(path)?;
     let meta = file.metadata().map_err(|error| Error::io(path, error))?;
     if meta.len() == 0 {
         return Err(Error::invalid("this file is empty, where a PNG file was expected").in_file(path));

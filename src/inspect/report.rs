@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::container::header::VERSION_MAJOR;
-use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::decode::{DamagedChunkReport, Decoder, StreamInfo};
 use crate::depth::block::side_of;
 use crate::depth::mode_statistics::{ModeStatistics, Share};
 use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::image::transfer::Transfer;
+use crate::image::{DepthKind, StreamKind};
 use crate::inspect::statistics::{FrameRow, Inspection, Spread, StorageStats, StreamStats, Totals};
 use crate::json::Number;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader};

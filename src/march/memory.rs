@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo};
+use crate::image::StreamKind;
 use crate::march::playback::frames::PlaybackOptions;
 use crate::march::render::RAYS_AT_ONCE;
 use crate::march::settings::SpecularMode;

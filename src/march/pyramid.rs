@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::views::light_field::{FaceTexels, LightField, UNKNOWN, View};
 use crate::views::player::Change;

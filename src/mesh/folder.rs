@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::budget::Budget;
 use crate::error::{Error, Result};
+use crate::files::open_regular;
 use crate::fingerprint::digest;
-use crate::image::open_regular;
 
 #[derive(Debug)]
 pub struct Folder {

@@ -13,9 +13,9 @@ mod tints;
 use std::path::Path;
 
 use crate::compare::{Pair, Pairing, Side, error_map};
-use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::image::png;
 use crate::inspect::{Survey, coding_map, survey, survey_steps};
 use crate::monitor::Monitor;

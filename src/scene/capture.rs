@@ -8,8 +8,8 @@ pub mod write;
 use glam::DVec3;
 
 use super::raycast::SceneAtTime;
-use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
+use crate::image::DepthKind;
 use crate::image::ImageProjection;
 use crate::image::{ColorPlane, DepthPlane, Face};
 use crate::monitor::Silent;

@@ -9,9 +9,9 @@ use super::capture::{COLOR_SAMPLES, CapturePlan, ExistingImages, Pass};
 use super::procedural::{DemoKind, DemoScene};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
 use crate::dataset::manifest::Manifest;
-use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
+use crate::image::{DepthKind, Projection};
 use crate::monitor::Monitor;
 
 pub const FPS: f64 = 24.0;
@@ -79,7 +79,7 @@ impl FootagePlan {
 mod tests {
     use super::*;
     use crate::dataset::source::{Source, SourceOptions};
-    use crate::dataset::stream::StreamKind;
+    use crate::image::StreamKind;
     use crate::monitor::Silent;
     use crate::scene::capture::{MAX_FACE_SIZE, capture_face};
 

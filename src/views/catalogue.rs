@@ -1,9 +1,9 @@
 //! The probes of a container that can be rendered: their streams, poses and memory, without decoding anything.
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::streams::{CodecHeader, ColorFormat, ColorHeader};
 use crate::views::face_cache::FaceStreams;
 use crate::views::light_field::{ColorCoding, LightField, View};

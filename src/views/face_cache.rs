@@ -14,9 +14,9 @@ use half::f16;
 
 use crate::color::HalfKey;
 use crate::container::StreamEntry;
-use crate::dataset::stream::StreamKind;
 use crate::decode::{Decoder, StreamInfo, UnitDecoder, UnitFilter, UnitPixels};
 use crate::error::Result;
+use crate::image::StreamKind;
 use crate::streams::DepthHeader;
 use crate::views::inverse_depth::InverseDepth;
 use crate::views::light_field::{ColorTexels, FaceTexels, UNKNOWN, has_specular_weight};

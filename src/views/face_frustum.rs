@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use crate::container::index::ProbeEntry;
-use crate::dataset::stream::DepthKind;
+use crate::image::DepthKind;
 use crate::image::{Face, ImageProjection};
 use crate::math::camera::rotation;
 use crate::math::{Frustum, Window};

@@ -3,13 +3,13 @@
 use half::f16;
 
 use crate::container::ProbeEntry;
-use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::dataset::{Source, SourceGroup};
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::image::TexelMap;
 use crate::image::cube::Face;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane};
+use crate::image::{DepthKind, StreamKind};
 use crate::streams::convert::material_codes;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::dataset::stream::DepthKind;
 use crate::depth::quantise::DepthRange;
+use crate::image::DepthKind;
 use crate::views::light_field::FaceTexels;
 
 /// Inverse depths of the codes of a stream.

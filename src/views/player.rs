@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use crate::error::{Error, Result};
 use crate::image::FrameRange;
+use crate::image::StreamKind;
 use crate::image::TexelMap;
 use crate::memory::{Budget, Need};
 use crate::ordered::try_map_ordered;

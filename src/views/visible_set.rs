@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 
-use crate::dataset::stream::DepthKind;
 use crate::decode::{Decoder, StreamInfo, UnitFilter};
+use crate::image::DepthKind;
 use crate::math::{Camera, Viewer};
 use crate::streams::CodecHeader;
 use crate::views::face_frustum::{DepthSpan, FaceImage};

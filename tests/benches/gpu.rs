@@ -16,13 +16,13 @@
 use std::time::{Duration, Instant};
 
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::dataset::stream::StreamKind;
 use lightfold::decode::{Decoder, StreamInfo};
 use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::DeviceRenderer;
 use lightfold::gpu::decode::{GpuDecoder, picture_words};
 use lightfold::gpu::device::{Gpu, Pick};
 use lightfold::gpu::render::RenderCost;
+use lightfold::image::StreamKind;
 use lightfold::march::playback::frames::{PictureOptions, Playback, PlaybackOptions};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;

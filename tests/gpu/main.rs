@@ -15,13 +15,13 @@ use lightfold::cli::GlobalArgs;
 use lightfold::cli::device::{DeviceArg, or_on_cpu};
 use lightfold::color::cells::LEADS_NOWHERE;
 use lightfold::container::{ChunkKey, PackedChunk, ProbeEntry, Reader, StreamEntry, Writer};
-use lightfold::dataset::stream::{DepthKind, StreamKind};
 use lightfold::decode::{AllUnits, Decoder, Request, Selection, StreamInfo, UnitFilter};
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings};
 use lightfold::gpu::kernels::{Kernel, ShaderFile};
 use lightfold::gpu::selftest::{self, ROWS, SEED, streams};
 use lightfold::gpu::{Gpu, GpuDecoder, Pick, device, verify};
 use lightfold::hard_cases;
+use lightfold::image::{DepthKind, StreamKind};
 use lightfold::monitor::{Monitor, Silent};
 use lightfold::streams::{CodecHeader, DepthCoding, DepthHeader};
 

@@ -8,8 +8,8 @@ use std::process::{Command, Output, Stdio};
 
 use lightfold::convention::Verdict;
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{DepthKind, Manifest};
+use lightfold::image::StreamKind;
 use lightfold::image::{Face, ReadLimits, exr};
 use lightfold::monitor::Silent;
 use lightfold::scene::{DemoKind, DemoScene, FootagePlan};

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use lightfold::dataset::source::{Source, SourceOptions};
-use lightfold::dataset::stream::StreamKind;
 use lightfold::image::Face;
+use lightfold::image::StreamKind;
 use tempfile::TempDir;
 
 use crate::commands::fine;

@@ -229,7 +229,7 @@ fn a_full_disk_is_named() {
 #[cfg(unix)]
 fn long_dataset(folder: &Path) {
     use lightfold::dataset::manifest::{MANIFEST_NAME, Manifest};
-    use lightfold::dataset::stream::StreamKind;
+    use lightfold::image::StreamKind;
 
     const FRAMES: u32 = 1200;
     let mut manifest = Manifest::read(dataset()).unwrap();

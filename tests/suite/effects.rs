@@ -2,9 +2,9 @@
 
 use glam::{DVec3, Vec3};
 use lightfold::container::ProbeEntry;
-use lightfold::dataset::stream::DepthKind;
 use lightfold::depth::DepthRange;
 use lightfold::evaluate::rendered_image::HoleFill;
+use lightfold::image::DepthKind;
 use lightfold::image::transfer::{EncodeTable, ToneMap, Transfer};
 use lightfold::image::{Face, ImageProjection, TexelMap};
 use lightfold::march::active_views::ActiveViews;

@@ -9,12 +9,12 @@ use lightfold::container::{
 };
 use lightfold::dataset::Manifest;
 use lightfold::dataset::manifest::{Background, DepthInfo, Files, MaterialChannels, MaterialInfo, Probe, Unit};
-use lightfold::dataset::stream::{DepthKind, Projection};
 use lightfold::depth::domain::DomainKind;
 use lightfold::depth::node_encoder::NodeSettings;
 use lightfold::depth::quantise::Quantiser;
 use lightfold::depth::{DepthRange, TemporalSettings};
 use lightfold::evaluate::camera_file::{CameraEntry, CameraFile};
+use lightfold::image::{DepthKind, Projection};
 use lightfold::image::{FrameRange, Pattern};
 use lightfold::streams::ColorBlocks;
 use proptest::collection::vec;

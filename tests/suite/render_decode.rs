@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use glam::DVec3;
-use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Source, SourceOptions};
 use lightfold::decode::{AllUnits, Decoder, StreamInfo, UnitFilter};
 use lightfold::evaluate::frame_requests::FrameRequest;
+use lightfold::image::StreamKind;
 use lightfold::march::playback::frames::{CpuRenderer, DecodeScope, PictureOptions, Playback, PlaybackOptions, Shown};
 use lightfold::march::playback::selection::SelectionSettings;
 use lightfold::march::pyramid::{Pyramids, ViewPyramids};

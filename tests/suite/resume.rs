@@ -11,10 +11,10 @@ use std::time::Duration;
 use lightfold::Error;
 use lightfold::container::journal::{self, Recovered};
 use lightfold::dataset::source::{SequenceLayout, Source, SourceOptions};
-use lightfold::dataset::stream::StreamKind;
 use lightfold::encode::{
     self, ColorBlockSettings, DepthCodec, EncodeSettings, EncodeSummary, ErrorBound, Kept, Resumable, Stopped, TileSize,
 };
+use lightfold::image::StreamKind;
 use lightfold::image::{Plane, exr, png};
 use lightfold::monitor::{Monitor, Silent};
 use lightfold::streams::{ColorBlocks, ColorFormat};

@@ -9,7 +9,6 @@ use lightfold::color::{CellEncoder, CellFormat, HalfKey, Sample, SearchSettings}
 use lightfold::container::{
     ChunkEntry, ChunkKey, EncodedChunk, Index, PackedChunk, ProbeEntry, Reader, Storage, StreamEntry, Writer,
 };
-use lightfold::dataset::stream::DepthKind;
 use lightfold::decode::{Decoder, Picture};
 use lightfold::depth::block_chunk::encoder::BlockEncoder;
 use lightfold::depth::domain::{Domain, DomainKind};
@@ -19,6 +18,7 @@ use lightfold::depth::temporal::Held;
 use lightfold::depth::tree_chunk::encoder::TreeEncoder;
 use lightfold::depth::{DepthRange, TemporalEncoder, TemporalSettings, Texel};
 use lightfold::effort::Effort;
+use lightfold::image::DepthKind;
 use lightfold::image::transfer::ToneMap;
 use lightfold::streams::{
     CodecHeader, ColorBlocks, ColorFormat, ColorHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader,

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DQuat, DVec3};
 use lightfold::container::ProbeEntry;
-use lightfold::dataset::stream::DepthKind;
+use lightfold::image::DepthKind;
 use lightfold::image::Face;
 use lightfold::image::cube::{FacePoint, direction_to_face};
 use lightfold::math::camera::rotation;

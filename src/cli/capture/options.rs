@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use super::args::{AovArg, Args, DepthArg, ProjectionArg};
 use crate::dataset::cameras::{CameraSet, PlacedCamera};
-use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::evaluate::camera_file::CameraFile;
 use crate::image::FrameRange;
+use crate::image::{DepthKind, Projection};
 use crate::math::{Camera, Lens};
 use crate::scene::capture::frames_of_animation;
 use crate::scene::{CapturePlan, Pass, Scene};

@@ -2,7 +2,6 @@
 
 use clap::{Args, ValueEnum};
 
-use crate::dataset::stream::DepthKind;
 use crate::dataset::{InvalidDepth, SourceOptions};
 use crate::depth::domain::DomainKind;
 use crate::depth::mode_decision::Decide;
@@ -10,6 +9,7 @@ use crate::depth::node_encoder::NodeSettings;
 use crate::depth::settings::TemporalSettings;
 use crate::encode::{DepthCodec, EncodeSettings, ErrorBound, TileSize};
 use crate::error::{Error, Result};
+use crate::image::DepthKind;
 
 /// Parses a background: a finite float, or +inf.
 pub fn parse_background(text: &str) -> std::result::Result<f32, String> {

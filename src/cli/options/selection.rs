@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::Selection;
 use crate::error::Error;
+use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::sequence::FrameRange;
 

@@ -4,9 +4,9 @@ use clap::{Args, ValueEnum};
 
 use super::{EffortArgs, FrameArgs, parse_face};
 use crate::dataset::source::{Arrangement, SequenceLayout, Source, SourceOptions};
-use crate::dataset::stream::StreamKind;
 use crate::encode::EncodeSettings;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::image::cube::Face;
 use crate::image::png::ColorSpace;
 

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 
 use crate::cli::options::{self, parse_positive};
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 use crate::report::tradeoff::coding::recommend::Demands;
 use crate::report::tradeoff::plan::{Preset, Sweep};
 use crate::report::tradeoff::study::Weights;

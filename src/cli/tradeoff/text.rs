@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use serde_json::json;
 
 use crate::cli::output;
-use crate::dataset::stream::StreamKind;
 use crate::error::Result;
+use crate::image::StreamKind;
 use crate::report::tradeoff::coding::recommend::{Advice, Aim};
 use crate::report::tradeoff::findings::{Finding, Verdict};
 use crate::report::tradeoff::kind::words;

@@ -8,7 +8,6 @@
 use std::collections::{BTreeMap, HashMap};
 use std::time::{Duration, Instant};
 
-use crate::dataset::stream::{DepthKind, StreamKind};
 use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{self, GpuDecoder, UnitFrame};
@@ -17,6 +16,7 @@ use crate::gpu::family::{Family, PixelWords};
 use crate::gpu::layout::Unit;
 use crate::gpu::render::depth_planes::{self, DepthImage, DepthPlanes, ROW_WORDS, TilePart, TileParts};
 use crate::gpu::render::scene::ImageId;
+use crate::image::{DepthKind, StreamKind};
 use crate::streams::CodecHeader;
 use crate::views::backend::{FaceUpdate, NewFace, TexelBackend};
 use crate::views::face_cache::{CachedUnit, DepthPart, FaceChanges, UnitId, units_under};

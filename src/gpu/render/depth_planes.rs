@@ -7,7 +7,6 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use crate::dataset::stream::DepthKind;
 use crate::depth::quantise::DepthRange;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
@@ -15,6 +14,7 @@ use crate::gpu::harness::groups;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, words_of};
 use crate::gpu::render::scene::NO_BOUND;
+use crate::image::DepthKind;
 use crate::image::cube::Face;
 use crate::march::pyramid::DepthPyramid;
 use crate::views::backend::NewFace;

@@ -3,13 +3,13 @@
 
 use glam::DVec3;
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::Decoder;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::render::backend::{GpuBackend, can_decode};
 use crate::gpu::render::scene::ImageId;
 use crate::gpu::render::{GpuRenderer, RenderCost};
+use crate::image::StreamKind;
 use crate::march::active_views::ActiveViews;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
 use crate::march::pyramid::Pyramids;

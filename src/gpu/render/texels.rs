@@ -8,12 +8,12 @@ use std::collections::{HashMap, HashSet};
 use half::slice::HalfFloatSliceExt;
 
 use crate::atlas::{Allocation, Atlas, TextureLimits, TileGrid};
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::render::backend::GpuBackend;
 use crate::gpu::render::depth_planes::{Plane, above};
 use crate::gpu::render::scene::{ImageId, Origin};
+use crate::image::StreamKind;
 use crate::march::active_views::ActiveViews;
 use crate::march::pyramid::DepthPyramid;
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels};

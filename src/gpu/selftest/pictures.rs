@@ -5,7 +5,6 @@ use std::time::Instant;
 use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
-use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
 use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::device::Gpu;
@@ -13,6 +12,7 @@ use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::render::GpuRenderer;
 use crate::gpu::render::agreement::Agreement;
+use crate::image::DepthKind;
 use crate::image::ImageProjection;
 use crate::image::cube::Face;
 use crate::image::transfer::{ToneMap, Transfer};

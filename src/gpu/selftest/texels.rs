@@ -1,10 +1,10 @@
 //! Inputs of the kernels that make texels: tiles of all sizes and places, both kinds of depth, images of one texel and of odd sizes.
 
-use crate::dataset::stream::DepthKind;
 use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
 use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Words, words_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
+use crate::image::DepthKind;
 use crate::image::TexelMap;
 use crate::image::transfer::ToneMap;
 use crate::march::pyramid::DepthPyramid;

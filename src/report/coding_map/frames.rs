@@ -2,10 +2,10 @@
 
 use super::subject::{Subject, What, counted, percent};
 use super::tints;
-use crate::dataset::stream::StreamKind;
 use crate::decode::Picture;
 use crate::depth::nodes::Function;
 use crate::depth::quantise::{BACKGROUND_CODE, DepthRange};
+use crate::image::StreamKind;
 use crate::image::plane::Plane;
 use crate::inspect::{CodingMap, Writing};
 use crate::report::picture::raster::{MAX_SIDE, Scale, hatch, outline, parts_of, render, unit_borders};

@@ -1,7 +1,7 @@
 //! What pictures of a stream say of it.
 
-use crate::dataset::stream::StreamKind;
 use crate::decode::StreamInfo;
+use crate::image::StreamKind;
 use crate::report::picture::raster::Scale;
 
 /// What a picture shows.

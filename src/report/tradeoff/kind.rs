@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::knob::Knob;
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::timing::{Spread, median, spread};
 
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! Knobs: options that trade quality, bytes or time, by the names that they have on the command line.
 
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 
 /// The command that a knob is an option of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -252,7 +252,7 @@ fn foot(page: &mut String, results: &Results) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::stream::StreamKind;
+    use crate::image::StreamKind;
     use crate::report::tradeoff::coding;
     use crate::report::tradeoff::kind::Value;
     use crate::report::tradeoff::sample;

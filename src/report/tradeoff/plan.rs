@@ -8,8 +8,8 @@ use super::knob::{Knob, Stage};
 use super::placement::PLACEMENT;
 use super::rendering::RENDERING;
 use super::study::{Axis, Study};
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
+use crate::image::StreamKind;
 
 /// All kinds of sweeps. A knob that several have is described by the first.
 pub const KINDS: [&SweepKind; 3] = [&CODING, &PLACEMENT, &RENDERING];

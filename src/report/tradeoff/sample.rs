@@ -4,10 +4,10 @@ use super::coding::CODING;
 use super::kind::{Measured, Point, Value};
 use super::knob;
 use super::study::{Axis, Results, Study, Weights, all_points};
-use crate::dataset::stream::StreamKind;
 use crate::depth::domain::Domain;
 use crate::depth::tile_psnr::TilePsnr;
 use crate::effort::Effort;
+use crate::image::StreamKind;
 
 /// A point of depth with these settings, bytes and seconds of decoding.
 pub fn measured(settings: &[(&'static str, &str)], bytes: u64, seconds: f64) -> Measured {

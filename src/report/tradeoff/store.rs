@@ -9,9 +9,9 @@ use std::str::FromStr;
 use serde_json::json;
 
 use super::kind::{Measure, Measured, Point, Source, SweepKind, Value};
-use crate::dataset::stream::StreamKind;
 use crate::error::{Error, Result};
 use crate::files::write_whole;
+use crate::image::StreamKind;
 
 /// Separator of several values in one cell.
 const BETWEEN: &str = ";";

@@ -5,7 +5,7 @@ use serde_json::{Map, json};
 
 use super::kind::{Measured, Point, Setting, SweepKind};
 use super::knob;
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 
 /// A knob and the values that it is given in turn.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::kind::{Format, Measure, Measured};
 use super::study::Results;
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::plot::number;
 use crate::report::{Column, Table};
 

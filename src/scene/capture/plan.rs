@@ -14,10 +14,10 @@ use crate::dataset::manifest::{
     ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, ManifestColorSpace, MaterialInfo, Probe,
     intrinsics_of,
 };
-use crate::dataset::stream::{DepthKind, Projection};
 use crate::error::{Error, Result};
 use crate::fingerprint::digest;
 use crate::image::ImageProjection;
+use crate::image::{DepthKind, Projection};
 use crate::image::{Face, FrameRange, Pattern};
 use crate::math::camera::rotation;
 

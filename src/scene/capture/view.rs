@@ -10,8 +10,8 @@ use half::f16;
 use rayon::prelude::*;
 
 use super::samples::SamplePattern;
-use crate::dataset::stream::DepthKind;
 use crate::error::{Error, Result};
+use crate::image::DepthKind;
 use crate::image::ImageProjection;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
 use crate::mesh::{AxisBox, Ray};

@@ -295,8 +295,8 @@ fn write_image(path: &Path, images: &Images, pass: Pass) -> Result<[f32; 2]> {
 mod tests {
     use super::*;
     use crate::dataset::cameras::{CameraSet, PlacedCamera};
-    use crate::dataset::stream::{DepthKind, Projection};
     use crate::image::FrameRange;
+    use crate::image::{DepthKind, Projection};
     use crate::monitor::Silent;
     use crate::scene::{DemoKind, DemoScene};
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use lightfold::container::Reader;
-use lightfold::dataset::stream::StreamKind;
 use lightfold::dataset::{Manifest, Source, SourceOptions};
 use lightfold::decode::{Decoder, StreamFrames};
 use lightfold::evaluate::camera_file::CameraFile;
+use lightfold::image::StreamKind;
 use lightfold::image::{Face, FrameRange, Pattern};
 use lightfold::report::tradeoff::coding::CODING;
 use lightfold::report::tradeoff::store::Store;

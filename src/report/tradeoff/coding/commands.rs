@@ -4,8 +4,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::table::CODING;
-use crate::dataset::stream::StreamKind;
 use crate::encode::ColorBlockSettings;
+use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Point, Setting};
 use crate::report::tradeoff::knob::Stage;
 use crate::streams::ColorBlocks;

@@ -1,8 +1,8 @@
 //! Findings of the papers, tested on this footage. Each has a rule, which its function states.
 
 use super::runs::{self, Run};
-use crate::dataset::stream::StreamKind;
 use crate::depth::tile_psnr::{BIN_DB, PsnrDistribution, TileModel, TilePsnr};
+use crate::image::StreamKind;
 use crate::report::plot::number;
 use crate::report::tradeoff::findings::{Finding, Verdict};
 use crate::report::tradeoff::kind::Measured;

@@ -1,6 +1,6 @@
 //! The smallest point that meets all demands; or the closest to the source, if only time and bytes are limited.
 
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::tradeoff::kind::Measured;
 use crate::report::tradeoff::store::StoredPoint;
 

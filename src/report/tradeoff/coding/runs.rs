@@ -1,7 +1,7 @@
 //! Points that differ in one knob only.
 
 use super::table::CODING;
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::tradeoff::kind::{Measured, Point, Setting};
 use crate::report::tradeoff::knob;
 use crate::report::tradeoff::study::Results;

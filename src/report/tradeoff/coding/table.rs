@@ -2,7 +2,7 @@
 
 use StreamKind::{Color, Depth, Material};
 
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::timing::{median, spread};
 use crate::report::tradeoff::kind::{
     Better, Format, Measure, Measured, Panel, PanelLine, Scale, SweepKind, Trade, TradeAxis,

@@ -3,7 +3,7 @@ use std::collections::BTreeSet;
 use proptest::prelude::*;
 
 use super::*;
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::plot::Drawing;
 use crate::report::plot::drawing::{Anchor, Direction, Shape, Text};
 use crate::report::plot::font;

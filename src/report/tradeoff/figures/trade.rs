@@ -2,7 +2,7 @@
 //! 9, GDC figure 5).
 
 use super::common::{Figure, Mark, axis_of, sheet, times};
-use crate::dataset::stream::StreamKind;
+use crate::image::StreamKind;
 use crate::report::plot::chart::{Chart, Kind, Series};
 use crate::report::plot::marker::Look;
 use crate::report::tradeoff::kind::{Better, Measured, Trade, TradeAxis, words};

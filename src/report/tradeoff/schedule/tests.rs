@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::*;
-use crate::dataset::stream::StreamKind;
 use crate::error::Error;
+use crate::image::StreamKind;
 use crate::monitor::Silent;
 use crate::report::tradeoff::coding::CODING;
 use crate::report::tradeoff::coding::bench::CodingBench;

@@ -1,0 +1,15 @@
+//! Input files.
+
+use std::fs::File;
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// Opens a regular file; a named pipe would block.
+pub fn open_regular(path: &Path) -> Result<File> {
+    let io = |error| Error::io(path, error);
+    if std::fs::metadata(path).map_err(io)?.is_file() {
+        return File::open(path).map_err(io);
+    }
+    Err(Error::invalid("not a regular file").in_file(path))
+}
