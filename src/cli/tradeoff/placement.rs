@@ -21,7 +21,7 @@ use crate::scene::Scene;
 const OWN: &[&str] = &["output", "json", "quiet", "plot", "csv", "start", "compare-k"];
 /// Options of the search. All others say what is to be covered, and are given to the comparison, too.
 const OF_THE_SEARCH: &[&str] =
-    &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "spread", "threads"];
+    &["effort", "candidates", "surface-samples", "grid", "cameras", "until", "uniform", "threads"];
 
 /// Whether a scene is meant and not footage.
 pub fn is_scene(text: &str) -> bool {

@@ -168,8 +168,8 @@ mod tests {
         let all: Vec<_> = all.iter().filter_map(|settings| words(settings)).collect();
         assert_eq!(
             all.join(", "),
-            "effort=fast max-error=1 tiles=3, effort=fast max-error=1 tiles=4, \
-            effort=fast max-error=2 tiles=3, effort=fast max-error=2 tiles=4"
+            "effort=fast max-error=1 depth-tile=3, effort=fast max-error=1 depth-tile=4, \
+            effort=fast max-error=2 depth-tile=3, effort=fast max-error=2 depth-tile=4"
         );
         assert_eq!(product(&[], &[] as &[Axis]), [vec![]]);
         assert!(product(&[], &[axis("max-error", &[])]).is_empty());

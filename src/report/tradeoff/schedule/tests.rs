@@ -218,7 +218,7 @@ fn a_budget_adds_whole_values_coarse_to_fine_and_says_what_it_left_out() {
         left_out,
         [
             "Study color-psnr-cell: psnr 20, 40 did not fit into 40 s.",
-            "Study color-psnr-cell: cell 16 did not fit into 40 s."
+            "Study color-psnr-cell: color-cell 16 did not fit into 40 s."
         ]
     );
     assert!(took <= 40.0, "{took}");

@@ -1,4 +1,4 @@
-// Pieces of boxes in blocks (depth.md 14): which block holds a pixel. Mirrors src/depth/pieces.rs; the table of boxes has
+// Block tiles of boxes in blocks (depth.md 14): which block holds a pixel. Mirrors src/depth/block_tiles.rs; the table of boxes has
 // a row for each piece.
 
 // Number of the block that holds a pixel of a piece, and of the pixel in it.
