@@ -132,8 +132,8 @@ fn settings_that_cannot_be_are_refused() {
     let hdr = ColorFormat::Half { white_cd_m2: 100.0 };
     let wrong = [
         (EncodeSettings { cell: 10, ..bc1.clone() }, "a multiple of 4"),
-        (EncodeSettings { color: hdr, ..bc1.clone() }, "bc6h with --hdr"),
-        (settings(Some(ColorBlocks::Bc6h), 30.0), "bc6h with --hdr"),
+        (EncodeSettings { color: hdr, ..bc1.clone() }, "bc6h with `hdr`"),
+        (settings(Some(ColorBlocks::Bc6h), 30.0), "bc6h with `hdr`"),
         (settings(Some(ColorBlocks::Bc1), 50.5), "blocks only lose"),
     ];
     for (settings, said) in wrong {

@@ -320,7 +320,7 @@ fn resume_needs_a_file_that_can_be_gone_on_with() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_lightfold"));
     let null = command.current_dir(place.folder.path()).args(["encode", "scene", "--resume", "-o", "/dev/null"]);
     let null = null.output().unwrap();
-    assert!(null.status.success() && said(&null).contains("nothing can be resumed there"), "{}", said(&null));
+    assert!(null.status.success() && said(&null).contains("nothing to resume"), "{}", said(&null));
     // What lies in the way is not written through.
     let (theirs, link) = (place.folder.path().join("theirs"), place.out().join(".a.lfold.partial"));
     fs::write(&theirs, "theirs").unwrap();
