@@ -246,7 +246,7 @@ fn what_cannot_be_captured_is_refused_in_a_sentence() {
         (format!("{here} --projection perspective --fov 180"), "between 0 and 180"),
         (format!("{here} --fov 50"), "only for perspective"),
         (format!("{here} --samples 0"), "samples"),
-        (format!("{here} --aov none,depth"), "nothing else"),
+        (format!("{here} --aov none,depth"), "excludes other outputs"),
         (format!("{here} --aov none --no-color"), "colour, depth or material"),
         (format!("{here} --far 0"), "metres above 0"),
         (format!("{here} --fps 0"), "frames per second"),
