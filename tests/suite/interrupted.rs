@@ -127,8 +127,8 @@ fn chunks(words: &str) -> u64 {
 
 /// The number of chunks that an earlier run had completed.
 fn taken_over(words: &str) -> u64 {
-    let told = words.split([',', '\n']).find(|part| part.ends_with(" resumed chunks"));
-    chunks(told.unwrap_or_else(|| panic!("{words}")))
+    let told = words.split([',', '\n']).find_map(|part| part.trim().strip_suffix(" resumed chunks"));
+    told.and_then(|count| count.parse().ok()).unwrap_or_else(|| panic!("{words}"))
 }
 
 #[cfg(unix)]

@@ -243,7 +243,7 @@ fn near_and_far_of_a_camera_are_honoured() {
     }
     let words =
         String::from_utf8(fine("render a.lfold --camera cam.json --frames 0 --size 40 --null", at).stdout).unwrap();
-    assert!(words.contains("where near and far cut them off"), "{words}");
+    assert!(words.contains("are clipped by near and far"), "{words}");
 }
 
 /// The trace names the probes of each frame, each in a slot of its own.

@@ -381,7 +381,7 @@ fn views_that_do_not_fit_are_given_up_and_too_many_at_once_refused() {
     assert!(again.bytes_read > 0);
     assert!(player.take_changes().iter().any(|change| change.view == 0));
     let said = player.show(0, &[0, 1, 2], &AllUnits).unwrap_err().to_string();
-    assert!(said.contains("--memory") && said.contains("--views"), "{said}");
+    assert!(said.contains("`memory`") && said.contains("`views`"), "{said}");
     assert!(limited(one / 2).show(0, &[0], &AllUnits).is_err());
     // What others take is not there for views.
     assert!(limited_beside(2 * one, one / 2).show(0, &[0], &AllUnits).is_ok());
