@@ -1,23 +1,23 @@
-//! What rendering came to: how often each thing was done.
+//! Counters of rendering.
 
-/// Counts over rays. Sums of whole numbers, so that they do not depend on the number of threads.
+/// Counts over rays: integers, so that sums do not depend on the number of threads.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Rays from the eye.
     pub primary_rays: u64,
-    /// Points, and segments of several, at which it was asked whether a ray is in the open; refinement is not in it.
+    /// Occupancy tests of points and segments, without refinement.
     pub march_steps: u64,
-    /// Points that were looked at to find hits more exactly.
+    /// Occupancy tests of bisection.
     pub refine_steps: u64,
-    /// Rays that a mirror or glass sent on.
+    /// Reflected and refracted rays.
     pub secondary_rays: u64,
-    /// Normals that were computed from depths.
+    /// Normals computed from depths or proxies.
     pub normal_evals: u64,
-    /// Materials that were looked up.
+    /// Material lookups.
     pub material_samples: u64,
-    /// Rays from the eye that end where no view saw anything.
+    /// Primary rays that end in a disocclusion.
     pub hole_rays: u64,
-    /// Rays from the eye that meet no surface.
+    /// Primary rays that meet no surface.
     pub background_rays: u64,
 }
 

@@ -5,41 +5,39 @@
 
 use glam::Vec3;
 
-/// Before the first of the steps, a ray that starts in a surface is looked at every texel, and later every so much of
-/// the distance.
+/// Growth of the intervals before the first step of a ray that starts on a surface, which begin with a texel.
 pub const GROWTH: f32 = 0.125;
-/// At most so many times: as far as some ten thousand texels.
+/// Intervals at most: they reach some ten thousand texels far.
 pub const MOST_BEFORE_STEPS: u32 = 64;
 
 /// A ray in metres from the eye, along the world's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Where it starts.
+    /// Metres.
     pub origin: Vec3,
-    /// Where it goes, of length 1.
+    /// Of length 1.
     pub direction: Vec3,
 }
 
 impl Ray {
-    /// The point at a distance.
     pub fn at(&self, distance_m: f32) -> Vec3 {
         self.origin + self.direction * distance_m
     }
 }
 
-/// The distances at which a ray is looked at.
+/// The distances at which rays are sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Steps {
     /// Metres, never falling; at least one.
     pub distances_m: Vec<f32>,
-    /// How often the interval before a hit is halved.
+    /// Bisections of the interval before a hit.
     pub refine: u32,
 }
 
 /// Steps of which those before the first are skipped.
 #[derive(Debug, Clone, Copy)]
 pub struct StepsFrom<'s> {
-    /// All of them.
+    /// All steps.
     pub steps: &'s Steps,
     /// Number of the first.
     pub first: usize,
@@ -58,8 +56,8 @@ impl Steps {
         Steps { distances_m, refine }
     }
 
-    /// The distances in metres for a ray that starts in a surface with texels `texel_m` wide, with the numbers of those that
-    /// are steps: first some that are nearer than the steps where texels are much smaller than that, then all steps.
+    /// Distances in metres for a ray that starts on a surface with texels `texel_m` wide, with the numbers of those that are
+    /// steps: finer ones before the first step, then all steps.
     pub fn from_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
         let first_m = self.distances_m[0];
         let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
@@ -67,7 +65,7 @@ impl Steps {
         nearer.map(|at_m| (at_m, None)).chain(self.distances_m.iter().enumerate().map(|(at, &at_m)| (at_m, Some(at))))
     }
 
-    /// The logarithm of the ratio of two neighbouring distances; 0 where there is only one.
+    /// Logarithm of the ratio of adjacent distances; 0 where there is one distance.
     pub fn log_step(&self) -> f32 {
         match self.distances_m[..] {
             [first, second, ..] => (second / first).ln(),
@@ -75,8 +73,7 @@ impl Steps {
         }
     }
 
-    /// How far, in the logarithm of the distance, hits may lie behind the surface: what is left of the interval between
-    /// two steps when it has been halved.
+    /// Greatest distance of hits behind the surface, in the logarithm: the rest of a bisected interval.
     pub fn uncertainty(&self) -> f32 {
         let left = -(-self.log_step()).exp_m1() * 0.5f32.powi(self.refine.min(64) as i32);
         -(-left).ln_1p()

@@ -1,14 +1,12 @@
 //! Marching over whole segments of a ray that one view proves to be empty (CALF 6, algorithm 4).
 //!
-//! Enters: active views whose texels have pyramids, and a ray. Leaves: the distance that [`crate::march::intersect`] answers,
-//! bit for bit, after far fewer questions.
+//! Enters: active views with pyramids, and a ray. Leaves: the distance of [`crate::march::intersect`], bit for bit, after far
+//! fewer tests.
 //!
-//! A pyramid holds the greatest inverse depth, so the nearest surface, of squares of texels: 2×2, 4×4 and so on. Seen
-//! from a view, the points of a segment that begins and ends in one face lie in the rectangle of texels between its ends,
-//! and none is farther than the farther end. Where the nearest surface of the rectangle lies beyond that, the view says
-//! of every point that it is in the open, and none of them has to be looked at. All of this is computed with room for
-//! rounding ([`ROUNDING`]), so that it never claims what a single point would deny; where it cannot tell, the segment is
-//! halved, and in the end there are single points, of which [`ActiveViews::is_surface`] decides.
+//! In a view, the points of a segment whose ends lie in one face project into the rectangle of texels between them, and none
+//! is farther than the farther end. If the nearest surface of the rectangle, by the pyramid, is beyond that, the segment is
+//! empty. A margin for rounding ([`ROUNDING`]) keeps this conservative. Other segments are halved, down to single points,
+//! which [`ActiveViews::is_surface`] decides.
 
 use glam::Vec3;
 
@@ -18,18 +16,17 @@ use crate::march::counters::Counters;
 use crate::march::pyramid::LEAST_M;
 use crate::march::ray::{Ray, StepsFrom};
 
-/// How far a coordinate of a point in a view's axes may be from the exact one, in parts of the sum of the greatest
-/// coordinates that it is computed from.
+/// Rounding error of a coordinate in a view's axes, relative to the sum of the greatest coordinates that it is computed from.
 ///
 /// Multiplying the direction, adding the origin and subtracting the view's place round three times, the turn five times
 /// more, each by at most 2⁻²⁴ of a sum of these, times √3 for the three coordinates that each enters into: less than
 /// 16 · 2⁻²⁴.
 pub const ROUNDING: f32 = 1.0 / 1_048_576.0;
-/// A product of a planar depth and an inverse one that is less than this is less than 1 however both are rounded.
+/// A product of a planar depth and an inverse depth below this is below 1 whatever the rounding.
 pub const SURELY_BELOW_ONE: f32 = 1.0 - ROUNDING;
 
-/// Whether a view proves that it sees past every point between two ends of a segment, in metres from the eye. `reach_m`
-/// is the sum of the greatest coordinates of the ray's origin and of its way to the farther end.
+/// Whether a view proves a segment empty. `reach_m` is the sum of the greatest coordinates of the ray's origin and of the
+/// vector from it to the farther end.
 ///
 /// Points are up to 2e from the segment between the ends, where e is what rounding makes of each. That moves a place in
 /// the plane at depth 1 by at most 4e (1 + its greatest coordinate) over the nearer planar depth, as long as that is at
@@ -71,47 +68,46 @@ pub fn is_segment_empty(view: &ActiveView<'_>, ends: [Vec3; 2], reach_m: f32) ->
     view.pyramids.face(face).greatest_between(texels, from, to) * farthest_m < SURELY_BELOW_ONE
 }
 
-/// Which points of a ray come next.
+/// Position on a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Walk {
-    /// Number of the first point that is not passed over yet.
+    /// Number of the first point that is not skipped yet.
     at: usize,
-    /// How many points are asked about at once.
+    /// Points of the next segment.
     length: usize,
-    /// The last point of which it is known that no view sees past it, and whether one sees a surface before it.
+    /// A later point that is empty in no view, and whether it is occupied in one.
     blocked: Option<(usize, bool)>,
 }
 
-/// What is known of the points that come next, or what is to be asked.
+/// The next test of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Next {
-    /// The first point, which is in a surface.
+    /// The next point is in a surface.
     Hit(usize),
-    /// From the first to the last point, both included; they may be one.
-    Ask(usize, usize),
-    /// There are no more.
+    /// The segment from the first to the last point, both included; they may be one.
+    Test(usize, usize),
+    /// No more points.
     End,
 }
 
 impl Walk {
-    /// The walk over `count` points from number `first` on.
-    ///
-    /// It begins with about a quarter of all: the last quarter is rarely reached, and half of all rarely passed at once.
+    /// Starts at point `first` of `count` with about a quarter of all: the last quarter is rarely reached, and half of all
+    /// rarely empty.
     pub(crate) fn new(first: usize, count: usize) -> Walk {
         let length = (count.next_power_of_two() / 4).max(1);
         let aligned = if first == 0 { length } else { 1 << first.trailing_zeros() };
         Walk { at: first, length: length.min(aligned), blocked: None }
     }
 
-    /// What comes next. A segment that ends at a point that no view sees past cannot be open: it is halved unasked.
+    /// The next test. A segment that ends at a point that is empty in no view is halved without one.
     pub(crate) fn next(&mut self, count: usize) -> Next {
         while self.at < count {
             let last = (self.at + self.length).min(count) - 1;
             match self.blocked {
-                Some((blocked, behind)) if blocked == last => {
+                Some((blocked, occupied)) if blocked == last => {
                     if last > self.at {
                         self.length /= 2;
-                    } else if behind {
+                    } else if occupied {
                         return Next::Hit(self.at);
                     } else {
                         self.length = 1;
@@ -122,14 +118,14 @@ impl Walk {
                     if last == self.at {
                         self.length = 1;
                     }
-                    return Next::Ask(self.at, last);
+                    return Next::Test(self.at, last);
                 }
             }
         }
         Next::End
     }
 
-    /// The points that were asked about are open.
+    /// The segment is empty.
     pub(crate) fn passed(&mut self) {
         self.at += self.length;
         if self.at.is_multiple_of(2 * self.length) {
@@ -137,11 +133,10 @@ impl Walk {
         }
     }
 
-    /// No view proves that the points up to the last are open; where none even sees past the last, `blocked` says
-    /// whether one sees a surface before it.
+    /// No view proves the segment empty. If its last point is empty in none, `blocked` says whether it is occupied in one.
     pub(crate) fn failed(&mut self, last: usize, blocked: Option<bool>) {
-        if let Some(behind) = blocked {
-            self.blocked = Some((last, behind));
+        if let Some(occupied) = blocked {
+            self.blocked = Some((last, occupied));
         }
         if last > self.at {
             self.length /= 2;
@@ -151,9 +146,8 @@ impl Walk {
 
 /// The distance in metres at which a ray first meets a surface: that of testing every point.
 ///
-/// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves to be open is halved; where
-/// one is, the next is twice as long as soon as it may be. The view that proved the last one is asked first, and only
-/// views that see past the last point of a segment are asked for more.
+/// Segments have 2ⁿ points and begin at a multiple of their length. One that no view proves empty is halved; after an empty
+/// one the next is doubled where aligned. The view of the last proof is tested first.
 pub(crate) fn intersect(
     views: &ActiveViews<'_>,
     ray: &Ray,
@@ -165,7 +159,7 @@ pub(crate) fn intersect(
     let (mut walk, mut favourite) = (Walk::new(first, distances_m.len()), 0);
     loop {
         let (from, to) = match walk.next(distances_m.len()) {
-            Next::Ask(from, to) => (from, to),
+            Next::Test(from, to) => (from, to),
             Next::Hit(at) => {
                 let before_m = if at == 0 { 0.0 } else { distances_m[at - 1] };
                 return Some(views.refine(ray, [before_m, distances_m[at]], steps.refine, counters));
@@ -175,7 +169,7 @@ pub(crate) fn intersect(
         counters.march_steps += 1;
         let ends = [from, to].map(|at| ray.at(distances_m[at]));
         let reach_m = origin + direction * distances_m[to];
-        let (mut sees_past, mut behind) = (false, false);
+        let (mut sees_past, mut occupied) = (false, false);
         let all = 0..views.views.len();
         let order = all.clone().filter(|&view| view == favourite).chain(all.filter(|&view| view != favourite));
         let proves = |&at: &usize| {
@@ -186,7 +180,7 @@ pub(crate) fn intersect(
                     from == to || is_segment_empty(view, ends, reach_m)
                 }
                 Occupancy::Occupied => {
-                    behind = true;
+                    occupied = true;
                     false
                 }
                 Occupancy::Unknown => false,
@@ -197,7 +191,7 @@ pub(crate) fn intersect(
                 favourite = view;
                 walk.passed();
             }
-            None => walk.failed(to, (!sees_past).then_some(behind)),
+            None => walk.failed(to, (!sees_past).then_some(occupied)),
         }
     }
 }

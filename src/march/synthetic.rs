@@ -1,4 +1,4 @@
-//! Light fields made from formulas, for tests and hard cases: what is seen in them is known exactly.
+//! Synthetic light fields from formulas, for tests and hard cases.
 
 use glam::{DMat3, DQuat, DVec3};
 use half::f16;
@@ -8,10 +8,10 @@ use crate::image::projection::{ImageProjection, centre_of};
 use crate::image::texel_map::TexelMap;
 use crate::views::light_field::{BACKGROUND, ColorCoding, ColorTexels, FaceTexels, LightField, View};
 
-/// What a probe sees in a direction of the world of length 1: the distance in metres and a colour. None is background.
+/// Distance in metres and colour in a direction of the world, of length 1. None is background.
 pub type Sight<'a> = &'a dyn Fn(DVec3) -> Option<(f64, [u8; 3])>;
 
-/// A probe to be made.
+/// A synthetic probe.
 #[derive(Debug, Clone, Copy)]
 pub struct SyntheticProbe {
     /// Where it stands, in metres.
@@ -86,8 +86,8 @@ pub fn field(views: Vec<View>, coding: ColorCoding) -> LightField {
     LightField { views, coding }
 }
 
-/// What is seen from `eye` of the inside of a box with half these sides around the origin, and of the outside of a
-/// smaller one in it that is `pillar` as wide; colours are those of places.
+/// The inside of a box of half these sides around the origin, with a box of `pillar` times its width and depth in it, seen from
+/// `eye`. Colours are functions of places.
 pub fn room(eye: DVec3, direction: DVec3, half: DVec3, pillar: f64) -> Option<(f64, [u8; 3])> {
     let crossings = |half: DVec3| {
         let [low, high] = [-half, half].map(|wall| (wall - eye) / direction);

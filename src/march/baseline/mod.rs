@@ -1,4 +1,4 @@
-//! Renderers that ray marching is compared with (CALF 7.3).
+//! Baselines of ray marching (CALF 7.3).
 
 pub mod reproject;
 pub mod splat;

@@ -1,7 +1,7 @@
-//! The best that interpolation can do: a picture whose rays end where the truth says they do.
+//! Interpolation at true depths: the ceiling of ray marching.
 //!
-//! Enters: active views, a camera, and the true distance of each of its pixels. Leaves: a picture, by the same
-//! interpolation as [`crate::march::render`]. What is missing then is not the march's.
+//! Enters: active views, a camera, and the true distance of each pixel. Leaves: a picture by the interpolation of
+//! [`crate::march::render`].
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ use crate::march::shading::{RayResult, background, surface};
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
-/// Renders with true distances in metres, `+inf` where there is no surface. Effects, several samples, and near and far of the
+/// Renders with true distances in metres, `+inf` where there is no surface. Secondary rays, several samples, and near and far of the
 /// camera are left out: the truth knows none of them. The monitor advances by one for each row.
 ///
 /// # Errors

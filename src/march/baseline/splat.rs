@@ -1,8 +1,7 @@
-//! The plainest way to a picture (CALF 7.3), to measure ray marching against: every texel is a point with a colour.
+//! Point splatting (CALF 7.3).
 //!
-//! Enters: active views and a camera. Leaves: a picture. A texel of a surface is projected by its depth into one pixel,
-//! where the nearest wins; a texel of a background by its direction, behind everything. Pixels that no texel falls into
-//! are holes.
+//! Enters: active views and a camera. Leaves: a picture. Each surface texel is projected into one pixel, where the nearest
+//! wins; background texels are behind everything. Pixels without a texel are holes.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -21,7 +20,7 @@ use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{BACKGROUND, FaceTexels, UNKNOWN};
 
-/// What a pixel shows.
+/// The nearest texel of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Point {
     /// Distance from the eye in metres; `+inf` for the background.
@@ -52,7 +51,7 @@ pub fn splat(
             let row = |row: u32| -> Vec<_> {
                 (0..face.size[0]).filter_map(|column| image.point([column, row], camera, settings)).collect()
             };
-            // Where points fall is found in parallel; which of them wins is decided in their order.
+            // Projected in parallel, depth-tested in order.
             let rows: Vec<Vec<(usize, Point)>> = (0..face.size[1]).into_par_iter().map(row).collect();
             for (at, point) in rows.into_iter().flatten() {
                 let nearer = |held: Point| point.distance_m < held.distance_m;
@@ -84,12 +83,11 @@ struct Image<'a> {
     view: &'a ActiveView<'a>,
     face: &'a FaceTexels,
     number: Face,
-    /// Of the camera, where it has them.
     clip: Option<ClipPlanes>,
 }
 
 impl Image<'_> {
-    /// Where a texel falls, and as what; none where it is not in the picture, or nothing is known of it.
+    /// Index of the pixel of a texel. None outside of the picture, and for unknown texels.
     fn point(&self, [column, row]: [u32; 2], camera: &Camera, settings: &RenderSettings) -> Option<(usize, Point)> {
         let Image { view, face, number, clip } = self;
         let texel = row as usize * face.size[0] as usize + column as usize;
@@ -123,13 +121,13 @@ impl Image<'_> {
     }
 }
 
-/// Nearest and farthest distance at which a ray would be looked at.
+/// First and last distance of the steps.
 fn limits(settings: &RenderSettings) -> [f32; 2] {
     let distances = &settings.steps.distances_m;
     [distances.first(), distances.last()].map(|distance| distance.copied().unwrap_or(0.0))
 }
 
-/// Gives pixels without a point that of a pixel near by: those beside one first, then those beside these.
+/// Fills holes from adjacent pixels, breadth first.
 fn fill(shown: &mut [Option<Point>], [width, height]: [u32; 2]) {
     let (width, height) = (width as usize, height as usize);
     let mut border: Vec<usize> = (0..shown.len()).filter(|&at| shown[at].is_some()).collect();

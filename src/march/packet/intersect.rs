@@ -1,7 +1,7 @@
 //! Four rays marched side by side.
 //!
-//! Enters: active views and the directions of four rays. Leaves: what [`crate::march::intersect::intersect`] or
-//! [`crate::march::segments::intersect`] answers of each, bit for bit, with the same counts.
+//! Enters: active views and the directions of four rays. Leaves: the hits and counts of [`crate::march::intersect::intersect`],
+//! bit for bit.
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ use crate::march::ray::Steps;
 use crate::march::segments::{Next, Walk};
 use crate::march::settings::Acceleration;
 
-/// Rays from the eye that are marched side by side.
+/// Primary rays.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Packet {
     x: Lanes,
@@ -20,7 +20,7 @@ pub(crate) struct Packet {
     z: Lanes,
     /// The greatest coordinates.
     reach: Lanes,
-    /// Those that there are, as bits.
+    /// Rays in use, as bits.
     pub(crate) rays: u32,
 }
 
@@ -49,12 +49,12 @@ pub(crate) fn bits_of<T>(lanes: &[Option<T>; 4]) -> u32 {
     lanes.iter().enumerate().fold(0, |bits, (lane, has)| bits | u32::from(has.is_some()) << lane)
 }
 
-/// Marches packets; remembers which views have lately been of use, which changes no answer.
+/// Marches packets. Tests first the view that proved the last segment, which changes no result.
 #[derive(Debug)]
 pub(crate) struct PacketMarch<'a> {
     views: &'a PacketViews<'a>,
     order: Vec<usize>,
-    /// Of each view the face that points were last seen in.
+    /// The face of the last points in each view.
     guesses: Vec<usize>,
 }
 
@@ -64,34 +64,33 @@ impl<'a> PacketMarch<'a> {
         PacketMarch { views, order: (0..count).collect(), guesses: vec![0; count] }
     }
 
-    /// What is likely to be where, by what was last asked.
     pub(crate) fn guesses(&mut self) -> &mut [usize] {
         &mut self.guesses
     }
 
-    fn was_useful(&mut self, rank: usize) {
+    fn proved_last(&mut self, rank: usize) {
         self.order[..=rank].rotate_right(1);
     }
 
-    /// Lanes, of those asked, that are in a surface: [`crate::march::active_views::ActiveViews::is_surface`].
-    fn surfaces(&mut self, asked: u32, points: &Points) -> u32 {
-        let (mut left, mut behind) = (asked, 0);
+    /// Lanes, of those tested, that are in a surface: [`crate::march::active_views::ActiveViews::is_surface`].
+    fn surfaces(&mut self, tested: u32, points: &Points) -> u32 {
+        let (mut left, mut occupied) = (tested, 0);
         for rank in 0..self.order.len() {
             let at = self.order[rank];
-            let answers = self.views.views[at].ask(points, &mut self.guesses[at]);
-            behind |= answers.behind;
-            if left & answers.open != 0 {
-                left &= !answers.open;
+            let occupancies = self.views.views[at].test(points, &mut self.guesses[at]);
+            occupied |= occupancies.occupied;
+            if left & occupancies.empty != 0 {
+                left &= !occupancies.empty;
                 if left == 0 {
-                    self.was_useful(rank);
+                    self.proved_last(rank);
                     return 0;
                 }
             }
         }
-        left & behind
+        left & occupied
     }
 
-    /// The distances in metres at which rays meet a surface, those that do.
+    /// Hits in metres.
     pub(crate) fn intersect(
         &mut self,
         packet: &Packet,
@@ -106,7 +105,7 @@ impl<'a> PacketMarch<'a> {
         self.refine(packet, steps, hits, counters)
     }
 
-    /// Numbers of the first distances that are in a surface.
+    /// Numbers of the first steps in a surface.
     fn every_point(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
         let (mut hits, mut live) = ([None; 4], packet.rays);
         for (at, &distance_m) in distances_m.iter().enumerate() {
@@ -124,13 +123,13 @@ impl<'a> PacketMarch<'a> {
     fn segments(&mut self, packet: &Packet, distances_m: &[f32], counters: &mut Counters) -> [Option<usize>; 4] {
         let (mut walks, mut hits) = ([Walk::new(0, distances_m.len()); 4], [None; 4]);
         let mut live = packet.rays;
-        // Lanes that are done stay where they were: near the others, and so most likely in the same faces.
+        // Finished lanes keep their places, which are near the others.
         let (mut from_m, mut to_m, mut last) = ([distances_m.first().copied().unwrap_or(0.0); 4], [0.0; 4], [0; 4]);
         loop {
             let mut single = 0;
             for lane in lanes_of(live) {
                 match walks[lane].next(distances_m.len()) {
-                    Next::Ask(from, to) => {
+                    Next::Test(from, to) => {
                         single |= u32::from(from == to) << lane;
                         (from_m[lane], to_m[lane], last[lane]) = (distances_m[from], distances_m[to], to);
                         continue;
@@ -146,29 +145,29 @@ impl<'a> PacketMarch<'a> {
             counters.march_steps += u64::from(live.count_ones());
             let to_m = Lanes::from_array(to_m);
             let (from, to) = (packet.at(Lanes::from_array(from_m)), packet.at(to_m));
-            let (mut left, mut behind, mut past) = (live, 0, 0);
+            let (mut left, mut occupied, mut past) = (live, 0, 0);
             for rank in 0..self.order.len() {
                 let at = self.order[rank];
                 let (view, guess) = (&self.views.views[at], &mut self.guesses[at]);
-                let answers = view.ask(&to, guess);
-                behind |= answers.behind;
-                past |= answers.open;
-                // A view that does not see past the last point cannot prove the segment.
-                let mut open = left & single & answers.open;
-                let asked = left & !single & answers.open;
-                if asked != 0 {
-                    open |= view.prove(asked, [&from, &to], *guess, packet.reach * to_m);
+                let occupancies = view.test(&to, guess);
+                occupied |= occupancies.occupied;
+                past |= occupancies.empty;
+                // A segment that ends in no empty point is not empty.
+                let mut empty = left & single & occupancies.empty;
+                let tested = left & !single & occupancies.empty;
+                if tested != 0 {
+                    empty |= view.prove(tested, [&from, &to], *guess, packet.reach * to_m);
                 }
-                left &= !open;
+                left &= !empty;
                 if left == 0 {
-                    self.was_useful(rank);
+                    self.proved_last(rank);
                     break;
                 }
             }
             for lane in lanes_of(live) {
                 let bit = |bits: u32| bits >> lane & 1 != 0;
                 if bit(left) {
-                    walks[lane].failed(last[lane], (!bit(past)).then_some(bit(behind)));
+                    walks[lane].failed(last[lane], (!bit(past)).then_some(bit(occupied)));
                 } else {
                     walks[lane].passed();
                 }
@@ -183,22 +182,22 @@ impl<'a> PacketMarch<'a> {
         hits: [Option<usize>; 4],
         counters: &mut Counters,
     ) -> [Option<f32>; 4] {
-        let asked = bits_of(&hits);
-        // Rays that meet nothing are asked nothing, and taken along where another is.
+        let tested = bits_of(&hits);
+        // Rays without a hit take the places of another.
         let Some(other) = hits.iter().flatten().next().copied() else { return [None; 4] };
-        let (mut open_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
+        let (mut empty_m, mut surface_m) = (Lanes::ZERO, Lanes::ZERO);
         for (lane, hit) in hits.iter().enumerate() {
             let at = hit.unwrap_or(other);
             surface_m[lane] = steps.distances_m[at];
-            open_m[lane] = at.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
+            empty_m[lane] = at.checked_sub(1).map_or(0.0, |before| steps.distances_m[before]);
         }
         for _ in 0..steps.refine {
-            let middle_m = 0.5 * (open_m + surface_m);
-            counters.refine_steps += u64::from(asked.count_ones());
-            let met = self.surfaces(asked, &packet.at(middle_m));
+            let middle_m = 0.5 * (empty_m + surface_m);
+            counters.refine_steps += u64::from(tested.count_ones());
+            let met = self.surfaces(tested, &packet.at(middle_m));
             let met = glam::BVec4A::new(met & 1 != 0, met & 2 != 0, met & 4 != 0, met & 8 != 0);
             surface_m = either(met, middle_m, surface_m);
-            open_m = either(met, open_m, middle_m);
+            empty_m = either(met, empty_m, middle_m);
         }
         let surface_m = surface_m.to_array();
         std::array::from_fn(|lane| hits[lane].map(|_| surface_m[lane]))

@@ -1,8 +1,8 @@
-//! Views as four rays ask them at once: the same questions as [`ActiveView::evidence`] and
-//! [`crate::march::segments::is_segment_empty`], with the same operations in the same order, so that the answers are the same bits.
+//! Occupancy tests of four points at once: [`ActiveView::occupancy`] and [`crate::march::segments::is_segment_empty`], with the
+//! same operations in the same order, so that results are the same bits.
 //!
-//! Points that are asked about together lie beside each other, and near those that were asked about before: they are taken to
-//! be in the same face. Where all four surely are, which the places in it tell, no face has to be found for each.
+//! Points of a packet are close together and to those tested before, so they are guessed to lie in the same face. Where their
+//! places in it confirm that, no face is computed.
 
 use glam::Vec4;
 
@@ -14,26 +14,26 @@ use crate::march::pyramid::{LEAST_M, ViewPyramids};
 use crate::march::segments::{ROUNDING, SURELY_BELOW_ONE};
 use crate::views::light_field::{ColorCoding, ColorTexels, FaceTexels, UNKNOWN};
 
-/// No side of an image that is guessed to have a point is longer, in texels: places in it are exact to far less than one.
+/// Longest side of a guessed image, in texels: places in it are exact to far less than one.
 const LONGEST_GUESSED: f32 = 65_536.0;
 
-/// The numbers that map a plane at depth 1 to an image.
+/// Size and projection of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Map {
     size: [f32; 2],
     texels: TexelMap,
 }
 
-/// An active view, laid out flat.
+/// An active view in lanes.
 #[derive(Debug)]
 pub(crate) struct PacketView<'a> {
-    /// Columns of the turn into its axes, each number in all lanes.
+    /// Columns of the rotation into its axes.
     turn: [[Lanes; 3]; 3],
-    /// Rows of the turns into right, down and forward of the faces of a cube.
+    /// Rows of the rotations into right, down and forward of the faces of a cube.
     turns_of_faces: [[[Lanes; 3]; 3]; 6],
-    /// Of a cube whose images are mapped alike, each to the whole of its face: [`PacketView::guessed`] is for these.
+    /// For [`PacketView::guessed`]: a cube whose images have one projection, which covers the face.
     whole_faces: Option<Map>,
-    /// [`PacketView::near_m`], but above 0 whatever that is.
+    /// [`PacketView::near_m`], at least [`LEAST_M`].
     least_guessed_m: Lanes,
     from_eye: [Lanes; 3],
     reach_m: f32,
@@ -42,17 +42,17 @@ pub(crate) struct PacketView<'a> {
     greatest_inverse_depth: f32,
     pub(crate) camera_weight: f32,
     is_view: bool,
-    /// Whether the number of every texel in its image is below 2²³.
+    /// Whether indices of texels are below 2²³.
     are_small: bool,
     pyramids: &'a ViewPyramids,
     pub(crate) faces: [Option<&'a FaceTexels>; 7],
-    /// Eight, so that any three bits are the number of one.
+    /// Eight, so that three bits are always an index.
     pub(crate) depth: [&'a [f32]; 8],
     pub(crate) width: [u32; 8],
-    /// Colours that are codes of 8 bits.
+    /// Empty for colours that are light.
     pub(crate) codes: [&'a [[u8; 4]]; 8],
     maps: [Map; 7],
-    /// Where all its images are mapped alike.
+    /// The projection of all images, if it is one.
     alike: Option<Map>,
 }
 
@@ -74,36 +74,34 @@ impl Faces {
 
     const VIEW: Faces = Faces(0x0606_0606);
 
-    /// Of cubes: lanes whose way leads mainly along x, or y, and those where it leads to the negative side.
+    /// Of cubes, by the lanes whose main axis is x, or y, and those where it is negative.
     #[inline(always)]
     fn of_cube(is_x: u32, is_y: u32, negative: u32) -> Faces {
         let spread = |bits: u32| Faces::SPREAD[(bits & ALL) as usize];
         Faces(0x0404_0404 - 4 * spread(is_x) - 2 * spread(is_y) + spread(negative))
     }
 
-    /// One for all lanes.
     #[inline(always)]
     fn all(face: usize) -> Faces {
         Faces((face as u32 & 7) * 0x0101_0101)
     }
 
-    /// The number of the face of all lanes, where it is one.
+    /// The face of all lanes, if it is one.
     #[inline(always)]
     pub(crate) fn only(self) -> Option<usize> {
         (self.0 == (self.0 & 7) * 0x0101_0101).then_some((self.0 & 7) as usize)
     }
 
-    /// The number of a lane's face.
     #[inline(always)]
     pub(crate) fn of(self, lane: usize) -> usize {
         (self.0 >> (8 * lane) & 7) as usize
     }
 }
 
-/// Where four points lie in the images of a view.
+/// Projections of four points into the images of a view.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Places {
-    /// Lanes that lie in an image, as bits. Of others, nothing else is known.
+    /// Lanes in an image, as bits; values of others mean nothing.
     pub(crate) exist: u32,
     pub(crate) face: Faces,
     plane: [Lanes; 2],
@@ -116,7 +114,7 @@ pub(crate) struct Places {
     scale: [Lanes; 2],
 }
 
-/// Rows of the turn into right, down and forward of a cube's face, of the columns of that into the view's axes.
+/// Rows of the rotation into right, down and forward of a cube's face, from the columns of that into the view's axes.
 fn turn_of_face(turn: [[Lanes; 3]; 3], face: Face) -> [[Lanes; 3]; 3] {
     let [forward, right, down] = face.axes();
     [right, down, forward].map(|axis| {
@@ -127,11 +125,11 @@ fn turn_of_face(turn: [[Lanes; 3]; 3], face: Face) -> [[Lanes; 3]; 3] {
     })
 }
 
-/// What a view says of four points, as bits; neither where it knows nothing.
+/// Occupancy of four points in a view, as bits; neither bit is set where it is unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Answers {
-    pub(crate) open: u32,
-    pub(crate) behind: u32,
+pub(crate) struct Occupancies {
+    pub(crate) empty: u32,
+    pub(crate) occupied: u32,
 }
 
 impl<'a> PacketView<'a> {
@@ -178,7 +176,7 @@ impl<'a> PacketView<'a> {
         }
     }
 
-    /// The ways from the viewpoint to points.
+    /// Vectors from the viewpoint to points.
     #[inline(always)]
     fn local(&self, points: &Points) -> Points {
         let x = points.x - self.from_eye[0];
@@ -192,11 +190,10 @@ impl<'a> PacketView<'a> {
         }
     }
 
-    /// Where points lie in its images, as long as all of them surely lie in a face of a cube, and none within near.
+    /// Projections of points, if all of them surely lie in this face of a cube, and none within near.
     ///
-    /// The axes of a face are those of the view but for signs, which change nothing in how numbers are rounded. Where no
-    /// coordinate in the plane at depth 1 is above [`SURELY_BELOW_ONE`], the point is in no other face, and its place is within
-    /// the image: it has not to be moved into it.
+    /// The axes of a face are those of the view up to signs, which do not affect rounding. Where no coordinate in the plane at
+    /// depth 1 is above [`SURELY_BELOW_ONE`], the point is in no other face, and needs no clamping.
     #[inline(always)]
     fn guessed(&self, points: &Points, face: usize) -> Option<Places> {
         let Map { size, texels: TexelMap { scale, centre } } = self.whole_faces?;
@@ -221,7 +218,7 @@ impl<'a> PacketView<'a> {
         Some(Places { exist: ALL, face: Faces::all(face), plane, planar_m, inverse_depth, at, size, scale })
     }
 
-    /// Where points lie in its images; `guess` is the face where they may be, and becomes the one where they are.
+    /// Projections of points; `guess` is the face of earlier points, and is updated.
     #[inline(always)]
     pub(crate) fn places_of(&self, points: &Points, guess: &mut usize) -> Places {
         match self.guessed(points, *guess) {
@@ -237,28 +234,28 @@ impl<'a> PacketView<'a> {
         places
     }
 
-    /// What it says of points; `guess` as above.
+    /// Occupancy of points; `guess` as above.
     #[inline(always)]
-    pub(crate) fn ask(&self, points: &Points, guess: &mut usize) -> Answers {
-        let Some(places) = self.guessed(points, *guess) else { return self.ask_anywhere(points, guess) };
+    pub(crate) fn test(&self, points: &Points, guess: &mut usize) -> Occupancies {
+        let Some(places) = self.guessed(points, *guess) else { return self.test_anywhere(points, guess) };
         let depth = self.depth[*guess & 7];
         let at = number_of(places.at, places.size[0]);
         let texel = |lane: usize| depth.get(at[lane] as usize).copied().unwrap_or(UNKNOWN);
         let surface = Lanes::new(texel(0), texel(1), texel(2), texel(3));
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask();
         let before = surface.cmplt(places.inverse_depth).bitmask();
-        Answers { open: known & before, behind: known & !before }
+        Occupancies { empty: known & before, occupied: known & !before }
     }
 
     #[inline(never)]
-    fn ask_anywhere(&self, points: &Points, guess: &mut usize) -> Answers {
+    fn test_anywhere(&self, points: &Points, guess: &mut usize) -> Occupancies {
         let local = self.local(points);
         let places = self.places(&local);
         *guess = places.face.only().unwrap_or(*guess);
-        self.answers(&local, &places)
+        self.occupancies(&local, &places)
     }
 
-    /// Where ways from the viewpoint lead to.
+    /// Projections of vectors from the viewpoint.
     #[inline(always)]
     fn places(&self, local: &Points) -> Places {
         if self.is_view { self.places_in_view(local) } else { self.places_in_cube(local) }
@@ -288,14 +285,14 @@ impl<'a> PacketView<'a> {
         let is_y = !is_x & high.cmpge(deep);
         let along = either(is_x, x, either(is_y, y, z));
         let planar_m = along.abs();
-        let behind = along.cmplt(Lanes::ZERO);
-        let sign = either(behind, Lanes::NEG_ONE, Lanes::ONE);
+        let negative = along.cmplt(Lanes::ZERO);
+        let sign = either(negative, Lanes::NEG_ONE, Lanes::ONE);
         let inverse_depth = planar_m.recip();
         let plane = [
             either(is_x, -(z * sign), either(is_y, x, x * sign)) * inverse_depth,
             either(is_y, z * sign, -y) * inverse_depth,
         ];
-        let face = Faces::of_cube(is_x.bitmask(), is_y.bitmask(), behind.bitmask());
+        let face = Faces::of_cube(is_x.bitmask(), is_y.bitmask(), negative.bitmask());
         let [size, scale, centre] = self.mapping(face);
         let at = [plane[0] * scale[0] + centre[0], plane[1] * scale[1] + centre[1]];
         let exist = inverse_depth.cmplt(Lanes::INFINITY).bitmask();
@@ -319,7 +316,7 @@ impl<'a> PacketView<'a> {
         [each(|map| map.size), each(|map| map.texels.scale), each(|map| map.texels.centre)]
     }
 
-    /// Inverse depths of the texels that points fall into.
+    /// Inverse depths of the texels that contain points.
     #[inline(always)]
     fn nearest(&self, places: &Places) -> Lanes {
         let within = |axis: usize| places.at[axis].max(Lanes::ZERO).min(places.size[axis] - 1.0);
@@ -341,27 +338,27 @@ impl<'a> PacketView<'a> {
         Lanes::new(each(0), each(1), each(2), each(3))
     }
 
-    /// What it says of points, of which it has the ways to them and their places.
+    /// Occupancy by vectors and their projections.
     #[inline(always)]
-    fn answers(&self, local: &Points, places: &Places) -> Answers {
+    fn occupancies(&self, local: &Points, places: &Places) -> Occupancies {
         let surface = self.nearest(places);
         let known = surface.cmpne(Vec4::splat(UNKNOWN)).bitmask() & places.exist;
         let before = surface.cmplt(places.inverse_depth).bitmask();
         // No distance is less than the planar depth.
         if places.planar_m.cmpge(self.near_m).bitmask() == ALL {
-            return Answers { open: known & before, behind: known & !before };
+            return Occupancies { empty: known & before, occupied: known & !before };
         }
         let square = local.x * local.x + local.y * local.y + local.z * local.z;
         let near = square.cmplt(Vec4::splat(self.near_squared)).bitmask();
         let centre = near & square.cmple(Vec4::splat(f32::MIN_POSITIVE)).bitmask() & !places.exist;
-        // Within near it is so even where no texel was decoded, but not where there is no image.
+        // Within near, points are empty whatever the texels say, where there is an image.
         let captured =
             (0..4).filter(|&lane| !self.depth[places.face.of(lane)].is_empty()).fold(0, |all, lane| all | 1 << lane);
         let near = near & places.exist & captured;
-        Answers { open: known & before | near | centre, behind: known & !(near | before) }
+        Occupancies { empty: known & before | near | centre, occupied: known & !(near | before) }
     }
 
-    /// Inverse depths and colours of the face that all four places are in, where colours are codes.
+    /// Inverse depths and colours of the face of all four places, if colours are codes.
     #[inline(always)]
     pub(crate) fn face_of_codes(&self, places: &Places) -> Option<(&'a [f32], &'a [[u8; 4]])> {
         let face = places.face.only().filter(|_| places.exist == ALL && self.are_small)?;
@@ -369,42 +366,41 @@ impl<'a> PacketView<'a> {
         (codes.len() == depth.len()).then_some((depth, codes))
     }
 
-    /// Lanes, of those asked, of which it proves that all points from one end to the other are open; `guess` is the face
-    /// where they may be.
+    /// Lanes, of those tested, whose segments it proves empty.
     #[inline(always)]
-    pub(crate) fn prove(&self, asked: u32, ends: [&Points; 2], guess: usize, reach_m: Lanes) -> u32 {
+    pub(crate) fn prove(&self, tested: u32, ends: [&Points; 2], guess: usize, reach_m: Lanes) -> u32 {
         let error_m = ROUNDING * (reach_m + self.reach_m) + LEAST_M;
         if let Some(first) = self.guessed(ends[0], guess)
             && let Some(last) = self.guessed(ends[1], guess)
         {
             // In a cube, the planar depth is the greatest coordinate.
             let farthest_m = first.planar_m.max(last.planar_m) + 2.0 * error_m;
-            let whole = self.prove_whole(asked, farthest_m);
-            return if whole == asked { whole } else { self.prove_between(asked, whole, [&first, &last], error_m) };
+            let whole = self.prove_whole(tested, farthest_m);
+            return if whole == tested { whole } else { self.prove_between(tested, whole, [&first, &last], error_m) };
         }
-        self.prove_anywhere(asked, ends, error_m)
+        self.prove_anywhere(tested, ends, error_m)
     }
 
     #[inline(never)]
-    fn prove_anywhere(&self, asked: u32, [a, b]: [&Points; 2], error_m: Lanes) -> u32 {
+    fn prove_anywhere(&self, tested: u32, [a, b]: [&Points; 2], error_m: Lanes) -> u32 {
         let (a, b) = (self.local(a), self.local(b));
         let size = |end: &Points| end.x.abs().max(end.y.abs()).max(end.z.abs());
-        let whole = self.prove_whole(asked, size(&a).max(size(&b)) + 2.0 * error_m);
-        if whole == asked {
+        let whole = self.prove_whole(tested, size(&a).max(size(&b)) + 2.0 * error_m);
+        if whole == tested {
             return whole;
         }
-        self.prove_between(asked, whole, [&self.places(&a), &self.places(&b)], error_m)
+        self.prove_between(tested, whole, [&self.places(&a), &self.places(&b)], error_m)
     }
 
-    /// Lanes, of those asked, that are nearer to the view than any surface.
+    /// Lanes, of those tested, that are nearer to the view than any surface.
     #[inline(always)]
-    fn prove_whole(&self, asked: u32, farthest_m: Lanes) -> u32 {
-        asked & (self.greatest_inverse_depth * farthest_m).cmplt(Vec4::splat(SURELY_BELOW_ONE)).bitmask()
+    fn prove_whole(&self, tested: u32, farthest_m: Lanes) -> u32 {
+        tested & (self.greatest_inverse_depth * farthest_m).cmplt(Vec4::splat(SURELY_BELOW_ONE)).bitmask()
     }
 
-    /// Lanes that are `proved`, and those asked that are, by what is between the places of their ends.
+    /// Adds to `proved` the lanes that the texels between the ends prove empty.
     #[inline(always)]
-    fn prove_between(&self, asked: u32, mut proved: u32, [first, last]: [&Places; 2], error_m: Lanes) -> u32 {
+    fn prove_between(&self, tested: u32, mut proved: u32, [first, last]: [&Places; 2], error_m: Lanes) -> u32 {
         let nearest_m = first.planar_m.min(last.planar_m);
         let farthest_m = first.planar_m.max(last.planar_m) + 2.0 * error_m;
         let widest = first.plane[0].abs().max(first.plane[1].abs());
@@ -426,7 +422,7 @@ impl<'a> PacketView<'a> {
             least[axis] = to_whole(low.max(Lanes::ZERO).min(end));
             most[axis] = to_whole(high.max(Lanes::ZERO).min(end));
         }
-        let may = may.bitmask() & asked & !proved;
+        let may = may.bitmask() & tested & !proved;
         let farthest_m = farthest_m.to_array();
         for lane in lanes_of(may) {
             let face = last.face.of(lane);
@@ -442,7 +438,7 @@ impl<'a> PacketView<'a> {
     }
 }
 
-/// Active views, laid out flat, in the order in which they are asked, which changes no answer.
+/// Active views in lanes.
 #[derive(Debug)]
 pub(crate) struct PacketViews<'a> {
     pub(crate) views: Vec<PacketView<'a>>,
@@ -468,7 +464,7 @@ mod tests {
     use crate::march::synthetic::{SyntheticProbe, field, room};
 
     #[test]
-    fn guesses_are_what_is_found_without_them() {
+    fn guesses_change_no_result() {
         let coding = ColorCoding::Codes(ToneMap::default());
         let turns = [DQuat::IDENTITY, DQuat::from_axis_angle(DVec3::new(0.36, 0.48, 0.8), 0.7)];
         let mut answered = 0;
@@ -519,7 +515,7 @@ mod tests {
                         assert!((0..2).all(|axis| guessed.at[axis].cmplt(guessed.size[axis]).bitmask() == ALL));
                         answered += 1;
                     }
-                    assert_eq!(view.ask(&points, &mut face), view.answers(&way, &places));
+                    assert_eq!(view.test(&points, &mut face), view.occupancies(&way, &places));
                 }
             }
         }
