@@ -39,8 +39,12 @@ pub fn exit_code(error: &Error) -> u8 {
 }
 
 /// Replaces settings, which messages of the library name in backquotes, by options: `` `depth_window` `` by
-/// `--depth-window`.
+/// `--depth-window`. Messages of the JSON parser name keys of a file in backquotes, and stay as they are.
 pub fn with_option_names(message: &str) -> String {
+    let of_a_file = ["unknown field `", "missing field `", "duplicate field `", "unknown variant `"];
+    if of_a_file.iter().any(|words| message.contains(words)) {
+        return message.to_owned();
+    }
     let is_setting = |text: &str| {
         text.starts_with(|c: char| c.is_ascii_lowercase())
             && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
@@ -69,5 +73,7 @@ mod tests {
     fn settings_become_options() {
         let text = with_option_names("use a smaller `depth_tile` or `hdr`; see `lightfold inspect`, `x y`, `");
         assert_eq!(text, "use a smaller --depth-tile or --hdr; see `lightfold inspect`, `x y`, `");
+        let key = "cam.json: unknown field `fvo`, expected one of `eye`, `frames`";
+        assert_eq!(with_option_names(key), key);
     }
 }

@@ -17,6 +17,7 @@ use lightfold::march::settings::{Acceleration, SpecularMode};
 use lightfold::math::Camera;
 use lightfold::math::camera::Lens;
 use lightfold::monitor::{Monitor, Silent};
+use lightfold::views::light_field::BACKGROUND;
 use lightfold::views::player::Change;
 use lightfold::{Error, Result};
 
@@ -35,6 +36,7 @@ impl Renderer for Both<'_> {
     }
 
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
+        self.on_cpu.update(stage, changes)?;
         self.on_device.update(stage, changes)
     }
 
@@ -147,8 +149,9 @@ pub fn refusals() -> Result<(), Failed> {
         }
         let face = case.field.views[0].faces.iter_mut().flatten().next().ok_or("no image")?;
         face.size = [gpu.device.limits().max_texture_dimension_2d + 1, 1];
+        face.inverse_depth = vec![BACKGROUND; face.size[0] as usize];
         let refused = GpuRenderer::new(gpu, &case.field).bring(&case.active()).map_err(said).err().unwrap_or_default();
-        match refused.contains(&gpu.info.name) && refused.contains("--device cpu") {
+        match refused.contains(&gpu.info.name) && refused.contains("`device` cpu") {
             true => Ok(()),
             false => Err(format!("it said '{refused}'").into()),
         }
