@@ -62,7 +62,7 @@ impl Biquadratic {
         Biquadratic { coefficients: integers(bytes) }
     }
 
-    pub fn to_bytes(&self) -> [u8; COEFFICIENT_BYTES] {
+    pub fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
         put(self.coefficients, [0xFF; 8])
     }
 }
@@ -74,7 +74,7 @@ impl Platelet {
         Platelet { sides: [Plane { a0, a1, a5 }, Plane { a0: b0, a1: b1, a5: b5 }], line }
     }
 
-    pub fn to_bytes(&self) -> [u8; COEFFICIENT_BYTES] {
+    pub fn to_bytes(self) -> [u8; COEFFICIENT_BYTES] {
         let ([a, b], [x0, y0, x1, y1]) = (self.sides, self.line);
         put([a.a0, a.a1, a.a5, b.a0, b.a1, b.a5], [x0, y0, x1, y1, 0xFF, 0xFF, 0xFF, 0xFF])
     }
