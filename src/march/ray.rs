@@ -58,7 +58,7 @@ impl Steps {
 
     /// Distances in metres for a ray that starts on a surface with texels `texel_m` wide, with the numbers of those that are
     /// steps: finer ones before the first step, then all steps.
-    pub fn from_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
+    pub fn off_surface(&self, texel_m: f32) -> impl Iterator<Item = (f32, Option<usize>)> + use<'_> {
         let first_m = self.distances_m[0];
         let next = move |at_m: &f32| Some(at_m + texel_m.max(GROWTH * at_m)).filter(|&at_m| at_m < first_m);
         let nearer = std::iter::successors(next(&0.0), next).take(MOST_BEFORE_STEPS as usize);
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn rays_from_surfaces_are_looked_at_before_the_steps() {
         let steps = Steps::new(8, 0.5, 4.0, 0);
-        let all: Vec<_> = steps.from_surface(0.01).collect();
+        let all: Vec<_> = steps.off_surface(0.01).collect();
         assert_eq!(all[0], (0.01, None));
         let before = all.iter().filter(|(_, step)| step.is_none()).count();
         assert!((20..60).contains(&before), "{before}");
@@ -107,9 +107,9 @@ mod tests {
         let rest: Vec<_> =
             steps.distances_m.iter().enumerate().map(|(at, &distance_m)| (distance_m, Some(at))).collect();
         assert_eq!(all[before..], rest);
-        assert_eq!(steps.from_surface(0.5).collect::<Vec<_>>(), rest);
+        assert_eq!(steps.off_surface(0.5).collect::<Vec<_>>(), rest);
         for hostile in [0.0, f32::NAN, f32::INFINITY, 1e-38] {
-            assert!(steps.from_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
+            assert!(steps.off_surface(hostile).count() <= rest.len() + MOST_BEFORE_STEPS as usize);
         }
     }
 }

@@ -116,7 +116,7 @@ impl Bvh {
             let is_nearer =
                 hit.distance < limit || hit.distance == limit && best.is_some_and(|best| hit.triangle < best.triangle);
             // Written so that NaN is a miss.
-            if !(is_nearer && hit.distance > range.start) || !accept(&hit) {
+            if !(is_nearer && hit.distance > range.start && accept(&hit)) {
                 return Visit::Continue;
             }
             best = Some(hit);

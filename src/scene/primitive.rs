@@ -44,13 +44,13 @@ pub struct TurnedBox {
 
 impl TurnedBox {
     /// World to local axes.
-    pub fn to_local(&self, v: DVec3) -> DVec3 {
+    pub fn to_local(self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x - sin * v.z, v.y, sin * v.x + cos * v.z)
     }
 
     /// Local to world axes.
-    pub fn to_world(&self, v: DVec3) -> DVec3 {
+    pub fn to_world(self, v: DVec3) -> DVec3 {
         let (cos, sin) = (self.turn.x, self.turn.y);
         DVec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
     }

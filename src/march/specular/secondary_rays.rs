@@ -197,7 +197,7 @@ impl<'a> SecondaryRays<'a> {
     fn leave_surface(&self, ray: &Ray, texel_m: f32, counters: &mut Counters) -> Option<Departure> {
         let steps = &self.settings.steps;
         let mut empty_m = None;
-        for (distance_m, step) in steps.from_surface(texel_m) {
+        for (distance_m, step) in steps.off_surface(texel_m) {
             counters.march_steps += 1;
             match (self.views.is_surface(ray.at(distance_m)), empty_m, step) {
                 (true, Some(empty_m), _) => {

@@ -134,7 +134,7 @@ impl Refraction<'_> {
     /// The distance, up to a limit, of the first point that is empty in a view.
     fn first_empty(&self, ray: &Ray, texel_m: f32, limit_m: f32, counters: &mut Counters) -> Option<f32> {
         let mut before_m = 0.0;
-        let distances_m = self.steps.from_surface(texel_m).map(|(distance_m, _)| distance_m);
+        let distances_m = self.steps.off_surface(texel_m).map(|(distance_m, _)| distance_m);
         for distance_m in distances_m.take_while(|&distance_m| distance_m <= limit_m) {
             counters.march_steps += 1;
             if !self.views.is_surface(ray.at(distance_m)) {
