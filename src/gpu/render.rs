@@ -33,6 +33,7 @@ use crate::march::render::{Rendered, has_secondary_rays};
 use crate::march::settings::{Acceleration, RenderSettings};
 use crate::march::specular::proxy::{Proxies, Proxy, proxies_in_sight};
 use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
+use crate::march::specular::sphere_fit::SphereFit;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 use crate::views::light_field::{ColorCoding, FaceTexels, LightField};
@@ -193,7 +194,7 @@ impl<'a> GpuRenderer<'a> {
         monitor.check()?;
         let start = Instant::now();
         let proxies = match has_secondary_rays(views, settings.specular) {
-            true => proxies_in_sight(views, camera, monitor)?,
+            true => proxies_in_sight(&SphereFit, views, camera, monitor)?,
             false => Proxies::none(views.coding),
         };
         self.cost.proxies += start.elapsed();

@@ -18,6 +18,7 @@ use crate::march::settings::{RenderSettings, SpecularMode};
 use crate::march::shading::{PrimaryHit, RayResult, background, surface};
 use crate::march::specular::proxy::{Proxies, proxies_in_sight};
 use crate::march::specular::secondary_rays::{SecondaryRays, SurfaceHit};
+use crate::march::specular::sphere_fit::SphereFit;
 use crate::math::Camera;
 use crate::monitor::Monitor;
 
@@ -118,7 +119,7 @@ impl<'a> Picture<'a> {
         monitor: &'a dyn Monitor,
     ) -> Result<Picture<'a>> {
         let specular = has_secondary_rays(views, settings.specular);
-        let proxies = specular.then(|| proxies_in_sight(views, camera, monitor)).transpose()?;
+        let proxies = specular.then(|| proxies_in_sight(&SphereFit, views, camera, monitor)).transpose()?;
         Ok(Picture { views, camera, settings, monitor, proxies })
     }
 

@@ -15,7 +15,6 @@ use crate::error::Result;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::pyramid::ViewPyramids;
 use crate::march::specular::sphere::Sphere;
-use crate::march::specular::sphere_fit::SphereFit;
 use crate::march::specular::texel_points::SpecularImage;
 use crate::math::Camera;
 use crate::monitor::Monitor;
@@ -90,14 +89,19 @@ pub trait ProxyProvider {
     fn proxies(&self, views: &ActiveViews<'_>, monitor: &dyn Monitor) -> Result<Vec<Proxy>>;
 }
 
-/// The proxies that a camera's picture needs.
+/// The proxies of a provider that a camera's picture needs.
 ///
 /// # Errors
 /// When the monitor says to stop.
-pub fn proxies_in_sight(views: &ActiveViews<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Proxies> {
+pub fn proxies_in_sight(
+    provider: &dyn ProxyProvider,
+    views: &ActiveViews<'_>,
+    camera: &Camera,
+    monitor: &dyn Monitor,
+) -> Result<Proxies> {
     monitor.check()?;
     match has_specular_in_frustum(views, camera) {
-        true => Proxies::of(&SphereFit, views, monitor),
+        true => Proxies::of(provider, views, monitor),
         false => Ok(Proxies::none(views.coding)),
     }
 }

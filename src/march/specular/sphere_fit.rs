@@ -322,7 +322,7 @@ mod tests {
         let views = ActiveViews::new(&field, &[0], DVec3::ZERO);
         let seen = |target: DVec3, lens: Lens| {
             let camera = Camera::look_at(DVec3::ZERO, target, DVec3::Y, lens).unwrap();
-            let shown = proxies_in_sight(&views, &camera, &Silent).unwrap();
+            let shown = proxies_in_sight(&SphereFit, &views, &camera, &Silent).unwrap();
             assert_eq!(shown.proxies.len() == 1, has_specular_in_frustum(&views, &camera));
             has_specular_in_frustum(&views, &camera)
         };
