@@ -42,7 +42,7 @@ pub enum Error {
     },
     /// Settings or arguments that are invalid, alone or together.
     Usage(String),
-    /// The caller asked to stop ([`crate::monitor::Monitor`]). No file with a final name is incomplete.
+    /// The caller asked to stop (its monitor). No file with a final name is incomplete.
     Interrupted,
     /// The operation stopped early and can be resumed.
     Unfinished {

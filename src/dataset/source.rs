@@ -110,7 +110,7 @@ impl ProbeInfo {
 pub struct SourceGroup {
     /// Colour, depth or material.
     pub kind: StreamKind,
-    /// Index into [`Source::probes`].
+    /// Index into the probes of the source.
     pub probe: usize,
     /// The faces read, in the order of their numbers.
     pub faces: Vec<Face>,

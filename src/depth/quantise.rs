@@ -49,7 +49,7 @@ impl DepthRange {
     /// The code of a surface at `z_m` metres, as depth.md 2 defines it: round(65534 · ln(z/near) / ln(far/near)).
     ///
     /// `+inf` is the background; below near answers 0 and beyond far the far code; NaN answers 0. Where far is near,
-    /// every surface is code 0. The plain form; [`Quantiser`] is the fast one.
+    /// every surface is code 0. The plain form; `Quantiser` is the fast one.
     pub fn code(self, z_m: f32) -> u16 {
         if z_m == f32::INFINITY {
             return BACKGROUND_CODE;

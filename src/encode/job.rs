@@ -39,7 +39,7 @@ const FINISH_UNITS: usize = 64;
 pub struct EncodeSummary {
     /// Size of the container.
     pub bytes: u64,
-    /// Size of the same footage as CALF's table 1 counts it ([`CodecHeader::raw_pixel_bytes`]).
+    /// Size of the same footage as CALF's table 1 counts it (`CodecHeader::raw_pixel_bytes`).
     pub raw_bytes: u64,
     /// Images: frames of all streams.
     pub frames: u64,

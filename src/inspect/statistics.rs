@@ -64,7 +64,7 @@ pub struct Spread {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StreamStats<'a> {
     pub stream: &'a StreamInfo,
-    /// Uncompressed size as CALF's table 1 counts it ([`crate::streams::CodecHeader::raw_pixel_bytes`]).
+    /// Uncompressed size as CALF's table 1 counts it (4 bytes a depth, 3 a colour, 3 a material).
     pub raw_bytes: u64,
     pub storage: StorageStats,
     pub units: u64,
