@@ -98,7 +98,7 @@ impl CachedUnit<'_> {
         self.decoder.shows(frame)
     }
 
-    /// Marks it as decoded by a backend, which wrote so many pixels.
+    /// Marks it as decoded by a backend, and counts the pixels written.
     pub fn set_decoded(&mut self, written: u64) {
         (self.written, self.is_valid) = (written, true);
     }

@@ -272,7 +272,7 @@ fn balls_of_glass_are_known_as_wholes() {
     let indices: Vec<usize> = (0..8).collect();
     let views = ActiveViews::new(&field, &indices, MIDDLE);
     let glass = Proxies::of(&SphereFit, &views, &Silent).unwrap();
-    let [found] = &glass.proxies[..] else { panic!("one ball of glass: {:?}", glass.proxies.len()) };
+    let [found] = &glass.proxies[..] else { panic!("one sphere expected: {:?}", glass.proxies.len()) };
     assert!(found.sphere.centre.distance((GLASS.0 - MIDDLE).as_vec3()) < 1e-3, "{:?}", found.sphere);
     assert!((f64::from(found.sphere.radius_m) - GLASS.1).abs() < 1e-3 && (found.ior - 1.5).abs() < 0.01, "{found:?}");
     let around = glass.environments();
