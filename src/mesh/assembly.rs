@@ -5,7 +5,6 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::triangles::Mesh;
 
-/// A part of a scene at one time.
 #[derive(Debug)]
 pub struct Part<'a> {
     /// World space, metres.
@@ -52,16 +51,13 @@ impl LeftOut {
     }
 
     pub fn note(&self, notes: &mut Vec<String>) {
-        if self.not_finite > 0 {
-            notes.push(format!("{} triangles are left out: a corner is not a finite number", self.not_finite));
-        }
-        if self.no_area > 0 {
-            notes.push(format!("{} triangles are left out: they have no area", self.no_area));
+        let why = ["a corner is not a finite number", "they have no area"];
+        for (count, why) in [self.not_finite, self.no_area].into_iter().zip(why).filter(|(count, _)| *count > 0) {
+            notes.push(format!("{count} triangles are left out: {why}"));
         }
     }
 }
 
-/// A mesh under construction.
 #[derive(Debug)]
 pub struct Assembly {
     mesh: Mesh,
@@ -110,12 +106,8 @@ impl Assembly {
 
     /// Normal of a triangle with an area, length 1.
     fn face_normal(&mut self, [a, b, c]: [DVec3; 3]) -> Option<DVec3> {
-        if ![a, b, c].iter().all(|corner| corner.is_finite()) {
-            self.left_out.not_finite += 1;
-            return None;
-        }
         let across = (b - a).cross(c - a);
-        if !across.is_finite() {
+        if ![a, b, c, across].iter().all(|vector| vector.is_finite()) {
             self.left_out.not_finite += 1;
             return None;
         }

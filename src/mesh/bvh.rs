@@ -30,18 +30,15 @@ const FAR_POINT: f64 = 1e6;
 /// Triangles with a larger coordinate are left out: products of three stay finite.
 const LARGEST_M: f64 = 1e90;
 
-/// Where a ray meets a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriangleHit {
     /// Metres along the ray.
     pub distance: f64,
-    /// Index of the triangle.
     pub triangle: usize,
-    /// Weights of its second and third corner.
+    /// Weights of the second and third corner.
     pub barycentric: DVec2,
 }
 
-/// A bounding volume hierarchy of triangles.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     tree: CwBvh,
@@ -171,8 +168,7 @@ impl Bvh {
             let children = (0..8).filter(|&child| !self.tree.nodes[node].is_child_empty(child));
             open.extend(children.map(|child| {
                 let Aabb { min, max, .. } = self.tree.nodes[node].child_aabb(child);
-                let bounds = AxisBox { min: min.as_dvec3(), max: max.as_dvec3() };
-                (local.distance_squared(local.clamp(bounds.min, bounds.max)), node, child)
+                (local.distance_squared(local.clamp(min.as_dvec3(), max.as_dvec3())), node, child)
             }));
             open[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         };

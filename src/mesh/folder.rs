@@ -18,18 +18,13 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The folder of a file.
     pub fn of(file: &Path) -> Folder {
         Folder { path: file.parent().unwrap_or(Path::new("")).to_path_buf(), read: Vec::new(), missing: Vec::new() }
     }
 
     /// Bytes of the file of that name; fails where the name leads out of the folder.
     pub fn fetch(&mut self, name: &str, budget: &mut Budget) -> Result<Arc<Vec<u8>>> {
-        let fetched = self.look_up(name, budget);
-        if fetched.is_err() {
-            self.missing.push(name.to_owned());
-        }
-        fetched
+        self.look_up(name, budget).inspect_err(|_| self.missing.push(name.to_owned()))
     }
 
     /// Digest of a scene's file, of all files fetched since, and of the names of those that could not be.
@@ -58,7 +53,6 @@ impl Folder {
     }
 }
 
-/// All bytes of a regular file.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     use std::io::Read;
     let mut bytes = Vec::new();

@@ -6,8 +6,6 @@ pub mod bvh;
 pub mod folder;
 pub mod gltf;
 pub mod material;
-#[cfg(test)]
-pub(crate) mod numbers;
 pub mod ray;
 pub mod texture;
 mod triangle;

@@ -12,36 +12,31 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A ray in `direction`, which need not have length 1.
-    ///
-    /// `None` when the origin is not finite or the direction has no length.
+    /// In a direction of any length; `None` where that is 0, or the origin is not finite.
     pub fn new(origin: DVec3, direction: DVec3) -> Option<Ray> {
         let direction = direction.try_normalize()?;
         origin.is_finite().then_some(Ray::from_unit(origin, direction))
     }
 
-    /// A ray whose direction is known to have length 1.
+    /// The direction has length 1.
     pub(crate) fn from_unit(origin: DVec3, direction: DVec3) -> Ray {
         Ray { origin, direction, inverse: direction.recip() }
     }
 
-    /// Where it starts, metres.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Where it goes; length 1.
+    /// Length 1.
     pub fn direction(&self) -> DVec3 {
         self.direction
     }
 
-    /// The point at `distance` metres.
-    pub fn at(&self, distance: f64) -> DVec3 {
-        self.origin + distance * self.direction
+    pub fn at(&self, distance_m: f64) -> DVec3 {
+        self.origin + distance_m * self.direction
     }
 }
 
-/// Where a ray meets a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Intersection {
     /// Metres along the ray.
@@ -50,12 +45,10 @@ pub struct Intersection {
     pub normal: DVec3,
 }
 
-/// A box whose edges follow the axes.
+/// A box along the axes, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxisBox {
-    /// Smallest corner, metres.
     pub min: DVec3,
-    /// Largest corner, metres.
     pub max: DVec3,
 }
 
@@ -66,7 +59,6 @@ impl AxisBox {
         points.into_iter().map(alone).reduce(AxisBox::join)
     }
 
-    /// The smallest box around two.
     pub fn join(self, other: AxisBox) -> AxisBox {
         AxisBox { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
@@ -81,7 +73,6 @@ impl AxisBox {
         point.distance(point.clamp(self.min, self.max))
     }
 
-    /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| {
             let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
@@ -106,8 +97,6 @@ impl AxisBox {
         Some(Intersection { distance, normal })
     }
 
-    /// Distances at which the ray enters and leaves the slab of each axis.
-    ///
     /// For a ray parallel to a slab they are −inf..+inf inside of it and +inf..−inf outside; the product alone is
     /// 0 · inf = NaN on the slab's own plane.
     pub(crate) fn slabs(&self, ray: &Ray) -> Slabs {
@@ -136,12 +125,11 @@ pub(crate) struct Slabs {
 }
 
 impl Slabs {
-    /// Distance at which the ray enters the box.
     pub fn enter(&self) -> f64 {
         self.enters.max_element()
     }
 
-    /// Distance at which the ray leaves the box; less than [`Self::enter`] for a miss.
+    /// Less than [`Self::enter`] for a miss.
     pub fn leave(&self) -> f64 {
         self.leaves.min_element()
     }

@@ -1,10 +1,10 @@
 //! Textures: 8-bit sRGB images with alpha, decoded from PNG or JPEG and sampled bilinearly in linear light.
 
 use std::io::Cursor;
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use ::image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::budget::Budget;
 use crate::error::{Error, Result};
@@ -34,10 +34,8 @@ pub struct ImageTexture {
 }
 
 /// Linear light of each sRGB code, 0..=1.
-fn linear() -> &'static [f64; 256] {
-    static TABLE: OnceLock<[f64; 256]> = OnceLock::new();
-    TABLE.get_or_init(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)))
-}
+static LINEAR: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| Transfer::Srgb.decode(code as f64 / 255.0)));
 
 impl Wrap {
     /// The two pixels around a coordinate along a side of `size` pixels, and the weight of the second.
@@ -105,44 +103,30 @@ impl ImageTexture {
     pub fn sample(&self, uv: DVec2) -> (DVec3, f64) {
         let (left, right, along) = self.wrap[0].neighbours(uv.x, self.width);
         let (top, bottom, down) = self.wrap[1].neighbours(uv.y, self.height);
-        let table = linear();
-        let pixel = |x: usize, y: usize| -> (DVec3, f64) {
+        let table = &*LINEAR;
+        let pixel = |x: usize, y: usize| {
             let [r, g, b, a] = self.pixels[y * self.width as usize + x];
-            (DVec3::new(table[r as usize], table[g as usize], table[b as usize]), f64::from(a) / 255.0)
+            DVec4::new(table[r as usize], table[g as usize], table[b as usize], f64::from(a) / 255.0)
         };
-        let between = |one: (DVec3, f64), other: (DVec3, f64), at: f64| {
-            (one.0 + at * (other.0 - one.0), one.1 + at * (other.1 - one.1))
-        };
+        let between = |one: DVec4, other: DVec4, at: f64| one + at * (other - one);
         let upper = between(pixel(left, top), pixel(right, top), along);
         let lower = between(pixel(left, bottom), pixel(right, bottom), along);
-        between(upper, lower, down)
+        let mixed = between(upper, lower, down);
+        (mixed.truncate(), mixed.w)
     }
 
-    /// Mean of the linear colour over all pixels.
-    pub fn mean(&self) -> DVec3 {
-        let table = linear();
+    /// Means over all pixels: of the linear colour, and of the codes, 0..=1, for images that hold no colours.
+    pub fn means(&self) -> [DVec3; 2] {
         let mut counts = [[0u64; 256]; 3];
         for pixel in &self.pixels {
             for (counts, &code) in counts.iter_mut().zip(pixel) {
                 counts[code as usize] += 1;
             }
         }
-        let mean = |counts: &[u64; 256]| -> f64 {
-            let sum: f64 = counts.iter().zip(table).map(|(&count, light)| count as f64 * light).sum();
-            sum / self.pixels.len().max(1) as f64
-        };
-        DVec3::from_array([mean(&counts[0]), mean(&counts[1]), mean(&counts[2])])
-    }
-
-    /// Mean of the codes over all pixels, 0..=1: of images that hold no colours.
-    pub fn mean_codes(&self) -> DVec3 {
-        let mut sums = [0u64; 3];
-        for pixel in &self.pixels {
-            for (sum, &code) in sums.iter_mut().zip(pixel) {
-                *sum += u64::from(code);
-            }
-        }
-        DVec3::from_array(sums.map(|sum| sum as f64)) / (255.0 * self.pixels.len().max(1) as f64)
+        let pixels = self.pixels.len().max(1) as f64;
+        let light = |counts: [u64; 256]| counts.iter().zip(&*LINEAR).map(|(&count, light)| count as f64 * light).sum();
+        let codes = |counts: [u64; 256]| (0..).zip(counts).map(|(code, count)| code * count).sum::<u64>() as f64;
+        [DVec3::from_array(counts.map(light)) / pixels, DVec3::from_array(counts.map(codes)) / (255.0 * pixels)]
     }
 }
 
@@ -192,8 +176,9 @@ mod tests {
     fn means_are_of_light_and_of_codes() {
         let image = texture(Wrap::Repeat);
         let gray = Transfer::Srgb.decode(128.0 / 255.0);
-        assert!((image.mean() - DVec3::new(2.0 + gray, 1.0 + gray, 1.0 + gray) / 4.0).length() < 1e-12);
+        let [mean, mean_codes] = image.means();
+        assert!((mean - DVec3::new(2.0 + gray, 1.0 + gray, 1.0 + gray) / 4.0).length() < 1e-12);
         let codes = DVec3::new(2.0 + 128.0 / 255.0, 1.0 + 128.0 / 255.0, 1.0 + 128.0 / 255.0) / 4.0;
-        assert!((image.mean_codes() - codes).length() < 1e-12);
+        assert!((mean_codes - codes).length() < 1e-12);
     }
 }

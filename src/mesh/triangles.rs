@@ -23,7 +23,6 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Corners of a triangle, metres.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|corner| self.positions[corner as usize])
     }

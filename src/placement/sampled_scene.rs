@@ -199,10 +199,10 @@ enum Side {
 
 /// Distance and side of the first hit of a ray.
 fn first_side(scene: &SceneAtTime, ray: &Ray) -> Option<(f64, Side)> {
-    let is_near = |at: &usize| scene.objects()[*at].bounds().intersect(ray, 0.0).is_some();
+    let is_near = |at: &usize| scene.objects()[*at].bounds.intersect(ray, 0.0).is_some();
     let hit = scene.first_hit(ray, (0..scene.objects().len()).filter(is_near))?;
     let normal = match hit.surface {
-        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape(), Shape::Quad(_)) => {
+        HitSurface::Object { index, .. } if matches!(scene.objects()[index].shape, Shape::Quad(_)) => {
             return Some((hit.distance, Side::Front));
         }
         HitSurface::Object { normal, .. } => normal,

@@ -44,7 +44,12 @@ pub fn on_hemisphere(index: usize, count: usize) -> DVec3 {
 }
 
 fn spiral(index: usize, y: f64) -> DVec3 {
-    let (sin, cos) = (TAU * (index as f64 * GOLDEN_TURN).fract()).sin_cos();
+    around((index as f64 * GOLDEN_TURN).fract(), y)
+}
+
+/// The direction of height y at a fraction of a turn around the vertical.
+pub fn around(turn: f64, y: f64) -> DVec3 {
+    let (sin, cos) = (TAU * turn).sin_cos();
     let across = (1.0 - y * y).max(0.0).sqrt();
     DVec3::new(across * cos, y, across * sin)
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::sequence;
 use crate::mesh::AxisBox;
-use crate::scene::{Fence, SceneAtTime, Shape, TurnedBox};
+use crate::scene::{Quad, SceneAtTime, Shape, Sphere, TurnedBox};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
@@ -26,15 +26,8 @@ pub struct SurfacePoints {
 
 /// A part of the surface of known area.
 enum Patch {
-    Flat {
-        corner: DVec3,
-        u: DVec3,
-        v: DVec3,
-    },
-    Ball {
-        center: DVec3,
-        radius: f64,
-    },
+    Flat(Quad),
+    Ball(Sphere),
     /// Indices.
     Triangle {
         mesh: usize,
@@ -75,18 +68,20 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     };
     let mut flats = Vec::new();
     for object in scene.objects() {
-        match object.shape() {
-            Shape::Sphere(ball) => {
-                add(Patch::Ball { center: ball.center, radius: ball.radius }, 2.0 * TAU * ball.radius * ball.radius);
-            }
-            Shape::Quad(quad) => flats.push([quad.corner, quad.u, quad.v]),
+        match &object.shape {
+            Shape::Sphere(ball) => add(Patch::Ball(*ball), 2.0 * TAU * ball.radius * ball.radius),
+            Shape::Quad(quad) => flats.push(*quad),
             Shape::AxisBox(solid) => flats.extend(sides(solid)),
             Shape::TurnedBox(solid) => flats.extend(turned_sides(solid)),
-            Shape::Fence(fence) => flats.extend(fence_solids(fence).iter().flat_map(sides)),
+            // Parts of a fence inside each other are never seen.
+            Shape::Fence(fence) => {
+                let solids = fence.rails.into_iter().map(|rail| fence.rail(rail));
+                flats.extend(solids.chain((0..fence.posts).map(|post| fence.post(post))).flat_map(|solid| sides(&solid)));
+            }
         }
     }
-    for [corner, u, v] in flats {
-        add(Patch::Flat { corner, u, v }, u.cross(v).length());
+    for quad in flats {
+        add(Patch::Flat(quad), quad.u.cross(quad.v).length());
     }
     for (mesh, of_mesh) in scene.meshes().iter().enumerate() {
         for triangle in 0..of_mesh.mesh().triangles.len() {
@@ -97,8 +92,8 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
     (patches, ends)
 }
 
-/// Sides of a box as a corner and two edges, whose cross product points outwards.
-fn sides(solid: &AxisBox) -> [[DVec3; 3]; 6] {
+/// Sides of a box, whose normals point outwards.
+fn sides(solid: &AxisBox) -> [Quad; 6] {
     let size = solid.max - solid.min;
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
     [
@@ -109,39 +104,23 @@ fn sides(solid: &AxisBox) -> [[DVec3; 3]; 6] {
         [solid.min, y, x],
         [solid.min + z, x, y],
     ]
+    .map(|[corner, u, v]| Quad { corner, u, v })
 }
 
-fn turned_sides(solid: &TurnedBox) -> [[DVec3; 3]; 6] {
+fn turned_sides(solid: &TurnedBox) -> [Quad; 6] {
+    let turned = |edge: DVec3| solid.to_world(edge);
     sides(&AxisBox { min: -solid.half, max: solid.half })
-        .map(|[corner, u, v]| [solid.center + solid.to_world(corner), solid.to_world(u), solid.to_world(v)])
-}
-
-/// Rails and posts of a fence; parts inside each other are never seen.
-fn fence_solids(fence: &Fence) -> Vec<AxisBox> {
-    let bounds = fence.bounds();
-    let half = 0.5 * fence.width;
-    let rail = |height: f64| AxisBox {
-        min: DVec3::new(bounds.min.x, fence.foot.y + height - half, bounds.min.z),
-        max: DVec3::new(bounds.max.x, fence.foot.y + height + half, bounds.max.z),
-    };
-    let post = |number: u32| {
-        let foot = fence.foot + DVec3::X * (f64::from(number) * fence.spacing);
-        AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, fence.height, half) }
-    };
-    fence.rails.into_iter().map(rail).chain((0..fence.posts).map(post)).collect()
+        .map(|Quad { corner, u, v }| Quad { corner: solid.center + turned(corner), u: turned(u), v: turned(v) })
 }
 
 /// Point of a patch at two coordinates in 0..1, uniform by area; `None` in a hole.
 fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<SurfacePoint> {
     match *patch {
-        Patch::Flat { corner, u, v } => {
+        Patch::Flat(Quad { corner, u, v }) => {
             Some(SurfacePoint { point: corner + s * u + t * v, normal: u.cross(v).try_normalize()? })
         }
-        Patch::Ball { center, radius } => {
-            let (sin, cos) = (TAU * s).sin_cos();
-            let up = 1.0 - 2.0 * t;
-            let across = (1.0 - up * up).max(0.0).sqrt();
-            let normal = DVec3::new(across * cos, up, across * sin);
+        Patch::Ball(Sphere { center, radius }) => {
+            let normal = sequence::around(s, 1.0 - 2.0 * t);
             Some(SurfacePoint { point: center + radius * normal, normal })
         }
         Patch::Triangle { mesh, triangle } => {
@@ -158,8 +137,7 @@ fn on_patch(scene: &SceneAtTime, patch: &Patch, s: f64, t: f64) -> Option<Surfac
 
 /// Sorts points along a Morton curve of 1024 cells along each axis.
 fn sort_in_space(points: &mut [SurfacePoint]) {
-    let min = points.iter().fold(DVec3::INFINITY, |min, at| min.min(at.point));
-    let max = points.iter().fold(DVec3::NEG_INFINITY, |max, at| max.max(at.point));
+    let Some(AxisBox { min, max }) = AxisBox::around(points.iter().map(|at| at.point)) else { return };
     let side = (max - min).max_element().max(f64::MIN_POSITIVE);
     let code = |at: &SurfacePoint| {
         let cells = ((at.point - min) / side * 1023.0).to_array().map(|along| along as u64);
@@ -176,8 +154,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::mesh::{Mesh, Ray};
-    use crate::scene::{DemoKind, DemoScene, Light, Material, MeshMaterial, Object, Quad, SceneMesh, Sphere, Texture};
+    use crate::mesh::{Material as PlainMaterial, Mesh, Ray};
+    use crate::scene::{DemoKind, DemoScene, Light, Material, MeshMaterial, Object, SceneMesh, Texture};
 
     fn scene(shapes: Vec<Shape>) -> SceneAtTime {
         let paint = Material::diffuse(Texture::Solid(DVec3::ONE));
@@ -205,18 +183,18 @@ mod tests {
     fn every_shape_has_its_points_on_its_surface() {
         let found = DemoScene::new(DemoKind::Courtyard).at(0.7);
         for object in found.objects() {
-            let alone = scene(vec![*object.shape()]);
+            let alone = scene(vec![object.shape]);
             let mut met = 0;
             let points = sample(&alone, 200, 5).points;
             for at in &points {
                 let ray = Ray::new(at.point + 0.01 * at.normal, -at.normal).unwrap();
-                let Some(hit) = object.shape().intersect(&ray, 0.0) else { continue };
+                let Some(hit) = object.shape.intersect(&ray, 0.0) else { continue };
                 met += 1;
                 // Posts and rails of a fence reach into each other.
-                let fits = (hit.distance - 0.01).abs() < 1e-9 || matches!(object.shape(), Shape::Fence(_));
-                assert!(fits, "{:?} {at:?} {hit:?}", object.shape());
+                let fits = (hit.distance - 0.01).abs() < 1e-9 || matches!(object.shape, Shape::Fence(_));
+                assert!(fits, "{:?} {at:?} {hit:?}", object.shape);
             }
-            assert!(met == points.len() && met > 150, "{:?}: {met} of {}", object.shape(), points.len());
+            assert!(met == points.len() && met > 150, "{:?}: {met} of {}", object.shape, points.len());
         }
     }
 
@@ -233,7 +211,8 @@ mod tests {
         let triangles = vec![[0, 1, 2], [0, 1, 1], [0, 1, 3]];
         let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::NAN];
         let solid = MeshMaterial::default();
-        let hole = MeshMaterial { alpha: 0.2, alpha_cutoff: Some(0.5), ..MeshMaterial::default() };
+        let plain = PlainMaterial { alpha: 0.2, alpha_cutoff: Some(0.5), ..PlainMaterial::default() };
+        let hole = MeshMaterial { plain, ..MeshMaterial::default() };
         for (material, expected) in [(solid, 50), (hole, 0)] {
             let mesh = Mesh {
                 positions: positions.clone(),

@@ -69,8 +69,8 @@ impl Scene {
     /// Identifies the contents: the name of a built-in scene, or a digest of all files that were read.
     pub fn contents(&self) -> &str {
         match self {
-            Scene::Procedural(scene) => scene.kind().name(),
-            Scene::Model(model) => model.contents(),
+            Scene::Procedural(scene) => scene.kind.name(),
+            Scene::Model(model) => &model.contents,
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 
-use crate::mesh::{AxisBox, Bvh, ImageTexture, Mesh, Ray, TriangleHit};
+use crate::mesh::{AxisBox, Bvh, Material as PlainMaterial, Mesh, Ray, TriangleHit};
 
 /// Specular transport at a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,45 +35,15 @@ pub struct Phong {
 }
 
 /// The material of triangles, as rays are shaded with it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MeshMaterial {
-    /// As in the file.
-    pub name: String,
-    /// Diffuse albedo, linear, multiplied with the texture's.
-    pub base_color: DVec3,
-    pub base_texture: Option<Arc<ImageTexture>>,
-    /// Alpha below it is a hole; `None` without holes.
-    pub alpha_cutoff: Option<f64>,
-    /// Alpha, multiplied with the texture's.
-    pub alpha: f64,
-    /// Emitted radiance, linear, multiplied with the texture's.
-    pub emission: DVec3,
-    pub emissive_texture: Option<Arc<ImageTexture>>,
+    /// As in the file, but for the base colour: that of the diffuse part. Metalness, roughness, reflectance, index of
+    /// refraction and transmission are not used: the fields below stand for them.
+    pub plain: PlainMaterial,
     pub phong: Phong,
     /// Part of the weight of the highlight that is a metal's base colour: vertex colours multiply it, too.
     pub metal: DVec3,
     pub optics: Optics,
-    /// Whether it shows its base colour under any light.
-    pub unlit: bool,
-}
-
-impl Default for MeshMaterial {
-    /// Matt, 80% grey.
-    fn default() -> Self {
-        MeshMaterial {
-            name: String::new(),
-            base_color: DVec3::splat(0.8),
-            base_texture: None,
-            alpha_cutoff: None,
-            alpha: 1.0,
-            emission: DVec3::ZERO,
-            emissive_texture: None,
-            phong: Phong::default(),
-            metal: DVec3::ZERO,
-            optics: Optics::Opaque,
-            unlit: false,
-        }
-    }
 }
 
 /// A mesh that rays can be traced against. Holes of alpha are passed through.
@@ -90,7 +60,7 @@ pub struct SceneMesh {
 impl SceneMesh {
     pub fn new(mesh: Mesh, materials: Arc<[MeshMaterial]>) -> SceneMesh {
         let bvh = Bvh::new((0..mesh.triangles.len()).map(|triangle| mesh.corners(triangle)));
-        let has_holes = materials.iter().any(|material| material.alpha_cutoff.is_some());
+        let has_holes = materials.iter().any(|material| material.plain.alpha_cutoff.is_some());
         let has_glass = materials.iter().any(|material| matches!(material.optics, Optics::Glass { .. }));
         SceneMesh { mesh, materials, bvh, has_holes, has_glass }
     }
@@ -133,7 +103,7 @@ impl SceneMesh {
         if !self.has_holes {
             return false;
         }
-        let Some(material) = self.material(triangle) else { return false };
+        let Some(material) = self.material(triangle).map(|material| &material.plain) else { return false };
         let Some(cutoff) = material.alpha_cutoff else { return false };
         let mut alpha = material.alpha;
         if let Some(texture) = &material.base_texture {
@@ -156,9 +126,8 @@ mod tests {
     use glam::Vec2;
 
     use super::*;
-    use crate::mesh::Wrap;
-    use crate::mesh::bvh::tests::brute_force;
-    use crate::mesh::numbers::Numbers;
+    use crate::mesh::{ImageTexture, Wrap};
+    use crate::mesh::bvh::tests::{Numbers, brute_force};
 
     #[test]
     #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]
@@ -203,13 +172,15 @@ mod tests {
         };
         let ray = Ray::new(DVec3::new(0.7, 0.2, 1.0), DVec3::NEG_Z).unwrap();
         let sees = |mesh: &SceneMesh| mesh.nearest(&ray, 0.0..f64::INFINITY).unwrap().triangle;
-        let holes = |alpha| MeshMaterial { alpha, alpha_cutoff: Some(0.5), ..MeshMaterial::default() };
+        let opaque = PlainMaterial { alpha_cutoff: Some(0.5), ..PlainMaterial::default() };
+        let masked = |plain| MeshMaterial { plain, ..MeshMaterial::default() };
+        let holes = |alpha| masked(PlainMaterial { alpha, ..opaque.clone() });
         assert_eq!(sees(&with(holes(0.6))), 0);
         assert_eq!(sees(&with(holes(0.4))), 2);
         assert!(!with(holes(0.4)).occluded(&ray, 0.0..1.5));
         assert!(with(holes(0.4)).occluded(&ray, 0.0..2.5));
         let texture = Arc::new(ImageTexture { width: 1, height: 1, pixels: vec![[255; 4]], wrap: [Wrap::Repeat; 2] });
-        assert_eq!(sees(&with(MeshMaterial { base_texture: Some(texture), ..holes(0.6) })), 0);
+        assert_eq!(sees(&with(masked(PlainMaterial { base_texture: Some(texture), ..holes(0.6).plain }))), 0);
         let glass =
             with(MeshMaterial { optics: Optics::Glass { ior: 1.5, tint: DVec3::ONE }, ..MeshMaterial::default() });
         assert_eq!(sees(&glass), 0);

@@ -7,11 +7,11 @@ use super::mesh::Optics;
 use super::primitive::Shape;
 use crate::mesh::AxisBox;
 
-/// A shape with its material.
 #[derive(Debug, Clone, Copy)]
 pub struct Object {
-    shape: Shape,
-    bounds: AxisBox,
+    pub shape: Shape,
+    /// A box that contains the shape.
+    pub bounds: AxisBox,
     pub material: Material,
     /// Origin of the texture's coordinates in the world, metres.
     pub anchor: DVec3,
@@ -38,15 +38,6 @@ impl Object {
             texture_from_world: DQuat::IDENTITY,
             casts_shadow: CastsShadow::Yes,
         }
-    }
-
-    pub fn shape(&self) -> &Shape {
-        &self.shape
-    }
-
-    /// A box that contains the shape.
-    pub fn bounds(&self) -> &AxisBox {
-        &self.bounds
     }
 
     /// Whether it casts shadows; glass never does.

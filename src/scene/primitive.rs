@@ -123,15 +123,24 @@ impl Fence {
         }
     }
 
+    /// The rail around a height above the foot, metres.
+    pub fn rail(&self, height: f64) -> AxisBox {
+        let (AxisBox { min, max }, y, half) = (self.bounds(), self.foot.y + height, 0.5 * self.width);
+        AxisBox { min: DVec3::new(min.x, y - half, min.z), max: DVec3::new(max.x, y + half, max.z) }
+    }
+
+    pub fn post(&self, number: u32) -> AxisBox {
+        let (foot, half) = (self.foot + DVec3::X * (f64::from(number) * self.spacing), 0.5 * self.width);
+        AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, self.height, half) }
+    }
+
     /// The nearest intersection beyond `min_distance`. Only posts near the ray are tested.
     pub fn intersect(&self, ray: &Ray, min_distance: f64) -> Option<Intersection> {
-        let bounds = self.bounds();
-        let slabs = bounds.slabs(ray);
+        let slabs = self.bounds().slabs(ray);
         let (enter, leave) = (slabs.enter().max(min_distance), slabs.leave());
         if enter > leave || self.posts == 0 {
             return None;
         }
-        let half = 0.5 * self.width;
         let mut best: Option<Intersection> = None;
         let mut offer = |solid: AxisBox| {
             if let Some(hit) = solid.intersect(ray, min_distance)
@@ -140,24 +149,15 @@ impl Fence {
                 best = Some(hit);
             }
         };
-        for rail in self.rails {
-            let y = self.foot.y + rail;
-            offer(AxisBox {
-                min: DVec3::new(bounds.min.x, y - half, bounds.min.z),
-                max: DVec3::new(bounds.max.x, y + half, bounds.max.z),
-            });
-        }
+        self.rails.into_iter().for_each(|rail| offer(self.rail(rail)));
         let post_at = |x: f64| (x - self.foot.x) / self.spacing;
         let ends = [ray.at(enter).x, ray.at(leave).x];
         // Half a post and a margin for rounding.
-        let reach = half + 1e-9;
+        let reach = 0.5 * self.width + 1e-9;
         // Casts saturate, and the posts are clamped to those that exist.
         let first = (post_at(ends[0].min(ends[1]) - reach).ceil() as u32).min(self.posts - 1);
         let last = (post_at(ends[0].max(ends[1]) + reach).floor() as u32).min(self.posts - 1);
-        for post in first..=last {
-            let foot = self.foot + DVec3::new(f64::from(post) * self.spacing, 0.0, 0.0);
-            offer(AxisBox { min: foot - DVec3::new(half, 0.0, half), max: foot + DVec3::new(half, self.height, half) });
-        }
+        (first..=last).for_each(|post| offer(self.post(post)));
         best
     }
 }

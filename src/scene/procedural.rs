@@ -10,6 +10,7 @@ mod turning;
 
 use glam::DVec3;
 
+use self::parts::Definition;
 use super::object::Object;
 use super::raycast::SceneAtTime;
 
@@ -31,14 +32,18 @@ impl DemoKind {
     pub const ALL: [DemoKind; 5] =
         [DemoKind::Courtyard, DemoKind::Interior, DemoKind::Object, DemoKind::Mirrors, DemoKind::Cornell];
 
-    pub fn name(self) -> &'static str {
+    fn definition(self) -> &'static Definition {
         match self {
-            DemoKind::Courtyard => "courtyard",
-            DemoKind::Interior => "interior",
-            DemoKind::Object => "object",
-            DemoKind::Mirrors => "mirrors",
-            DemoKind::Cornell => "cornell",
+            DemoKind::Courtyard => &courtyard::SCENE,
+            DemoKind::Interior => &interior::SCENE,
+            DemoKind::Object => &turning::SCENE,
+            DemoKind::Mirrors => &mirrors::SCENE,
+            DemoKind::Cornell => &cornell::SCENE,
         }
+    }
+
+    pub fn name(self) -> &'static str {
+        self.definition().name
     }
 
     pub fn from_name(name: &str) -> Option<DemoKind> {
@@ -48,7 +53,7 @@ impl DemoKind {
 
 #[derive(Debug, Clone)]
 pub struct DemoScene {
-    kind: DemoKind,
+    pub kind: DemoKind,
     /// Static objects: the first objects at every time.
     fixed: Vec<Object>,
 }
@@ -58,18 +63,7 @@ impl DemoScene {
     pub const PERIOD_S: f64 = 4.0;
 
     pub fn new(kind: DemoKind) -> Self {
-        let fixed = match kind {
-            DemoKind::Courtyard => courtyard::fixed(),
-            DemoKind::Interior => interior::fixed(),
-            DemoKind::Object => Vec::new(),
-            DemoKind::Mirrors => mirrors::fixed(),
-            DemoKind::Cornell => cornell::fixed(),
-        };
-        DemoScene { kind, fixed }
-    }
-
-    pub fn kind(&self) -> DemoKind {
-        self.kind
+        DemoScene { kind, fixed: (kind.definition().fixed)() }
     }
 
     /// Seconds after which it repeats, 0 for a static scene.
@@ -80,13 +74,7 @@ impl DemoScene {
     /// Region for probes: centre and half size, metres. From anywhere within, at any time, no surface is nearer than
     /// 0.4 m (0.9 m in the courtyard).
     pub fn probe_region(&self) -> (DVec3, DVec3) {
-        match self.kind {
-            DemoKind::Courtyard => courtyard::REGION,
-            DemoKind::Interior => interior::REGION,
-            DemoKind::Object => turning::REGION,
-            DemoKind::Mirrors => mirrors::REGION,
-            DemoKind::Cornell => cornell::REGION,
-        }
+        self.kind.definition().region
     }
 
     /// A negative time is allowed; one that is not finite counts as 0.
@@ -94,13 +82,7 @@ impl DemoScene {
         let time_s = if time_s.is_finite() { time_s } else { 0.0 };
         // 0..1 through the period.
         let phase = (time_s / Self::PERIOD_S).rem_euclid(1.0);
-        match self.kind {
-            DemoKind::Courtyard => courtyard::at(phase, self.fixed.clone()),
-            DemoKind::Interior => interior::at(phase, self.fixed.clone()),
-            DemoKind::Object => turning::at(phase),
-            DemoKind::Mirrors => mirrors::at(phase, self.fixed.clone()),
-            DemoKind::Cornell => cornell::at(self.fixed.clone()),
-        }
+        (self.kind.definition().at)(phase, self.fixed.clone())
     }
 }
 
@@ -115,7 +97,7 @@ mod tests {
     fn names_round_trip() {
         for kind in DemoKind::ALL {
             assert_eq!(DemoKind::from_name(kind.name()), Some(kind));
-            assert_eq!(DemoScene::new(kind).kind(), kind);
+            assert_eq!(DemoScene::new(kind).kind, kind);
         }
         assert_eq!(DemoKind::from_name("castle"), None);
     }

@@ -19,7 +19,6 @@ fn lift_m(size: f64) -> f64 {
     if size < 1.0 { 1e-6 * size } else { f64::max(1e-6, 1e-8 * size) }
 }
 
-/// A scene at one time.
 #[derive(Debug, Clone)]
 pub struct SceneAtTime {
     objects: Vec<Object>,
@@ -34,7 +33,6 @@ pub struct SceneAtTime {
     lift: f64,
 }
 
-/// The nearest surface on a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FirstHit {
     /// Metres along the ray.
@@ -48,7 +46,7 @@ pub enum HitSurface {
     Object {
         /// Index into [`SceneAtTime::objects`].
         index: usize,
-        /// As [`Intersection::normal`].
+        /// Length 1, out of the solid.
         normal: DVec3,
     },
     Mesh {
@@ -66,7 +64,7 @@ impl SceneAtTime {
 
     pub fn with_meshes(objects: Vec<Object>, meshes: Vec<Arc<SceneMesh>>, light: Light) -> Self {
         let shadows = light.suns.iter().map(|sun| ShadowGrid::new(&objects, sun.direction)).collect();
-        let boxes = objects.iter().map(|object| *object.bounds()).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
+        let boxes = objects.iter().map(|object| object.bounds).chain(meshes.iter().filter_map(|mesh| mesh.bounds()));
         // Shapes that are not finite are invisible, and must not spoil what depends on the size.
         let boxes = boxes.filter(|bounds| bounds.min.is_finite() && bounds.max.is_finite());
         let bounds = boxes.reduce(AxisBox::join);
@@ -94,8 +92,8 @@ impl SceneAtTime {
         }
         let ray = Ray::from_unit(from, way / length);
         let hidden = self.objects.iter().any(|object| {
-            object.bounds().intersect(&ray, 0.0).is_some()
-                && object.shape().intersect(&ray, ends[0]).is_some_and(|hit| hit.distance < ends[1])
+            object.bounds.intersect(&ray, 0.0).is_some()
+                && object.shape.intersect(&ray, ends[0]).is_some_and(|hit| hit.distance < ends[1])
         });
         !hidden && !self.meshes.iter().any(|mesh| mesh.occluded(&ray, ends[0]..ends[1]))
     }
@@ -106,7 +104,6 @@ impl SceneAtTime {
         0.01 * self.size.min(1.0).powi(2)
     }
 
-    /// One for each sun.
     pub(super) fn shadows(&self) -> &[ShadowGrid] {
         &self.shadows
     }
@@ -129,26 +126,17 @@ impl SceneAtTime {
         &self.light
     }
 
-    /// The nearest of the `candidates` (indices of objects), by order of index where two are equally near.
-    fn nearest(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Option<(usize, Intersection)> {
-        let mut best: Option<(usize, Intersection)> = None;
-        for index in candidates {
-            if let Some(hit) = self.objects[index].shape().intersect(ray, 0.0)
-                && best.is_none_or(|(_, best)| hit.distance < best.distance)
-            {
-                best = Some((index, hit));
-            }
-        }
-        best
-    }
-
     /// The nearest hit among all meshes and the `candidates` (indices of objects, rising); of equally near ones, objects
     /// before meshes, then the lower index.
     pub fn first_hit(&self, ray: &Ray, candidates: impl IntoIterator<Item = usize>) -> Option<FirstHit> {
-        let mut first = self.nearest(ray, candidates).map(|(index, hit)| FirstHit {
-            distance: hit.distance,
-            surface: HitSurface::Object { index, normal: hit.normal },
-        });
+        let mut first: Option<FirstHit> = None;
+        for index in candidates {
+            if let Some(Intersection { distance, normal }) = self.objects[index].shape.intersect(ray, 0.0)
+                && first.is_none_or(|first| distance < first.distance)
+            {
+                first = Some(FirstHit { distance, surface: HitSurface::Object { index, normal } });
+            }
+        }
         for (index, mesh) in self.meshes.iter().enumerate() {
             let limit = first.map_or(f64::INFINITY, |first| first.distance);
             if let Some(at) = mesh.nearest(ray, 0.0..limit) {

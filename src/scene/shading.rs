@@ -173,14 +173,14 @@ impl SceneAtTime {
     /// Whether a shadow caster is within the first `length` metres.
     fn light_stopped(&self, ray: &Ray, length: f64) -> bool {
         self.objects().iter().filter(|object| object.is_occluder()).any(|object| {
-            object.bounds().intersect(ray, 0.0).is_some()
-                && object.shape().intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
+            object.bounds.intersect(ray, 0.0).is_some()
+                && object.shape.intersect(ray, 0.0).is_some_and(|hit| hit.distance < length)
         }) || self.meshes().iter().any(|mesh| mesh.casts_shadow(ray, 0.0..length))
     }
 
     fn in_sun_shadow(&self, sun: DVec3, shadows: &super::shadow_grid::ShadowGrid, point: DVec3) -> bool {
         let ray = Ray::from_unit(point, sun);
-        shadows.casters(point).iter().any(|&index| self.objects()[index].shape().intersect(&ray, 0.0).is_some())
+        shadows.casters(point).iter().any(|&index| self.objects()[index].shape.intersect(&ray, 0.0).is_some())
             || self.meshes().iter().any(|mesh| mesh.casts_shadow(&ray, 0.0..f64::INFINITY))
     }
 }

@@ -24,27 +24,17 @@ impl ShadowGrid {
         let first = (DVec3::X - sun.x * sun).try_normalize().unwrap_or(DVec3::Y);
         let axes = [first, sun.cross(first)];
         let flat = |point: DVec3| DVec2::new(point.dot(axes[0]), point.dot(axes[1]));
-        let casters: Vec<(usize, DVec2, DVec2)> = objects
-            .iter()
-            .enumerate()
-            .filter(|(_, object)| object.is_occluder())
-            .map(|(index, object)| {
-                let corners = object.bounds().corners().map(flat);
-                // A margin of ten micrometres for rounding and the offset of shadow rays.
-                let (low, high) = corners
-                    .iter()
-                    .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
-                (index, low - 1e-5, high + 1e-5)
-            })
-            .collect();
+        let caster = |(index, object): (usize, &Object)| {
+            let corners = object.is_occluder().then(|| object.bounds.corners().map(flat))?;
+            // A margin of ten micrometres for rounding and the offset of shadow rays.
+            let low = corners.into_iter().fold(DVec2::INFINITY, DVec2::min) - 1e-5;
+            Some((index, low, corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max) + 1e-5))
+        };
+        let casters: Vec<(usize, DVec2, DVec2)> = objects.iter().enumerate().filter_map(caster).collect();
         let min = casters.iter().fold(DVec2::INFINITY, |min, (_, low, _)| min.min(*low));
         let max = casters.iter().fold(DVec2::NEG_INFINITY, |max, (_, _, high)| max.max(*high));
-        let mut grid = ShadowGrid {
-            axes,
-            min,
-            per_metre: Self::SIDE as f64 / (max - min),
-            shafts: vec![Vec::new(); Self::SIDE * Self::SIDE],
-        };
+        let (per_metre, shafts) = (Self::SIDE as f64 / (max - min), vec![Vec::new(); Self::SIDE * Self::SIDE]);
+        let mut grid = ShadowGrid { axes, min, per_metre, shafts };
         for (index, low, high) in casters {
             let (from, to) = (grid.shaft(low), grid.shaft(high));
             for row in from[1]..=to[1] {

@@ -11,20 +11,6 @@ use crate::scene::{MeshMaterial, Scene, SceneAtTime};
 pub struct SceneSummary {
     /// Metres.
     pub bounds_m: Option<SceneBounds>,
-    #[serde(flatten)]
-    pub counts: SceneCounts,
-    pub animations: Vec<AnimationSummary>,
-}
-
-/// Axis-aligned, metres.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SceneBounds {
-    pub min: [f64; 3],
-    pub max: [f64; 3],
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub struct SceneCounts {
     pub triangles: usize,
     /// Analytic shapes.
     pub objects: usize,
@@ -35,6 +21,14 @@ pub struct SceneCounts {
     pub suns: usize,
     /// Point and spot lights.
     pub lamps: usize,
+    pub animations: Vec<AnimationSummary>,
+}
+
+/// Axis-aligned, metres.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SceneBounds {
+    pub min: [f64; 3],
+    pub max: [f64; 3],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -49,20 +43,18 @@ impl Scene {
     pub fn summary(&self) -> SceneSummary {
         let scene = self.at(0.0);
         let materials = materials(&scene);
-        let images = materials.iter().flat_map(|material| [&material.base_texture, &material.emissive_texture]);
+        let images = materials.iter().flat_map(|material| [&material.plain.base_texture, &material.plain.emissive_texture]);
         let textures: BTreeSet<_> = images.flatten().map(Arc::as_ptr).collect();
         SceneSummary {
             bounds_m: scene
                 .bounds()
                 .map(|bounds| SceneBounds { min: bounds.min.to_array(), max: bounds.max.to_array() }),
-            counts: SceneCounts {
-                triangles: scene.meshes().iter().map(|mesh| mesh.mesh().triangles.len()).sum(),
-                objects: scene.objects().len(),
-                materials: materials.len(),
-                textures: textures.len(),
-                suns: scene.light().suns.len(),
-                lamps: scene.light().lamps.len(),
-            },
+            triangles: scene.meshes().iter().map(|mesh| mesh.mesh().triangles.len()).sum(),
+            objects: scene.objects().len(),
+            materials: materials.len(),
+            textures: textures.len(),
+            suns: scene.light().suns.len(),
+            lamps: scene.light().lamps.len(),
             animations: self.animation_summaries(),
         }
     }
@@ -75,7 +67,7 @@ impl Scene {
             }
             Scene::Procedural(_) => Vec::new(),
             Scene::Model(model) => {
-                let named = model.animations().iter().zip(model.durations_s());
+                let named = model.animations.iter().zip(&model.durations_s);
                 named
                     .map(|(name, length)| AnimationSummary { name: Some(printable(name)), duration_s: *length })
                     .collect()

@@ -90,11 +90,11 @@ fn of_mesh(scene_mesh: &SceneMesh, ray: &Ray, hit: &TriangleHit) -> Surface {
         side,
         normal,
         from_within,
-        albedo: textured(material.base_color, &material.base_texture),
-        emission: textured(material.emission, &material.emissive_texture),
+        albedo: textured(material.plain.base_color, &material.plain.base_texture),
+        emission: textured(material.plain.emission, &material.plain.emissive_texture),
         phong: material.phong,
         optics: material.optics,
-        unlit: material.unlit,
+        unlit: material.plain.unlit,
     };
     if let Some(color) = mesh.color(hit.triangle, hit.barycentric) {
         painted.tint(color.truncate(), material.metal);

@@ -1,8 +1,6 @@
 //! A ray traced through a scene: distance, radiance, normal and optics of what it meets first.
 
 #[cfg(test)]
-mod extremes;
-#[cfg(test)]
 mod tests;
 
 use glam::DVec3;
@@ -27,7 +25,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    const NOTHING: Hit =
+    pub(super) const NOTHING: Hit =
         Hit { distance: f64::INFINITY, color: DVec3::ZERO, normal: DVec3::ZERO, object: None, optics: OPAQUE };
 }
 

@@ -101,11 +101,11 @@ fn a_triangle_comes_out_of_each_kind_of_file() {
     ];
     for (name, bytes, others) in cases {
         let (model, notes) = open_beside(name, &bytes, &others).unwrap();
-        assert_eq!((model.duration_s(), model.animations().len(), notes.len()), (0.0, 0, 0), "{name} {notes:?}");
+        assert_eq!((model.duration_s(), model.animations.len(), notes.len()), (0.0, 0, 0), "{name} {notes:?}");
         let mesh = first(&model);
         assert_corners(&mesh, &CORNERS);
         assert!(mesh.normals.is_empty() && mesh.uvs.is_empty());
-        assert_eq!((mesh.materials[0].base_color, &mesh.material_of[..]), (DVec3::splat(0.8), &[0][..]));
+        assert_eq!((mesh.materials[0].plain.base_color, &mesh.material_of[..]), (DVec3::splat(0.8), &[0][..]));
         assert_eq!(model.at(0.0).light().suns.len(), 1, "a day, as the file has no light");
     }
 }
@@ -208,7 +208,7 @@ fn a_node_turns_steps_and_eases_and_stays_at_the_ends() {
         file.animate(0, path, json!({ "input": times, "output": output, "interpolation": how }));
         let (model, notes) = open(&file);
         assert_eq!((model.duration_s(), notes.len()), (3.0, 0));
-        assert_eq!(model.animations(), ["animation 0"]);
+        assert_eq!(model.animations, ["animation 0"]);
         for (time, expected) in
             [(-5.0, 0), (0.0, 0), (1.0, 0), (1.5, 1), (3.0, 2), (1e30, 2)].map(|(t, at)| (t, expected[at]))
         {
@@ -260,7 +260,7 @@ fn what_stays_is_shared_by_all_times_and_what_moves_is_not() {
     std::fs::write(&path, file.glb()).unwrap();
     let (model, notes) = Model::open_to_play(&path, Play::Named("stay")).unwrap();
     assert_eq!(
-        (model.duration_s(), notes.len(), model.animations()),
+        (model.duration_s(), notes.len(), &model.animations[..]),
         (0.0, 0, &["go".to_string(), "stay".to_string()][..])
     );
     let corners = [[0.0, 0.0, 5.0], [1.0, 0.0, 5.0], [0.0, 1.0, 5.0]];
@@ -468,7 +468,7 @@ fn the_meshes_beside_the_footage_are_whole() {
         let mesh = first(&model);
         assert_eq!((mesh.triangles.len(), notes.len()), (triangles - no_area, no_area), "{name}: {notes:?}");
         assert_eq!(model.duration_s(), 0.0);
-        let textures = mesh.materials.iter().filter(|material| material.base_texture.is_some()).count();
+        let textures = mesh.materials.iter().filter(|material| material.plain.base_texture.is_some()).count();
         assert_eq!(textures, if name == "sponza.glb" { 24 } else { 0 }, "{name}");
     }
 }
@@ -477,7 +477,7 @@ fn the_meshes_beside_the_footage_are_whole() {
 fn the_rich_document_has_everything() {
     let (model, notes) = open(&rich());
     assert!(notes.is_empty(), "{notes:?}");
-    assert_eq!((model.duration_s(), model.animations()), (2.0, &["all".to_string()][..]));
+    assert_eq!((model.duration_s(), &model.animations[..]), (2.0, &["all".to_string()][..]));
     assert_eq!(only(&model.at(1.0)).triangles.len(), 4);
     assert_eq!(open_beside("a.gltf", &rich().text(), &[]).unwrap().0.at(1.0).light().lamps.len(), 1);
 }

@@ -24,16 +24,16 @@ fn materials_become_what_rays_are_shaded_with() {
     let rough = |base: f64, metallic: f64, roughness: f64| json!({ "pbrMetallicRoughness": { "baseColorFactor": [base, base, base, 1.0], "metallicFactor": metallic, "roughnessFactor": roughness } });
     // Plastic: 4% at right angles, exponent (2/α² − 2)/4 with α = 0.25.
     let (plastic, _) = material(&rough(0.5, 0.0, 0.5));
-    assert_eq!((plastic.base_color, plastic.optics), (DVec3::splat(0.5), Optics::Opaque));
+    assert_eq!((plastic.plain.base_color, plastic.optics), (DVec3::splat(0.5), Optics::Opaque));
     assert!(
         (plastic.phong.exponent - 7.5).abs() < 1e-9 && (plastic.phong.weight.x - 0.04).abs() < 1e-9,
         "{:?}",
         plastic.phong
     );
     let (steel, _) = material(&rough(0.5, 1.0, 0.5));
-    assert_eq!((steel.base_color, steel.phong.weight), (DVec3::ZERO, DVec3::splat(0.5)));
+    assert_eq!((steel.plain.base_color, steel.phong.weight), (DVec3::ZERO, DVec3::splat(0.5)));
     let (mirror, _) = material(&rough(0.5, 1.0, 0.0));
-    assert_eq!((mirror.optics, mirror.base_color), (Optics::Mirror { tint: DVec3::splat(0.5) }, DVec3::ZERO));
+    assert_eq!((mirror.optics, mirror.plain.base_color), (Optics::Mirror { tint: DVec3::splat(0.5) }, DVec3::ZERO));
     let (matt, _) = material(&rough(1.0, 0.0, 1.0));
     assert_eq!(matt.phong.exponent, 1.0);
     let mut glass = rough(1.0, 0.0, 0.0);
@@ -46,21 +46,21 @@ fn materials_become_what_rays_are_shaded_with() {
     let (lamp, _) = material(
         &json!({ "emissiveFactor": [1.0, 0.5, 0.0], "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8.0 } } }),
     );
-    assert_eq!(lamp.emission, DVec3::new(8.0, 4.0, 0.0));
+    assert_eq!(lamp.plain.emission, DVec3::new(8.0, 4.0, 0.0));
     let (sign, _) = material(
         &json!({ "extensions": { "KHR_materials_unlit": {} }, "pbrMetallicRoughness": { "baseColorFactor": [1.0, 0.5, 0.25, 1.0] } }),
     );
-    assert_eq!((sign.unlit, sign.base_color, sign.phong.weight), (true, DVec3::new(1.0, 0.5, 0.25), DVec3::ZERO));
+    assert_eq!((sign.plain.unlit, sign.plain.base_color, sign.phong.weight), (true, DVec3::new(1.0, 0.5, 0.25), DVec3::ZERO));
     let (masked, notes) = material(&json!({ "alphaMode": "MASK", "alphaCutoff": 0.25 }));
-    assert_eq!((masked.alpha_cutoff, notes.len()), (Some(0.25), 0));
+    assert_eq!((masked.plain.alpha_cutoff, notes.len()), (Some(0.25), 0));
     let (veil, notes) = material(
         &json!({ "name": "veil", "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1.0, 1.0, 1.0, 0.75] } }),
     );
-    assert_eq!((veil.alpha_cutoff, veil.alpha), (Some(0.5), 0.75));
+    assert_eq!((veil.plain.alpha_cutoff, veil.plain.alpha), (Some(0.5), 0.75));
     assert!(notes.len() == 1 && notes[0].contains("veil"), "{notes:?}");
     let glossy = json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "diffuseFactor": [0.5, 0.5, 0.5, 1.0], "specularFactor": [0.25, 0.25, 0.25], "glossinessFactor": 0.5 } } });
     let (glossy, _) = material(&glossy);
-    assert_eq!((glossy.base_color, glossy.phong.weight), (DVec3::splat(0.5), DVec3::splat(0.25)));
+    assert_eq!((glossy.plain.base_color, glossy.phong.weight), (DVec3::splat(0.5), DVec3::splat(0.25)));
     let (odd, _) = material(&json!({ "pbrMetallicRoughness": { "baseColorFactor": [7.0, -1.0, 0.5, 1.0] } }));
     assert_eq!(odd.phong.weight, DVec3::new(1.0, 0.0, 0.5), "of a metal, as the file says nothing else");
 }
@@ -105,7 +105,7 @@ fn textures_are_where_their_coordinates_say() {
         let (model, notes) = file(info, json!({ "wrapS": 33071, "wrapT": 33648 }));
         assert!(notes.is_empty(), "{notes:?}");
         let mesh = first(&model);
-        let texture = mesh.materials[1].base_texture.clone().unwrap();
+        let texture = mesh.materials[1].plain.base_texture.clone().unwrap();
         assert_eq!((texture.wrap, texture.pixels.as_slice()), ([Wrap::Clamp, Wrap::Mirror], &pixels[..]));
         assert_eq!(texture.sample(DVec2::new(0.25, 0.25)), (DVec3::X, 1.0), "the first pixel is the top left one");
         assert_eq!(mesh.uv(0, DVec2::X), mesh.uvs[1].as_dvec2());
@@ -163,7 +163,7 @@ fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
         let (model, notes) = open(&file);
         assert!(notes.len() == 1 && notes[0].contains(expected) && notes[0].starts_with("image 0"), "{uri}: {notes:?}");
         let mesh = first(&model);
-        assert!(mesh.materials[2].base_texture.is_none() && mesh.materials[2].base_color == DVec3::splat(0.5));
+        assert!(mesh.materials[2].plain.base_texture.is_none() && mesh.materials[2].plain.base_color == DVec3::splat(0.5));
     }
 }
 
@@ -293,18 +293,18 @@ fn obj_files_have_parts_materials_and_their_textures() {
     let mesh = first(&model);
     assert_eq!(mesh.triangles.len(), 6);
     let of = |triangle: usize| &mesh.materials[mesh.material_of[triangle] as usize];
-    let names: Vec<&str> = (0..6).map(|triangle| of(triangle).name.as_str()).collect();
+    let names: Vec<&str> = (0..6).map(|triangle| of(triangle).plain.name.as_str()).collect();
     assert_eq!(names, ["red", "mirror", "mirror", "glass", "leaf", "lamp"]);
     let red = of(0);
-    assert_eq!((red.base_color, red.phong.exponent, red.phong.weight), (DVec3::X, 98.0, DVec3::splat(0.01)));
-    let texture = red.base_texture.as_ref().unwrap();
+    assert_eq!((red.plain.base_color, red.phong.exponent, red.phong.weight), (DVec3::X, 98.0, DVec3::splat(0.01)));
+    let texture = red.plain.base_texture.as_ref().unwrap();
     assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
     // v grows upwards in the file.
     assert_eq!(mesh.uvs[mesh.triangles[0][2] as usize].to_array(), [0.0, 0.0]);
     assert_eq!(of(1).optics, Optics::Mirror { tint: DVec3::splat(f64::from(0.9f32)) });
     assert_eq!(of(3).optics, Optics::Glass { ior: f64::from(1.4f32), tint: DVec3::new(0.5, 1.0, 1.0) });
     let leaf = of(4);
-    let alphas: Vec<u8> = leaf.base_texture.as_ref().unwrap().pixels.iter().map(|pixel| pixel[3]).collect();
-    assert_eq!((leaf.alpha_cutoff, alphas), (Some(0.5), vec![255, 0]));
-    assert_eq!((of(5).emission, of(5).base_texture.is_none()), (DVec3::new(3.0, 2.0, 1.0), true));
+    let alphas: Vec<u8> = leaf.plain.base_texture.as_ref().unwrap().pixels.iter().map(|pixel| pixel[3]).collect();
+    assert_eq!((leaf.plain.alpha_cutoff, alphas), (Some(0.5), vec![255, 0]));
+    assert_eq!((of(5).plain.emission, of(5).plain.base_texture.is_none()), (DVec3::new(3.0, 2.0, 1.0), true));
 }

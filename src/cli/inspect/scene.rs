@@ -48,15 +48,14 @@ fn text(name: &str, summary: &SceneSummary) -> String {
         let size = numbers([0, 1, 2].map(|axis| max[axis] - min[axis])).join(" x ");
         let _ = writeln!(out, "{} to {}, {size} m in x, y, z", numbers(min).join(", "), numbers(max).join(", "));
     }
-    let counts = &summary.counts;
     let mut table = Table::new(&[Column::Left("What"), Column::Right("Count")]);
     for (what, count) in [
-        ("triangles", counts.triangles),
-        ("objects", counts.objects),
-        ("materials", counts.materials),
-        ("textures", counts.textures),
-        ("suns", counts.suns),
-        ("lamps", counts.lamps),
+        ("triangles", summary.triangles),
+        ("objects", summary.objects),
+        ("materials", summary.materials),
+        ("textures", summary.textures),
+        ("suns", summary.suns),
+        ("lamps", summary.lamps),
     ] {
         table.row([what.to_owned(), count.to_string()]);
     }

@@ -170,7 +170,7 @@ fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::numbers::Numbers;
+    use crate::mesh::bvh::tests::Numbers;
 
     fn around(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)

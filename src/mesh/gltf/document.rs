@@ -1,7 +1,7 @@
 //! The JSON of a glTF file, checked before it is used (glTF 2.0, sections 3 and 4.4): the crates that parse it index
 //! what a file claims.
 
-use gltf::json::validation::{Error as Fault, Validate};
+use gltf::json::validation::{Checked, Error as Fault, Validate};
 use gltf::{Document, json};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -26,30 +26,21 @@ const KNOWN: &[&str] = &[
 const MAX_COUNT: usize = 1 << 18;
 
 /// Checked before the rest is read into memory.
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
+#[serde(default)]
 struct Preview {
-    asset: Version,
-    #[serde(default, rename = "extensionsRequired")]
+    asset: Option<Version>,
+    #[serde(rename = "extensionsRequired")]
     required: Vec<String>,
-    #[serde(default)]
     nodes: Vec<IgnoredAny>,
-    #[serde(default)]
     meshes: Vec<IgnoredAny>,
-    #[serde(default)]
     materials: Vec<IgnoredAny>,
-    #[serde(default)]
     textures: Vec<IgnoredAny>,
-    #[serde(default)]
     images: Vec<IgnoredAny>,
-    #[serde(default)]
     samplers: Vec<IgnoredAny>,
-    #[serde(default)]
     buffers: Vec<IgnoredAny>,
-    #[serde(default)]
     scenes: Vec<IgnoredAny>,
-    #[serde(default)]
     skins: Vec<IgnoredAny>,
-    #[serde(default)]
     animations: Vec<IgnoredAny>,
 }
 
@@ -115,8 +106,10 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>)> {
 }
 
 fn check_preview(preview: &Preview) -> Result<()> {
-    if preview.asset.version.split('.').next() != Some("2") {
-        let version: String = preview.asset.version.chars().take(20).collect();
+    let version = preview.asset.as_ref().map(|asset| asset.version.as_str());
+    // A file without one is refused when all of it is read.
+    if let Some(version) = version.filter(|version| version.split('.').next() != Some("2")) {
+        let version: String = version.chars().take(20).collect();
         return Err(Error::unsupported(format!("glTF version “{version}”; save it as version 2.0")));
     }
     if let Some(unknown) = preview.required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
@@ -148,11 +141,8 @@ fn check(root: &json::Root) -> Result<()> {
     // The validation of the crate indexes this accessor before it checks the index.
     for (number, mesh) in root.meshes.iter().enumerate() {
         for primitive in &mesh.primitives {
-            let positions = primitive
-                .attributes
-                .iter()
-                .find(|(name, _)| matches!(name, json::validation::Checked::Valid(json::mesh::Semantic::Positions)));
-            if positions.is_some_and(|(_, accessor)| accessor.value() >= root.accessors.len()) {
+            let positions = primitive.attributes.get(&Checked::Valid(json::mesh::Semantic::Positions));
+            if positions.is_some_and(|accessor| accessor.value() >= root.accessors.len()) {
                 return Err(Error::invalid(format!(
                     "mesh {number} has its positions in an accessor that is not there"
                 )));

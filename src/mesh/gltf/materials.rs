@@ -25,20 +25,12 @@ pub struct Paint {
     pub coordinates: Option<Coordinates>,
 }
 
-impl Paint {
-    fn plain() -> Paint {
-        let material = PlainMaterial::default();
-        Paint { mean_color: material.base_color, material, coordinates: None }
-    }
-}
-
 /// All materials of a document, behind the default one at index 0.
 pub fn read_all(document: &gltf::Document, buffers: &mut Buffers, notes: &mut Vec<String>) -> Vec<Paint> {
     let mut textures = Textures::default();
-    let mut all = vec![Paint::plain()];
-    for material in document.materials() {
-        all.push(read(&material, buffers, &mut textures, notes));
-    }
+    let plain = PlainMaterial::default();
+    let mut all = vec![Paint { mean_color: plain.base_color, material: plain, coordinates: None }];
+    all.extend(document.materials().map(|material| read(&material, buffers, &mut textures, notes)));
     notes.append(&mut textures.notes);
     note_left_out(document, notes);
     all
@@ -162,6 +154,6 @@ impl<'a> Surface<'a> {
 }
 
 /// A factor, clamped to 0..=1.
-fn unit(value: f32) -> f64 {
+pub fn unit(value: f32) -> f64 {
     if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }

@@ -84,15 +84,12 @@ impl Nodes {
         let roots = (0..count).filter(|&node| parents[node].is_none());
         let order = below(roots, &children);
         if order.len() < count {
-            let mut met = vec![false; count];
-            order.iter().for_each(|&node| met[node] = true);
-            let looped = met.iter().position(|met| !met).unwrap_or(0);
+            let looped = flags(&order, count).iter().position(|met| !met).unwrap_or(0);
             return Err(Error::invalid(format!("node {looped} is its own ancestor")));
         }
         let shown = match document.default_scene().or_else(|| document.scenes().next()) {
             None => vec![true; count],
             Some(scene) => {
-                let mut shown = vec![false; count];
                 let mut roots: Vec<usize> = scene.nodes().map(|node| node.index()).collect();
                 roots.sort_unstable();
                 roots.dedup();
@@ -100,8 +97,7 @@ impl Nodes {
                     let message = format!("node {root} is a root of the scene, and a child of node {parent}");
                     return Err(Error::invalid(message));
                 }
-                below(roots.into_iter(), &children).into_iter().for_each(|node| shown[node] = true);
-                shown
+                flags(&below(roots.into_iter(), &children), count)
             }
         };
         Ok(Nodes { parents, order, locals, shown })
@@ -135,6 +131,12 @@ fn below(roots: impl Iterator<Item = usize>, children: &[Vec<usize>]) -> Vec<usi
         at += 1;
     }
     order
+}
+
+fn flags(marked: &[usize], count: usize) -> Vec<bool> {
+    let mut flags = vec![false; count];
+    marked.iter().for_each(|&node| flags[node] = true);
+    flags
 }
 
 fn local(transform: &Transform) -> Local {

@@ -62,11 +62,7 @@ pub fn read(
     let accessor = primitive.get(&Semantic::Positions).ok_or_else(|| Error::invalid("it has no positions"))?;
     let positions: Vec<Vec3> = buffers.floats::<3>(accessor.index())?.into_iter().map(Vec3::from_array).collect();
     let count = positions.len();
-    let mut normals = Vec::new();
-    if let Some(accessor) = primitive.get(&Semantic::Normals) {
-        normals = buffers.floats::<3>(accessor.index())?.into_iter().map(Vec3::from_array).collect();
-        same(count, normals.len(), "normals")?;
-    }
+    let normals = vectors(primitive.get(&Semantic::Normals), count, "normals", buffers)?;
     let mut uvs = Vec::new();
     if let Some(Coordinates { set, transform }) = coordinates
         && let Some(accessor) = primitive.get(&Semantic::TexCoords(set))
@@ -76,10 +72,8 @@ pub fn read(
         same(count, uvs.len(), "texture coordinates")?;
     }
     let colors = colors(primitive, count, buffers)?;
-    let order: Option<Vec<u32>> = match primitive.indices() {
-        Some(accessor) => Some(buffers.integers::<1>(accessor.index())?.into_iter().flatten().collect()),
-        None => None,
-    };
+    let order = primitive.indices().map(|accessor| buffers.integers::<1>(accessor.index())).transpose()?;
+    let order = order.map(Vec::into_flattened);
     let most = order.as_ref().and_then(|order| order.iter().max());
     if let Some(most) = most.filter(|&&most| most as usize >= count) {
         return Err(Error::invalid(format!("a triangle has corner {most}, where there are {count} corners")));
@@ -88,7 +82,13 @@ pub fn read(
     buffers.budget.take(corners as u64, 12, "triangles")?;
     let corner = |at: usize| order.as_ref().map_or(at as u32, |order| order[at]);
     let triangles = triangles(mode, corners).map(|triangle| triangle.map(corner)).collect();
-    let targets = targets(primitive, count, buffers)?;
+    let mut targets = Vec::new();
+    for target in primitive.morph_targets() {
+        targets.push(Target {
+            positions: vectors(target.positions(), count, "displacements of a morph target", buffers)?,
+            normals: vectors(target.normals(), count, "normals of a morph target", buffers)?,
+        });
+    }
     let influences = influences(primitive, count, buffers)?;
     Ok(Some(Geometry { positions, normals, uvs, colors, triangles, material, targets, influences }))
 }
@@ -96,32 +96,26 @@ pub fn read(
 /// The first set of vertex colours; without alpha, they are opaque.
 fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };
-    let read: Vec<Vec4> = match accessor.dimensions() {
-        Dimensions::Vec3 => {
-            let read = buffers.floats::<3>(accessor.index())?;
-            read.into_iter().map(|color| Vec3::from_array(color).extend(1.0)).collect()
-        }
-        _ => buffers.floats::<4>(accessor.index())?.into_iter().map(Vec4::from_array).collect(),
+    let read = match accessor.dimensions() {
+        Dimensions::Vec3 => buffers.floats::<3>(accessor.index())?.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect(),
+        _ => buffers.floats::<4>(accessor.index())?,
     };
     same(count, read.len(), "colours")?;
     let sound = |color: Vec4| if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::ONE };
-    Ok(read.into_iter().map(sound).collect())
+    Ok(read.into_iter().map(|color| sound(Vec4::from_array(color))).collect())
 }
 
-fn targets(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Target>> {
-    let mut targets = Vec::new();
-    for target in primitive.morph_targets() {
-        let mut read = |accessor: Option<gltf::Accessor>, what: &str| -> Result<Vec<Vec3>> {
-            let Some(accessor) = accessor else { return Ok(Vec::new()) };
-            let vectors = buffers.floats::<3>(accessor.index())?;
-            same(count, vectors.len(), what)?;
-            Ok(vectors.into_iter().map(Vec3::from_array).collect())
-        };
-        let positions = read(target.positions(), "displacements of a morph target")?;
-        let normals = read(target.normals(), "normals of a morph target")?;
-        targets.push(Target { positions, normals });
-    }
-    Ok(targets)
+/// One vector for each corner; none without an accessor.
+fn vectors(
+    accessor: Option<gltf::Accessor>,
+    count: usize,
+    what: &str,
+    buffers: &mut Buffers,
+) -> Result<Vec<Vec3>> {
+    let Some(accessor) = accessor else { return Ok(Vec::new()) };
+    let vectors = buffers.floats::<3>(accessor.index())?;
+    same(count, vectors.len(), what)?;
+    Ok(vectors.into_iter().map(Vec3::from_array).collect())
 }
 
 fn influences(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Influences>> {
@@ -148,7 +142,7 @@ fn triangles(mode: Mode, corners: usize) -> Box<dyn Iterator<Item = [usize; 3]>>
     }
 }
 
-pub fn same(positions: usize, others: usize, what: &str) -> Result<()> {
+fn same(positions: usize, others: usize, what: &str) -> Result<()> {
     if positions == others {
         return Ok(());
     }

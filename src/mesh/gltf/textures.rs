@@ -15,7 +15,7 @@ use crate::mesh::texture::{ImageTexture, Wrap};
 #[derive(Debug, Default)]
 pub struct Textures {
     images: BTreeMap<(usize, [Wrap; 2]), Option<Arc<ImageTexture>>>,
-    /// [`ImageTexture::mean`] and [`ImageTexture::mean_codes`] by image.
+    /// [`ImageTexture::means`] by image.
     means: BTreeMap<usize, [DVec3; 2]>,
     /// One for each image that cannot be read.
     pub notes: Vec<String>,
@@ -52,7 +52,7 @@ impl Textures {
     pub fn means(&mut self, info: Option<&Info>, buffers: &mut Buffers) -> [DVec3; 2] {
         let Some(texture) = info.map(Info::texture) else { return [DVec3::ONE; 2] };
         let Some(image) = self.get(&texture, buffers) else { return [DVec3::ONE; 2] };
-        *self.means.entry(texture.source().index()).or_insert_with(|| [image.mean(), image.mean_codes()])
+        *self.means.entry(texture.source().index()).or_insert_with(|| image.means())
     }
 
     fn noted(&mut self, image: usize, read: Result<Arc<ImageTexture>>) -> Option<Arc<ImageTexture>> {

@@ -2,7 +2,7 @@
 //!
 //! Positions are rounded to f32. Images are embedded as PNG.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ pub fn glb(meshes: &[Mesh], materials: &[Material], out: &mut dyn Write) -> Resu
         ("samplers", document.samplers),
         ("accessors", document.accessors),
         ("bufferViews", document.views),
-        ("extensionsUsed", document.extensions.into_keys().map(Value::from).collect()),
+        ("extensionsUsed", document.extensions.into_iter().map(Value::from).collect()),
     ];
     // Lists of a glTF file have at least one element.
     for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
@@ -71,7 +71,7 @@ struct Document {
     samplers: Vec<Value>,
     textures: Vec<Value>,
     materials: Vec<Value>,
-    extensions: BTreeMap<&'static str, ()>,
+    extensions: BTreeSet<&'static str>,
     /// Indices of textures, by the addresses of their images.
     known: BTreeMap<*const ImageTexture, usize>,
 }
@@ -163,7 +163,7 @@ impl Document {
         }
         let mut extend = |is_needed: bool, name: &'static str, extension: Value| {
             if is_needed {
-                self.extensions.insert(name, ());
+                self.extensions.insert(name);
                 value["extensions"][name] = extension;
             }
         };
@@ -218,7 +218,7 @@ mod tests {
     use crate::mesh::budget::Budget;
     use crate::mesh::folder::Folder;
     use crate::mesh::gltf::{buffers::Buffers, document, materials, primitives};
-    use crate::mesh::numbers::Numbers;
+    use crate::mesh::bvh::tests::Numbers;
 
     fn texture(wrap: [Wrap; 2]) -> Arc<ImageTexture> {
         Arc::new(ImageTexture { width: 2, height: 1, pixels: vec![[1, 2, 3, 4], [250, 128, 0, 255]], wrap })

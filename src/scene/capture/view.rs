@@ -11,13 +11,13 @@ use rayon::prelude::*;
 
 use super::samples::SamplePattern;
 use crate::error::{Error, Result};
-use crate::image::DepthKind;
-use crate::image::ImageProjection;
 use crate::image::plane::{ColorPlane, DepthPlane, MaterialPlane, Plane};
+use crate::image::{DepthKind, ImageProjection};
 use crate::mesh::{AxisBox, Ray};
 use crate::monitor::Monitor;
 use crate::scene::raycast::SceneAtTime;
 use crate::scene::shading::OPAQUE;
+use crate::scene::trace::Hit;
 
 /// Longest side of an image: a face of 16,384² pixels is 2.5 GiB of colour and depth.
 pub const MAX_FACE_SIZE: u32 = 16_384;
@@ -117,19 +117,15 @@ pub fn capture_view(
     if settings.depth == DepthKind::Planar && from.projection.axes().is_none() {
         return Err(Error::Usage("equirectangular images have no planar depth: use distance".into()));
     }
-    let plane = |pass| settings.wants(pass).then_some((width, height));
+    let wants = |pass| settings.wants(pass);
     let mut images = Images {
-        color: plane(Pass::Color).map(|(width, height)| Plane::filled(width, height, [f16::ZERO; 3])),
-        depth: plane(Pass::Depth).map(|(width, height)| Plane::filled(width, height, f32::INFINITY)),
-        normal: plane(Pass::Normal).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
-        material: plane(Pass::Material).map(|(width, height)| Plane::filled(width, height, [0.0; 3])),
+        color: wants(Pass::Color).then(|| Plane::filled(width, height, [f16::ZERO; 3])),
+        depth: wants(Pass::Depth).then(|| Plane::filled(width, height, f32::INFINITY)),
+        normal: wants(Pass::Normal).then(|| Plane::filled(width, height, [0.0; 3])),
+        material: wants(Pass::Material).then(|| Plane::filled(width, height, [0.0; 3])),
     };
-    let capture = ImageCapture {
-        scene,
-        from,
-        settings,
-        axes: from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis))),
-    };
+    let axes = from.projection.axes().map(|axes| axes.map(|axis| turned(from, axis)));
+    let capture = ImageCapture { scene, from, settings, axes };
     bands(&mut images, [width, height]).into_par_iter().try_for_each(|band| {
         monitor.check()?;
         capture.capture_band(band);
@@ -174,14 +170,6 @@ fn bands(images: &mut Images, [width, height]: [u32; 2]) -> Vec<Band<'_>> {
     (0..height).step_by(TILE as usize).map(band).collect()
 }
 
-/// Hit of the ray through the centre of a pixel.
-struct Centre {
-    /// Metres, `+inf` for nothing.
-    distance: f64,
-    normal: DVec3,
-    optics: [f64; 3],
-}
-
 struct ImageCapture<'a> {
     scene: &'a SceneAtTime,
     from: &'a Viewpoint,
@@ -212,7 +200,7 @@ impl ImageCapture<'_> {
             if self.settings.samples.is_centre() {
                 let hit = self.scene.trace(&self.ray(x, y), candidates.iter().copied());
                 color[pixel] = halves(hit.color);
-                centre = Some(Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics });
+                centre = Some(hit);
             } else {
                 color[pixel] = self.color([col, row], candidates);
             }
@@ -249,15 +237,13 @@ impl ImageCapture<'_> {
         halves(sum / points.len() as f64)
     }
 
-    /// Shades only where normal or material are requested.
-    fn centre(&self, ray: &Ray, candidates: &[usize]) -> Centre {
-        if !self.settings.wants(Pass::Normal) && !self.settings.wants(Pass::Material) {
-            let first = self.scene.first_hit(ray, candidates.iter().copied());
-            let distance = first.map_or(f64::INFINITY, |first| first.distance);
-            return Centre { distance, normal: DVec3::ZERO, optics: OPAQUE };
+    /// The hit of the ray through the centre of a pixel, shaded only where normal or material are requested.
+    fn centre(&self, ray: &Ray, candidates: &[usize]) -> Hit {
+        if self.settings.wants(Pass::Normal) || self.settings.wants(Pass::Material) {
+            return self.scene.trace(ray, candidates.iter().copied());
         }
-        let hit = self.scene.trace(ray, candidates.iter().copied());
-        Centre { distance: hit.distance, normal: hit.normal, optics: hit.optics }
+        let first = self.scene.first_hit(ray, candidates.iter().copied());
+        Hit { distance: first.map_or(f64::INFINITY, |first| first.distance), ..Hit::NOTHING }
     }
 
     fn ray(&self, x: f64, y: f64) -> Ray {
@@ -272,7 +258,7 @@ impl ImageCapture<'_> {
             Some(axes) => self.outside_of_pyramid(axes, from, to),
             None => self.outside_of_cone(from, to),
         };
-        (0..objects.len()).filter(|&index| !outside(objects[index].bounds())).collect()
+        (0..objects.len()).filter(|&index| !outside(&objects[index].bounds)).collect()
     }
 
     /// Whether a box is outside of one of the five planes of the pixels' pyramid.

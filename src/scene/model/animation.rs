@@ -74,9 +74,10 @@ impl Channel {
 
     /// Applies the value at a time to a pose.
     pub fn move_pose(&self, time_s: f64, pose: &mut Pose) {
+        let vector = || DVec3::from_slice(&self.curve.at(time_s));
         match self.property {
-            Property::Translation => pose.translation = self.curve.vector(time_s),
-            Property::Scale => pose.scale = self.curve.vector(time_s),
+            Property::Translation => pose.translation = vector(),
+            Property::Scale => pose.scale = vector(),
             Property::Rotation => pose.rotation = self.curve.rotation(time_s),
             Property::MorphTargetWeights => {}
         }
@@ -173,10 +174,6 @@ impl Curve {
                 self.value(key).zip(self.value(key + 1)).map(|(from, to)| from + t * (to - from)).collect()
             }
         }
-    }
-
-    fn vector(&self, time_s: f64) -> DVec3 {
-        DVec3::from_slice(&self.at(time_s))
     }
 
     fn rotation(&self, time_s: f64) -> DQuat {

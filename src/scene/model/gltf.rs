@@ -22,7 +22,6 @@ use crate::mesh::gltf::primitives::{self, Geometry};
 pub struct Read {
     pub stage: Stage,
     pub animations: Vec<String>,
-    /// Seconds, as the file states them; `None` where it does not.
     pub durations_s: Vec<Option<f64>>,
     /// As [`Folder::contents`].
     pub contents: String,
@@ -58,7 +57,9 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
             instances.push(Instance { node: number, skin, weights, geometry: geometry.clone() });
         }
     }
-    meshes.note(notes);
+    if meshes.skipped > 0 {
+        notes.push(format!("{} primitives of points or lines are left out: they have no surface", meshes.skipped));
+    }
 
     let name = |number: usize| root.animations[number].name.clone().unwrap_or_else(|| format!("animation {number}"));
     let animations: Vec<String> = (0..root.animations.len()).map(name).collect();
@@ -66,12 +67,9 @@ pub fn read(bytes: &[u8], path: &Path, play: Play, notes: &mut Vec<String>) -> R
         Play::First => (!animations.is_empty()).then_some(0),
         Play::None => None,
         Play::Named(name) => Some(animations.iter().position(|other| other == name).ok_or_else(|| {
-            let all: Vec<&str> = animations.iter().take(20).map(String::as_str).collect();
-            let all = if all.is_empty() {
-                "it has none".to_string()
-            } else {
-                printable(&format!("it has {}", all.join(", ")))
-            };
+            let all = animations[..animations.len().min(20)].join(", ");
+            let all = if animations.is_empty() { "none".to_string() } else { all };
+            let all = printable(&format!("it has {all}"));
             Error::Usage(format!("{}: there is no animation “{name}”; {all}", path.display()))
         })?),
     };
@@ -109,27 +107,20 @@ struct Meshes<'a> {
 
 impl Meshes<'_> {
     fn get(&mut self, mesh: &gltf::Mesh, buffers: &mut Buffers) -> Result<&[Arc<Geometry>]> {
-        let number = mesh.index();
-        if self.known[number].is_none() {
+        let known = &mut self.known[mesh.index()];
+        if known.is_none() {
             let mut parts = Vec::new();
             for primitive in mesh.primitives() {
                 let material = primitive.material().index().map_or(0, |index| index + 1);
                 let read = primitives::read(&primitive, material as u32, self.paints[material].coordinates, buffers);
-                let context = format!("mesh {number}, primitive {}", primitive.index());
+                let context = format!("mesh {}, primitive {}", mesh.index(), primitive.index());
                 match read.map_err(|error| error.context(context))? {
                     Some(geometry) => parts.push(Arc::new(geometry)),
                     None => self.skipped += 1,
                 }
             }
-            self.known[number] = Some(parts);
+            *known = Some(parts);
         }
-        Ok(self.known[number].as_deref().unwrap_or_default())
-    }
-
-    fn note(&self, notes: &mut Vec<String>) {
-        if self.skipped > 0 {
-            let count = self.skipped;
-            notes.push(format!("{count} primitives of points or lines are left out: they have no surface"));
-        }
+        Ok(known.as_deref().unwrap_or_default())
     }
 }

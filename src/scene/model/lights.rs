@@ -18,7 +18,7 @@ const MAX_LAMPS: usize = 4096;
 /// A light on a node, along its −Z.
 #[derive(Debug, Clone, Copy)]
 pub struct NodeLight {
-    node: usize,
+    pub node: usize,
     color: DVec3,
     reach: f64,
     kind: LightKind,
@@ -32,10 +32,6 @@ enum LightKind {
 }
 
 impl NodeLight {
-    pub fn node(&self) -> usize {
-        self.node
-    }
-
     fn lamp(&self, position: DVec3, cone: Option<Cone>) -> Lamp {
         Lamp { position, radiance: self.color, reach: self.reach, window: Window::Punctual, cone }
     }
@@ -86,12 +82,9 @@ pub fn place(lights: &[NodeLight], to_world: &[DMat4]) -> Light {
         let position = matrix.w_axis.truncate();
         match (one.kind, axis) {
             (LightKind::Sun, Some(axis)) => light.suns.push(Sun { direction: -axis, radiance: one.color }),
-            (LightKind::Lamp, _) if position.is_finite() => {
-                light.lamps.push(one.lamp(position, None));
-            }
+            (LightKind::Lamp, _) if position.is_finite() => light.lamps.push(one.lamp(position, None)),
             (LightKind::Spot { cos_inner, cos_outer }, Some(axis)) if position.is_finite() => {
-                let cone = Some(Cone { axis, cos_inner, cos_outer });
-                light.lamps.push(one.lamp(position, cone));
+                light.lamps.push(one.lamp(position, Some(Cone { axis, cos_inner, cos_outer })));
             }
             // Lights of nodes scaled to 0 have no axis.
             _ => {}

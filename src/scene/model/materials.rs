@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use crate::mesh::Material;
 use crate::mesh::gltf::materials::Paint;
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
 
@@ -45,17 +46,5 @@ pub fn shaded(paint: Paint) -> MeshMaterial {
         phong = Phong { weight, exponent };
         metal = (mean_color * material.metallic).clamp(DVec3::ZERO, weight);
     }
-    MeshMaterial {
-        name: material.name,
-        base_color,
-        base_texture: material.base_texture,
-        alpha_cutoff: material.alpha_cutoff,
-        alpha: material.alpha,
-        emission: material.emission,
-        emissive_texture: material.emissive_texture,
-        phong,
-        metal,
-        optics,
-        unlit: material.unlit,
-    }
+    MeshMaterial { plain: Material { base_color, ..material }, phong, metal, optics }
 }

@@ -35,9 +35,12 @@ pub struct Model {
     still: Vec<Arc<SceneMesh>>,
     light: Light,
     motion: Option<Motion>,
-    animations: Vec<String>,
-    durations_s: Vec<Option<f64>>,
-    contents: String,
+    /// In order of the file; “animation N” for one without a name.
+    pub animations: Vec<String>,
+    /// Seconds, as the file states them; `None` where it does not.
+    pub durations_s: Vec<Option<f64>>,
+    /// Digest of all files that it was read from, and of the names of missing ones.
+    pub contents: String,
 }
 
 #[derive(Debug)]
@@ -70,26 +73,21 @@ impl Model {
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
         let first = text.iter().find(|byte| !byte.is_ascii_whitespace());
         if document::is_glb(&bytes) || first == Some(&b'{') {
-            let read = gltf::read(&bytes, path, play, notes)?;
-            let (stage, animations, durations_s, contents) =
-                (read.stage, read.animations, read.durations_s, read.contents);
+            let gltf::Read { stage, animations, durations_s, contents } = gltf::read(&bytes, path, play, notes)?;
             return Ok(Model { animations, durations_s, contents, ..Model::of_stage(stage, notes)? });
         }
         if extension.is_none_or(|extension| extension != "obj") {
             return Err(Error::unsupported("neither glTF nor GLB nor OBJ; save the scene as one of these"));
         }
         if let Play::Named(name) = play {
-            return Err(Error::Usage(format!(
-                "{}: there is no animation “{name}”; an OBJ file has none",
-                path.display()
-            )));
+            let path = path.display();
+            return Err(Error::Usage(format!("{path}: there is no animation “{name}”; an OBJ file has none")));
         }
         let (mesh, contents) = obj::read(&bytes, path, notes)?;
         if mesh.mesh().triangles.is_empty() {
             return Err(nothing());
         }
-        let still = vec![Arc::new(mesh)];
-        Ok(Model { contents, ..Model::of_parts(still, Light::default(), None) })
+        Ok(Model { contents, ..Model::of_parts(vec![Arc::new(mesh)], Light::default(), None) })
     }
 
     fn of_parts(still: Vec<Arc<SceneMesh>>, light: Light, motion: Option<Motion>) -> Model {
@@ -116,21 +114,6 @@ impl Model {
     /// again for parsing and for building trees.
     pub fn memory_bound(bytes: u64) -> u64 {
         Budget::allowance(bytes).saturating_mul(2)
-    }
-
-    /// In order of the file; “animation N” for one without a name.
-    pub fn animations(&self) -> &[String] {
-        &self.animations
-    }
-
-    /// Seconds, as the file states them; `None` where it does not.
-    pub fn durations_s(&self) -> &[Option<f64>] {
-        &self.durations_s
-    }
-
-    /// Digest of all files that it was read from, and of the names of missing ones.
-    pub fn contents(&self) -> &str {
-        &self.contents
     }
 
     /// Whether the file has no light, so that it is lit by [`Light::default`].

@@ -13,7 +13,8 @@ use glam::{DVec2, DVec3};
 use crate::error::Result;
 use crate::mesh::budget::Budget;
 use crate::mesh::folder::Folder;
-use crate::mesh::{ImageTexture, Wrap};
+use crate::mesh::gltf::materials::unit;
+use crate::mesh::{ImageTexture, Material, Wrap};
 use crate::scene::mesh::{MeshMaterial, Optics, Phong};
 
 /// Alpha cutoff.
@@ -53,9 +54,9 @@ impl Library<'_> {
         let mask = material.dissolve_texture.as_deref().and_then(|name| self.texture(name));
         let emissive_texture = other("map_Ke").and_then(|name| self.texture(name));
         let masked = mask.is_some();
-        let base_texture = match (diffuse_map, mask) {
-            (map, Some(mask)) => self.masked(map, &mask),
-            (map, None) => map,
+        let base_texture = match mask {
+            Some(mask) => self.masked(diffuse_map, &mask),
+            None => diffuse_map,
         };
         let transparency = other("Tr").and_then(|value| value.trim().parse::<f32>().ok()).map(|tr| 1.0 - tr);
         let alpha = material.dissolve.or(transparency).map_or(1.0, unit);
@@ -70,14 +71,14 @@ impl Library<'_> {
             _ => Optics::Opaque,
         };
         let exponent = material.shininess.map_or(1.0, f64::from).clamp(1.0, 1e4);
-        let plain = optics == Optics::Opaque;
-        let weight = if material.illumination_model.is_some_and(|model| model < 2) || !plain {
+        let is_opaque = optics == Optics::Opaque;
+        let weight = if material.illumination_model.is_some_and(|model| model < 2) || !is_opaque {
             DVec3::ZERO
         } else {
             specular * 2.0 / (exponent + 2.0)
         };
-        let holes = plain && (masked || alpha < 1.0);
-        if plain && alpha < CUTOFF {
+        let holes = is_opaque && (masked || alpha < 1.0);
+        if is_opaque && alpha < CUTOFF {
             let name: String = material.name.chars().take(80).collect();
             self.notes.push(format!("“{name}” is blended by its alpha {alpha}; below {CUTOFF} it is not seen here"));
         }
@@ -88,19 +89,17 @@ impl Library<'_> {
             material.emissive.map(|value| DVec3::from_array(value.map(f64::from))).filter(|value| value.is_finite());
         let default = if emissive_texture.is_some() { DVec3::ONE } else { DVec3::ZERO };
         let emission = given.map_or(default, |value| value.max(DVec3::ZERO));
-        MeshMaterial {
+        let plain = Material {
             name: material.name.clone(),
-            base_color: if plain { base_color } else { DVec3::ZERO },
+            base_color: if is_opaque { base_color } else { DVec3::ZERO },
             base_texture,
             alpha_cutoff: holes.then_some(CUTOFF),
             alpha,
             emission,
             emissive_texture,
-            phong: Phong { weight, exponent },
-            metal: DVec3::ZERO,
-            optics,
-            unlit: false,
-        }
+            ..Material::default()
+        };
+        MeshMaterial { plain, phong: Phong { weight, exponent }, metal: DVec3::ZERO, optics }
     }
 
     fn texture(&mut self, statement: &str) -> Option<Arc<ImageTexture>> {
@@ -214,11 +213,6 @@ fn with_alpha(map: Option<&ImageTexture>, mask: &ImageTexture) -> ImageTexture {
         }
     }
     map
-}
-
-/// A factor, clamped to 0..=1.
-fn unit(value: f32) -> f64 {
-    if value.is_finite() { f64::from(value).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 #[cfg(test)]

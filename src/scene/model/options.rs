@@ -3,7 +3,6 @@
 /// Most characters of a note.
 const MAX_NOTE: usize = 400;
 
-/// Which animation of a file is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Play<'a> {
     /// The first, if there is any.

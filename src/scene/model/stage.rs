@@ -84,7 +84,7 @@ impl Stage {
             let carried = instance.skin.map_or(nodes[instance.node], |skin| skins[skin]);
             carried || (morphs[instance.node] && !instance.geometry.targets.is_empty())
         });
-        Moves { instances: instances.collect(), lights: self.lights.iter().any(|light| nodes[light.node()]) }
+        Moves { instances: instances.collect(), lights: self.lights.iter().any(|light| nodes[light.node]) }
     }
 
     /// Static or moving instances, and all lights, at a time in seconds.
@@ -105,12 +105,8 @@ impl Stage {
         weights.for_each(|channel| morphed[channel.node] = Some(channel.weights(time_s)));
 
         let shown = |moves: bool| moves == (which == Which::Moving);
-        let meant = self
-            .instances
-            .iter()
-            .zip(&moves.instances)
-            .filter(|(_, moves)| shown(**moves))
-            .map(|(instance, _)| instance);
+        let instances = self.instances.iter().zip(&moves.instances);
+        let meant = instances.filter(|(_, moves)| shown(**moves)).map(|(instance, _)| instance);
         let channels = meant.clone().fold(Channels::default(), |channels, instance| Channels {
             normals: channels.normals || !instance.geometry.normals.is_empty(),
             uvs: channels.uvs || !instance.geometry.uvs.is_empty(),

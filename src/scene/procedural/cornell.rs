@@ -2,24 +2,24 @@
 
 use glam::{DVec2, DVec3};
 
-use super::parts::{rgb, room, wall};
+use super::parts::{Definition, indoors, lamp, rgb, room, wall};
 use crate::mesh::AxisBox;
-use crate::scene::light::{Cone, Lamp, Light, Sky, Window};
+use crate::scene::light::{Cone, Lamp};
 use crate::scene::material::{Material, Texture};
 use crate::scene::object::Object;
 use crate::scene::primitive::{Shape, TurnedBox};
 use crate::scene::raycast::SceneAtTime;
 
-/// Region for probes, before the blocks: centre and half size.
-pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.3, 0.75), DVec3::new(0.3, 0.15, 0.15));
+pub(super) const SCENE: Definition =
+    Definition { name: "cornell", region: (DVec3::new(0.0, 1.3, 0.75), DVec3::new(0.3, 0.15, 0.15)), fixed, at };
 
 const INSIDE: AxisBox = AxisBox { min: DVec3::new(-1.0, 0.0, -1.0), max: DVec3::new(1.0, 2.0, 1.0) };
 
-pub(super) fn fixed() -> Vec<Object> {
+fn fixed() -> Vec<Object> {
     let white = Texture::Solid(rgb(0.73, 0.73, 0.73));
     let red = Texture::Solid(rgb(0.63, 0.06, 0.05));
     let green = Texture::Solid(rgb(0.15, 0.48, 0.09));
-    let mut objects = Vec::from(room(INSIDE, [white, white, red, green, white, white]));
+    let mut objects = room(INSIDE, [white, white, red, green, white, white]);
     // The last wall is the open side.
     objects.pop();
     let turned = |center: [f64; 3], half: [f64; 3], degrees: f64| {
@@ -35,14 +35,8 @@ pub(super) fn fixed() -> Vec<Object> {
     objects
 }
 
-pub(super) fn at(objects: Vec<Object>) -> SceneAtTime {
-    let lamp = Lamp {
-        position: DVec3::new(0.0, 1.98, 0.0),
-        radiance: rgb(1.2, 1.0, 0.75),
-        reach: f64::INFINITY,
-        window: Window::Smooth,
-        cone: Some(Cone { axis: DVec3::NEG_Y, cos_inner: 0.9, cos_outer: -0.1 }),
-    };
-    let sky = Sky { ambient: rgb(0.12, 0.11, 0.1), ..Sky::NONE };
-    SceneAtTime::new(objects, Light { suns: vec![], lamps: vec![lamp], sky })
+fn at(_: f64, objects: Vec<Object>) -> SceneAtTime {
+    let cone = Some(Cone { axis: DVec3::NEG_Y, cos_inner: 0.9, cos_outer: -0.1 });
+    let lamp = Lamp { cone, ..lamp(DVec3::new(0.0, 1.98, 0.0), rgb(1.2, 1.0, 0.75)) };
+    SceneAtTime::new(objects, indoors(vec![lamp], rgb(0.12, 0.11, 0.1)))
 }

@@ -5,15 +5,15 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::parts::{ball, block, rgb};
-use crate::scene::light::{Lamp, Light, Window};
+use super::parts::{Definition, ball, block, bulb, lamp, rgb};
+use crate::scene::light::{Lamp, Light};
 use crate::scene::material::{Material, Texture};
 use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Fence, Quad, Shape, TurnedBox};
 use crate::scene::raycast::SceneAtTime;
 
-/// Region for probes: centre and half size.
-pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3));
+pub(super) const SCENE: Definition =
+    Definition { name: "courtyard", region: (DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.3, 0.2, 0.3)), fixed, at };
 
 // The plan of the courtyard, in metres. The terrace ends, and the walls with it, before the +X face begins: that face
 // is empty from the whole probe region.
@@ -23,9 +23,10 @@ const WALL: f64 = -4.0;
 const PERGOLA_Y: f64 = 2.9;
 const LAMP: DVec3 = DVec3::new(-0.9, 1.75, -3.55);
 
-pub(super) fn fixed() -> Vec<Object> {
+fn fixed() -> Vec<Object> {
     let wood = Texture::Solid(rgb(0.36, 0.22, 0.12));
     let iron = Texture::Solid(rgb(0.05, 0.055, 0.06));
+    let stone = Texture::Solid(rgb(0.55, 0.53, 0.5));
 
     let mut ground = Object::new(
         Shape::Quad(Quad {
@@ -55,8 +56,8 @@ pub(super) fn fixed() -> Vec<Object> {
             Texture::Stripes { colors: [rgb(0.72, 0.66, 0.52), rgb(0.3, 0.42, 0.4)], wave: DVec3::X * 2.5 },
         ),
         // A coping on each wall.
-        block([WALL - 0.28, 2.6, WALL - 0.28], [WALL + 0.08, 2.7, 4.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
-        block([WALL, 2.4, WALL - 0.28], [TERRACE_EDGE_X, 2.5, WALL + 0.08], Texture::Solid(rgb(0.55, 0.53, 0.5))),
+        block([WALL - 0.28, 2.6, WALL - 0.28], [WALL + 0.08, 2.7, 4.08], stone),
+        block([WALL, 2.4, WALL - 0.28], [TERRACE_EDGE_X, 2.5, WALL + 0.08], stone),
         // The bracket that holds the lamp.
         block([LAMP.x - 0.02, LAMP.y + 0.12, WALL], [LAMP.x + 0.02, LAMP.y + 0.15, LAMP.z + 0.02], iron),
         // A tower and a tree beyond the fence.
@@ -101,23 +102,20 @@ pub(super) fn fixed() -> Vec<Object> {
     objects
 }
 
-pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
+fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
 
     // A beach ball runs round a circle and bounces four times, in parabolas.
     let hop = (4.0 * phase).fract();
     let bounce = DVec3::new(-2.1 + 0.5 * cos, 0.32 + 2.6 * hop * (1.0 - hop), -0.1 + 0.8 * sin);
     let stripes = Texture::Stripes { colors: [rgb(0.75, 0.08, 0.05), rgb(0.8, 0.78, 0.7)], wave: DVec3::X * 6.0 };
-    let mut beach_ball = ball(bounce, 0.32, stripes);
-    beach_ball.texture_from_world = DQuat::from_rotation_z(-TAU * phase);
-    objects.push(beach_ball);
+    objects.push(Object { texture_from_world: DQuat::from_rotation_z(-TAU * phase), ..ball(bounce, 0.32, stripes) });
 
     // A blue ball rolls to and fro before the striped wall without slipping.
     let roll_x = -1.1 + 0.9 * sin;
     let checker = Texture::Checker { colors: [rgb(0.06, 0.16, 0.6), rgb(0.7, 0.72, 0.75)], size: 0.25 };
-    let mut blue_ball = ball(DVec3::new(roll_x, 0.28, -2.0), 0.28, checker);
-    blue_ball.texture_from_world = DQuat::from_rotation_z(roll_x / 0.28);
-    objects.push(blue_ball);
+    let blue_ball = ball(DVec3::new(roll_x, 0.28, -2.0), 0.28, checker);
+    objects.push(Object { texture_from_world: DQuat::from_rotation_z(roll_x / 0.28), ..blue_ball });
 
     // A golden one hovers beyond the fence, seen between the posts and above them.
     let hover = DVec3::new(-0.9 + 0.8 * cos, 1.15 + 0.45 * (2.0 * TAU * phase).sin(), 2.5 + 0.4 * sin);
@@ -126,31 +124,17 @@ pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     // A box turns on the spot, once in a period.
     let cube = TurnedBox { center: DVec3::new(-2.7, 0.4, -2.5), half: DVec3::splat(0.4), turn: DVec2::new(cos, sin) };
     let tiles = Texture::Checker { colors: [rgb(0.7, 0.6, 0.1), rgb(0.16, 0.1, 0.2)], size: 0.27 };
-    let mut turning = Object::new(Shape::TurnedBox(cube), Material::diffuse(tiles));
-    turning.anchor = cube.center;
-    turning.texture_from_world = DQuat::from_rotation_y(-TAU * phase);
-    objects.push(turning);
+    let texture_from_world = DQuat::from_rotation_y(-TAU * phase);
+    let turning = Object::new(Shape::TurnedBox(cube), Material::diffuse(tiles));
+    objects.push(Object { anchor: cube.center, texture_from_world, ..turning });
 
     // The lamp rises and falls in straight lines: between two frames of a side, what it lights is their linear blend.
     let pulse = 1.0 - (2.0 * phase - 1.0).abs();
     let glow = 6.0 + 14.0 * pulse;
     let warm = rgb(1.0, 0.78, 0.45);
-    let mut bulb = ball(LAMP, 0.12, Texture::Solid(DVec3::ZERO));
-    bulb.material.emission = glow * warm;
-    bulb.casts_shadow = CastsShadow::No;
-    objects.push(bulb);
-
-    let light = Light {
-        lamps: vec![Lamp {
-            position: LAMP,
-            radiance: 0.12 * glow * warm,
-            reach: 2.0,
-            window: Window::Smooth,
-            cone: None,
-        }],
-        ..Light::default()
-    };
-    SceneAtTime::new(objects, light)
+    objects.push(bulb(LAMP, 0.12, glow * warm));
+    let lamp = Lamp { reach: 2.0, ..lamp(LAMP, 0.12 * glow * warm) };
+    SceneAtTime::new(objects, Light { lamps: vec![lamp], ..Light::default() })
 }
 
 #[cfg(test)]

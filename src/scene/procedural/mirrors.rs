@@ -4,22 +4,21 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::parts::{ball, block, rgb, room};
+use super::parts::{Definition, ball, block, bulb, indoors, lamp, rgb, room};
 use crate::mesh::AxisBox;
-use crate::scene::light::{Lamp, Light, Sky, Window};
 use crate::scene::material::Texture;
 use crate::scene::mesh::{Optics, Phong};
-use crate::scene::object::{CastsShadow, Object};
+use crate::scene::object::Object;
 use crate::scene::raycast::SceneAtTime;
 
-/// Region for probes: centre and half size.
-pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 1.6, 1.1), DVec3::new(0.3, 0.15, 0.2));
+pub(super) const SCENE: Definition =
+    Definition { name: "mirrors", region: (DVec3::new(0.0, 1.6, 1.1), DVec3::new(0.3, 0.15, 0.2)), fixed, at };
 
 const INSIDE: AxisBox = AxisBox { min: DVec3::new(-2.0, 0.0, -2.0), max: DVec3::new(2.0, 3.0, 2.0) };
 const BULB: DVec3 = DVec3::new(0.3, 2.7, 0.2);
 
-pub(super) fn fixed() -> Vec<Object> {
-    let mut objects = Vec::from(room(
+fn fixed() -> Vec<Object> {
+    let mut objects = room(
         INSIDE,
         [
             Texture::Checker { colors: [rgb(0.7, 0.68, 0.62), rgb(0.12, 0.13, 0.15)], size: 0.5 },
@@ -29,31 +28,20 @@ pub(super) fn fixed() -> Vec<Object> {
             Texture::Stripes { colors: [rgb(0.62, 0.58, 0.48), rgb(0.38, 0.36, 0.33)], wave: DVec3::X * 2.0 },
             Texture::Bricks { colors: [rgb(0.44, 0.4, 0.34), rgb(0.24, 0.22, 0.2)], size: [0.6, 0.3], joint: 0.02 },
         ],
-    ));
+    );
     objects.push(block([-1.5, 0.0, -1.7], [-0.9, 0.6, -1.1], Texture::Solid(rgb(0.6, 0.45, 0.12))));
     let mut glass = ball(DVec3::new(0.1, 0.5, -0.5), 0.45, Texture::Solid(DVec3::ZERO));
     glass.material.optics = Optics::Glass { ior: 1.5, tint: DVec3::splat(0.98) };
     glass.material.phong = Phong { weight: DVec3::splat(0.04), exponent: 400.0 };
     objects.push(glass);
-    let mut bulb = ball(BULB, 0.12, Texture::Solid(DVec3::ZERO));
-    bulb.material.emission = rgb(16.0, 14.5, 12.0);
-    bulb.casts_shadow = CastsShadow::No;
-    objects.push(bulb);
+    objects.push(bulb(BULB, 0.12, rgb(16.0, 14.5, 12.0)));
     objects
 }
 
-pub(super) fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
+fn at(phase: f64, mut objects: Vec<Object>) -> SceneAtTime {
     let (sin, cos) = (TAU * phase).sin_cos();
     let mut mirror = ball(DVec3::new(0.1 + 1.2 * cos, 0.4, -0.5 + 0.95 * sin), 0.4, Texture::Solid(DVec3::ZERO));
     mirror.material.optics = Optics::Mirror { tint: DVec3::splat(0.95) };
     objects.push(mirror);
-    let lamp = Lamp {
-        position: BULB,
-        radiance: rgb(1.8, 1.65, 1.4),
-        reach: f64::INFINITY,
-        window: Window::Smooth,
-        cone: None,
-    };
-    let sky = Sky { ambient: rgb(0.2, 0.2, 0.2), ..Sky::NONE };
-    SceneAtTime::new(objects, Light { suns: vec![], lamps: vec![lamp], sky })
+    SceneAtTime::new(objects, indoors(vec![lamp(BULB, rgb(1.8, 1.65, 1.4))], rgb(0.2, 0.2, 0.2)))
 }

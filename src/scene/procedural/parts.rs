@@ -3,9 +3,22 @@
 use glam::DVec3;
 
 use crate::mesh::AxisBox;
+use crate::scene::light::{Lamp, Light, Sky, Window};
 use crate::scene::material::{Material, Texture};
 use crate::scene::object::{CastsShadow, Object};
 use crate::scene::primitive::{Quad, Shape, Sphere};
+use crate::scene::raycast::SceneAtTime;
+
+/// A built-in scene.
+pub(super) struct Definition {
+    pub name: &'static str,
+    /// Region for probes: centre and half size.
+    pub region: (DVec3, DVec3),
+    /// Static objects.
+    pub fixed: fn() -> Vec<Object>,
+    /// The scene at a phase of its period, 0..1, with its static objects.
+    pub at: fn(f64, Vec<Object>) -> SceneAtTime,
+}
 
 pub(super) fn rgb(r: f64, g: f64, b: f64) -> DVec3 {
     DVec3::new(r, g, b)
@@ -18,26 +31,42 @@ pub(super) fn block(min: [f64; 3], max: [f64; 3], texture: Texture) -> Object {
 
 /// A sphere, textured in its own coordinates.
 pub(super) fn ball(center: DVec3, radius: f64, texture: Texture) -> Object {
-    let mut object = Object::new(Shape::Sphere(Sphere { center, radius }), Material::diffuse(texture));
-    object.anchor = center;
-    object
+    let object = Object::new(Shape::Sphere(Sphere { center, radius }), Material::diffuse(texture));
+    Object { anchor: center, ..object }
+}
+
+/// A shining sphere that casts no shadow.
+pub(super) fn bulb(center: DVec3, radius: f64, emission: DVec3) -> Object {
+    let mut bulb = ball(center, radius, Texture::Solid(DVec3::ZERO));
+    bulb.material.emission = emission;
+    bulb.casts_shadow = CastsShadow::No;
+    bulb
+}
+
+/// A lamp of any range that shines in all directions.
+pub(super) fn lamp(position: DVec3, radiance: DVec3) -> Lamp {
+    Lamp { position, radiance, reach: f64::INFINITY, window: Window::Smooth, cone: None }
+}
+
+/// Light of a room without sky.
+pub(super) fn indoors(lamps: Vec<Lamp>, ambient: DVec3) -> Light {
+    Light { suns: vec![], lamps, sky: Sky { ambient, ..Sky::NONE } }
 }
 
 /// A rectangle that casts no shadow: walls of a room that is lit from within, and lights.
 pub(super) fn wall(corner: [f64; 3], u: DVec3, v: DVec3, texture: Texture) -> Object {
-    let mut object = Object::new(Shape::Quad(Quad { corner: corner.into(), u, v }), Material::diffuse(texture));
-    object.casts_shadow = CastsShadow::No;
-    object
+    let object = Object::new(Shape::Quad(Quad { corner: corner.into(), u, v }), Material::diffuse(texture));
+    Object { casts_shadow: CastsShadow::No, ..object }
 }
 
 /// Floor, ceiling, and the walls to −X, +X, −Z, +Z of a room.
-pub(super) fn room(inside: AxisBox, textures: [Texture; 6]) -> [Object; 6] {
+pub(super) fn room(inside: AxisBox, textures: [Texture; 6]) -> Vec<Object> {
     let AxisBox { min, max } = inside;
     let size = max - min;
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
     let [floor, ceiling, left, right, back, front] = textures;
     let low = min.to_array();
-    [
+    vec![
         wall(low, z, x, floor),
         wall([min.x, max.y, min.z], x, z, ceiling),
         wall(low, y, z, left),
@@ -56,7 +85,7 @@ mod tests {
         let inside = AxisBox { min: DVec3::new(-1.0, 0.0, -2.0), max: DVec3::new(2.0, 3.0, 1.0) };
         let middle = 0.5 * (inside.min + inside.max);
         for wall in room(inside, [Texture::Solid(DVec3::ONE); 6]) {
-            let Shape::Quad(quad) = wall.shape() else { panic!("{wall:?}") };
+            let Shape::Quad(quad) = wall.shape else { panic!("{wall:?}") };
             assert!(quad.u.cross(quad.v).dot(middle - quad.corner) > 0.0, "{quad:?}");
         }
     }

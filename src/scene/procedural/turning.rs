@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
-use super::parts::rgb;
-use crate::mesh::Mesh;
+use super::parts::{Definition, rgb};
+use crate::mesh::{Material, Mesh};
 use crate::scene::light::{Light, Sky, Sun};
 use crate::scene::mesh::{MeshMaterial, Phong, SceneMesh};
+use crate::scene::object::Object;
 use crate::scene::raycast::SceneAtTime;
 
-/// Region for probes: centre and half size.
-pub(super) const REGION: (DVec3, DVec3) = (DVec3::new(0.0, 0.2, 1.4), DVec3::new(0.5, 0.3, 0.2));
+pub(super) const SCENE: Definition =
+    Definition { name: "object", region: (DVec3::new(0.0, 0.2, 1.4), DVec3::new(0.5, 0.3, 0.2)), fixed: Vec::new, at };
 
 /// Points along the tube, and around it.
 const ALONG: u32 = 240;
@@ -20,7 +21,7 @@ const AROUND: u32 = 24;
 /// Radius of the tube, metres.
 const TUBE: f64 = 0.11;
 
-pub(super) fn at(phase: f64) -> SceneAtTime {
+fn at(phase: f64, objects: Vec<Object>) -> SceneAtTime {
     let sun = |direction: DVec3, radiance: DVec3| Sun { direction: direction.normalize(), radiance };
     let light = Light {
         suns: vec![
@@ -31,13 +32,13 @@ pub(super) fn at(phase: f64) -> SceneAtTime {
         sky: Sky { ambient: rgb(0.12, 0.13, 0.15), ..Sky::NONE },
     };
     let painted = |base_color: DVec3| MeshMaterial {
-        base_color,
+        plain: Material { base_color, ..Material::default() },
         phong: Phong { weight: DVec3::splat(0.2), exponent: 50.0 },
         ..MeshMaterial::default()
     };
     let materials = [painted(rgb(0.5, 0.2, 0.09)), painted(rgb(0.6, 0.57, 0.5))];
     let mesh = SceneMesh::new(knot(&DQuat::from_rotation_y(TAU * phase)), materials.into());
-    SceneAtTime::with_meshes(vec![], vec![Arc::new(mesh)], light)
+    SceneAtTime::with_meshes(objects, vec![Arc::new(mesh)], light)
 }
 
 /// A rotated trefoil; every sixteenth ring begins a run of another colour.

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::*;
-use crate::mesh::{AxisBox, Mesh};
+use crate::mesh::{AxisBox, Material as PlainMaterial, Mesh};
 use crate::scene::{
     Cone, Hit, Light, Material, MeshMaterial, Object, Quad, SceneMesh, Shape, Sky, Sphere, Sun, Texture, Window, trace,
 };
@@ -22,6 +22,14 @@ fn optical(shape: Shape, optics: Optics) -> Object {
     let mut object = white(shape);
     object.material.optics = optics;
     object
+}
+
+fn plain(plain: PlainMaterial) -> MeshMaterial {
+    MeshMaterial { plain, ..MeshMaterial::default() }
+}
+
+fn painted(base_color: DVec3) -> MeshMaterial {
+    plain(PlainMaterial { base_color, ..PlainMaterial::default() })
 }
 
 /// A square of two triangles, four metres wide, that faces up at a height.
@@ -65,7 +73,7 @@ fn a_square_of_triangles_is_lit_as_a_quad_is() {
         window: Window::Smooth,
         cone: Some(Cone { axis: DVec3::NEG_Y, cos_inner: 0.9, cos_outer: 0.5 }),
     }];
-    let material = MeshMaterial { base_color: DVec3::ONE, ..MeshMaterial::default() };
+    let material = painted(DVec3::ONE);
     let triangles = with_mesh(vec![ball], square(0.0, material), light.clone());
     let quad = SceneAtTime::new(vec![white(floor(0.0)), ball], light);
     let mut distinct = std::collections::BTreeSet::new();
@@ -100,7 +108,7 @@ fn meshes_keep_light_from_shapes_and_shapes_from_meshes() {
 #[test]
 fn a_highlight_is_where_the_mirror_direction_meets_the_light() {
     let phong = Phong { weight: DVec3::splat(0.3), exponent: 20.0 };
-    let material = MeshMaterial { base_color: DVec3::ZERO, phong, ..MeshMaterial::default() };
+    let material = MeshMaterial { phong, ..painted(DVec3::ZERO) };
     let scene = with_mesh(vec![], square(0.0, material), overhead());
     let straight = trace(&scene, DVec3::Y, DVec3::NEG_Y).color;
     assert!(near(straight, DVec3::splat(0.3 * (11.0 * 2.0 + 0.25))), "{straight}");
@@ -112,7 +120,7 @@ fn a_highlight_is_where_the_mirror_direction_meets_the_light() {
 
 #[test]
 fn interpolated_normals_never_light_the_back() {
-    let flat = square(0.0, MeshMaterial { base_color: DVec3::ONE, ..MeshMaterial::default() });
+    let flat = square(0.0, painted(DVec3::ONE));
     let normals = vec![Vec3::new(0.8, 0.6, 0.0); 4];
     let mesh = SceneMesh::new(Mesh { normals, ..flat.mesh().clone() }, flat.materials().clone());
     // The sun stands below the horizon of the square, but above that of its normals.
@@ -133,11 +141,11 @@ fn interpolated_normals_never_light_the_back() {
 
 #[test]
 fn unlit_and_shining_surfaces_do_not_ask_for_light() {
-    let unlit = MeshMaterial { base_color: DVec3::new(0.1, 0.2, 0.3), unlit: true, ..MeshMaterial::default() };
+    let unlit = plain(PlainMaterial { base_color: DVec3::new(0.1, 0.2, 0.3), unlit: true, ..PlainMaterial::default() });
     let scene = with_mesh(vec![], square(0.0, unlit), overhead());
     assert_eq!(trace(&scene, DVec3::Y, DVec3::NEG_Y).color, DVec3::new(0.1, 0.2, 0.3));
-    let shining =
-        MeshMaterial { base_color: DVec3::ZERO, emission: DVec3::new(5.0, 4.0, 3.0), ..MeshMaterial::default() };
+    let emission = DVec3::new(5.0, 4.0, 3.0);
+    let shining = plain(PlainMaterial { base_color: DVec3::ZERO, emission, ..PlainMaterial::default() });
     let scene = with_mesh(vec![], square(0.0, shining), overhead());
     assert_eq!(trace(&scene, DVec3::Y, DVec3::NEG_Y).color, DVec3::new(5.0, 4.0, 3.0));
 }

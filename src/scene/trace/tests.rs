@@ -1,3 +1,5 @@
+mod extremes;
+
 use super::*;
 use crate::mesh::AxisBox;
 use crate::scene::{CastsShadow, Lamp, Light, Material, Object, Quad, Shape, Sky, Sphere, Sun, Texture, Window};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec2, Vec2};
 
 use super::*;
-use crate::mesh::{AxisBox, Mesh};
+use crate::mesh::{AxisBox, Material as PlainMaterial, Mesh};
 use crate::scene::{
     Lamp, Light, Material, MeshMaterial, Object, Optics, Phong, Quad, SceneMesh, Shape, Sphere, Texture, TurnedBox,
     Window,
@@ -177,7 +177,8 @@ fn rays_in_the_plane_of_a_wall_and_along_its_edge_see_past_it() {
 fn of_coplanar_things_shapes_come_first_and_then_the_lower_index() {
     let square = |color: f64| {
         let positions = vec![DVec3::ZERO, DVec3::Z, DVec3::new(1.0, 0.0, 1.0), DVec3::X];
-        let material = MeshMaterial { base_color: DVec3::splat(color), unlit: true, ..MeshMaterial::default() };
+        let plain = PlainMaterial { base_color: DVec3::splat(color), unlit: true, ..PlainMaterial::default() };
+        let material = MeshMaterial { plain, ..MeshMaterial::default() };
         let mesh =
             Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], material_of: vec![0; 2], ..Mesh::default() };
         Arc::new(SceneMesh::new(mesh, [material].into()))
