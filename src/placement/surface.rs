@@ -76,7 +76,9 @@ fn patches(scene: &SceneAtTime) -> (Vec<Patch>, Vec<f64>) {
             // Parts of a fence inside each other are never seen.
             Shape::Fence(fence) => {
                 let solids = fence.rails.into_iter().map(|rail| fence.rail(rail));
-                flats.extend(solids.chain((0..fence.posts).map(|post| fence.post(post))).flat_map(|solid| sides(&solid)));
+                flats.extend(
+                    solids.chain((0..fence.posts).map(|post| fence.post(post))).flat_map(|solid| sides(&solid)),
+                );
             }
         }
     }
@@ -109,8 +111,11 @@ fn sides(solid: &AxisBox) -> [Quad; 6] {
 
 fn turned_sides(solid: &TurnedBox) -> [Quad; 6] {
     let turned = |edge: DVec3| solid.to_world(edge);
-    sides(&AxisBox { min: -solid.half, max: solid.half })
-        .map(|Quad { corner, u, v }| Quad { corner: solid.center + turned(corner), u: turned(u), v: turned(v) })
+    sides(&AxisBox { min: -solid.half, max: solid.half }).map(|Quad { corner, u, v }| Quad {
+        corner: solid.center + turned(corner),
+        u: turned(u),
+        v: turned(v),
+    })
 }
 
 /// Point of a patch at two coordinates in 0..1, uniform by area; `None` in a hole.

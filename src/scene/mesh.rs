@@ -126,8 +126,8 @@ mod tests {
     use glam::Vec2;
 
     use super::*;
-    use crate::mesh::{ImageTexture, Wrap};
     use crate::mesh::bvh::tests::{Numbers, brute_force};
+    use crate::mesh::{ImageTexture, Wrap};
 
     #[test]
     #[cfg_attr(not(footage_at_hand), ignore = "no footage at hand: see LIGHTFOLD_DATA in CONTRIBUTING.md")]

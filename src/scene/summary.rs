@@ -43,7 +43,8 @@ impl Scene {
     pub fn summary(&self) -> SceneSummary {
         let scene = self.at(0.0);
         let materials = materials(&scene);
-        let images = materials.iter().flat_map(|material| [&material.plain.base_texture, &material.plain.emissive_texture]);
+        let images =
+            materials.iter().flat_map(|material| [&material.plain.base_texture, &material.plain.emissive_texture]);
         let textures: BTreeSet<_> = images.flatten().map(Arc::as_ptr).collect();
         SceneSummary {
             bounds_m: scene

@@ -50,7 +50,10 @@ fn materials_become_what_rays_are_shaded_with() {
     let (sign, _) = material(
         &json!({ "extensions": { "KHR_materials_unlit": {} }, "pbrMetallicRoughness": { "baseColorFactor": [1.0, 0.5, 0.25, 1.0] } }),
     );
-    assert_eq!((sign.plain.unlit, sign.plain.base_color, sign.phong.weight), (true, DVec3::new(1.0, 0.5, 0.25), DVec3::ZERO));
+    assert_eq!(
+        (sign.plain.unlit, sign.plain.base_color, sign.phong.weight),
+        (true, DVec3::new(1.0, 0.5, 0.25), DVec3::ZERO)
+    );
     let (masked, notes) = material(&json!({ "alphaMode": "MASK", "alphaCutoff": 0.25 }));
     assert_eq!((masked.plain.alpha_cutoff, notes.len()), (Some(0.25), 0));
     let (veil, notes) = material(
@@ -163,7 +166,9 @@ fn a_texture_that_is_missing_broken_or_too_large_is_a_note() {
         let (model, notes) = open(&file);
         assert!(notes.len() == 1 && notes[0].contains(expected) && notes[0].starts_with("image 0"), "{uri}: {notes:?}");
         let mesh = first(&model);
-        assert!(mesh.materials[2].plain.base_texture.is_none() && mesh.materials[2].plain.base_color == DVec3::splat(0.5));
+        assert!(
+            mesh.materials[2].plain.base_texture.is_none() && mesh.materials[2].plain.base_color == DVec3::splat(0.5)
+        );
     }
 }
 

@@ -97,7 +97,9 @@ pub fn read(
 fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> Result<Vec<Vec4>> {
     let Some(accessor) = primitive.get(&Semantic::Colors(0)) else { return Ok(Vec::new()) };
     let read = match accessor.dimensions() {
-        Dimensions::Vec3 => buffers.floats::<3>(accessor.index())?.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect(),
+        Dimensions::Vec3 => {
+            buffers.floats::<3>(accessor.index())?.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
+        }
         _ => buffers.floats::<4>(accessor.index())?,
     };
     same(count, read.len(), "colours")?;
@@ -106,12 +108,7 @@ fn colors(primitive: &gltf::Primitive, count: usize, buffers: &mut Buffers) -> R
 }
 
 /// One vector for each corner; none without an accessor.
-fn vectors(
-    accessor: Option<gltf::Accessor>,
-    count: usize,
-    what: &str,
-    buffers: &mut Buffers,
-) -> Result<Vec<Vec3>> {
+fn vectors(accessor: Option<gltf::Accessor>, count: usize, what: &str, buffers: &mut Buffers) -> Result<Vec<Vec3>> {
     let Some(accessor) = accessor else { return Ok(Vec::new()) };
     let vectors = buffers.floats::<3>(accessor.index())?;
     same(count, vectors.len(), what)?;

@@ -216,9 +216,9 @@ mod tests {
     use super::*;
     use crate::mesh::assembly::{Assembly, Channels, Part, Winding};
     use crate::mesh::budget::Budget;
+    use crate::mesh::bvh::tests::Numbers;
     use crate::mesh::folder::Folder;
     use crate::mesh::gltf::{buffers::Buffers, document, materials, primitives};
-    use crate::mesh::bvh::tests::Numbers;
 
     fn texture(wrap: [Wrap; 2]) -> Arc<ImageTexture> {
         Arc::new(ImageTexture { width: 2, height: 1, pixels: vec![[1, 2, 3, 4], [250, 128, 0, 255]], wrap })
