@@ -14,8 +14,8 @@ use crate::depth::platelet::Platelet;
 use crate::depth::settings::TemporalSettings;
 use crate::effort::Effort;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence, random_at};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, Storage, random_at};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::math::random::Random;
 use half::f16;
@@ -24,30 +24,15 @@ use half::f16;
 const EACH: usize = 4096;
 /// BC4w blocks along each side of a picture with a code for each.
 const COLUMNS: u32 = 40;
-/// Modes of BC6H: the low bits of a block that choose it, and how many.
-const BC6H_MODES: [(u128, u32); 14] = [
-    (0, 2),
-    (1, 2),
-    (2, 5),
-    (3, 5),
-    (6, 5),
-    (7, 5),
-    (10, 5),
-    (11, 5),
-    (14, 5),
-    (15, 5),
-    (18, 5),
-    (22, 5),
-    (26, 5),
-    (30, 5),
-];
+/// Modes of BC6H: the number of low bits of a block that choose it, and those bits.
+const BC6H_MODES: [(u32, &[u128]); 2] = [(2, &[0, 1]), (5, &[2, 3, 6, 7, 10, 11, 14, 15, 18, 22, 26, 30])];
 
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Blocks, pipeline, unit);
     let mut cases = Vec::new();
     let background = group("DB4W", "background mixed up");
     for picture in PICTURES {
-        cases.push(background.case(picture.name, Bound::AtMost(0.0), move || background_of(picture)));
+        cases.push(background.none(picture.name, move || background_of(picture)));
     }
     // Endpoints of 13 bits stand for codes 8 or 9 apart. Between two neighbours lie sevenths, at most 9/7 apart: a code is
     // within 9/14 of one of them, and that is rounded by 3/7 at most. With the background in the block there are fifths,
@@ -71,19 +56,18 @@ pub(super) fn cases() -> Vec<HardCase> {
     // Sevenths and fifths, to nearest.
     cases.push(palette.case("eight codes, e0 > e1", Bound::AtMost(3.0 / 7.0), || Ok(palette_error(Palette::Eight))));
     cases.push(palette.case("six codes, e0 <= e1", Bound::AtMost(2.0 / 5.0), || Ok(palette_error(Palette::Six))));
-    cases.push(palette.case("equal endpoints, all of them", Bound::AtMost(0.0), || Ok(equal_endpoints())));
+    cases.push(palette.none("equal endpoints, all of them", || Ok(equal_endpoints())));
     // 8 e + e / 1024 rounded down for 65535 / 8191 e: both end at the same code, and between they are less than 1 apart.
     cases.push(palette.case("endpoints of 13 bits", Bound::AtMost(1.0), || Ok(endpoint_error())));
     let marker = group("blocks and platelets of 8x8 pixels parted by every third line", "taken for another function");
-    cases.push(marker.case("codes that fill endpoints with ones", Bound::AtMost(0.0), marker_collisions));
+    cases.push(marker.none("codes that fill endpoints with ones", marker_collisions));
     let temporal = |epsilon| TemporalSettings { epsilon, ..TemporalSettings::default() };
     for epsilon in [0, 100] {
         let boxes = group(&format!("DAB5, epsilon = {epsilon}"), "codes");
         for picture in PICTURES {
             cases.push(boxes.case(picture.name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = picture.moving();
-                let clip = Clip::codes_in_blocks(&source, temporal(epsilon))?;
-                measured(source.error(&clip)?, clip)
+                source.compare(Clip::codes(&source, temporal(epsilon), Storage::Blocks)?)
             }));
         }
     }
@@ -92,19 +76,12 @@ pub(super) fn cases() -> Vec<HardCase> {
         for (name, pixel) in MATERIALS {
             cases.push(boxes.case(name, Bound::AtMost(f64::from(epsilon)), move || {
                 let source = Sequence::new([22, 17], 4, pixel);
-                let clip = Clip::material_in_blocks(&source, temporal(epsilon))?;
-                measured(source.error(&clip)?, clip)
+                source.compare(Clip::material(&source, temporal(epsilon), Storage::Blocks)?)
             }));
         }
     }
     cases.extend(decoders());
     cases
-}
-
-fn measured((error, place): (f64, String), clip: Clip) -> Result<Measured> {
-    let mut worst = Worst::greatest();
-    worst.see(error, || place);
-    Ok(worst.measured().with_clips(vec![clip]))
 }
 
 /// What BC1 finds hard: its mode of three colours, equal endpoints, channels that do not go together.
@@ -130,18 +107,14 @@ const MATERIALS: [Material; 6] = [
 
 fn background_of(picture: &HardPicture) -> Result<Measured> {
     let source = picture.still();
-    let (mut wrong, mut first, mut clips) = (0, None, Vec::new());
+    let mut wrong = Measured::count(0);
     let small = picture.size[0] * picture.size[1] <= 64 * 77;
     for effort in [Effort::Fast, Effort::Normal].into_iter().filter(|&effort| small || effort == EFFORT) {
-        let clip = Clip::blocks(&source, effort, 1)?;
-        let (error, place) = source.error(&clip)?;
-        if error.is_infinite() {
-            wrong += 1;
-            first.get_or_insert(place);
-        }
-        clips.push(clip);
+        let measured = source.compare(Clip::blocks(&source, effort, 1)?)?;
+        wrong.count_if(measured.figure.is_infinite(), || measured.place.unwrap_or_default());
+        wrong.inputs.clips.extend(measured.inputs.clips);
     }
-    Ok(Measured::count(wrong, first).with_clips(clips))
+    Ok(wrong)
 }
 
 /// A block of 8x8 pixels for each code from `first` in steps, up to `last`; some of its pixels are background.
@@ -151,8 +124,7 @@ fn codes_of_blocks([first, step, last]: [u16; 3], background: fn(u32, u32) -> bo
         let code = (u32::from(first) + at * u32::from(step)).min(u32::from(last)) as u16;
         if background(x, y) { BACKGROUND_CODE } else { code }
     });
-    let clip = Clip::blocks(&source, EFFORT, 1)?;
-    measured(source.error(&clip)?, clip)
+    source.compare(Clip::blocks(&source, EFFORT, 1)?)
 }
 
 /// Modes of a pair of endpoints, by the codes that they space evenly.
@@ -176,7 +148,7 @@ impl Palette {
 /// Codes between two endpoints, in one mode, against the real ones.
 fn palette_error(mode: Palette) -> Measured {
     let mut random = Random::new(8);
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for e0 in 0..=MAX_ENDPOINT {
         let others = [0, 1, e0.saturating_sub(1), e0, (e0 + 1).min(MAX_ENDPOINT), MAX_ENDPOINT];
         let more = [(); 26].map(|()| random.below(u32::from(MAX_ENDPOINT) + 1) as u16);
@@ -188,57 +160,53 @@ fn palette_error(mode: Palette) -> Measured {
                 let place = if index < 2 { index as f64 * steps } else { index as f64 - 1.0 };
                 // Whole numbers of sevenths or fifths, and so exact.
                 let exact = (steps - place) * a + place * b;
-                worst
-                    .see((f64::from(code) * steps - exact).abs() / steps, || format!("index {index} of {e0} and {e1}"));
+                let error = (f64::from(code) * steps - exact).abs() / steps;
+                worst.greatest(error, || format!("index {index} of {e0} and {e1}"));
             }
         }
     }
-    worst.measured()
+    worst
 }
 
 fn equal_endpoints() -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for endpoint in 0..=MAX_ENDPOINT {
         let palette = Pair { e0: endpoint, e1: endpoint }.palette();
         let code = Pair::code(endpoint);
         let expected = [code, code, code, code, code, code, 0, BACKGROUND_CODE];
         let off = palette.iter().zip(expected).map(|(found, code)| found.abs_diff(code)).max().unwrap_or(u16::MAX);
-        worst.see(f64::from(off), || format!("endpoint {endpoint}"));
+        worst.greatest(f64::from(off), || format!("endpoint {endpoint}"));
     }
-    worst.measured()
+    worst
 }
 
 fn endpoint_error() -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for endpoint in 0..=MAX_ENDPOINT {
         let exact = f64::from(endpoint) * 65535.0 / f64::from(MAX_ENDPOINT);
-        worst.see((f64::from(Pair::code(endpoint)) - exact).abs(), || format!("endpoint {endpoint}"));
+        worst.greatest((f64::from(Pair::code(endpoint)) - exact).abs(), || format!("endpoint {endpoint}"));
     }
-    worst.measured()
+    worst
 }
 
 /// Blocks and platelets whose last bytes are those of another function, or that do not decode to what was measured.
 fn marker_collisions() -> Result<Measured> {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     let codes = [BACKGROUND_CODE, 65_534, 65_527, 0];
     for parted in bipartitions().iter().step_by(3) {
         for (a, b) in codes.into_iter().flat_map(|a| codes.map(|b| (a, b))) {
             let picture: Vec<u16> = (0..64).map(|pixel| if parted.side_b >> pixel & 1 == 0 { a } else { b }).collect();
             let block = Block::of(&picture, 8, 1, [0, 0]);
             let (found, _) = search::encode(&block, EFFORT);
-            let mut said = Vec::new();
-            if function_of(1, found.as_bytes()) != Function::Bc4w || Bc4w::from_bytes(*found.as_bytes()).is_none() {
-                said.push(format!("a block of {a} and {b}"));
-            }
+            let is_block =
+                function_of(1, found.as_bytes()) == Function::Bc4w && Bc4w::from_bytes(*found.as_bytes()).is_some();
+            wrong.count_if(!is_block, || format!("a block of {a} and {b}"));
             let platelet = Platelet::fit(&block, &Domain::log(), 0).map(|(platelet, _)| platelet.to_bytes());
-            if platelet.is_some_and(|bytes| function_of(1, &bytes) != Function::Platelet) {
-                said.push(format!("a platelet of {a} and {b}"));
-            }
-            wrong += said.len() as u64;
-            first = first.or(said.into_iter().next());
+            let is_other = platelet.is_some_and(|bytes| function_of(1, &bytes) != Function::Platelet);
+            wrong.count_if(is_other, || format!("a platelet of {a} and {b}"));
         }
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }
 
 /// Our decoders beside those of the library that encodes BC4 and BC5.
@@ -263,15 +231,17 @@ fn decoders() -> Vec<HardCase> {
     }));
     // BC7 is defined to the bit.
     for mode in 0..8u32 {
-        cases.push(near.case(format!("BC7, mode {mode}"), Bound::AtMost(0.0), move || {
+        cases.push(near.none(format!("BC7, mode {mode}"), move || {
             let ours = |block: &[u8; 16]| bc7::decode(block).iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
             beside(&blocks_of(1 << mode, mode + 1), (Format::BC7_UNORM, ColorFormat::RGB_U8), ours)
         }));
     }
     let exact = Group::new(Family::Blocks, "our decoder beside that of dds", "half floats that differ");
-    for (code, count) in BC6H_MODES {
-        let name = format!("BC6H, mode {code} of {count} bits");
-        cases.push(exact.case(name, Bound::AtMost(0.0), move || halves_beside(&blocks_of(code, count))));
+    for (count, codes) in BC6H_MODES {
+        for &code in codes {
+            let name = format!("BC6H, mode {code} of {count} bits");
+            cases.push(exact.none(name, move || halves_beside(&blocks_of(code, count))));
+        }
     }
     cases
 }
@@ -330,25 +300,23 @@ fn beside_of<const BYTES: usize>(
     counts: impl Fn(usize) -> bool,
 ) -> Result<Measured> {
     let theirs = shown_by_dds(blocks.as_flattened(), blocks.len(), format)?;
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for (block, theirs) in blocks.iter().zip(theirs.chunks_exact(theirs.len() / blocks.len())) {
         for (at, (a, b)) in ours(block).iter().zip(theirs).enumerate().filter(|&(at, _)| counts(at)) {
-            worst.see(f64::from(a.abs_diff(*b)), || format!("sample {at} of {block:02x?}"));
+            worst.greatest(f64::from(a.abs_diff(*b)), || format!("sample {at} of {block:02x?}"));
         }
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 fn halves_beside(blocks: &[[u8; 16]]) -> Result<Measured> {
     let theirs = shown_by_dds(blocks.as_flattened(), blocks.len(), (Format::BC6H_UF16, ColorFormat::RGB_F32))?;
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for (block, theirs) in blocks.iter().zip(theirs.chunks_exact(12 * TEXELS)) {
         for (ours, theirs) in bc6h::decode(block).as_flattened().iter().zip(theirs.as_chunks::<4>().0) {
-            if f16::from_bits(*ours).to_f32() != f32::from_ne_bytes(*theirs) {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{block:02x?}"));
-            }
+            let differs = f16::from_bits(*ours).to_f32() != f32::from_ne_bytes(*theirs);
+            wrong.count_if(differs, || format!("{block:02x?}"));
         }
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }

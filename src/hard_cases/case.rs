@@ -2,44 +2,28 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 use crate::error::Result;
 use crate::gpu::selftest::pictures::PictureCase;
 use crate::hard_cases::clip::Clip;
 
-/// A group of cases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Family {
-    /// Metres to codes and back; logarithms in integers.
     Quantisation,
-    /// Windows, chunks and boxes in time.
     Temporal,
-    /// Modelling functions and their fits.
     Fits,
-    /// Blocks of texture formats and BC4w.
     Blocks,
-    /// Cells of colour.
+    #[serde(rename = "colour")]
     Color,
-    /// Faces, projections and what cameras see.
     Geometry,
-    /// Rays, triangles and what lies between points.
     Scene,
-    /// Pictures from any eye.
     Render,
 }
 
 impl Family {
-    pub const ALL: [Family; 8] = [
-        Family::Quantisation,
-        Family::Temporal,
-        Family::Fits,
-        Family::Blocks,
-        Family::Color,
-        Family::Geometry,
-        Family::Scene,
-        Family::Render,
-    ];
-
-    /// Their names, in the same order.
+    /// In the order of the numbers.
     pub const NAMES: [&str; 8] =
         ["quantisation", "temporal", "fits", "blocks", "colour", "geometry", "scene", "render"];
 
@@ -49,16 +33,16 @@ impl Family {
 }
 
 /// A bound on a measured figure.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "must_be", content = "bound")]
 pub enum Bound {
-    /// At most this.
+    #[serde(rename = "at most")]
     AtMost(f64),
-    /// At least this.
+    #[serde(rename = "at least")]
     AtLeast(f64),
 }
 
 impl Bound {
-    /// The number of the bound.
     pub fn value(self) -> f64 {
         match self {
             Bound::AtMost(value) | Bound::AtLeast(value) => value,
@@ -109,17 +93,57 @@ pub struct Inputs {
 }
 
 impl Measured {
-    /// A count of failures, and the first of them.
-    pub(super) fn count(wrong: u64, first: Option<String>) -> Measured {
-        Measured { figure: wrong as f64, place: first, note: None, inputs: Inputs::default() }
+    /// No figure yet: NaN, which no bound allows.
+    pub(super) fn nothing() -> Measured {
+        Measured { figure: f64::NAN, place: None, note: None, inputs: Inputs::default() }
     }
 
-    pub(super) fn with_clips(self, clips: Vec<Clip>) -> Measured {
-        Measured { inputs: Inputs { clips, ..self.inputs }, ..self }
+    /// A count of failures, to which [`Self::count_if`] adds.
+    pub(super) fn count(wrong: u64) -> Measured {
+        Measured { figure: wrong as f64, ..Measured::nothing() }
     }
 
-    pub(super) fn with_pictures(self, pictures: Vec<PictureCase>) -> Measured {
-        Measured { inputs: Inputs { pictures, ..self.inputs }, ..self }
+    /// Counts a failure; the place of the first is kept.
+    pub(super) fn count_if(&mut self, is_wrong: bool, place: impl FnOnce() -> String) {
+        if is_wrong {
+            self.figure += 1.0;
+            self.place.get_or_insert_with(place);
+        }
+    }
+
+    /// Keeps the greatest figure and its place. NaN is the worst.
+    pub(super) fn greatest(&mut self, figure: f64, place: impl FnOnce() -> String) {
+        self.keep(figure, figure > self.figure, place);
+    }
+
+    /// Keeps the least figure and its place. NaN is the worst.
+    pub(super) fn least(&mut self, figure: f64, place: impl FnOnce() -> String) {
+        self.keep(figure, figure < self.figure, place);
+    }
+
+    fn keep(&mut self, figure: f64, is_worse: bool, place: impl FnOnce() -> String) {
+        if self.place.is_none() || is_worse || (figure.is_nan() && !self.figure.is_nan()) {
+            (self.figure, self.place) = (figure, Some(place()));
+        }
+    }
+
+    /// The greater figure of two, with the streams of both.
+    pub(super) fn join(mut self, other: Measured) -> Measured {
+        if let Some(place) = other.place {
+            self.greatest(other.figure, || place);
+        }
+        self.inputs.clips.extend(other.inputs.clips);
+        self
+    }
+
+    pub(super) fn with_clip(mut self, clip: Clip) -> Measured {
+        self.inputs.clips.push(clip);
+        self
+    }
+
+    pub(super) fn with_picture(mut self, picture: PictureCase) -> Measured {
+        self.inputs.pictures.push(picture);
+        self
     }
 
     pub(super) fn with_note(self, note: String) -> Measured {
@@ -127,75 +151,16 @@ impl Measured {
     }
 }
 
-/// Keeps the worst of many figures, and its place. NaN is the worst.
-#[derive(Debug, Clone)]
-pub(super) struct Worst {
-    bound: Bound,
-    found: Option<(f64, String)>,
-}
-
-impl Worst {
-    /// The worst for figures that must stay low.
-    pub(super) fn greatest() -> Worst {
-        Worst { bound: Bound::AtMost(0.0), found: None }
-    }
-
-    /// The worst for figures that must stay high.
-    pub(super) fn least() -> Worst {
-        Worst { bound: Bound::AtLeast(0.0), found: None }
-    }
-
-    pub(super) fn see(&mut self, figure: f64, place: impl FnOnce() -> String) {
-        let worse = match (&self.found, self.bound) {
-            (None, _) => true,
-            (Some((known, _)), _) if known.is_nan() => false,
-            (Some((known, _)), Bound::AtMost(_)) => figure.is_nan() || figure > *known,
-            (Some((known, _)), Bound::AtLeast(_)) => figure.is_nan() || figure < *known,
-        };
-        if worse {
-            self.found = Some((figure, place()));
-        }
-    }
-
-    pub(super) fn join(mut self, other: Worst) -> Worst {
-        if let Some((figure, place)) = other.found {
-            self.see(figure, || place);
-        }
-        self
-    }
-
-    /// The figure; NaN, which no bound allows, if there was none.
-    pub(super) fn measured(self) -> Measured {
-        let (figure, place) = self.found.map_or((f64::NAN, None), |(figure, place)| (figure, Some(place)));
-        Measured { figure, place, note: None, inputs: Inputs::default() }
-    }
-}
-
-pub(super) type Run = Box<dyn Fn() -> Result<Measured> + Send + Sync>;
-
 /// A case; its name is unique in its family and pipeline.
 pub struct HardCase {
-    /// Name: what is hard about it.
+    /// What is hard about it.
     pub name: String,
     pub family: Family,
     /// The code under test.
     pub pipeline: String,
     pub bound: Bound,
     pub unit: &'static str,
-    run: Run,
-}
-
-impl fmt::Debug for HardCase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {} ({} {})", self.family.name(), self.name, self.bound, self.unit)
-    }
-}
-
-impl HardCase {
-    /// Makes the input and measures.
-    pub fn run(&self) -> Result<Measured> {
-        (self.run)()
-    }
+    pub(super) run: Box<dyn Fn() -> Result<Measured> + Send + Sync>,
 }
 
 /// Makes cases that share family, pipeline and unit.
@@ -219,6 +184,15 @@ impl Group {
     ) -> HardCase {
         let Group { family, pipeline, unit } = self.clone();
         HardCase { name: name.into(), family, pipeline, bound, unit, run: Box::new(run) }
+    }
+
+    /// A case that counts failures, of which there must be none.
+    pub(super) fn none(
+        &self,
+        name: impl Into<String>,
+        run: impl Fn() -> Result<Measured> + Send + Sync + 'static,
+    ) -> HardCase {
+        self.case(name, Bound::AtMost(0.0), run)
     }
 }
 
@@ -254,21 +228,21 @@ mod tests {
 
     #[test]
     fn the_worst_is_kept() {
-        let mut worst = Worst::greatest();
-        worst.see(1.0, || "a".into());
-        worst.see(3.0, || "b".into());
-        worst.see(2.0, || "c".into());
-        assert_eq!(worst.clone().measured().place.as_deref(), Some("b"));
-        worst.see(f64::NAN, || "d".into());
-        assert!(worst.clone().measured().figure.is_nan());
-        worst.see(9.0, || "e".into());
-        assert_eq!(worst.measured().place.as_deref(), Some("d"));
-        let mut least = Worst::least();
-        least.see(f64::INFINITY, || "a".into());
-        least.see(50.0, || "b".into());
-        least.see(60.0, || "c".into());
-        assert_eq!(least.measured().figure, 50.0);
-        assert!(Worst::least().measured().figure.is_nan(), "a case that looked at nothing has no figure");
+        let mut worst = Measured::nothing();
+        worst.greatest(1.0, || "a".into());
+        worst.greatest(3.0, || "b".into());
+        worst.greatest(2.0, || "c".into());
+        assert_eq!(worst.place.as_deref(), Some("b"));
+        worst.greatest(f64::NAN, || "d".into());
+        assert!(worst.figure.is_nan());
+        worst.greatest(9.0, || "e".into());
+        assert_eq!(worst.place.as_deref(), Some("d"));
+        let mut least = Measured::nothing();
+        least.least(f64::INFINITY, || "a".into());
+        least.least(50.0, || "b".into());
+        least.least(60.0, || "c".into());
+        assert_eq!(least.figure, 50.0);
+        assert!(Measured::nothing().figure.is_nan(), "a case that looked at nothing has no figure");
     }
 
     #[test]

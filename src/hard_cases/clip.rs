@@ -5,6 +5,7 @@ use crate::container::writer::Writer;
 use crate::container::{ChunkKey, EncodedChunk, PackedChunk, Reader};
 use crate::decode::{Decoder, Picture};
 use crate::depth::block_chunk::encoder::BlockEncoder;
+use crate::depth::block_tiles::encode::EncodeTexel;
 use crate::depth::domain::Domain;
 use crate::depth::node_encoder::{NodeEncoder, NodeSettings};
 use crate::depth::nodes::Grid;
@@ -14,6 +15,7 @@ use crate::depth::tree_chunk::encoder::TreeEncoder;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Texel};
 use crate::effort::Effort;
 use crate::error::{Error, Result};
+use crate::hard_cases::case::Measured;
 use crate::image::DepthKind;
 use crate::math::random::Random;
 use crate::streams::{CodecHeader, DepthCoding, DepthHeader, MaterialHeader, NodeHeader};
@@ -29,12 +31,10 @@ pub struct Clip {
     pub header: CodecHeader,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Its frames.
     pub frame_count: u32,
-    chunks: Vec<EncodedChunk>,
+    pub(super) chunks: Vec<EncodedChunk>,
 }
 
-/// A sequence of depth.
 #[derive(Debug, Clone)]
 pub(super) struct Sequence<T> {
     pub size: [u32; 2],
@@ -60,24 +60,37 @@ fn depth_header(range: DepthRange, coding: DepthCoding) -> CodecHeader {
     CodecHeader::Depth(DepthHeader { range, background: f32::INFINITY, kind: DepthKind::Distance, coding })
 }
 
-fn boxes<T: Texel, H: Held<T>>(mut encoder: TemporalEncoder<T, H>, frames: &[Vec<T>]) -> Result<Vec<EncodedChunk>> {
-    let mut chunks = Vec::new();
-    for frame in frames {
-        chunks.extend(encoder.push(frame)?);
+/// How block tiles and values of boxes are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Storage {
+    Values,
+    /// BC5 for codes, BC1 for material.
+    Blocks,
+}
+
+fn boxes<T: EncodeTexel>(source: &Sequence<T>, settings: TemporalSettings, of: Storage) -> Result<Vec<EncodedChunk>> {
+    settings.check()?;
+    match of {
+        Storage::Values => held(source, TemporalEncoder::new(source.size[0], settings)),
+        Storage::Blocks => held(source, TemporalEncoder::in_blocks(source.size, settings, EFFORT)),
     }
-    chunks.extend(encoder.finish()?);
-    Ok(chunks)
+}
+
+fn held<T: Texel, H: Held<T>>(source: &Sequence<T>, mut encoder: TemporalEncoder<T, H>) -> Result<Vec<EncodedChunk>> {
+    source.encode(|frame| match frame {
+        Some(frame) => encoder.push(frame),
+        None => encoder.finish(),
+    })
 }
 
 impl Clip {
-    /// A stream of these chunks.
-    pub(super) fn new(
+    pub(super) fn new<T>(
         what: impl Into<String>,
         header: CodecHeader,
-        (size, frames): ([u32; 2], usize),
+        source: &Sequence<T>,
         chunks: Vec<EncodedChunk>,
     ) -> Clip {
-        Clip { what: what.into(), header, size, frame_count: frames as u32, chunks }
+        Clip { what: what.into(), header, size: source.size, frame_count: source.frames.len() as u32, chunks }
     }
 
     /// Packed nodes (`DQPN`) of a domain.
@@ -88,73 +101,52 @@ impl Clip {
     ) -> Result<Clip> {
         settings.check()?;
         let mut encoder = NodeEncoder::new(source.grid(), domain.clone(), settings);
-        let mut chunks = Vec::new();
-        for frame in &source.frames {
-            chunks.extend(encoder.push(frame, None)?);
-        }
-        chunks.extend(encoder.finish()?);
+        let chunks = source.encode(|frame| match frame {
+            Some(frame) => encoder.push(frame, None),
+            None => encoder.finish(),
+        })?;
         let header = depth_header(range, DepthCoding::Nodes(node_header(domain, settings)));
-        let what = format!("{} domain, {:?}", domain.kind().name(), settings.decide);
-        Ok(Clip::new(what, header, (source.size, source.frames.len()), chunks))
+        Ok(Clip::new(format!("{} domain, {:?}", domain.kind().name(), settings.decide), header, source, chunks))
     }
 
     /// The quadtree itself (`DQTR`), which loses nothing.
     pub(super) fn tree(source: &Sequence<u16>, settings: NodeSettings) -> Result<Clip> {
         let settings = NodeSettings { window: 1, epsilon: 0, ..settings };
         let mut encoder = TreeEncoder::new(source.grid(), Domain::log(), settings);
-        let mut chunks = Vec::new();
-        for frame in &source.frames {
-            chunks.extend(encoder.push(frame)?);
-        }
-        chunks.extend(encoder.finish()?);
+        let chunks = source.encode(|frame| match frame {
+            Some(frame) => encoder.push(frame),
+            None => encoder.finish(),
+        })?;
         let header = depth_header(any_range()?, DepthCoding::Tree(node_header(&Domain::log(), settings)));
-        Ok(Clip::new("DQTR", header, (source.size, source.frames.len()), chunks))
+        Ok(Clip::new("DQTR", header, source, chunks))
     }
 
     /// BC4w blocks (`DB4W`).
     pub(super) fn blocks(source: &Sequence<u16>, effort: Effort, interval: u32) -> Result<Clip> {
         let mut encoder = BlockEncoder::new(source.grid(), effort, interval);
-        let mut chunks: Vec<_> = source.frames.iter().filter_map(|frame| encoder.push(frame)).collect();
-        chunks.extend(encoder.finish());
-        let header = depth_header(any_range()?, DepthCoding::Blocks);
-        Ok(Clip::new(format!("{effort:?}"), header, (source.size, source.frames.len()), chunks))
+        let chunks = source.encode(|frame| {
+            Ok(match frame {
+                Some(frame) => encoder.push(frame),
+                None => encoder.finish(),
+            })
+        })?;
+        Ok(Clip::new(format!("{effort:?}"), depth_header(any_range()?, DepthCoding::Blocks), source, chunks))
     }
 
-    /// Codes in boxes (`DAAB`).
-    pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings) -> Result<Clip> {
-        settings.check()?;
-        let chunks = boxes(TemporalEncoder::new(source.size[0], settings), &source.frames)?;
-        let header = depth_header(any_range()?, DepthCoding::Boxes(settings));
-        Ok(Clip::new("DAAB", header, (source.size, source.frames.len()), chunks))
+    /// Codes in boxes (`DAAB`, `DAB5`).
+    pub(super) fn codes(source: &Sequence<u16>, settings: TemporalSettings, of: Storage) -> Result<Clip> {
+        let (what, coding) = match of {
+            Storage::Values => ("DAAB", DepthCoding::Boxes(settings)),
+            Storage::Blocks => ("DAB5", DepthCoding::BoxesInBlocks(settings)),
+        };
+        Ok(Clip::new(what, depth_header(any_range()?, coding), source, boxes(source, settings, of)?))
     }
 
-    /// Codes in boxes, pieces of them in BC5 (`DAB5`).
-    pub(super) fn codes_in_blocks(source: &Sequence<u16>, settings: TemporalSettings) -> Result<Clip> {
-        settings.check()?;
-        let chunks = boxes(TemporalEncoder::in_blocks(source.size, settings, EFFORT), &source.frames)?;
-        let header = depth_header(any_range()?, DepthCoding::BoxesInBlocks(settings));
-        Ok(Clip::new("DAB5", header, (source.size, source.frames.len()), chunks))
-    }
-
-    /// Material in boxes (`MAAB`).
-    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings) -> Result<Clip> {
-        temporal.check()?;
-        let chunks = boxes(TemporalEncoder::new(source.size[0], temporal), &source.frames)?;
-        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks: false });
-        Ok(Clip::new("MAAB", header, (source.size, source.frames.len()), chunks))
-    }
-
-    /// Material in boxes, pieces of them in BC1 (`MAB1`).
-    pub(super) fn material_in_blocks(source: &Sequence<[u8; 3]>, temporal: TemporalSettings) -> Result<Clip> {
-        temporal.check()?;
-        let chunks = boxes(TemporalEncoder::in_blocks(source.size, temporal, EFFORT), &source.frames)?;
-        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks: true });
-        Ok(Clip::new("MAB1", header, (source.size, source.frames.len()), chunks))
-    }
-
-    /// Its chunks, in order.
-    pub(super) fn chunks(&self) -> &[EncodedChunk] {
-        &self.chunks
+    /// Material in boxes (`MAAB`, `MAB1`).
+    pub(super) fn material(source: &Sequence<[u8; 3]>, temporal: TemporalSettings, of: Storage) -> Result<Clip> {
+        let in_blocks = of == Storage::Blocks;
+        let header = CodecHeader::Material(MaterialHeader { temporal, in_blocks });
+        Ok(Clip::new(if in_blocks { "MAB1" } else { "MAAB" }, header, source, boxes(source, temporal, of)?))
     }
 
     /// Pixels of all frames together.
@@ -187,6 +179,21 @@ impl<T> Sequence<T> {
         let frame = |frame| (0..width * height).map(|at| pixel(frame, at % width, at / width)).collect();
         Sequence { size, frames: (0..frames).map(frame).collect() }
     }
+
+    /// The chunks that an encoder makes of the frames, and at their end of `None`.
+    fn encode(
+        &self,
+        mut code: impl FnMut(Option<&Vec<T>>) -> Result<Option<EncodedChunk>>,
+    ) -> Result<Vec<EncodedChunk>> {
+        self.frames.iter().map(Some).chain([None]).filter_map(|frame| code(frame).transpose()).collect()
+    }
+}
+
+/// The largest error of what a clip shows, as `see` finds it in a frame.
+fn largest_error(clip: Clip, mut see: impl FnMut(&mut Measured, usize, &Picture) -> Result<()>) -> Result<Measured> {
+    let mut worst = Measured { place: Some("everywhere alike".to_owned()), ..Measured::count(0) };
+    clip.show(|frame, picture| see(&mut worst, frame, picture))?;
+    Ok(worst.with_clip(clip))
 }
 
 impl Sequence<u16> {
@@ -195,41 +202,36 @@ impl Sequence<u16> {
     }
 
     /// The largest error of what a clip shows, in codes; infinite where background and surface are mixed up.
-    pub(super) fn error(&self, clip: &Clip) -> Result<(f64, String)> {
-        let (mut worst, mut place) = (0.0, "everywhere alike".to_owned());
-        clip.show(|frame, picture| {
+    pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
+        let what = clip.what.clone();
+        largest_error(clip, |worst, frame, picture| {
             let Picture::Depth(shown) = picture else { return Err(Error::invalid("depth was expected")) };
             for (at, (&shown, &source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
                 let mixed = (shown == BACKGROUND_CODE) != (source == BACKGROUND_CODE);
                 let error = if mixed { f64::INFINITY } else { f64::from(shown.abs_diff(source)) };
-                if error > worst {
+                worst.greatest(error, || {
                     let (x, y) = (at % self.size[0] as usize, at / self.size[0] as usize);
-                    place = format!("{}, frame {frame}, pixel ({x}, {y}): {source} became {shown}", clip.what);
-                    worst = error;
-                }
+                    format!("{what}, frame {frame}, pixel ({x}, {y}): {source} became {shown}")
+                });
             }
             Ok(())
-        })?;
-        Ok((worst, place))
+        })
     }
 }
 
 impl Sequence<[u8; 3]> {
     /// The largest error of any byte of what a clip shows.
-    pub(super) fn error(&self, clip: &Clip) -> Result<(f64, String)> {
-        let (mut worst, mut place) = (0.0, "everywhere alike".to_owned());
-        clip.show(|frame, picture| {
+    pub(super) fn compare(&self, clip: Clip) -> Result<Measured> {
+        let what = clip.what.clone();
+        largest_error(clip, |worst, frame, picture| {
             let Picture::Material(shown) = picture else { return Err(Error::invalid("material was expected")) };
             for (at, (shown, source)) in shown.data().iter().zip(&self.frames[frame]).enumerate() {
                 let error = shown.iter().zip(source).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
-                if f64::from(error) > worst {
-                    place = format!("{}, frame {frame}, pixel {at}: {source:?} became {shown:?}", clip.what);
-                    worst = f64::from(error);
-                }
+                let place = || format!("{what}, frame {frame}, pixel {at}: {source:?} became {shown:?}");
+                worst.greatest(f64::from(error), place);
             }
             Ok(())
-        })?;
-        Ok((worst, place))
+        })
     }
 }
 

@@ -7,10 +7,9 @@ use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::quality::{EightBit, PU_STEPS, Pu21, Quality};
 use crate::color::settings::SearchSettings;
 use crate::color::temporal::{BlockStage, CLOSE_AT_BYTES, CellEncoder};
-use crate::container::EncodedChunk;
 use crate::decode::Picture;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence, noise};
 use crate::hard_cases::paths::paths;
 use crate::image::transfer::ToneMap;
@@ -113,7 +112,7 @@ pub(super) fn cases() -> Vec<HardCase> {
         let any_path = paths_of(codec);
         for cell in BYTES {
             cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || bytes(cell, header)));
-            cases.push(any_path.case(cell.0, Bound::AtMost(0.0), move || paths(&clip_of_bytes(cell, header)?.1)));
+            cases.push(any_path.none(cell.0, move || paths(&clip_of_bytes(cell, header)?.1)));
         }
     }
     for (codec, blocks, min_psnr_db) in [("CCLH", None, 50.0), ("CCB6", Some(ColorBlocks::Bc6h), 40.0)] {
@@ -123,8 +122,8 @@ pub(super) fn cases() -> Vec<HardCase> {
         let any_path = paths_of(codec);
         for cell in HALVES {
             cases.push(group.case(cell.0, Bound::AtLeast(min_psnr_db), move || halves(cell, header)));
-            cases.push(any_path.case(cell.0, Bound::AtMost(0.0), move || paths(&clip_of_halves(cell, header)?.1)));
-            cases.push(exact.case(cell.0, Bound::AtMost(0.0), move || changed_keyframes(cell, header)));
+            cases.push(any_path.none(cell.0, move || paths(&clip_of_halves(cell, header)?.1)));
+            cases.push(exact.none(cell.0, move || changed_keyframes(cell, header)));
         }
     }
     cases
@@ -139,99 +138,82 @@ fn decibels(sum: f64, samples: usize, peak: f64) -> f64 {
     if sum == 0.0 { f64::INFINITY } else { 10.0 * (peak * peak * samples as f64 / sum).log10() }
 }
 
-fn encode<S: Sample, Q: Quality<S>>(
-    frames: impl Iterator<Item = Vec<S>>,
-    format: CellFormat<S>,
+/// The clip of a cell, whose samples are converted by `coded`.
+fn clip_of<T, S: Sample, Q: Quality<S>>(
+    source: &Sequence<[T; 3]>,
+    header: ColorHeader,
+    CellFormat { size, blocks }: CellFormat<S>,
     quality: &Q,
-    final_psnr_db: f64,
-) -> Result<Vec<EncodedChunk>> {
+    coded: fn(&T) -> S,
+) -> Result<Clip> {
     let search = SearchSettings { effort: EFFORT, ..SearchSettings::default() };
-    let encoder = CellEncoder::new(search, CLOSE_AT_BYTES);
-    let CellFormat { size, blocks } = format;
-    let mut encoder = match blocks {
-        Some(blocks) => encoder.with_blocks(BlockStage { blocks, size, final_psnr_db }),
-        None => encoder,
-    };
+    let mut encoder = CellEncoder::new(search, CLOSE_AT_BYTES);
+    if let Some(blocks) = blocks {
+        encoder = encoder.with_blocks(BlockStage { blocks, size, final_psnr_db: header.min_psnr_db });
+    }
     let mut chunks = Vec::new();
-    for frame in frames {
-        chunks.extend(encoder.push(&frame, quality)?);
+    for frame in &source.frames {
+        let samples: Vec<S> = frame.as_flattened().iter().map(coded).collect();
+        chunks.extend(encoder.push(&samples, quality)?);
     }
     chunks.extend(encoder.finish(quality)?);
-    Ok(chunks)
+    Ok(Clip::new("cell", CodecHeader::Color(header), source, chunks))
 }
 
 fn clip_of_bytes((_, size, count, pixel): Cell<u8>, header: ColorHeader) -> Result<(Sequence<[u8; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
-    let frames = source.frames.iter().map(|frame| frame.as_flattened().to_vec());
-    let chunks = encode(frames, header.cell_of_bytes(size), &EightBit, header.min_psnr_db)?;
-    let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
+    let clip = clip_of(&source, header, header.cell_of_bytes(size), &EightBit, |sample| *sample)?;
     Ok((source, clip))
 }
 
 fn bytes(cell: Cell<u8>, header: ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_bytes(cell, header)?;
-    let mut worst = Worst::least();
+    let mut worst = Measured::nothing();
     clip.show(|frame, picture| {
         let Picture::Color8(shown) = picture else { return Err(Error::invalid("8-bit colour was expected")) };
         let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
         let squares = shown.iter().zip(source).map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2));
-        worst.see(decibels(squares.sum(), source.len(), U8_PEAK), || format!("frame {frame}"));
+        worst.least(decibels(squares.sum(), source.len(), U8_PEAK), || format!("frame {frame}"));
         Ok(())
     })?;
-    Ok(worst.measured().with_clips(vec![clip]))
+    Ok(worst.with_clip(clip))
 }
 
 fn clip_of_halves((_, size, count, pixel): Cell<f16>, header: ColorHeader) -> Result<(Sequence<[f16; 3]>, Clip)> {
     let source = Sequence::new(size, count, pixel);
-    let pu21 = Pu21::new(WHITE_CD_M2)?;
-    let keys = |frame: &Vec<[f16; 3]>| -> Vec<HalfKey> {
-        frame.as_flattened().iter().map(|value| HalfKey::from_bits(value.to_bits())).collect()
-    };
-    let chunks = encode(source.frames.iter().map(keys), header.cell_of_halves(size), &pu21, header.min_psnr_db)?;
-    let clip = Clip::new("cell", CodecHeader::Color(header), (size, source.frames.len()), chunks);
+    let key = |value: &f16| HalfKey::from_bits(value.to_bits());
+    let clip = clip_of(&source, header, header.cell_of_halves(size), &Pu21::new(WHITE_CD_M2)?, key)?;
     Ok((source, clip))
 }
 
-/// What a half float is, whatever its size: the metric knows of none of this (color.md 5).
-#[derive(PartialEq, Eq)]
-enum Class {
-    NotANumber,
-    Infinite,
-    Finite,
-}
-
-/// Its class, and whether it is below zero.
-fn class(value: f16) -> (Class, bool) {
-    match value {
-        _ if value.is_nan() => (Class::NotANumber, false),
-        _ if value.is_infinite() => (Class::Infinite, value < f16::ZERO),
-        _ => (Class::Finite, value < f16::ZERO),
-    }
+/// Whether a half float is NaN, infinite, below zero: the metric knows of none of this (color.md 5).
+fn class(value: f16) -> (bool, bool, bool) {
+    (value.is_nan(), value.is_infinite(), value < f16::ZERO)
 }
 
 fn halves(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let pu21 = Pu21::new(WHITE_CD_M2)?;
-    let (mut worst, mut others, mut samples) = (Worst::least(), 0, 0);
+    let (mut worst, mut others, mut samples) = (Measured::nothing(), 0, 0);
     clip.show(|frame, picture| {
         let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
         let (shown, source) = (shown.data().as_flattened(), source.frames[frame].as_flattened());
         // color.md 5 defines the promise in steps of PU21.
         let squares = pu21.between(shown, source) as f64;
-        worst.see(decibels(squares, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
+        worst.least(decibels(squares, source.len(), PU21_PEAK * PU_STEPS), || format!("frame {frame}"));
         others += shown.iter().zip(source).filter(|(shown, source)| class(**shown) != class(**source)).count();
         samples += source.len();
         Ok(())
     })?;
     let note = format!("of {samples} samples {others} changed between NaN, infinity, negative and not");
-    Ok(worst.measured().with_note(note).with_clips(vec![clip]))
+    Ok(worst.with_note(note).with_clip(clip))
 }
 
 /// Samples that are not the source's to the bit, of frames that are keyframes stored as samples.
 fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
     let (source, clip) = clip_of_halves(cell, header)?;
     let (mut exact, mut in_blocks) = (vec![false; source.frames.len()], 0);
-    for chunk in clip.chunks() {
+    for chunk in &clip.chunks {
         let format = header.cell_of_halves(clip.size);
         let parsed = CellChunk::<HalfKey>::parse(chunk.payload.clone(), format, chunk.frame_count)?;
         for (at, frame) in parsed.keyframes().iter().enumerate() {
@@ -239,22 +221,20 @@ fn changed_keyframes(cell: Cell<f16>, header: ColorHeader) -> Result<Measured> {
             in_blocks += u32::from(parsed.in_blocks(at));
         }
     }
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     clip.show(|frame, picture| {
         let Picture::ColorHalf(shown) = picture else { return Err(Error::invalid("half floats were expected")) };
         let samples = shown.data().as_flattened().iter().zip(source.frames[frame].as_flattened());
-        for (shown, source) in samples.filter(|(shown, source)| exact[frame] && shown.to_bits() != source.to_bits()) {
-            wrong += 1;
-            first.get_or_insert_with(|| {
-                format!("frame {frame}: {:04x} became {:04x}", source.to_bits(), shown.to_bits())
-            });
+        for (shown, source) in samples.map(|(shown, source)| (shown.to_bits(), source.to_bits())) {
+            let differs = exact[frame] && shown != source;
+            wrong.count_if(differs, || format!("frame {frame}: {source:04x} became {shown:04x}"));
         }
         Ok(())
     })?;
     let samples = exact.iter().filter(|exact| **exact).count();
-    let measured = Measured::count(wrong, first);
     // A stream without blocks has a keyframe of samples, or nothing was looked at.
-    let looked = samples > 0 || header.blocks.is_some();
-    let figure = if looked { measured.figure } else { f64::NAN };
-    Ok(Measured { figure, ..measured }.with_note(format!("{samples} keyframes of samples, {in_blocks} in blocks")))
+    if samples == 0 && header.blocks.is_none() {
+        wrong.figure = f64::NAN;
+    }
+    Ok(wrong.with_note(format!("{samples} keyframes of samples, {in_blocks} in blocks")))
 }

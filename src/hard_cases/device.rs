@@ -19,7 +19,7 @@ const PIXELS_TOGETHER: u64 = 8 << 20;
 const JUMPS: u32 = 12;
 
 /// The result of a device for one case.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct DeviceFigures {
     /// Words that differ from the CPU's; of rendered pictures, pixels that do so by more than is allowed.
     pub mismatched_words: u64,

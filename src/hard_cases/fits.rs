@@ -7,7 +7,7 @@ use crate::depth::least_squares::{Frame, Sample, Terms, solve};
 use crate::depth::mode_decision::Decide;
 use crate::depth::node_encoder::NodeSettings;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Inputs, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, any_range};
 use crate::hard_cases::pictures::{HardPicture, PICTURES};
 use crate::hard_cases::report::CONDITION;
@@ -70,18 +70,15 @@ pub(super) fn cases() -> Vec<HardCase> {
 
 fn through_nodes(picture: &HardPicture, bound: u16) -> Result<Measured> {
     let (source, range) = (picture.moving(), any_range()?);
-    let (mut worst, mut clips) = (Worst::greatest(), Vec::new());
+    let mut worst = Measured::nothing();
     for kind in DomainKind::ALL {
         let domain = Domain::new(kind, range)?;
         for decide in [Decide::Mse, Decide::Size] {
             let settings = NodeSettings { bound, decide, effort: EFFORT, ..NodeSettings::default() };
-            let clip = Clip::nodes(&source, (range, &domain), settings)?;
-            let (error, place) = source.error(&clip)?;
-            worst.see(error, || place);
-            clips.push(clip);
+            worst = worst.join(source.compare(Clip::nodes(&source, (range, &domain), settings)?)?);
         }
     }
-    Ok(worst.measured().with_clips(clips))
+    Ok(worst)
 }
 
 /// The condition of the basis over a square, with that of plain powers of pixel coordinates beside it.
@@ -94,7 +91,7 @@ fn condition_number(side: usize) -> Measured {
     }
     let (figure, raw) = (condition_of(ours), condition_of(powers));
     let note = format!("condition {figure:.1}; in powers of pixel coordinates {raw:.2e}");
-    Measured { figure, place: None, note: Some(note), inputs: Inputs::default() }
+    Measured { figure, note: Some(note), ..Measured::nothing() }
 }
 
 fn raw_terms([x, y]: [f64; 2]) -> [f64; 6] {
@@ -166,19 +163,18 @@ fn known_function(side: usize) -> Result<Measured> {
         right.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power * sample.value);
     }
     let of_powers = solve(&raw, &right);
-    let (mut worst, mut beside) = (Worst::greatest(), 0.0f64);
+    let (mut worst, mut beside) = (Measured::nothing(), 0.0f64);
     for (&at, sample) in places.iter().zip(&samples) {
-        worst.see((value_of(&terms, frame.basis(sample.at)) - sample.value).abs(), || format!("at {at:?}"));
+        worst.greatest((value_of(&terms, frame.basis(sample.at)) - sample.value).abs(), || format!("at {at:?}"));
         beside = beside.max((value_of(&of_powers, raw_terms(at)) - sample.value).abs());
     }
-    let measured = worst.measured();
     let note = format!(
         "condition {:.1}, error {:.1e}; in powers of pixel coordinates {:.2e} and {beside:.1e}",
         condition_of(matrix),
-        measured.figure,
+        worst.figure,
         condition_of(raw)
     );
-    Ok(measured.with_note(note))
+    Ok(worst.with_note(note))
 }
 
 fn value_of(terms: &Terms, basis: Terms) -> f64 {
@@ -240,15 +236,15 @@ fn projection_error(picture: &HardPicture) -> Measured {
     let ([width, height], codes) = (picture.size, picture.picture());
     let frame = Frame::new([0, width - 1], [0, height - 1]);
     let (terms, _) = frame.project(codes.chunks_exact(width), 6);
-    difference(&frame, &terms, (picture.size, &codes)).measured()
+    difference(&frame, &terms, (picture.size, &codes))
 }
 
-fn difference(frame: &Frame, terms: &Terms, (size, codes): ([usize; 2], &[u16])) -> Worst {
+fn difference(frame: &Frame, terms: &Terms, (size, codes): ([usize; 2], &[u16])) -> Measured {
     let exact = ExactFit::new(size, codes);
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for (x, y) in (0..codes.len()).map(|at| (at % size[0], at / size[0])) {
         let ours = value_of(terms, frame.basis(frame.at(x, y)));
-        worst.see((ours - exact.value([x, y])).abs(), || format!("pixel ({x}, {y})"));
+        worst.greatest((ours - exact.value([x, y])).abs(), || format!("pixel ({x}, {y})"));
     }
     worst
 }
@@ -256,7 +252,7 @@ fn difference(frame: &Frame, terms: &Terms, (size, codes): ([usize; 2], &[u16]))
 /// Random functions that stay in range, evaluated in integers and in binary64.
 fn horner_error(side: usize) -> Measured {
     let mut random = Random::new(side as u64);
-    let (mut worst, mut tried) = (Worst::greatest(), 0);
+    let (mut worst, mut tried) = (Measured::nothing(), 0u32);
     let real = |value: i32, bits: u32| f64::from(value) / f64::from(1u32 << bits);
     for _ in 0..20_000 {
         let coefficients: [i32; 6] = std::array::from_fn(|_| random.word() as i32 >> random.below(26));
@@ -274,10 +270,10 @@ fn horner_error(side: usize) -> Measured {
             let (c, r) = (f64::from(column), f64::from(row));
             let exact = constant + x * c + y * r + xy * c * r + xx * c * c + yy * r * r;
             let found = real(function.value(column as i32, row as i32), 14);
-            worst.see((found - exact).abs(), || format!("{coefficients:?} at ({column}, {row})"));
+            worst.greatest((found - exact).abs(), || format!("{coefficients:?} at ({column}, {row})"));
         }
     }
-    worst.measured().with_note(format!("{tried} functions"))
+    worst.with_note(format!("{tried} functions"))
 }
 
 /// Columns and rows of the pixels that a fit may see, in a node of 64x64.
@@ -300,21 +296,18 @@ fn fit_of_few(pixels: Few) -> Result<Measured> {
     let plane = |[x, y]: [usize; 2]| 31_000.0 + 200.0 * x as f64 - 300.0 * y as f64;
     let sample = |&place: &[usize; 2]| Sample { at: frame.at(place[0], place[1]), value: plane(place), slope: 1.0 };
     let samples: Vec<Sample> = pixels().iter().map(sample).collect();
-    let error = |terms: &[f64; 6]| {
-        let residual = |sample: &Sample| {
-            let basis = frame.basis(sample.at);
-            (basis.iter().zip(terms).map(|(basis, term)| basis * term).sum::<f64>() - sample.value).abs()
-        };
+    let error = |terms: &Terms| {
+        let residual = |sample: &Sample| (value_of(terms, frame.basis(sample.at)) - sample.value).abs();
         samples.iter().map(residual).fold(0.0, f64::max)
     };
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     let mut accept = |terms: &[f64; 6]| terms.iter().all(|term| term.is_finite()).then(|| error(terms));
     let found = [frame.minimax::<3, _>(&samples, 0, &mut accept), frame.minimax::<6, _>(&samples, 0, &mut accept)];
     for (found, terms) in found.into_iter().zip([3, 6]) {
         let error = found.ok_or_else(|| Error::invalid("no function was found for pixels of a plane"))?;
-        worst.see(error, || format!("{terms} terms"));
+        worst.greatest(error, || format!("{terms} terms"));
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 #[cfg(test)]
@@ -340,7 +333,7 @@ mod tests {
             for term in 0..6 {
                 let mut off = terms;
                 off[term] += 65535e-6;
-                let seen = difference(&frame, &off, (size, &codes)).measured().figure;
+                let seen = difference(&frame, &off, (size, &codes)).figure;
                 assert!(seen > projection_rounding(size), "{}, term {term}: {seen:e}", picture.name);
             }
         }

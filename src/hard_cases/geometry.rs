@@ -9,7 +9,7 @@ use half::f16;
 
 use crate::dataset::planar_to_distance;
 use crate::error::Result;
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::sight;
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::equirect::{FaceMap, resample_color, resample_depth};
@@ -20,6 +20,8 @@ use crate::image::projection::{ImageProjection, centre_of};
 const SIDES: [u32; 5] = [1, 2, 3, 1024, 65_535];
 /// Sizes of equirectangular images.
 const PANORAMAS: [[u32; 2]; 5] = [[1, 1], [2, 1], [7, 3], [512, 256], [16_384, 8192]];
+/// Sizes of those that are resampled.
+const RESAMPLED: [[u32; 2]; 4] = [[2, 1], [7, 3], [64, 32], [257, 129]];
 /// Lengths of direction vectors.
 const LENGTHS: [f64; 5] = [1.0, 1e-300, 1e-150, 1e150, 1e300];
 /// Relative rounding of binary64.
@@ -55,7 +57,7 @@ pub(super) fn cases() -> Vec<HardCase> {
     let gap = 1.5 * f64::EPSILON + 2.0 * most;
     for side in [1, 3, 4, 7, 1024, 65_535] {
         let name = format!("{side}x{side}");
-        cases.push(seams.case(name.clone(), Bound::AtMost(0.0), move || Ok(seams_meet(side))));
+        cases.push(seams.none(name.clone(), move || Ok(seams_meet(side))));
         cases.push(gaps.case(name, Bound::AtMost(gap), move || Ok(seams_gape(side))));
     }
     let face = group("direction to cube face", "faces that do not look there");
@@ -72,16 +74,14 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(panorama.case(name, Bound::AtMost(most), move || Ok(panorama_and_back(width, height))));
     }
     let places = group("direction to equirectangular position", "outside of the image");
-    cases.push(
-        places.case("poles, date line, signed zeros, all lengths", Bound::AtMost(0.0), || Ok(outside_panorama())),
-    );
+    cases.push(places.none("poles, date line, signed zeros, all lengths", || Ok(outside_panorama())));
     let mixed = group("panorama resampled to cube faces", "pixels that are none of the source's");
-    cases.push(mixed.case("depth: checkerboard of 1 m, 1 km and background", Bound::AtMost(0.0), mixed_depth));
+    cases.push(mixed.none("depth: checkerboard of 1 m, 1 km and background", mixed_depth));
     let flat = group("panorama resampled to cube faces", "relative change");
     // Weights add up to 1 but for their rounding, and half floats round to their own value.
     for value in [1.0, 65_504.0, 6e-8, -0.25] {
         let name = format!("colour: {value} everywhere, poles and date line too");
-        cases.push(flat.case(name, Bound::AtMost(0.0), move || changed_color(value)));
+        cases.push(flat.none(name, move || changed_color(value)));
     }
     let planar = group("planar depth to distance and back", "of the distance");
     for (name, fov_deg) in
@@ -106,7 +106,7 @@ fn some(count: u32) -> Vec<u32> {
 }
 
 fn pixels_and_back(side: u32) -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for face in Face::CUBE {
         let all = some(side);
         let image = ImageProjection::cube_face(face, side);
@@ -119,21 +119,20 @@ fn pixels_and_back(side: u32) -> Measured {
                 let [at_u, at_v] = image.plane(centre_of(col, row));
                 let off = ((u - at_u).abs() * half).max((v - at_v).abs() * half);
                 let error = if found == face { off } else { f64::INFINITY };
-                worst.see(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
+                worst.greatest(error, || format!("{} pixel ({col}, {row}) is on {}", face.name(), found.name()));
             }
         }
     }
-    worst.measured()
+    worst
 }
 
 fn edges() -> Vec<DVec3> {
     let mut found = Vec::new();
     for face in Face::CUBE {
-        let [forward, right, down] = face.axes();
         // Thirds, sevenths and ninths, none of which binary64 has.
         for step in -63..=63 {
             let t = f64::from(step) / 63.0;
-            found.extend([(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)].map(|(u, v)| forward + u * right + v * down));
+            found.extend([(1.0, t), (-1.0, t), (t, 1.0), (t, -1.0)].map(|(u, v)| on_face(face, [u, v])));
         }
     }
     found
@@ -148,10 +147,8 @@ fn corners() -> Vec<DVec3> {
 fn inside() -> Vec<DVec3> {
     let mut found = Vec::new();
     for face in Face::CUBE {
-        let [forward, right, down] = face.axes();
         for (parts, (x, y)) in [3, 7, 11].into_iter().flat_map(|n| (0..n * n).map(move |at| (n, (at % n, at / n)))) {
-            let [u, v] = [x, y].map(|at: i32| f64::from(2 * at + 1 - parts) / f64::from(parts));
-            found.push(forward + u * right + v * down);
+            found.push(on_face(face, [x, y].map(|at: i32| f64::from(2 * at + 1 - parts) / f64::from(parts))));
         }
     }
     found
@@ -180,11 +177,16 @@ fn beside(directions: &[DVec3]) -> Vec<DVec3> {
     directions.iter().flat_map(around).flatten().collect()
 }
 
+/// Direction of a place in the plane of a face at distance 1.
+fn on_face(face: Face, [u, v]: [f64; 2]) -> DVec3 {
+    let [forward, right, down] = face.axes();
+    forward + u * right + v * down
+}
+
 /// The angle between a direction and what its face and place on it say; infinite where they say another side of the probe.
 fn angle_to_face(direction: DVec3) -> f64 {
     let FacePoint { face, plane: [u, v] } = direction_to_face(direction);
-    let [forward, right, down] = face.axes();
-    let (back, direction) = (forward + u * right + v * down, near_one(direction));
+    let (back, direction) = (on_face(face, [u, v]), near_one(direction));
     let ahead = back.dot(direction) > 0.0 && u.abs() <= 1.0 && v.abs() <= 1.0;
     if ahead { angle_between(back, direction) } else { f64::INFINITY }
 }
@@ -195,14 +197,14 @@ fn angle_between(a: DVec3, b: DVec3) -> f64 {
 }
 
 fn directions_and_back(directions: &[DVec3]) -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for &direction in directions {
         let unit = direction.normalize();
         for asked in LENGTHS.map(|length| unit * length).into_iter().chain([direction]) {
-            worst.see(angle_to_face(asked), || format!("{asked:?}"));
+            worst.greatest(angle_to_face(asked), || format!("{asked:?}"));
         }
     }
-    worst.measured()
+    worst
 }
 
 /// A place on the border of a face, in the middle of a pixel along it.
@@ -230,8 +232,7 @@ fn borders(side: u32) -> Vec<Border> {
 impl Border {
     /// The direction just inside of its face, and that just outside of it.
     fn sides(&self) -> [DVec3; 2] {
-        let [forward, right, down] = self.face.axes();
-        let place = forward + self.at[0] * right + self.at[1] * down;
+        let place = on_face(self.face, self.at);
         // By half an ulp of 1 inward and by an ulp outward, which are the next numbers.
         [place - self.across * ROUNDING, place + self.across * f64::EPSILON]
     }
@@ -239,7 +240,7 @@ impl Border {
 
 /// Places on seams where the two sides are not on the face and on its neighbour, or in other pixels along the seam.
 fn seams_meet(side: u32) -> Measured {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for border in borders(side) {
         let [inner, outer] = border.sides().map(direction_to_face);
         let neighbour = outer.face.axes()[0] == border.across;
@@ -248,35 +249,27 @@ fn seams_meet(side: u32) -> Measured {
         // On the neighbour the seam is where one coordinate is at its end; the other runs along it, either way.
         let [u, v] = outer.plane;
         let ends = [u, v].map(|at| 1.0 - at.abs() < 1e-15);
-        let its = [(ends[0], v), (ends[1], u)];
-        let meets = its
-            .iter()
-            .any(|&(end, along)| end && (pixel(along) == border.pixel || side - 1 - pixel(along) == border.pixel));
-        if inner.face != border.face || !neighbour || pixel(own) != border.pixel || !meets {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("{} at {:?}", border.face.name(), border.at));
-        }
+        let runs_along = |along: f64| pixel(along) == border.pixel || side - 1 - pixel(along) == border.pixel;
+        let meets = (ends[0] && runs_along(v)) || (ends[1] && runs_along(u));
+        let is_own = inner.face == border.face && pixel(own) == border.pixel;
+        wrong.count_if(!is_own || !neighbour || !meets, || format!("{} at {:?}", border.face.name(), border.at));
     }
-    Measured::count(wrong, first)
+    wrong
 }
 
 /// The angle between what both sides of a seam say of their faces and places on them.
 fn seams_gape(side: u32) -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for border in borders(side) {
-        let [inner, outer] = border.sides().map(|direction| {
-            let FacePoint { face, plane: [u, v] } = direction_to_face(direction);
-            let [forward, right, down] = face.axes();
-            forward + u * right + v * down
-        });
-        worst.see(angle_between(inner, outer), || format!("{} at {:?}", border.face.name(), border.at));
+        let [inner, outer] = border.sides().map(direction_to_face).map(|met| on_face(met.face, met.plane));
+        worst.greatest(angle_between(inner, outer), || format!("{} at {:?}", border.face.name(), border.at));
     }
-    worst.measured()
+    worst
 }
 
 /// Directions along whose component of greatest size the face does not look.
 fn wrong_faces() -> Measured {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
     let all: Vec<DVec3> = axes.chain(edges()).chain(corners()).chain(inside()).collect();
     for direction in all.iter().chain(&beside(&all)).copied() {
@@ -285,30 +278,27 @@ fn wrong_faces() -> Measured {
             let FacePoint { face, plane: [u, v] } = direction_to_face(scaled);
             let forward = scaled.dot(face.axes()[0]);
             let right = forward == scaled.abs().max_element() && u.abs() <= 1.0 && v.abs() <= 1.0;
-            if !right {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{scaled:?} is on {} at ({u}, {v})", face.name()));
-            }
+            wrong.count_if(!right, || format!("{scaled:?} is on {} at ({u}, {v})", face.name()));
         }
     }
-    Measured::count(wrong, first)
+    wrong
 }
 
 fn panorama_and_back(width: u32, height: u32) -> Measured {
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     let panorama = ImageProjection::Equirect { size: [width, height] };
     for &row in &some(height) {
         for &col in &some(width) {
             let [x, y] = panorama.project(panorama.pixel_direction(col, row)).unwrap_or([f64::NAN; 2]);
             let off = (x - f64::from(col) - 0.5).abs().max((y - f64::from(row) - 0.5).abs());
-            worst.see(off, || format!("pixel ({col}, {row}) came back as ({x}, {y})"));
+            worst.greatest(off, || format!("pixel ({col}, {row}) came back as ({x}, {y})"));
         }
     }
-    worst.measured()
+    worst
 }
 
 fn outside_panorama() -> Measured {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     let signs = [0.0, -0.0];
     let mut all = vec![DVec3::Y, DVec3::NEG_Y];
     for (a, b) in signs.into_iter().flat_map(|a| signs.map(|b| (a, b))) {
@@ -320,49 +310,50 @@ fn outside_panorama() -> Measured {
         for length in LENGTHS {
             let panorama = ImageProjection::Equirect { size: [64, 32] };
             let [x, y] = panorama.project(direction * length).unwrap_or([f64::NAN; 2]);
-            if !(0.0..=64.0).contains(&x) || !(0.0..=32.0).contains(&y) {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{direction:?} times {length:e} is at ({x}, {y})"));
-            }
+            let is_inside = (0.0..=64.0).contains(&x) && (0.0..=32.0).contains(&y);
+            wrong.count_if(!is_inside, || format!("{direction:?} times {length:e} is at ({x}, {y})"));
         }
     }
-    Measured::count(wrong, first)
+    wrong
+}
+
+/// The faces of a panorama, of three sizes.
+fn face_maps(width: u32, height: u32) -> Result<Vec<FaceMap>> {
+    let faces = Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))));
+    faces.map(|(face, size)| FaceMap::new(face, size, width, height)).collect()
 }
 
 fn mixed_depth() -> Result<Measured> {
-    let (mut wrong, mut first) = (0, None);
-    for [width, height] in [[2, 1], [7, 3], [64, 32], [257, 129]] {
+    let mut wrong = Measured::count(0);
+    for [width, height] in RESAMPLED {
         let values = [1.0, 1000.0, f32::INFINITY];
         let image = Plane::from_fn(width, height, |x, y| values[(x + y) as usize % 3]);
-        for (face, size) in
-            Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))))
-        {
-            let shown = resample_depth(&image, &FaceMap::new(face, size, width, height)?)?;
-            for value in shown.data().iter().filter(|value| !values.contains(value)) {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{value} on {} of {width}x{height}", face.name()));
+        for map in face_maps(width, height)? {
+            let shown = resample_depth(&image, &map)?;
+            for value in shown.data() {
+                let is_mixed = !values.contains(value);
+                wrong.count_if(is_mixed, || format!("{value} on {} of {width}x{height}", map.face().name()));
             }
         }
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }
 
 fn changed_color(value: f64) -> Result<Measured> {
     let value = f16::from_f64(value);
-    let mut worst = Worst::greatest();
-    for [width, height] in [[2, 1], [7, 3], [64, 32], [257, 129]] {
+    let mut worst = Measured::nothing();
+    for [width, height] in RESAMPLED {
         let image = Plane::filled(width, height, [value; 3]);
-        for (face, size) in
-            Face::CUBE.into_iter().flat_map(|face| [1, width / 4, width / 2].map(|size| (face, size.max(1))))
-        {
-            let shown = resample_color(&image, &FaceMap::new(face, size, width, height)?)?;
+        for map in face_maps(width, height)? {
+            let shown = resample_color(&image, &map)?;
+            let (face, size) = (map.face().name(), shown.width());
             for shown in shown.data().as_flattened() {
                 let change = (shown.to_f64() / value.to_f64() - 1.0).abs();
-                worst.see(change, || format!("{} on a face of {size} pixels of {width}x{height}", face.name()));
+                worst.greatest(change, || format!("{face} on a face of {size} pixels of {width}x{height}"));
             }
         }
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 /// Planar depth of a view this wide, made a distance by the reader of datasets, and planar again in binary64.
@@ -370,7 +361,7 @@ fn planar_and_back(fov_deg: f64) -> Result<Measured> {
     const SIDE: u32 = 129;
     let focal = f64::from(SIDE) / 2.0 / (fov_deg / 360.0 * PI).tan();
     let intrinsics = [focal, focal, f64::from(SIDE) / 2.0, f64::from(SIDE) / 2.0];
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for planar_m in [1e-30f32, 0.001, 1.0, 7.3, 12_345.678, 1e30] {
         let mut plane = Plane::filled(SIDE, SIDE, planar_m);
         planar_to_distance(&mut plane, &ImageProjection::Pinhole { size: [SIDE; 2], intrinsics });
@@ -378,8 +369,8 @@ fn planar_and_back(fov_deg: f64) -> Result<Measured> {
             let side = |pixel: u32| (f64::from(pixel) + 0.5 - f64::from(SIDE) / 2.0) / focal;
             let exact = side(col).hypot(side(row)).hypot(1.0) * f64::from(planar_m);
             let error = (f64::from(plane.get(col, row)) / exact - 1.0).abs();
-            worst.see(error, || format!("{planar_m:e} m at ({col}, {row})"));
+            worst.greatest(error, || format!("{planar_m:e} m at ({col}, {row})"));
         }
     }
-    Ok(worst.measured())
+    Ok(worst)
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::case::{Family, Group, HardCase, Measured};
 use crate::hard_cases::render::{CODES, SIDE, Setup, camera};
 use crate::march::ray::Steps;
 use crate::march::render::{Rendered, render, render_plainly};
@@ -33,12 +33,10 @@ const HOLES: u64 = 170;
 const RED: [u8; 3] = [200, 0, 0];
 
 pub(super) fn cases() -> Vec<HardCase> {
-    let none = Bound::AtMost(0.0);
-    let group = |pipeline: &str, unit| Group::new(Family::Render, pipeline, unit);
-    let hidden = group("parts that a rectangle hides from all probes", "wrong pixels");
+    let hidden = Group::new(Family::Render, "parts that a rectangle hides from all probes", "wrong pixels");
     vec![
-        hidden.case("holes blank", none, || wrong(HoleFill::Blank)),
-        hidden.case("holes filled", none, || wrong(HoleFill::Nearest)),
+        hidden.none("holes blank", || wrong(HoleFill::Blank)),
+        hidden.none("holes filled", || wrong(HoleFill::Nearest)),
     ]
 }
 
@@ -90,10 +88,10 @@ fn picture(plainly: bool, holes: HoleFill) -> Result<Rendered> {
 /// Pixels whose alpha is not what is known of their ray, or whose colour is not that of such a pixel: black in holes that
 /// are left blank, with the red of the rectangle in others. One that hangs on rounding is wrong, too.
 fn wrong(holes: HoleFill) -> Result<Measured> {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for plainly in [false, true] {
         let picture = picture(plainly, holes)?;
-        wrong += picture.counters.hole_rays.abs_diff(HOLES);
+        wrong.figure += picture.counters.hole_rays.abs_diff(HOLES) as f64;
         for (at, (&alpha, color)) in (0u32..).zip(picture.image.alpha.data().iter().zip(picture.image.color.data())) {
             let [column, row] = [at % PIXELS, at / PIXELS];
             let way = [column, row].map(|at| f64::from(2 * at + 1) / f64::from(PIXELS) - 1.0);
@@ -103,13 +101,10 @@ fn wrong(holes: HoleFill) -> Result<Measured> {
                 Some(false) => alpha == 1.0,
                 None => false,
             };
-            if !right {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("column {column}, row {row}: alpha {alpha}, colour {color:?}"));
-            }
+            wrong.count_if(!right, || format!("column {column}, row {row}: alpha {alpha}, colour {color:?}"));
         }
     }
     let setup = setup();
     let settings = settings(&setup, holes);
-    Ok(Measured::count(wrong, first).with_pictures(vec![setup.on_device("hidden from all probes", settings)?]))
+    Ok(wrong.with_picture(setup.on_device("hidden from all probes", settings)?))
 }

@@ -53,7 +53,7 @@ pub fn run_all(cases: &[HardCase], monitor: &dyn Monitor) -> Result<Vec<(CaseRep
     let run = |case: &HardCase| {
         monitor.check()?;
         let start = Instant::now();
-        let measured = case.run().map_err(|error| error.context(format!("hard case '{}'", case.name)))?;
+        let measured = (case.run)().map_err(|error| error.context(format!("hard case '{}'", case.name)))?;
         monitor.advance(1);
         Ok((CaseReport::new(case, &measured, start.elapsed().as_secs_f64()), measured.inputs))
     };
@@ -70,8 +70,8 @@ mod tests {
         let names: std::collections::BTreeSet<_> =
             cases.iter().map(|case| (case.family, case.pipeline.as_str(), case.name.as_str())).collect();
         assert_eq!(names.len(), cases.len());
-        for family in Family::ALL {
-            assert!(cases.iter().any(|case| case.family == family), "{}", family.name());
+        for family in Family::NAMES {
+            assert!(cases.iter().any(|case| case.family.name() == family), "{family}");
         }
     }
 }

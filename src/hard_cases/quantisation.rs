@@ -10,7 +10,7 @@ use crate::depth::node_encoder::NodeSettings;
 use crate::depth::quantise::FAR_CODE;
 use crate::depth::{BACKGROUND_CODE, DepthRange, Quantiser};
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::hard_cases::clip::{Clip, EFFORT, Sequence};
 
 /// Name, near and far in metres.
@@ -103,13 +103,13 @@ pub(super) fn cases() -> Vec<HardCase> {
         // Rounding to a code is half of one; with one code for all, nothing is rounded.
         let half = if near == far { 0.0 } else { 0.5 + LOG_ROUNDING };
         cases.push(codes.case(name, Bound::AtMost(half), move || code_error(Reference::new(near, far)?)));
-        cases.push(forms.case(name, Bound::AtMost(0.0), move || forms_differ(Reference::new(near, far)?)));
-        cases.push(order.case(name, Bound::AtMost(0.0), move || descents(Reference::new(near, far)?)));
-        cases.push(ends.case(name, Bound::AtMost(0.0), move || wrong_ends(Reference::new(near, far)?)));
+        cases.push(forms.none(name, move || forms_differ(Reference::new(near, far)?)));
+        cases.push(order.none(name, move || descents(Reference::new(near, far)?)));
+        cases.push(ends.none(name, move || wrong_ends(Reference::new(near, far)?)));
         cases.push(round_trip(name, near, far));
     }
     let refused = group("ranges that are none", "accepted");
-    cases.push(refused.case("zero, negative, swapped, infinite, NaN", Bound::AtMost(0.0), ranges_accepted));
+    cases.push(refused.none("zero, negative, swapped, infinite, NaN", ranges_accepted));
     // The chord of log2(1 + x) over 1/256 is off by h²/8 · log2(e) at most; the table and the line round half a unit of
     // 2^-24 each.
     let chord = std::f64::consts::LOG2_E / (8.0 * 65536.0) + FLOAT_ROUNDING;
@@ -139,48 +139,39 @@ pub(super) fn cases() -> Vec<HardCase> {
 
 fn code_error(reference: Reference) -> Result<Measured> {
     let quantiser = Quantiser::new(reference.range);
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for z in reference.around_boundaries() {
         let code = quantiser.code(z).map_or(f64::NAN, f64::from);
-        worst.see((code - reference.code(z)).abs(), || format!("{z:e} m became code {code}"));
+        worst.greatest((code - reference.code(z)).abs(), || format!("{z:e} m became code {code}"));
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 fn forms_differ(reference: Reference) -> Result<Measured> {
     let (range, quantiser) = (reference.range, Quantiser::new(reference.range));
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     let (low, high) = (range.near_m().to_bits(), range.far_m().to_bits());
     let stride = ((high - low) / 200_000).max(1) as usize;
     let between = (low..=high).step_by(stride).map(f32::from_bits);
     for z in reference.around_boundaries().into_iter().chain(between) {
-        if quantiser.code(z) != Some(range.code(z)) {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("{z:e} m"));
-        }
+        wrong.count_if(quantiser.code(z) != Some(range.code(z)), || format!("{z:e} m"));
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }
 
 fn descents(reference: Reference) -> Result<Measured> {
     let (range, quantiser) = (reference.range, Quantiser::new(reference.range));
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     let mut last = Some(0);
     for z in reference.around_boundaries() {
         let code = quantiser.code(z);
-        if code.is_none() || code < last {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("code {code:?} at {z:e} m after {last:?}"));
-        }
+        wrong.count_if(code.is_none() || code < last, || format!("code {code:?} at {z:e} m after {last:?}"));
         last = code;
     }
     for code in 1..=FAR_CODE {
-        if range.metres(code) < range.metres(code - 1) {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("metres of code {code}"));
-        }
+        wrong.count_if(range.metres(code) < range.metres(code - 1), || format!("metres of code {code}"));
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }
 
 fn wrong_ends(reference: Reference) -> Result<Measured> {
@@ -201,15 +192,14 @@ fn wrong_ends(reference: Reference) -> Result<Measured> {
         (f32::NEG_INFINITY, None),
         (-range.near_m(), None),
     ];
-    let mut said: Vec<String> = Vec::new();
-    said.extend(
-        asked.into_iter().filter(|&(z, code)| quantiser.code(z) != code).map(|(z, _)| format!("code of {z:e} m")),
-    );
-    let metres = [(0, range.near_m()), (FAR_CODE, range.far_m()), (BACKGROUND_CODE, f32::INFINITY)];
-    said.extend(
-        metres.into_iter().filter(|&(code, z)| range.metres(code) != z).map(|(code, _)| format!("metres of {code}")),
-    );
-    Ok(Measured::count(said.len() as u64, said.first().cloned()))
+    let mut wrong = Measured::count(0);
+    for (z, code) in asked {
+        wrong.count_if(quantiser.code(z) != code, || format!("code of {z:e} m"));
+    }
+    for (code, z) in [(0, range.near_m()), (FAR_CODE, range.far_m()), (BACKGROUND_CODE, f32::INFINITY)] {
+        wrong.count_if(range.metres(code) != z, || format!("metres of {code}"));
+    }
+    Ok(wrong)
 }
 
 /// The error of metres that went to a code and back: in proportion to the distance where floats are even in that, else
@@ -237,50 +227,39 @@ fn round_trip(name: &str, near: f32, far: f32) -> HardCase {
 
 fn back_and_forth(reference: Reference, figure: impl Fn(f64, f64) -> f64) -> Result<Measured> {
     let quantiser = Quantiser::new(reference.range);
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for z in reference.around_boundaries() {
         let back = quantiser.code(z).map_or(f64::NAN, |code| f64::from(reference.range.metres(code)));
         let source = f64::from(z);
-        worst.see(figure(source, (back - source).abs()), || format!("{z:e} m became {back:e} m"));
+        worst.greatest(figure(source, (back - source).abs()), || format!("{z:e} m became {back:e} m"));
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 fn ranges_accepted() -> Result<Measured> {
     let (nan, inf) = (f32::NAN, f32::INFINITY);
-    let ranges = [
-        (0.0, 1.0),
-        (-0.0, 1.0),
-        (-1.0, 1.0),
-        (2.0, 1.0),
-        (1.0, inf),
-        (inf, inf),
-        (nan, 1.0),
-        (1.0, nan),
-        (nan, nan),
-        (0.0, 0.0),
-    ];
-    let accepted = ranges.into_iter().filter(|&(near, far)| DepthRange::new(near, far).is_ok());
+    let nears = [0.0, -0.0, -1.0, 2.0, 1.0, inf, nan, 1.0, nan, 0.0];
+    let fars = [1.0, 1.0, 1.0, 1.0, inf, inf, 1.0, nan, nan, 0.0];
+    let accepted = nears.into_iter().zip(fars).filter(|&(near, far)| DepthRange::new(near, far).is_ok());
     // A span that is too short for a logarithm in integers has no domain but that of codes.
     let kinds = [DomainKind::Linear, DomainKind::Inverse].into_iter();
     let short =
         kinds.filter(|&kind| DepthRange::new(1.0, 1.000_001).and_then(|range| Domain::new(kind, range)).is_ok());
-    Ok(Measured::count((accepted.count() + short.count()) as u64, None))
+    Ok(Measured::count((accepted.count() + short.count()) as u64))
 }
 
 fn log2_error(last: u32, stride: usize) -> Measured {
     const PART: u32 = 1 << 20;
-    let parts: Vec<u32> = (0..=last / PART).collect();
     let of_part = |part: u32| {
         let (first, end) = ((part * PART).max(1), part.saturating_mul(PART).saturating_add(PART - 1).min(last));
-        let mut worst = Worst::greatest();
+        let mut worst = Measured::nothing();
         for value in (first..=end).step_by(stride).chain([end]) {
             let error = (f64::from(integer_log2(value)) * FLOAT_ROUNDING - f64::from(value).log2()).abs();
-            worst.see(error, || format!("log2 of {value}"));
+            worst.greatest(error, || format!("log2 of {value}"));
         }
         worst
     };
-    parts.into_par_iter().map(of_part).reduce(Worst::greatest, Worst::join).measured()
+    (0..=last / PART).into_par_iter().map(of_part).reduce(Measured::nothing, Measured::join)
 }
 
 /// What a function yields for a depth, rounded to Q14, made a code, against the code of that depth: a share of what
@@ -295,7 +274,7 @@ fn domain_error(kind: DomainKind, ratio: f32) -> Result<Measured> {
     let small = top / ratio;
     let end = codes((small.round().max(1.0) / small).ln().abs());
     let table = codes(2.0 * std::f64::consts::LN_2 * 2.9e-6);
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for code in 0..=FAR_CODE {
         let log = span * f64::from(code) / f64::from(FAR_CODE);
         let value = match kind {
@@ -312,10 +291,10 @@ fn domain_error(kind: DomainKind, ratio: f32) -> Result<Measured> {
         let error = if background { f64::INFINITY } else { f64::from(found.abs_diff(code)) };
         // Where nothing is left of the inverse, what is read is the background: no surface is modelled there.
         if value >= 1.0 {
-            worst.see(error / allowed, || format!("code {code} became {found}"));
+            worst.greatest(error / allowed, || format!("code {code} became {found}"));
         }
     }
-    Ok(worst.measured())
+    Ok(worst)
 }
 
 /// Surfaces from near to far through the default codec: the relative error as a share of (E + 1/2 codes and a float).
@@ -343,7 +322,7 @@ fn metres_through_nodes(kind: DomainKind, reference: Reference) -> Result<Measur
     let clip = Clip::nodes(&source, (range, &Domain::new(kind, range)?), settings)?;
     let reach = reference.span * (f64::from(settings.bound) + 0.5 + LOG_ROUNDING) / f64::from(FAR_CODE);
     let part = reach.exp_m1() + EXP_ROUNDING;
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     clip.show(|frame, picture| {
         let Picture::Depth(shown) = picture else { return Err(Error::invalid("depth was expected")) };
         for (&code, &z) in shown.data().iter().zip(&metres.frames[frame]) {
@@ -352,9 +331,9 @@ fn metres_through_nodes(kind: DomainKind, reference: Reference) -> Result<Measur
             let allowed = f64::from(z) * part + (f64::from(z) * (1.0 + part) * 2.0 * FLOAT_ROUNDING).max(least) / 2.0;
             let error = (f64::from(back) - f64::from(z)).abs();
             let share = if back == z { 0.0 } else { error / allowed };
-            worst.see(share, || format!("frame {frame}: {z:e} m became {back:e} m"));
+            worst.greatest(share, || format!("frame {frame}: {z:e} m became {back:e} m"));
         }
         Ok(())
     })?;
-    Ok(worst.measured().with_clips(vec![clip]))
+    Ok(worst.with_clip(clip))
 }

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use crate::error::Result;
 use crate::evaluate::rendered_image::HoleFill;
 use crate::gpu::selftest::pictures::PictureCase;
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::image::cube::{Face, FacePoint, direction_to_face};
 use crate::image::transfer::{ToneMap, Transfer};
 use crate::march::active_views::ActiveViews;
@@ -18,7 +18,7 @@ use crate::march::intersect::intersect;
 use crate::march::ray::{Ray, Steps};
 use crate::march::render::{Rendered, render, render_plainly};
 use crate::march::settings::{Acceleration, RenderSettings, SpecularMode};
-use crate::march::synthetic::{SyntheticProbe, room};
+use crate::march::synthetic::{Sight, SyntheticProbe, room};
 use crate::math::random::Random;
 use crate::math::{Camera, Lens};
 use crate::monitor::Silent;
@@ -47,16 +47,16 @@ pub(super) struct Setup {
 type Make = fn() -> Setup;
 
 const SETUPS: [(&str, Make); 10] = [
-    ("a room", || furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5))),
+    ("a room", || furnished(&POSITIONS, BESIDE)),
     ("along edges and corners of a cube", || furnished(&POSITIONS[..1], POSITIONS[0])),
     ("the eye in a wall", || furnished(&POSITIONS, DVec3::new(4.0, 0.0, 0.0))),
     ("the eye outside of all walls", || furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0))),
-    ("coincident probes", || furnished(&[POSITIONS[0]; 3], DVec3::new(0.5, 0.25, -0.5))),
+    ("coincident probes", || furnished(&[POSITIONS[0]; 3], BESIDE)),
     (FENCE, fence),
     (STEPS_OF_ALL, steps_of_all),
     ("nothing but background", || made(|_| None)),
     ("every other texel unknown", || {
-        let mut setup = furnished(&POSITIONS, DVec3::new(0.5, 0.25, -0.5));
+        let mut setup = furnished(&POSITIONS, BESIDE);
         for texels in setup.field.views.iter_mut().flat_map(|view| view.faces.iter_mut().flatten()) {
             texels.inverse_depth.iter_mut().skip(1).step_by(2).for_each(|texel| *texel = UNKNOWN);
         }
@@ -80,14 +80,13 @@ const POSITIONS: [DVec3; 4] = [
 const BESIDE: DVec3 = DVec3::new(0.5, 0.25, -0.5);
 
 pub(super) fn cases() -> Vec<HardCase> {
-    let none = Bound::AtMost(0.0);
     let group = |pipeline: &str, unit| Group::new(Family::Render, pipeline, unit);
     let mut cases = Vec::new();
     let segments = group("segments of rays against all their points", "hits that differ");
     let packets = group("four rays at once against one by one", "wrong pixels");
     for (name, make) in SETUPS {
-        cases.push(segments.case(name, none, move || Ok(by_segments(&make()))));
-        cases.push(packets.case(name, none, move || {
+        cases.push(segments.none(name, move || Ok(by_segments(&make()))));
+        cases.push(packets.none(name, move || {
             let setup = make();
             by_packets(&setup)?.with_picture_of(name, setup)
         }));
@@ -96,32 +95,32 @@ pub(super) fn cases() -> Vec<HardCase> {
     // A ray is off its texel's centre by at most 16 roundings of the side; a neighbour that fits the hit better than the
     // texel itself does so by at most a step, which weighs ten times. 255 · 2 · 64 · 16 · 2⁻²⁴ · 10 < 0.5 codes.
     for side in [1, 2, 33, 64] {
-        cases.push(own.case(format!("{side}x{side}"), none, move || own_codes(&own_room(side), side)));
+        cases.push(own.none(format!("{side}x{side}"), move || own_codes(&own_room(side), side)));
     }
     let depths = group("the eye in a probe, rays through its texels", "distances that are not the texels'");
     for (name, make) in [(FENCE, fence as Make), (STEPS_OF_ALL, steps_of_all)] {
         let in_the_probe = move || Setup { eye: DVec3::ZERO, ..make() };
-        cases.push(own.case(name, none, move || own_codes(&in_the_probe(), SIDE)));
-        cases.push(depths.case(name, none, move || Ok(own_depths(&in_the_probe()))));
+        cases.push(own.none(name, move || own_codes(&in_the_probe(), SIDE)));
+        cases.push(depths.none(name, move || Ok(own_depths(&in_the_probe()))));
     }
     let near_is_far = || Setup { range_m: [1.0; 2], ..own_room(SIDE) };
-    cases.push(depths.case("near = far", none, move || Ok(own_depths(&near_is_far()))));
+    cases.push(depths.none("near = far", move || Ok(own_depths(&near_is_far()))));
     let scaled = group("hits at another size or place", "hits that differ");
     // Powers of two are exact in all of it, and so are positions that far from the origin, which are multiples of 1/8 m.
     for (name, size, away) in [("1/1024", 1.0 / 1024.0, 0.0), ("1024", 1024.0, 0.0), ("1048 km away", 1.0, 1_048_576.0)]
     {
-        cases.push(scaled.case(name, none, move || {
+        cases.push(scaled.none(name, move || {
             elsewhere(size, away).with_picture_of(name, at_size(&POSITIONS, BESIDE, size, DVec3::splat(away)))
         }));
     }
     let bad = group("rays that can bring nothing", "rays that bring something");
-    cases.push(bad.case("the eye outside of all walls", none, outside));
+    cases.push(bad.none("the eye outside of all walls", outside));
     let background = group("rays that meet nothing", "rays that meet something");
-    cases.push(background.case("nothing but background", none, empty));
+    cases.push(background.none("nothing but background", empty));
     let last = group("a surface at the last step", "missed");
-    cases.push(last.case("walls just before far", none, || Ok(at_the_last_step())));
+    cases.push(last.none("walls just before far", || Ok(at_the_last_step())));
     let near = group("points within the near planes of all views", "taken for surfaces");
-    cases.push(near.case("walls nearer than near", none, || {
+    cases.push(near.none("walls nearer than near", || {
         within_near().with_picture_of("walls nearer than near", walls_within_near())
     }));
     let copies = group("coincident probes against one", "codes");
@@ -150,9 +149,13 @@ fn at_size(positions: &[DVec3], eye: DVec3, size: f64, away: DVec3) -> Setup {
 /// One probe of the room alone, and the eye in it.
 fn own_room(side: u32) -> Setup {
     let position = POSITIONS[1];
-    let view = SyntheticProbe::new(position, side).cube(CODES, &|direction| room(position, direction, ROOM, 0.1));
-    let field = LightField { views: vec![view], coding: CODES };
-    Setup { field, eye: position, range_m: [0.0625, 16.0] }
+    alone(position, side, &|direction| room(position, direction, ROOM, 0.1))
+}
+
+/// A probe, and the eye in it.
+fn alone(position: DVec3, side: u32, sight: Sight<'_>) -> Setup {
+    let view = SyntheticProbe::new(position, side).cube(CODES, sight);
+    Setup { field: LightField { views: vec![view], coding: CODES }, eye: position, range_m: [0.0625, 16.0] }
 }
 
 /// Bars one texel wide before walls.
@@ -175,9 +178,7 @@ fn steps_of_all() -> Setup {
 
 /// One probe in the origin, and an eye beside it.
 fn made(sight: fn(DVec3) -> Option<(f64, [u8; 3])>) -> Setup {
-    let view = SyntheticProbe::new(DVec3::ZERO, SIDE).cube(CODES, &sight);
-    let field = LightField { views: vec![view], coding: CODES };
-    Setup { field, eye: DVec3::new(0.25, 0.125, -0.5), range_m: [0.01, 200.0] }
+    Setup { eye: DVec3::new(0.25, 0.125, -0.5), range_m: [0.01, 200.0], ..alone(DVec3::ZERO, SIDE, &sight) }
 }
 
 impl Setup {
@@ -191,13 +192,8 @@ impl Setup {
     }
 
     fn hit(&self, views: &ActiveViews<'_>, direction: Vec3) -> Option<f32> {
-        intersect(
-            Acceleration::None,
-            views,
-            &Ray { origin: Vec3::ZERO, direction },
-            &self.steps(),
-            &mut Counters::default(),
-        )
+        let ray = Ray { origin: Vec3::ZERO, direction };
+        intersect(Acceleration::None, views, &ray, &self.steps(), &mut Counters::default())
     }
 
     pub(super) fn settings(&self, side: u32) -> RenderSettings {
@@ -220,8 +216,8 @@ impl Setup {
         Ok(PictureCase { label, views, camera: camera(self.eye, DVec3::NEG_Z)?, field: self.field, settings })
     }
 
-    fn picture(&self, side: u32) -> Result<Rendered> {
-        render(&self.views(), &camera(self.eye, DVec3::X)?, &self.settings(side), &Silent)
+    fn picture(&self) -> Result<Rendered> {
+        render(&self.views(), &camera(self.eye, DVec3::X)?, &self.settings(SIDE), &Silent)
     }
 }
 
@@ -229,7 +225,7 @@ impl Measured {
     /// The same, with a picture of a setup.
     pub(super) fn with_picture_of(self, label: &'static str, setup: Setup) -> Result<Measured> {
         let settings = setup.settings(SIDE);
-        Ok(self.with_pictures(vec![setup.on_device(label, settings)?]))
+        Ok(self.with_picture(setup.on_device(label, settings)?))
     }
 }
 
@@ -259,18 +255,15 @@ fn directions() -> Vec<Vec3> {
 fn by_segments(setup: &Setup) -> Measured {
     let (views, steps) = (setup.views(), setup.steps());
     let (mut dense, mut few) = (Counters::default(), Counters::default());
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for direction in directions() {
         let ray = Ray { origin: Vec3::ZERO, direction };
         let all = intersect(Acceleration::None, &views, &ray, &steps, &mut dense);
         let some = intersect(Acceleration::Pyramid, &views, &ray, &steps, &mut few);
-        if some != all {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("towards {direction}: {some:?} instead of {all:?}"));
-        }
+        wrong.count_if(some != all, || format!("towards {direction}: {some:?} instead of {all:?}"));
     }
     let note = format!("{} questions instead of {}", few.march_steps, dense.march_steps);
-    Measured::count(wrong, first).with_note(note)
+    wrong.with_note(note)
 }
 
 /// Pixels of other coverage, of colours more than half a code off, or not finite; and counts that differ.
@@ -285,7 +278,7 @@ fn by_packets(setup: &Setup) -> Result<Measured> {
         let alike = (0..3).all(|channel| (a[channel] - b[channel]).abs() <= 0.5);
         wrong += u64::from(!alike || fast.image.alpha.data()[at] != plain.image.alpha.data()[at]);
     }
-    Ok(Measured::count(wrong, None))
+    Ok(Measured::count(wrong))
 }
 
 /// The code of light, with what follows the point.
@@ -294,7 +287,7 @@ fn code(light: f32) -> f64 {
 }
 
 fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for forward in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
         let camera = camera(setup.eye, forward)?;
         let picture = render(&setup.views(), &camera, &setup.settings(side), &Silent)?;
@@ -305,13 +298,11 @@ fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
             let Some(texels) = &setup.field.views[0].faces[face as usize] else { continue };
             let ColorTexels::Codes(codes) = &texels.color else { continue };
             let expected = codes[(row * side + column) as usize];
-            if (0..3).any(|channel| code(color[channel]).round() != f64::from(expected[channel])) {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{}, column {column}, row {row}", face.name()));
-            }
+            let differs = (0..3).any(|channel| code(color[channel]).round() != f64::from(expected[channel]));
+            wrong.count_if(differs, || format!("{}, column {column}, row {row}", face.name()));
         }
     }
-    Ok(Measured::count(wrong, first))
+    Ok(wrong)
 }
 
 /// Rays from a probe through the middles of its texels end where these say, and at most an interval between two steps, as
@@ -319,7 +310,7 @@ fn own_codes(setup: &Setup, side: u32) -> Result<Measured> {
 fn own_depths(setup: &Setup) -> Measured {
     let (views, steps) = (setup.views(), setup.steps());
     let rounding = 1e-5;
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for (face, texels) in Face::CUBE.into_iter().zip(setup.field.views[0].faces.iter().flatten()) {
         let [forward, right, down] = face.axes();
         for (at, &inverse_depth) in (0u32..).zip(&texels.inverse_depth) {
@@ -340,48 +331,40 @@ fn own_depths(setup: &Setup) -> Measured {
                 }
                 _ => false,
             };
-            if !right {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("{} {u} {v}: {found:?} instead of {distance_m} m", face.name()));
-            }
+            wrong.count_if(!right, || format!("{} {u} {v}: {found:?} instead of {distance_m} m", face.name()));
         }
     }
-    Measured::count(wrong, first)
+    wrong
 }
 
 fn elsewhere(size: f64, away: f64) -> Measured {
     let here = at_size(&POSITIONS, BESIDE, 1.0, DVec3::ZERO);
     let there = at_size(&POSITIONS, BESIDE, size, DVec3::splat(away));
     let (views, other_views) = (here.views(), there.views());
-    let (mut wrong, mut first) = (0, None);
+    let mut wrong = Measured::count(0);
     for direction in directions() {
         let expected = here.hit(&views, direction).map(|metres| metres * size as f32);
         let found = there.hit(&other_views, direction);
-        if found != expected {
-            wrong += 1;
-            first.get_or_insert_with(|| format!("towards {direction}: {found:?} instead of {expected:?}"));
-        }
+        wrong.count_if(found != expected, || format!("towards {direction}: {found:?} instead of {expected:?}"));
     }
-    Measured::count(wrong, first)
+    wrong
 }
 
 fn outside() -> Result<Measured> {
-    let counters = furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0)).picture(SIDE)?.counters;
-    Ok(Measured::count(counters.primary_rays - counters.hole_rays, None))
+    let counters = furnished(&POSITIONS, DVec3::new(9.0, 5.0, 0.0)).picture()?.counters;
+    Ok(Measured::count(counters.primary_rays - counters.hole_rays))
 }
 
 fn empty() -> Result<Measured> {
-    let picture = made(|_| None).picture(SIDE)?;
+    let picture = made(|_| None).picture()?;
     let blank = picture.image.alpha.data().iter().filter(|&&alpha| alpha != 1.0).count() as u64;
-    Ok(Measured::count(picture.counters.primary_rays - picture.counters.background_rays + blank, None))
+    Ok(Measured::count(picture.counters.primary_rays - picture.counters.background_rays + blank))
 }
 
 /// The eye in the middle of a cube whose walls are at 1.5 m: rays along the axes meet them between the last two steps.
 fn at_the_last_step() -> Measured {
-    let view = SyntheticProbe::new(DVec3::ZERO, SIDE)
-        .cube(CODES, &|direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0));
-    let field = LightField { views: vec![view], coding: CODES };
-    let setup = Setup { field, eye: DVec3::ZERO, range_m: [0.01, 1.5 * 1.0001] };
+    let walls = |direction| room(DVec3::ZERO, direction, DVec3::splat(1.5), 0.0);
+    let setup = Setup { range_m: [0.01, 1.5 * 1.0001], ..alone(DVec3::ZERO, SIDE, &walls) };
     let views = setup.views();
     let mut wrong = 0;
     for direction in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
@@ -390,7 +373,7 @@ fn at_the_last_step() -> Measured {
             wrong += u64::from(intersect(how, &views, &ray, &setup.steps(), &mut Counters::default()).is_none());
         }
     }
-    Measured::count(wrong, None)
+    Measured::count(wrong)
 }
 
 fn walls_within_near() -> Setup {
@@ -406,18 +389,17 @@ fn within_near() -> Measured {
     // The first step beyond 8 m is a surface; refinement goes back to 8 m, but for its rounding.
     let wrong =
         directions().into_iter().filter(|&direction| !setup.hit(&views, direction).is_some_and(|hit| hit > 7.999));
-    Measured::count(wrong.count() as u64, None)
+    Measured::count(wrong.count() as u64)
 }
 
 fn coincident() -> Result<Measured> {
-    let eye = DVec3::new(0.5, 0.25, -0.5);
-    let one = furnished(&POSITIONS[..1], eye).picture(SIDE)?;
-    let three = furnished(&[POSITIONS[0]; 3], eye).picture(SIDE)?;
-    let mut worst = Worst::greatest();
+    let one = furnished(&POSITIONS[..1], BESIDE).picture()?;
+    let three = furnished(&[POSITIONS[0]; 3], BESIDE).picture()?;
+    let mut worst = Measured::nothing();
     for (at, (a, b)) in one.image.color.data().iter().zip(three.image.color.data()).enumerate() {
         let off = (0..3).map(|channel| (code(a[channel]) - code(b[channel])).abs()).fold(0.0, f64::max);
         let off = if one.image.alpha.data()[at] == three.image.alpha.data()[at] { off } else { f64::NAN };
-        worst.see(off, || format!("pixel {at}"));
+        worst.greatest(off, || format!("pixel {at}"));
     }
-    Ok(worst.measured())
+    Ok(worst)
 }

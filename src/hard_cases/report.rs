@@ -3,21 +3,23 @@
 use serde::Serialize;
 
 use crate::hard_cases::case::{Bound, Family, HardCase, Measured, number};
-use crate::json::Number;
+use crate::json;
 
 /// Unit of condition numbers.
 pub(super) const CONDITION: &str = "condition number";
 
 /// The result of a case.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CaseReport {
     pub name: String,
     pub family: Family,
     /// The code under test.
     pub pipeline: String,
-    pub bound: Bound,
-    pub measured: f64,
     pub unit: &'static str,
+    #[serde(flatten)]
+    pub bound: Bound,
+    #[serde(serialize_with = "json::number")]
+    pub measured: f64,
     pub place: Option<String>,
     pub note: Option<String>,
     pub streams: usize,
@@ -31,9 +33,9 @@ impl CaseReport {
             name: case.name.clone(),
             family: case.family,
             pipeline: case.pipeline.clone(),
+            unit: case.unit,
             bound: case.bound,
             measured: measured.figure,
-            unit: case.unit,
             place: measured.place.clone(),
             note: measured.note.clone(),
             streams: measured.inputs.clips.len(),
@@ -42,12 +44,10 @@ impl CaseReport {
         }
     }
 
-    /// Whether the bound holds.
     pub fn passed(&self) -> bool {
         self.bound.holds(self.measured)
     }
 
-    /// One line.
     pub fn sentence(&self) -> String {
         let verdict = if self.passed() { "" } else { " FAILED" };
         let place = self.place.as_ref().map_or(String::new(), |place| format!(", {place}"));
@@ -59,18 +59,8 @@ impl CaseReport {
 /// A case, measured on the CPU and, where it has streams or pictures, decoded or rendered on a device.
 #[derive(Debug, Serialize)]
 pub struct CaseRow<'a> {
-    name: &'a str,
-    family: &'static str,
-    pipeline: &'a str,
-    unit: &'static str,
-    must_be: &'static str,
-    bound: Number,
-    measured: Number,
-    place: Option<&'a str>,
-    note: Option<&'a str>,
-    streams: usize,
-    pictures: usize,
-    seconds: f64,
+    #[serde(flatten)]
+    case: &'a CaseReport,
     device: Option<&'a str>,
     mismatched_words: Option<u64>,
     passed: bool,
@@ -79,30 +69,12 @@ pub struct CaseRow<'a> {
 impl<'a> CaseRow<'a> {
     /// `mismatched_words` are those of `device`.
     pub fn new(case: &'a CaseReport, device: Option<&'a str>, mismatched_words: Option<u64>) -> CaseRow<'a> {
-        CaseRow {
-            name: &case.name,
-            family: case.family.name(),
-            pipeline: &case.pipeline,
-            unit: case.unit,
-            must_be: match case.bound {
-                Bound::AtMost(_) => "at most",
-                Bound::AtLeast(_) => "at least",
-            },
-            bound: Number(case.bound.value()),
-            measured: Number(case.measured),
-            place: case.place.as_deref(),
-            note: case.note.as_deref(),
-            streams: case.streams,
-            pictures: case.pictures,
-            seconds: case.seconds,
-            device,
-            mismatched_words,
-            passed: case.passed() && mismatched_words.is_none_or(|words| words == 0),
-        }
+        let passed = case.passed() && mismatched_words.is_none_or(|words| words == 0);
+        CaseRow { case, device, mismatched_words, passed }
     }
 }
 
-/// The cases of one pipeline, and the one closest to its bound.
+/// The cases of one pipeline.
 #[derive(Debug, Clone)]
 pub struct FamilyRow<'a> {
     pub cases: usize,
@@ -125,7 +97,6 @@ pub struct FamilyReport<'a> {
 }
 
 impl<'a> FamilyRow<'a> {
-    /// For reports in JSON.
     pub fn report(&self) -> FamilyReport<'a> {
         FamilyReport {
             family: self.worst.family.name(),

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured, Worst};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
 use crate::math::random::Random;
 use crate::mesh::{AxisBox, Mesh, Ray};
 use crate::scene::{
@@ -27,7 +27,6 @@ const ROUNDING: f64 = f64::EPSILON / 2.0;
 
 pub(super) fn cases() -> Vec<HardCase> {
     let group = |pipeline: &str, unit| Group::new(Family::Scene, pipeline, unit);
-    let none = Bound::AtMost(0.0);
     let mut cases = Vec::new();
     let center = group("camera at the centre of a ball", "of the radius");
     let wall = group("camera in a wall", "of the distance");
@@ -39,9 +38,9 @@ pub(super) fn cases() -> Vec<HardCase> {
         // Inverse and product here, quotient there; the difference above is the same.
         cases.push(wall.case(name, Bound::AtMost(3.0 * ROUNDING), move || Ok(from_a_wall(size, away))));
         // Neighbours bring what they share into the ray's frame by the same roundings.
-        cases.push(leaks.case(name, none, move || Ok(at_edges(size, away))));
+        cases.push(leaks.none(name, move || Ok(at_edges(size, away))));
         // Points are off their triangles by roundings of their coordinates, far less than sight leaves out at its ends.
-        cases.push(sight.case(name, none, move || Ok(sight_of_surfaces(size, away))));
+        cases.push(sight.none(name, move || Ok(sight_of_surfaces(size, away))));
     }
     let scale = group("distances in a scene of another size", "of the radius, times the cosine");
     // Corners, eye and direction are rounded anew, by 4 roundings of a radius together. In the ray's frame a coordinate, of
@@ -52,16 +51,16 @@ pub(super) fn cases() -> Vec<HardCase> {
         cases.push(scale.case(name, Bound::AtMost(most), move || Ok(against_one_metre(size))));
     }
     let broken = group("nearest triangle among broken ones", "other answers");
-    cases.push(broken.case("no area, NaN, infinite and huge corners", none, || Ok(among_broken())));
+    cases.push(broken.none("no area, NaN, infinite and huge corners", || Ok(among_broken())));
     let doubled = group("nearest of coplanar triangles", "answers that are not the first");
-    cases.push(doubled.case("each triangle three times", none, || Ok(among_doubled())));
+    cases.push(doubled.none("each triangle three times", || Ok(among_doubled())));
     let far = group("rays from far away at the middle of a mesh", "missed");
     // The tree is walked up to 1e9 half sizes, and all triangles are tried beyond.
     for reach in [1e3, 0.99e9, 1.01e9, 1e12] {
-        cases.push(far.case(format!("{reach:e} half sizes"), none, move || Ok(from_afar(reach))));
+        cases.push(far.none(format!("{reach:e} half sizes"), move || Ok(from_afar(reach))));
     }
     let places = group("light seen from bad places", "not finite, or below 0");
-    cases.push(places.case("on triangles, edges, corners, in a plane, in glass, at a lamp", none, || Ok(bad_places())));
+    cases.push(places.none("on triangles, edges, corners, in a plane, in glass, at a lamp", || Ok(bad_places())));
     cases
 }
 
@@ -118,19 +117,19 @@ fn rays(seed: u64, mut make: impl FnMut(&mut Random, u32) -> (DVec3, DVec3)) -> 
 
 fn from_the_center(size: f64, away: f64) -> Measured {
     let sphere = Sphere { center: DVec3::splat(size * away), radius: 0.3 * size };
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for ray in rays(1, |random, _| (sphere.center, inside(random))) {
         let met = sphere.intersect(&ray, 0.0).map_or(f64::NAN, |hit| hit.distance);
-        worst.see((met - sphere.radius).abs() / sphere.radius, || format!("{:?}", ray.direction()));
+        worst.greatest((met - sphere.radius).abs() / sphere.radius, || format!("{:?}", ray.direction()));
     }
-    worst.measured()
+    worst
 }
 
 fn from_a_wall(size: f64, away: f64) -> Measured {
     let min = DVec3::splat(size * away);
     // Thin, so that most rays leave by the two large faces.
     let wall = AxisBox { min, max: min + size * DVec3::new(1.0, 0.7, 1e-3) };
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     let middle = 0.5 * (wall.min + wall.max);
     for ray in rays(2, |random, _| (middle + 0.49 * (wall.max - wall.min) * inside(random), inside(random))) {
         let (from, along) = (ray.origin(), ray.direction());
@@ -140,16 +139,16 @@ fn from_a_wall(size: f64, away: f64) -> Measured {
         };
         let expected = leaves(0).min(leaves(1)).min(leaves(2));
         let met = wall.intersect(&ray, 0.0).map_or(f64::NAN, |hit| hit.distance);
-        worst.see((met - expected).abs() / expected, || format!("{from:?} along {along:?}"));
+        worst.greatest((met - expected).abs() / expected, || format!("{from:?} along {along:?}"));
     }
-    worst.measured()
+    worst
 }
 
 fn at_edges(size: f64, away: f64) -> Measured {
     let triangles = placed(size, away);
     let bvh = mesh(&triangles);
     let middle = DVec3::splat(size * away);
-    let mut wrong = Measured::count(0, None);
+    let mut wrong = Measured::count(0);
     for ray in rays(3, |random, turn| {
         let [a, b, _] = triangles[turn as usize % triangles.len()];
         let along = [0.0, 0.5, 0.5 + 0.5 * share(random)][turn as usize % 3];
@@ -160,7 +159,7 @@ fn at_edges(size: f64, away: f64) -> Measured {
         (origin, target - origin)
     }) {
         let leaks = bvh.nearest(&ray, 0.0..f64::INFINITY).is_none() || !bvh.occluded(&ray, 0.0..f64::INFINITY);
-        note(&mut wrong, leaks, || format!("{:?} along {:?}", ray.origin(), ray.direction()));
+        wrong.count_if(leaks, || format!("{:?} along {:?}", ray.origin(), ray.direction()));
     }
     wrong
 }
@@ -168,7 +167,7 @@ fn at_edges(size: f64, away: f64) -> Measured {
 fn sight_of_surfaces(size: f64, away: f64) -> Measured {
     let triangles = placed(size, away);
     let scene = SceneAtTime::with_meshes(Vec::new(), vec![Arc::new(mesh(&triangles))], Light::default());
-    let mut wrong = Measured::count(0, None);
+    let mut wrong = Measured::count(0);
     let mut random = Random::new(4);
     for corners in &triangles {
         let [a, b, c] = *corners;
@@ -181,7 +180,7 @@ fn sight_of_surfaces(size: f64, away: f64) -> Measured {
         for (reach, in_sight) in ways {
             let eye = point + reach * size * out;
             let answers = [scene.sees(eye, point), scene.sees(point, eye)];
-            note(&mut wrong, answers != [in_sight; 2], || format!("{point:?} from {eye:?}"));
+            wrong.count_if(answers != [in_sight; 2], || format!("{point:?} from {eye:?}"));
         }
     }
     wrong
@@ -190,26 +189,24 @@ fn sight_of_surfaces(size: f64, away: f64) -> Measured {
 fn against_one_metre(size: f64) -> Measured {
     let plain = mesh(&ball());
     let other = mesh(&placed(size, 0.0));
-    let mut worst = Worst::greatest();
+    let mut worst = Measured::nothing();
     for ray in rays(5, |random, _| {
         let origin = 1.7 * inside(random);
         (origin, 0.9 * inside(random) - origin)
     }) {
         // Rays of the same direction: the length of one of another size may be rounded otherwise.
         let scaled = Ray::new(size * ray.origin(), ray.direction());
-        let (Some(a), Some(b)) =
-            (plain.nearest(&ray, 0.0..f64::INFINITY), scaled.and_then(|ray| other.nearest(&ray, 0.0..f64::INFINITY)))
-        else {
-            continue;
-        };
+        let nearest = |mesh: &SceneMesh, ray: &Ray| mesh.nearest(ray, 0.0..f64::INFINITY);
+        let (a, b) = (nearest(&plain, &ray), scaled.and_then(|ray| nearest(&other, &ray)));
+        let (Some(a), Some(b)) = (a, b) else { continue };
         let [p, q, r] = plain.mesh().corners(a.triangle);
         let cosine = (q - p).cross(r - p).normalize().dot(ray.direction()).abs();
         // What falls to the other side of an edge seen edge on is another question.
         if cosine > 0.1 {
-            worst.see((b.distance / size - a.distance).abs() * cosine, || format!("{:?}", ray.origin()));
+            worst.greatest((b.distance / size - a.distance).abs() * cosine, || format!("{:?}", ray.origin()));
         }
     }
-    worst.measured()
+    worst
 }
 
 fn among_broken() -> Measured {
@@ -232,15 +229,19 @@ fn among_broken() -> Measured {
         !(across.is_finite() && across != DVec3::ZERO) || across.length() > 1e-9
     });
     let (plain, other) = (mesh(&sound), mesh(&triangles));
-    let mut wrong = Measured::count(0, None);
-    note(&mut wrong, plain.bounds() != other.bounds(), || "the box around them".into());
-    for ray in rays(7, |random, _| {
+    let mut wrong = Measured::count(0);
+    wrong.count_if(plain.bounds() != other.bounds(), || "the box around them".into());
+    count_other_answers(wrong, 7, &plain, &other)
+}
+
+/// Counts rays at the middle whose nearest triangles in two meshes differ.
+fn count_other_answers(mut wrong: Measured, seed: u64, plain: &SceneMesh, other: &SceneMesh) -> Measured {
+    for ray in rays(seed, |random, _| {
         let origin = 2.0 * inside(random);
         (origin, 0.5 * inside(random) - origin)
     }) {
-        note(&mut wrong, plain.nearest(&ray, 0.0..f64::INFINITY) != other.nearest(&ray, 0.0..f64::INFINITY), || {
-            format!("{ray:?}")
-        });
+        let [a, b] = [plain, other].map(|mesh| mesh.nearest(&ray, 0.0..f64::INFINITY));
+        wrong.count_if(a != b, || format!("{ray:?}"));
     }
     wrong
 }
@@ -248,30 +249,20 @@ fn among_broken() -> Measured {
 fn among_doubled() -> Measured {
     let sound = ball();
     let (plain, other) = (mesh(&sound), mesh(&[sound.clone(), sound.clone(), sound].concat()));
-    let mut wrong = Measured::count(0, None);
-    for ray in rays(8, |random, _| {
-        let origin = 2.0 * inside(random);
-        (origin, 0.5 * inside(random) - origin)
-    }) {
-        note(&mut wrong, plain.nearest(&ray, 0.0..f64::INFINITY) != other.nearest(&ray, 0.0..f64::INFINITY), || {
-            format!("{ray:?}")
-        });
-    }
-    wrong
+    count_other_answers(Measured::count(0), 8, &plain, &other)
 }
 
 fn from_afar(reach: f64) -> Measured {
     let bvh = mesh(&ball());
-    let mut wrong = Measured::count(0, None);
+    let mut wrong = Measured::count(0);
     for ray in rays(9, |random, _| {
         let origin = reach * inside(random).normalize_or(DVec3::X);
         (origin, -origin)
     }) {
         // At 1e12 the direction is off the middle by a thousandth of the radius at most.
-        let close = bvh
-            .nearest(&ray, 0.0..f64::INFINITY)
-            .is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
-        note(&mut wrong, !close || !bvh.occluded(&ray, 0.0..2.0 * reach), || format!("{:?}", ray.origin()));
+        let nearest = bvh.nearest(&ray, 0.0..f64::INFINITY);
+        let close = nearest.is_some_and(|hit| (hit.distance / reach - 1.0).abs() < 1.1 / reach + 1e-15);
+        wrong.count_if(!close || !bvh.occluded(&ray, 0.0..2.0 * reach), || format!("{:?}", ray.origin()));
     }
     wrong
 }
@@ -281,35 +272,22 @@ fn bad_places() -> Measured {
     let white = Material::diffuse(Texture::Solid(DVec3::ONE));
     let mut glass = Object::new(Shape::Sphere(Sphere { center: DVec3::ZERO, radius: 0.5 }), white);
     glass.material.optics = Optics::Glass { ior: 1.5, tint: DVec3::ONE };
-    let lamp = Lamp {
-        position: DVec3::new(0.0, 0.7, 0.0),
-        radiance: DVec3::ONE,
-        reach: 5.0,
-        window: Window::Punctual,
-        cone: None,
-    };
+    let position = DVec3::new(0.0, 0.7, 0.0);
+    let lamp = Lamp { position, radiance: DVec3::ONE, reach: 5.0, window: Window::Punctual, cone: None };
     let light = Light { lamps: vec![lamp], ..Light::default() };
     let scene = SceneAtTime::with_meshes(vec![glass], vec![Arc::new(mesh(&triangles))], light);
-    let mut wrong = Measured::count(0, None);
+    let mut wrong = Measured::count(0);
     let mut random = Random::new(10);
     for [a, b, c] in triangles {
-        let places = [a, 0.5 * (a + b), (a + b + c) / 3.0, a + 3.0 * (b - a), DVec3::ZERO, 0.5 * a, lamp.position];
+        let places = [a, 0.5 * (a + b), (a + b + c) / 3.0, a + 3.0 * (b - a), DVec3::ZERO, 0.5 * a, position];
         for place in places {
             for direction in [inside(&mut random), b - a, c - place, DVec3::X, DVec3::NEG_Y] {
                 let hit = trace(&scene, place, direction);
-                let sound = hit.color.is_finite() && hit.color.min_element() >= 0.0;
-                let fine = sound && hit.distance > 0.0 && hit.normal.is_finite();
-                note(&mut wrong, !fine, || format!("{place:?} along {direction:?}"));
+                let is_light = hit.color.is_finite() && hit.color.min_element() >= 0.0;
+                let is_sound = is_light && hit.distance > 0.0 && hit.normal.is_finite();
+                wrong.count_if(!is_sound, || format!("{place:?} along {direction:?}"));
             }
         }
     }
     wrong
-}
-
-/// Counts one more that is wrong.
-fn note(measured: &mut Measured, is_wrong: bool, place: impl FnOnce() -> String) {
-    if is_wrong {
-        measured.figure += 1.0;
-        measured.place.get_or_insert_with(place);
-    }
 }

@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 
 use crate::container::ProbeEntry;
 use crate::error::{Error, Result};
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Inputs, Measured};
+use crate::hard_cases::case::{Family, Group, HardCase, Measured};
 use crate::image::DepthKind;
 use crate::image::cube::Face;
 use crate::math::random::Random;
@@ -93,7 +93,7 @@ const PLACES: [(&str, Place); 8] = [
 
 pub(super) fn cases() -> Vec<HardCase> {
     let group = Group::new(Family::Geometry, "units that cameras see, against points", "units missed");
-    let case = |(name, place): (&'static str, Place)| group.case(name, Bound::AtMost(0.0), move || missed(place));
+    let case = |(name, place): (&'static str, Place)| group.none(name, move || missed(place));
     PLACES.into_iter().map(case).collect()
 }
 
@@ -146,7 +146,7 @@ impl Setup {
 }
 
 fn missed(place: Place) -> Result<Measured> {
-    let (mut wrong, mut first, mut seen) = (0u32, None, 0u64);
+    let (mut wrong, mut seen) = (Measured::count(0), 0u64);
     for seed in 0..CAMERAS {
         let mut random = Random::new(seed);
         let setup = Setup::random(&mut random);
@@ -168,10 +168,9 @@ fn missed(place: Place) -> Result<Measured> {
             let image = FaceImage::new(&probe, face, [SIDE; 2], setup.span)
                 .ok_or_else(|| Error::invalid("a cube face without directions"))?;
             let (found, all) = (cull(&image, grid, &viewers), cull_all(&image, grid, &viewers));
-            if found.seen_by != all.seen_by {
-                wrong += 1;
-                first.get_or_insert_with(|| format!("camera {seed}: the descent finds other units on {}", face.name()));
-            }
+            wrong.count_if(found.seen_by != all.seen_by, || {
+                format!("camera {seed}: the descent finds other units on {}", face.name())
+            });
             for at in 0..POINTS {
                 let unit = match at % 3 {
                     0 => unit,
@@ -182,19 +181,18 @@ fn missed(place: Place) -> Result<Measured> {
                 let surface = sees(&camera, &pose, target.point - pose.eye);
                 if surface || sees(&camera, &pose, target.direction) {
                     seen += 1;
-                    if found.seen_by[(unit[1] * UNITS + unit[0]) as usize].is_none() {
-                        wrong += 1;
-                        first.get_or_insert_with(|| format!("camera {seed}: unit {unit:?} of {}", face.name()));
-                    }
+                    wrong.count_if(found.seen_by[(unit[1] * UNITS + unit[0]) as usize].is_none(), || {
+                        format!("camera {seed}: unit {unit:?} of {}", face.name())
+                    });
                 }
             }
         }
     }
     // Cameras of which few see anything prove nothing.
-    let enough = seen > CAMERAS / 8;
-    let figure = if enough { f64::from(wrong) } else { f64::NAN };
-    let note = format!("{seen} points seen");
-    Ok(Measured { figure, place: first, note: Some(note), inputs: Inputs::default() })
+    if seen <= CAMERAS / 8 {
+        wrong.figure = f64::NAN;
+    }
+    Ok(wrong.with_note(format!("{seen} points seen")))
 }
 
 /// The camera whose picture shows what lies along `aim` at `border`; none where the eye is the point itself.

@@ -2,15 +2,13 @@
 //!
 //! Two things must hold of each: every frame is within the bound of its source, and every legal path shows the same frame.
 
-use std::sync::Arc;
-
 use crate::depth::BACKGROUND_CODE;
 use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::node_encoder::NodeSettings;
 use crate::depth::settings::TemporalSettings;
 use crate::error::Result;
-use crate::hard_cases::case::{Bound, Family, Group, HardCase, Worst};
-use crate::hard_cases::clip::{Clip, EFFORT, Sequence, any_range, noise};
+use crate::hard_cases::case::{Bound, Family, Group, HardCase, Measured};
+use crate::hard_cases::clip::{Clip, EFFORT, Sequence, Storage, any_range, noise};
 use crate::hard_cases::paths::paths;
 
 /// Width and height: no multiple of 4, 8 or 16.
@@ -19,7 +17,6 @@ const SIZE: [u32; 2] = [21, 18];
 const LONG: u32 = 2000;
 
 /// A sequence, and how it is coded.
-#[derive(Clone, Copy)]
 struct Scenario {
     name: &'static str,
     frames: u32,
@@ -53,7 +50,7 @@ const fn scenario(
 /// A chunk of as many frames as there are.
 const ALL: u32 = 100_000;
 
-const SCENARIOS: [Scenario; 14] = [
+static SCENARIOS: [Scenario; 14] = [
     scenario("creep of one code a frame", LONG, settings(10, 2, 8, ALL), |frame, x, y| {
         if one(x, y) { 1000 + frame as u16 } else { slope(x, y) }
     }),
@@ -99,55 +96,59 @@ const SCENARIOS: [Scenario; 14] = [
     scenario("every frame a keyframe", 10, settings(10, 2, 8, 1), |frame, x, y| slope(x, y) + (frame * x) as u16),
 ];
 
+impl Scenario {
+    fn codes(&self) -> Sequence<u16> {
+        Sequence::new(SIZE, self.frames, self.pixel)
+    }
+
+    /// Bytes of the code: its high half jumps, its low half wraps.
+    fn material(&self) -> Sequence<[u8; 3]> {
+        Sequence::new(SIZE, self.frames, |frame, x, y| {
+            let [low, high] = (self.pixel)(frame, x, y).to_le_bytes();
+            [high, low, (low >> 1) ^ high]
+        })
+    }
+}
+
 /// How sequences are coded.
 #[derive(Clone, Copy)]
 enum Codec {
-    Boxes,
-    BoxesInBlocks,
+    Boxes(Storage),
     /// Bound of a node, and domain.
     Nodes(u16, DomainKind),
     Tree,
     Blocks,
-    Material,
-    MaterialInBlocks,
+    Material(Storage),
 }
 
 const CODECS: [Codec; 9] = [
-    Codec::Boxes,
-    Codec::BoxesInBlocks,
+    Codec::Boxes(Storage::Values),
+    Codec::Boxes(Storage::Blocks),
     Codec::Nodes(0, DomainKind::Log),
     Codec::Nodes(100, DomainKind::Log),
     Codec::Nodes(10, DomainKind::Inverse),
     Codec::Tree,
     Codec::Blocks,
-    Codec::Material,
-    Codec::MaterialInBlocks,
+    Codec::Material(Storage::Values),
+    Codec::Material(Storage::Blocks),
 ];
-
-/// The figure of a scenario.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Wanted {
-    Clip,
-    Error,
-}
 
 impl Codec {
     fn name(self) -> String {
         match self {
-            Codec::Boxes => "DAAB".into(),
-            Codec::BoxesInBlocks => "DAB5".into(),
+            Codec::Boxes(Storage::Values) => "DAAB".into(),
+            Codec::Boxes(Storage::Blocks) => "DAB5".into(),
             Codec::Nodes(bound, domain) => format!("DQPN, E = {bound}, {}", domain.name()),
             Codec::Tree => "DQTR".into(),
             Codec::Blocks => "DB4W".into(),
-            Codec::Material => "MAAB".into(),
-            Codec::MaterialInBlocks => "MAB1".into(),
+            Codec::Material(Storage::Values) => "MAAB".into(),
+            Codec::Material(Storage::Blocks) => "MAB1".into(),
         }
     }
 
-    /// What is counted.
     fn unit(self) -> &'static str {
         match self {
-            Codec::Material | Codec::MaterialInBlocks => "of 255",
+            Codec::Material(_) => "of 255",
             // Plain blocks promise nothing of surfaces, but all of the background.
             Codec::Blocks => "background mixed up",
             _ => "codes",
@@ -157,32 +158,15 @@ impl Codec {
     /// The promise of formats/depth.md.
     fn bound(self, settings: TemporalSettings) -> f64 {
         match self {
-            Codec::Boxes | Codec::BoxesInBlocks => f64::from(settings.epsilon),
+            Codec::Boxes(_) => f64::from(settings.epsilon),
             Codec::Nodes(bound, _) => f64::from(bound) + f64::from(settings.epsilon),
             Codec::Tree | Codec::Blocks => 0.0,
-            Codec::Material | Codec::MaterialInBlocks => f64::from(settings.epsilon.min(8)),
+            Codec::Material(_) => f64::from(settings.epsilon.min(8)),
         }
     }
 
-    /// The clip, and its largest error.
-    fn measure(self, scenario: &Scenario, what: Wanted) -> Result<(Clip, (f64, String))> {
-        let Scenario { frames, settings, pixel, .. } = *scenario;
-        if matches!(self, Codec::Material | Codec::MaterialInBlocks) {
-            // Bytes of the code: its high half jumps, its low half wraps.
-            let source = Sequence::new(SIZE, frames, |frame, x, y| {
-                let [low, high] = pixel(frame, x, y).to_le_bytes();
-                [high, low, (low >> 1) ^ high]
-            });
-            let settings = TemporalSettings { epsilon: settings.epsilon.min(8), ..settings };
-            let clip = match self {
-                Codec::MaterialInBlocks => Clip::material_in_blocks(&source, settings)?,
-                _ => Clip::material(&source, settings)?,
-            };
-            let error = if what == Wanted::Error { source.error(&clip)? } else { (0.0, String::new()) };
-            return Ok((clip, error));
-        }
-        let source = Sequence::new(SIZE, frames, pixel);
-        let TemporalSettings { window, epsilon, keyframe_interval, .. } = settings;
+    fn clip(self, scenario: &Scenario) -> Result<Clip> {
+        let settings @ TemporalSettings { window, epsilon, keyframe_interval, .. } = scenario.settings;
         let nodes = |bound| NodeSettings {
             window,
             epsilon,
@@ -191,19 +175,31 @@ impl Codec {
             effort: EFFORT,
             ..NodeSettings::default()
         };
-        let clip = match self {
-            Codec::Boxes => Clip::codes(&source, settings)?,
-            Codec::BoxesInBlocks => Clip::codes_in_blocks(&source, settings)?,
+        match self {
+            Codec::Boxes(storage) => Clip::codes(&scenario.codes(), settings, storage),
             Codec::Nodes(bound, kind) => {
                 let range = any_range()?;
-                Clip::nodes(&source, (range, &Domain::new(kind, range)?), nodes(bound))?
+                Clip::nodes(&scenario.codes(), (range, &Domain::new(kind, range)?), nodes(bound))
             }
-            Codec::Tree => Clip::tree(&source, nodes(0))?,
-            _ => Clip::blocks(&source, EFFORT, keyframe_interval)?,
-        };
-        let (error, place) = if what == Wanted::Error { source.error(&clip)? } else { (0.0, String::new()) };
-        let error = if matches!(self, Codec::Blocks) { f64::from(u8::from(error.is_infinite())) } else { error };
-        Ok((clip, (error, place)))
+            Codec::Tree => Clip::tree(&scenario.codes(), nodes(0)),
+            Codec::Blocks => Clip::blocks(&scenario.codes(), EFFORT, keyframe_interval),
+            Codec::Material(storage) => {
+                let settings = TemporalSettings { epsilon: epsilon.min(8), ..settings };
+                Clip::material(&scenario.material(), settings, storage)
+            }
+        }
+    }
+
+    fn largest_error(self, scenario: &Scenario) -> Result<Measured> {
+        let clip = self.clip(scenario)?;
+        if let Codec::Material(_) = self {
+            return scenario.material().compare(clip);
+        }
+        let mut measured = scenario.codes().compare(clip)?;
+        if let Codec::Blocks = self {
+            measured.figure = f64::from(u8::from(measured.figure.is_infinite()));
+        }
+        Ok(measured)
     }
 }
 
@@ -213,20 +209,10 @@ pub(super) fn cases() -> Vec<HardCase> {
         let errors = Group::new(Family::Temporal, codec.name(), codec.unit());
         let any_path =
             Group::new(Family::Temporal, format!("{}, every legal path", codec.name()), "pictures that differ");
-        for scenario in SCENARIOS {
-            let scenario = Arc::new(scenario);
+        for scenario in &SCENARIOS {
             let bound = Bound::AtMost(codec.bound(scenario.settings));
-            let of_errors = Arc::clone(&scenario);
-            cases.push(errors.case(scenario.name, bound, move || {
-                let (clip, (error, place)) = codec.measure(&of_errors, Wanted::Error)?;
-                let mut worst = Worst::greatest();
-                worst.see(error, || place);
-                Ok(worst.measured().with_clips(vec![clip]))
-            }));
-            cases.push(any_path.case(scenario.name, Bound::AtMost(0.0), move || {
-                let (clip, _) = codec.measure(&scenario, Wanted::Clip)?;
-                paths(&clip)
-            }));
+            cases.push(errors.case(scenario.name, bound, move || codec.largest_error(scenario)));
+            cases.push(any_path.none(scenario.name, move || paths(&codec.clip(scenario)?)));
         }
     }
     cases
