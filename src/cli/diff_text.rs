@@ -159,9 +159,9 @@ fn summary(comparison: &Comparison) -> String {
             share(kind, total.differing_pixels),
             total.worst.map_or_else(|| "0".into(), |at| largest(&comparison.streams[at])),
             none(),
-            db(total.psnr_db()),
+            db(total.psnr_db),
             if kind == StreamKind::Color { cells } else { none() },
-            ssim(total.ssim()),
+            ssim(total.ssim),
         ]);
     }
     finish(&table)
@@ -177,7 +177,7 @@ fn stream_table(comparison: &Comparison) -> String {
         let color = stream.color();
         let psnr = match &stream.measured {
             Measured::Depth(errors) => errors.error.psnr_db(),
-            Measured::Color(errors) | Measured::Material(errors) => errors.psnr_db(),
+            Measured::Color(errors) | Measured::Material(errors) => errors.error.psnr_db(),
         };
         table.add_row(vec![
             name,

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::compare::comparison::Comparison;
+use crate::compare::difference::Lowest;
 use crate::metrics::depth_error::Spot;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -54,8 +55,7 @@ impl Bounds {
         let mut violations = self.errors_beyond(comparison);
         violations.extend(self.psnr_below(comparison));
         let bounded = self.max_error.is_some() || self.min_psnr_db.is_some() || self.min_cell_psnr_db.is_some();
-        let equal = comparison.equal();
-        let complete = comparison.missing.is_empty();
+        let (equal, complete) = (comparison.equal(), comparison.missing.is_empty());
         Judgement {
             equal,
             within_bounds: violations.is_empty() && complete,
@@ -70,31 +70,21 @@ impl Bounds {
         let depth = comparison.depth().map(|(errors, stream)| (u32::from(errors.max_error_codes), stream));
         let material = comparison.material().map(|total| (total.max_error, total.worst));
         let beyond = depth.into_iter().chain(material).filter(|(measured, _)| *measured > u32::from(limit));
-        beyond
-            .filter_map(|(measured, stream)| {
-                let (stream, measured, limit) = (stream?, f64::from(measured), f64::from(limit));
-                let spot = comparison.streams[stream].worst().map(|(spot, _)| spot);
-                Some(Violation { bound: Bound::MaxError, limit, measured, stream, spot })
-            })
-            .collect()
+        let violation = |(measured, stream): (u32, Option<usize>)| {
+            let (stream, measured, limit) = (stream?, f64::from(measured), f64::from(limit));
+            let spot = comparison.streams[stream].worst().map(|(spot, _)| spot);
+            Some(Violation { bound: Bound::MaxError, limit, measured, stream, spot })
+        };
+        beyond.filter_map(violation).collect()
     }
 
     fn psnr_below(&self, comparison: &Comparison) -> Vec<Violation> {
         let Some(total) = comparison.color() else { return Vec::new() };
-        let lowest = [
-            (Bound::MinPsnr, self.min_psnr_db, total.lowest_frame),
-            (Bound::MinCellPsnr, self.min_cell_psnr_db, total.lowest_cell),
-        ];
-        let below = lowest.into_iter().filter_map(|(bound, limit, lowest)| Some((bound, limit?, lowest?)));
-        below
-            .filter(|(_, limit, (_, lowest))| lowest.psnr_db < *limit)
-            .map(|(bound, limit, (stream, lowest))| Violation {
-                bound,
-                limit,
-                measured: lowest.psnr_db,
-                stream,
-                spot: Some(lowest.spot),
-            })
-            .collect()
+        let violation = |bound, limit: Option<f64>, lowest: Option<(usize, Lowest)>| {
+            let (limit, (stream, Lowest { psnr_db: measured, spot })) = limit.zip(lowest)?;
+            (measured < limit).then_some(Violation { bound, limit, measured, stream, spot: Some(spot) })
+        };
+        let frame = violation(Bound::MinPsnr, self.min_psnr_db, total.lowest_frame);
+        frame.into_iter().chain(violation(Bound::MinCellPsnr, self.min_cell_psnr_db, total.lowest_cell)).collect()
     }
 }

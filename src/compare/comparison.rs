@@ -1,5 +1,7 @@
 //! The result of a comparison, by stream and in total.
 
+use serde::{Serialize, Serializer};
+
 use crate::compare::difference::{BitErrors, Lowest, SampleErrors};
 use crate::compare::domain::Domain;
 use crate::compare::side::StreamId;
@@ -8,12 +10,28 @@ use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::metrics::psnr::SquaredError;
 
 /// Frames of a stream that only one side has.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Missing {
-    /// The side that has them, 0 or 1.
-    pub only_in: usize,
+    #[serde(flatten)]
     pub id: StreamId,
+    /// The side that has them, 0 or 1.
+    #[serde(serialize_with = "serialize_side")]
+    pub only_in: usize,
+    #[serde(serialize_with = "serialize_frames")]
     pub frames: FrameRange,
+}
+
+fn serialize_side<S: Serializer>(side: &usize, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(side_name(*side))
+}
+
+/// First and last.
+pub(super) fn serialize_frames<S: Serializer>(frames: &FrameRange, serializer: S) -> Result<S::Ok, S::Error> {
+    [frames.first, frames.last].serialize(serializer)
+}
+
+pub fn side_name(side: usize) -> &'static str {
+    if side == 0 { "A" } else { "B" }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,14 +67,13 @@ impl StreamReport {
 
     /// The worst pixel, and its error as a fraction of the metric's peak.
     pub fn worst(&self) -> Option<(Spot, f64)> {
-        match &self.measured {
-            Measured::Depth(errors) => {
-                errors.worst.map(|spot| (spot, f64::from(errors.max_error_codes) / errors.error.peak))
-            }
+        let (spot, error, peak) = match &self.measured {
+            Measured::Depth(errors) => (errors.worst, errors.max_error_codes.into(), errors.error.peak),
             Measured::Color(errors) | Measured::Material(errors) => {
-                errors.worst.map(|spot| (spot, f64::from(errors.max_error) / errors.error.peak))
+                (errors.worst, f64::from(errors.max_error), errors.error.peak)
             }
-        }
+        };
+        spot.map(|spot| (spot, error / peak))
     }
 
     pub fn color(&self) -> Option<&SampleErrors> {
@@ -80,10 +97,10 @@ pub struct Comparison {
     pub missing: Vec<Missing>,
 }
 
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SampleTotal {
-    /// One for each peak: 8-bit and half-float streams have different ones.
-    errors: Vec<SquaredError>,
+    /// PSNR over all samples, relative to their peaks: 8-bit and half-float streams have different ones.
+    pub psnr_db: f64,
     /// With the index of the stream.
     pub lowest_frame: Option<(usize, Lowest)>,
     /// With the index of the stream.
@@ -92,28 +109,31 @@ pub struct SampleTotal {
     pub worst: Option<usize>,
     /// Largest error in the steps of that stream.
     pub max_error: u32,
-    ssim_sum: f64,
-    /// Frames of which SSIM was computed.
+    /// Mean of the frames of which it was computed.
+    pub ssim: Option<f64>,
     pub ssim_frames: u64,
     pub differing_pixels: u64,
     /// Pixels that 8 bits clipped.
     pub clipped_pixels: u64,
 }
 
-impl SampleTotal {
-    /// PSNR over all samples, relative to their peaks.
-    pub fn psnr_db(&self) -> f64 {
-        if let [only] = self.errors.as_slice() {
-            return only.psnr_db();
+fn psnr_of_all(errors: impl Iterator<Item = SquaredError>) -> f64 {
+    let mut by_peak: Vec<SquaredError> = Vec::new();
+    for error in errors {
+        match by_peak.iter_mut().find(|known| known.peak == error.peak) {
+            Some(known) => {
+                known.sum += error.sum;
+                known.samples += error.samples;
+            }
+            None => by_peak.push(error),
         }
-        let sum: f64 = self.errors.iter().map(|error| error.sum as f64 / (error.peak * error.peak)).sum();
-        let samples: u64 = self.errors.iter().map(|error| error.samples).sum();
-        if sum == 0.0 { f64::INFINITY } else { 10.0 * (samples as f64 / sum).log10() }
     }
-
-    pub fn ssim(&self) -> Option<f64> {
-        (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
+    if let [only] = by_peak.as_slice() {
+        return only.psnr_db();
     }
+    let sum: f64 = by_peak.iter().map(|error| error.sum as f64 / (error.peak * error.peak)).sum();
+    let samples: u64 = by_peak.iter().map(|error| error.samples).sum();
+    if sum == 0.0 { f64::INFINITY } else { 10.0 * (samples as f64 / sum).log10() }
 }
 
 impl Comparison {
@@ -147,44 +167,39 @@ impl Comparison {
     }
 
     fn samples(&self, of: fn(&StreamReport) -> Option<&SampleErrors>) -> Option<SampleTotal> {
-        let mut total: Option<SampleTotal> = None;
-        let mut worst = 0.0;
-        for (at, stream) in self.streams.iter().enumerate() {
-            let Some(errors) = of(stream) else { continue };
-            let total = total.get_or_insert_default();
-            match total.errors.iter_mut().find(|error| error.peak == errors.error.peak) {
-                Some(error) => {
-                    error.sum += errors.error.sum;
-                    error.samples += errors.error.samples;
-                }
-                None => total.errors.push(errors.error),
-            }
-            keep_lowest(&mut total.lowest_frame, at, errors.lowest_frame);
-            keep_lowest(&mut total.lowest_cell, at, errors.lowest_cell);
-            if let Some((_, relative)) = stream.worst()
-                && (total.worst.is_none() || relative > worst)
-            {
-                (total.worst, total.max_error, worst) = (Some(at), errors.max_error, relative);
-            }
-            total.ssim_sum += errors.ssim_sum;
-            total.ssim_frames += errors.ssim_frames;
-            total.differing_pixels += errors.differing_pixels;
-            total.clipped_pixels += errors.clipped_pixels;
-        }
-        total
+        let all: Vec<(usize, &SampleErrors)> =
+            self.streams.iter().enumerate().filter_map(|(at, stream)| Some((at, of(stream)?))).collect();
+        let lowest = |of: fn(&SampleErrors) -> Option<Lowest>| {
+            let known = all.iter().filter_map(|(at, errors)| Some((*at, of(errors)?)));
+            known.reduce(|lowest, next| if next.1.psnr_db < lowest.1.psnr_db { next } else { lowest })
+        };
+        let sum = |of: fn(&SampleErrors) -> u64| all.iter().map(|(_, errors)| of(errors)).sum::<u64>();
+        let worst = self.worst_where(|stream| of(stream).is_some()).map(|(at, _)| at);
+        let ssim_frames = sum(|errors| errors.ssim_frames);
+        let ssim_sum: f64 = all.iter().map(|(_, errors)| errors.ssim_sum).sum();
+        (!all.is_empty()).then(|| SampleTotal {
+            psnr_db: psnr_of_all(all.iter().map(|(_, errors)| errors.error)),
+            lowest_frame: lowest(|errors| errors.lowest_frame),
+            lowest_cell: lowest(|errors| errors.lowest_cell),
+            worst,
+            max_error: worst.and_then(|at| of(&self.streams[at])).map_or(0, |errors| errors.max_error),
+            ssim: (ssim_frames > 0).then(|| ssim_sum / ssim_frames as f64),
+            ssim_frames,
+            differing_pixels: sum(|errors| errors.differing_pixels),
+            clipped_pixels: sum(|errors| errors.clipped_pixels),
+        })
     }
 
     /// The pixel with the largest error relative to its metric's peak, with the index of its stream.
     pub fn worst(&self) -> Option<(usize, Spot)> {
-        let mut worst: Option<(usize, Spot, f64)> = None;
-        for (at, stream) in self.streams.iter().enumerate() {
-            if let Some((spot, relative)) = stream.worst()
-                && worst.is_none_or(|(_, _, largest)| relative > largest)
-            {
-                worst = Some((at, spot, relative));
-            }
-        }
-        worst.map(|(at, spot, _)| (at, spot))
+        self.worst_where(|_| true)
+    }
+
+    fn worst_where(&self, is_wanted: impl Fn(&StreamReport) -> bool) -> Option<(usize, Spot)> {
+        let wanted = self.streams.iter().enumerate().filter(|(_, stream)| is_wanted(stream));
+        let known = wanted.filter_map(|(at, stream)| Some((at, stream.worst()?)));
+        let worst = known.reduce(|worst, next| if next.1.1 > worst.1.1 { next } else { worst });
+        worst.map(|(at, (spot, _))| (at, spot))
     }
 
     /// Number of pixels whose bits differ, and the first with the index of its stream; `None` where bits were not compared.
@@ -193,13 +208,5 @@ impl Comparison {
         let count = streams.clone().map(|(_, bits)| bits.differing_pixels).sum();
         let measured = streams.clone().next().is_some();
         measured.then(|| (count, streams.find_map(|(at, bits)| Some((at, bits.first?)))))
-    }
-}
-
-fn keep_lowest(lowest: &mut Option<(usize, Lowest)>, at: usize, other: Option<Lowest>) {
-    if let Some(other) = other
-        && lowest.is_none_or(|(_, lowest)| other.psnr_db < lowest.psnr_db)
-    {
-        *lowest = Some((at, other));
     }
 }

@@ -3,12 +3,12 @@
 use half::f16;
 use serde::Serialize;
 
-use crate::color::quality::{Pu21, Quality};
+use crate::color::quality::Pu21;
 use crate::compare::domain::Values;
 use crate::error::{Error, Result};
 use crate::image::plane::{ColorPlane, Plane};
 use crate::metrics::depth_error::Spot;
-use crate::metrics::psnr::{SquaredError, U8_PEAK};
+use crate::metrics::psnr::SquaredError;
 
 /// A sample of colour or material in steps of its metric.
 pub trait Level: Copy + PartialEq {
@@ -37,11 +37,6 @@ impl Level for HalfLevel {
 pub fn half_levels(plane: &ColorPlane, metric: &Pu21) -> Plane<[HalfLevel; 3]> {
     let level = |value: f16| HalfLevel { bits: value.to_bits(), steps: metric.steps(value) };
     plane.map(|pixel| pixel.map(level))
-}
-
-/// Peak of a metric over half-float colour, in its steps.
-pub fn half_peak(metric: &Pu21) -> f64 {
-    metric.peak()
 }
 
 /// The lowest PSNR of a frame, or of a frame of a cell.
@@ -77,7 +72,6 @@ impl SampleErrors {
         (self.ssim_frames > 0).then(|| self.ssim_sum / self.ssim_frames as f64)
     }
 
-    /// No samples, for a metric of this peak.
     pub fn empty(peak: f64) -> SampleErrors {
         SampleErrors {
             max_error: 0,
@@ -92,33 +86,23 @@ impl SampleErrors {
         }
     }
 
-    pub fn empty_8bit() -> SampleErrors {
-        SampleErrors::empty(U8_PEAK)
-    }
-
     /// Adds a frame, measured in cells of `cell` pixels.
     pub fn add<T: Level>(&mut self, frame: u32, a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32) {
-        let (width, height) = (a.width(), a.height());
-        let [mut total, mut cells] = [SquaredError::empty(self.error.peak), SquaredError::empty(self.error.peak)];
-        total.samples = a.data().len() as u64 * 3;
-        for top in (0..height).step_by(cell.max(1) as usize) {
-            let rows = top..height.min(top.saturating_add(cell));
-            for left in (0..width).step_by(cell.max(1) as usize) {
-                let columns = left as usize..width.min(left.saturating_add(cell)) as usize;
-                cells.sum = 0;
-                cells.samples = 3 * (columns.len() * rows.len()) as u64;
-                for y in rows.clone() {
-                    let (row_a, row_b) = (&a.row(y)[columns.clone()], &b.row(y)[columns.clone()]);
-                    if row_a != row_b {
-                        cells.sum += self.add_run(Spot { frame, x: left, y }, row_a, row_b);
-                    }
+        let peak = self.error.peak;
+        let samples = |pixels: u64| SquaredError { samples: 3 * pixels, ..SquaredError::empty(peak) };
+        let mut total = samples(a.data().len() as u64);
+        for [left, top, width, height] in cells(a, cell) {
+            let columns = left as usize..(left + width) as usize;
+            let mut of_cell = samples(u64::from(width) * u64::from(height));
+            for y in top..top + height {
+                let (row_a, row_b) = (&a.row(y)[columns.clone()], &b.row(y)[columns.clone()]);
+                if row_a != row_b {
+                    of_cell.sum += self.add_run(Spot { frame, x: left, y }, row_a, row_b);
                 }
-                total.sum += cells.sum;
-                keep_lowest(
-                    &mut self.lowest_cell,
-                    Lowest { psnr_db: cells.psnr_db(), spot: Spot { frame, x: left, y: top } },
-                );
             }
+            total.sum += of_cell.sum;
+            let spot = Spot { frame, x: left, y: top };
+            keep_lowest(&mut self.lowest_cell, Lowest { psnr_db: of_cell.psnr_db(), spot });
         }
         keep_lowest(&mut self.lowest_frame, Lowest { psnr_db: total.psnr_db(), spot: Spot { frame, x: 0, y: 0 } });
         self.error.sum += total.sum;
@@ -146,10 +130,14 @@ impl SampleErrors {
         }
         u128::from(sum)
     }
+}
 
-    pub fn psnr_db(&self) -> f64 {
-        self.error.psnr_db()
-    }
+/// Left, top, width and height of an image's cells, row by row.
+pub(super) fn cells<T>(image: &Plane<T>, cell: u32) -> impl Iterator<Item = [u32; 4]> {
+    let (width, height, side) = (image.width(), image.height(), cell.max(1));
+    let starts = move |size: u32| (0..size).step_by(side as usize);
+    let rect = move |left: u32, top: u32| [left, top, side.min(width - left), side.min(height - top)];
+    starts(height).flat_map(move |top| starts(width).map(move |left| rect(left, top)))
 }
 
 /// Errors of a pixel's three samples in steps.
@@ -204,6 +192,7 @@ impl BitErrors {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::quality::Quality;
 
     #[test]
     fn cells_and_frames_have_their_own_psnr() {
@@ -211,7 +200,7 @@ mod tests {
         let mut b = a.clone();
         b.row_mut(4)[4] = [10, 14, 10];
         b.row_mut(1)[3] = [14, 10, 10];
-        let mut errors = SampleErrors::empty_8bit();
+        let mut errors = SampleErrors::empty(255.0);
         errors.add(0, &a, &a, 4);
         assert_eq!(errors.lowest_cell.unwrap().psnr_db, f64::INFINITY);
         errors.add(1, &a, &b, 4);
@@ -228,9 +217,9 @@ mod tests {
     fn halves_that_look_alike_differ_all_the_same() {
         let metric = Pu21::new(100.0).unwrap();
         let plane = |value: f32| Plane::filled(1, 1, [f16::from_f32(value); 3]);
-        let mut errors = SampleErrors::empty(half_peak(&metric));
+        let mut errors = SampleErrors::empty(metric.peak());
         errors.add(0, &half_levels(&plane(-1.0), &metric), &half_levels(&plane(0.0), &metric), 64);
         assert_eq!((errors.max_error, errors.differing_pixels), (0, 1));
-        assert_eq!((errors.worst, errors.psnr_db()), (Some(Spot { frame: 0, x: 0, y: 0 }), f64::INFINITY));
+        assert_eq!((errors.worst, errors.error.psnr_db()), (Some(Spot { frame: 0, x: 0, y: 0 }), f64::INFINITY));
     }
 }

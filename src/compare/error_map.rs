@@ -1,7 +1,7 @@
 //! Errors of one image, pixel by pixel (GDC figure 1c), and for colour the PSNR of each cell, which its encoder bounds.
 
-use crate::color::quality::Pu21;
-use crate::compare::difference::{Level, half_levels, half_peak, sample_error};
+use crate::color::quality::{Pu21, Quality};
+use crate::compare::difference::{self, Level, half_levels, sample_error};
 use crate::compare::domain::{Converted, Converter, Domain};
 use crate::compare::pairing::Pair;
 use crate::compare::side::{Coding, Side, SideReader};
@@ -58,11 +58,8 @@ impl ErrorMap {
 }
 
 /// Compares one frame, in the number of the first side, of a pair of streams, one of which is a container's.
-///
-/// # Errors
-/// An image cannot be read or decoded, or neither side has the range of its depth codes.
 pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<ErrorMap> {
-    let streams = pair.streams();
+    let streams = pair.streams;
     let named = |error: Error| error.context(format!("{}, frame {frame}", streams[0].id));
     let domain = Domain::of_pair(sides, streams)
         .ok_or_else(|| named(Error::invalid("neither side has the range of its depth codes")))?;
@@ -83,7 +80,7 @@ pub fn error_map(sides: &[Side; 2], pair: &Pair<'_>, frame: u32) -> Result<Error
         ([Converted::Half(a), Converted::Half(b)], Coding::Color(ColorFormat::Half { white_cd_m2 }, cell)) => {
             let metric = Pu21::new(white_cd_m2)?;
             let (a, b) = (half_levels(a, &metric), half_levels(b, &metric));
-            (of_samples(&a, &b), cells(&a, &b, cell, half_peak(&metric)))
+            (of_samples(&a, &b), cells(&a, &b, cell, metric.peak()))
         }
         _ => return Err(named(Error::invalid("images of two kinds cannot be compared"))),
     };
@@ -95,20 +92,13 @@ fn of_samples<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>) -> Plane<PixelErro
 }
 
 fn cells<T: Level>(a: &Plane<[T; 3]>, b: &Plane<[T; 3]>, cell: u32, peak: f64) -> Vec<CellPsnr> {
-    let side = cell.max(1);
-    let starts = |size: u32| (0..size).step_by(side as usize);
-    let measure = |left: u32, top: u32| {
-        let (width, height) = (side.min(a.width() - left), side.min(a.height() - top));
-        let mut error = SquaredError { samples: 3 * u64::from(width) * u64::from(height), ..SquaredError::empty(peak) };
-        for y in top..top + height {
-            let row = |plane: &Plane<[T; 3]>| plane.row(y)[left as usize..(left + width) as usize].to_vec();
-            let sums = row(a).iter().zip(&row(b)).map(|(a, b)| u128::from(sample_error(a, b).squared)).sum::<u128>();
-            error.sum += sums;
-        }
-        CellPsnr { rect: [left, top, width, height], psnr_db: error.psnr_db() }
+    let measure = |rect: [u32; 4]| {
+        let [left, top, width, height] = rect;
+        let columns = left as usize..(left + width) as usize;
+        let rows = (top..top + height).flat_map(|y| a.row(y)[columns.clone()].iter().zip(&b.row(y)[columns.clone()]));
+        let sum = rows.map(|(a, b)| u128::from(sample_error(a, b).squared)).sum();
+        let error = SquaredError { sum, samples: 3 * u64::from(width) * u64::from(height), peak };
+        CellPsnr { rect, psnr_db: error.psnr_db() }
     };
-    starts(a.height())
-        .flat_map(|top| starts(a.width()).map(move |left| (left, top)))
-        .map(|(x, y)| measure(x, y))
-        .collect()
+    difference::cells(a, cell).map(measure).collect()
 }

@@ -30,16 +30,9 @@ struct DepthCoding {
 #[serde(tag = "format")]
 enum ColorCoding {
     #[serde(rename = "8bit")]
-    EightBit { transfer: TransferName, exposure_ev: f32, cell: u32 },
+    EightBit { transfer: Transfer, exposure_ev: f32, cell: u32 },
     #[serde(rename = "half")]
     Half { white_cd_m2: f64, cell: u32 },
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum TransferName {
-    Srgb,
-    Linear,
 }
 
 impl ManifestCoding {
@@ -55,17 +48,11 @@ impl ManifestCoding {
     pub fn stream(&self, kind: StreamKind, probe: &str, face: Face) -> Result<Option<Coding>> {
         Ok(match kind {
             StreamKind::Depth => {
-                match self.depth.as_ref().and_then(|ranges| ranges.get(&format!("{probe}/{}", face.name()))) {
-                    Some(range) => Some(Coding::Depth(DepthRange::new(range.near_m, range.far_m)?)),
-                    None => None,
-                }
+                let range = self.depth.as_ref().and_then(|ranges| ranges.get(&format!("{probe}/{}", face.name())));
+                range.map(|range| DepthRange::new(range.near_m, range.far_m).map(Coding::Depth)).transpose()?
             }
             StreamKind::Color => self.color.as_ref().map(|coding| match *coding {
                 ColorCoding::EightBit { transfer, exposure_ev, cell } => {
-                    let transfer = match transfer {
-                        TransferName::Srgb => Transfer::Srgb,
-                        TransferName::Linear => Transfer::Linear,
-                    };
                     Coding::Color(ColorFormat::EightBit(ToneMap { transfer, exposure_ev }), cell.max(1))
                 }
                 ColorCoding::Half { white_cd_m2, cell } => {

@@ -4,9 +4,9 @@
 //! function or half floats, as the side that is a container codes them. One frame of each stream is in memory at a time.
 //! Streams are compared in parallel; the result does not depend on how many at once.
 
-use crate::color::quality::Pu21;
+use crate::color::quality::{Pu21, Quality};
 use crate::compare::comparison::{Comparison, Measured, StreamReport};
-use crate::compare::difference::{BitErrors, SampleErrors, half_levels, half_peak};
+use crate::compare::difference::{BitErrors, SampleErrors, half_levels};
 use crate::compare::domain::{Converted, Converter, Domain, Origin, Values};
 use crate::compare::pairing::{Coverage, Pair, Pairing};
 use crate::compare::side::{Coding, Image, Side, SideReader};
@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::image::{FrameRange, Plane};
 use crate::memory::{Budget, Need};
 use crate::metrics::depth_error::DepthErrors;
+use crate::metrics::psnr::U8_PEAK;
 use crate::metrics::ssim::{SSIM_WINDOW, ssim_rgb8};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_at_once;
@@ -52,16 +53,24 @@ pub struct CompareSettings {
 }
 
 /// Compares all pairs. The monitor advances by one for every pair of images.
-///
-/// # Errors
-/// When an image cannot be read or decoded.
 pub fn compare(pairing: &Pairing<'_>, settings: &CompareSettings, monitor: &dyn Monitor) -> Result<Comparison> {
     let at_once = streams_at_once(pairing, settings.memory)?;
     let domains = domains(pairing, at_once, monitor)?;
-    let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs().iter().copied().zip(domains).collect();
-    let job = Job { sides: pairing.sides, settings, monitor };
+    let with_domains: Vec<(Pair<'_>, Domain)> = pairing.pairs.iter().copied().zip(domains).collect();
     let jobs: Vec<_> = with_domains.chunk_by(|(one, _), (next, _)| one.shares_files(next)).collect();
-    let reports = try_map_at_once(jobs, at_once, |pairs| job.run(pairs))?;
+    let reports = try_map_at_once(jobs, at_once, |pairs| {
+        let mut work = pairs
+            .iter()
+            .map(|(pair, domain)| PairComparison::new(pairing.sides, pair, *domain, settings.measure))
+            .collect::<Result<Vec<_>>>()?;
+        let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
+        visit(pairing.sides, &alone, monitor, |at, frame, images| {
+            work[at].add(frame, images, settings.ssim)?;
+            monitor.advance(1);
+            Ok(())
+        })?;
+        Ok(work.into_iter().map(|work| work.report).collect::<Vec<_>>())
+    })?;
     Ok(Comparison { streams: reports.into_iter().flatten().collect(), missing: pairing.missing.clone() })
 }
 
@@ -75,7 +84,7 @@ fn streams_at_once(pairing: &Pairing<'_>, memory: Budget) -> Result<usize> {
         let decoding: u64 = pairing.sides.iter().zip(pair.streams).map(|(side, of)| side.stream_bytes(of)).sum();
         decoding + pixels * COMPARING_BYTES
     };
-    let runs = pairing.pairs().chunk_by(Pair::shares_files);
+    let runs = pairing.pairs.chunk_by(Pair::shares_files);
     let each = runs.map(|pairs| pairs.iter().map(of_pair).sum()).max().unwrap_or(0);
     let fixed = pairing.sides.iter().map(Side::open_bytes).sum();
     memory.at_once(&Need { what: "comparing", fixed, each, instead: "" }, rayon::current_num_threads())
@@ -105,9 +114,9 @@ fn visit(
 
 /// The domain of each pair; unknown ranges of depth are found by reading both sides.
 fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Result<Vec<Domain>> {
-    let known: Vec<_> = pairing.pairs().iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
+    let known: Vec<_> = pairing.pairs.iter().map(|pair| Domain::of_pair(pairing.sides, pair.streams)).collect();
     let unknown: Vec<Pair<'_>> =
-        pairing.pairs().iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
+        pairing.pairs.iter().zip(&known).filter(|(_, domain)| domain.is_none()).map(|(pair, _)| *pair).collect();
     let chunks: Vec<_> = unknown.chunk_by(|one, next| one.shares_files(next)).collect();
     let extents = try_map_at_once(chunks, at_once, |pairs| {
         let mut extents = vec![None; pairs.len()];
@@ -132,103 +141,64 @@ fn domains(pairing: &Pairing<'_>, at_once: usize, monitor: &dyn Monitor) -> Resu
             None => Ok(DepthRange::empty()),
         }
     };
-    pairing
-        .pairs()
-        .iter()
-        .zip(known)
-        .map(|(pair, domain)| match domain {
-            Some(domain) => Ok(domain),
-            None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Default }),
-        })
-        .collect()
-}
-
-struct Job<'a> {
-    sides: &'a [Side; 2],
-    settings: &'a CompareSettings,
-    monitor: &'a dyn Monitor,
+    let domain = |(pair, known): (&Pair<'_>, Option<Domain>)| match known {
+        Some(domain) => Ok(domain),
+        None => Ok(Domain { coding: Coding::Depth(range_of(pair)?), origin: Origin::Default }),
+    };
+    pairing.pairs.iter().zip(known).map(domain).collect()
 }
 
 /// A pair of streams while it is compared.
 struct PairComparison {
-    domain: Domain,
-    frames: FrameRange,
+    report: StreamReport,
     converters: [Converter; 2],
     metric: Option<Pu21>,
-    measured: Measured,
-    bits: Option<BitErrors>,
 }
 
-impl Job<'_> {
-    fn run(&self, pairs: &[(Pair<'_>, Domain)]) -> Result<Vec<StreamReport>> {
-        let mut work = pairs.iter().map(|(pair, domain)| self.prepare(pair, *domain)).collect::<Result<Vec<_>>>()?;
-        let alone: Vec<Pair<'_>> = pairs.iter().map(|(pair, _)| *pair).collect();
-        visit(self.sides, &alone, self.monitor, |at, frame, images| {
-            work[at].add(frame, images, self.settings)?;
-            self.monitor.advance(1);
-            Ok(())
-        })?;
-        let report = |(pair, work): (Pair<'_>, PairComparison)| {
-            let [a, b] = pair.streams;
-            StreamReport {
-                id: a.id.clone(),
-                other_id: (a.id != b.id).then(|| b.id.clone()),
-                size: a.size,
-                frames: pair.frames,
-                domain: work.domain,
-                measured: work.measured,
-                bits: work.bits,
-            }
-        };
-        Ok(alone.into_iter().zip(work).map(report).collect())
-    }
-
-    fn prepare(&self, pair: &Pair<'_>, domain: Domain) -> Result<PairComparison> {
-        let converter = |at: usize| Converter::new(domain.coding, &self.sides[at], pair.streams[at]);
+impl PairComparison {
+    fn new(sides: &[Side; 2], pair: &Pair<'_>, domain: Domain, measure: Measure) -> Result<PairComparison> {
+        let [a, b] = pair.streams;
         let metric = match domain.coding {
             Coding::Color(ColorFormat::Half { white_cd_m2 }, _) => Some(Pu21::new(white_cd_m2)?),
             _ => None,
         };
-        let measured = match domain.coding {
-            Coding::Depth(_) => Measured::Depth(DepthErrors::default()),
-            Coding::Color(..) => Measured::Color(match &metric {
-                Some(metric) => SampleErrors::empty(half_peak(metric)),
-                None => SampleErrors::empty_8bit(),
-            }),
-            Coding::Material => Measured::Material(SampleErrors::empty_8bit()),
-        };
-        let bits = (self.settings.measure == Measure::Bits).then(BitErrors::default);
-        Ok(PairComparison {
-            domain,
+        let report = StreamReport {
+            id: a.id.clone(),
+            other_id: (a.id != b.id).then(|| b.id.clone()),
+            size: a.size,
             frames: pair.frames,
-            converters: [converter(0), converter(1)],
-            metric,
-            measured,
-            bits,
-        })
+            domain,
+            measured: match domain.coding {
+                Coding::Depth(_) => Measured::Depth(DepthErrors::default()),
+                Coding::Color(..) => {
+                    Measured::Color(SampleErrors::empty(metric.as_ref().map_or(U8_PEAK, Quality::peak)))
+                }
+                Coding::Material => Measured::Material(SampleErrors::empty(U8_PEAK)),
+            },
+            bits: (measure == Measure::Bits).then(BitErrors::default),
+        };
+        let converters = [0, 1].map(|at| Converter::new(domain.coding, &sides[at], pair.streams[at]));
+        Ok(PairComparison { report, converters, metric })
     }
-}
 
-impl PairComparison {
-    fn add(&mut self, frame: u32, images: [Image; 2], settings: &CompareSettings) -> Result<()> {
-        if let Some(bits) = &mut self.bits {
+    fn add(&mut self, frame: u32, images: [Image; 2], wanted: SsimFrames) -> Result<()> {
+        if let Some(bits) = &mut self.report.bits {
             let values: [Values; 2] = [0, 1].map(|at| self.converters[at].values(&images[at]));
             bits.add(frame, &values[0], &values[1])?;
         }
         let [a, b] = images;
         let (a, b) = (self.converters[0].convert(a)?, self.converters[1].convert(b)?);
-        let clipped_pixels = a.clipped_pixels + b.clipped_pixels;
-        let cell = match self.domain.coding {
+        let cell = match self.report.domain.coding {
             Coding::Color(_, cell) => cell,
             _ => u32::MAX,
         };
-        match (&mut self.measured, &a.image, &b.image) {
+        match (&mut self.report.measured, &a.image, &b.image) {
             (Measured::Depth(errors), Converted::Depth(a), Converted::Depth(b)) => errors.add(frame, a, b),
-            (Measured::Color(errors), Converted::Bytes(a), Converted::Bytes(b)) => {
-                errors.add(frame, a, b, cell);
-                errors.clipped_pixels += clipped_pixels;
-                if wants_ssim(settings.ssim, frame, self.frames)
-                    && let Some(ssim) = ssim(a, b)?
+            (Measured::Color(errors), Converted::Bytes(plane), Converted::Bytes(other)) => {
+                errors.add(frame, plane, other, cell);
+                errors.clipped_pixels += a.clipped_pixels + b.clipped_pixels;
+                if wants_ssim(wanted, frame, self.report.frames)
+                    && let Some(ssim) = ssim(plane, other)?
                 {
                     errors.ssim_sum += ssim;
                     errors.ssim_frames += 1;

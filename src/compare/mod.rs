@@ -15,12 +15,11 @@ mod report;
 mod side;
 
 pub use bounds::{Bound, Bounds, Judgement, Violation};
-pub use comparison::{Comparison, Measured, Missing, SampleTotal, StreamReport};
-pub use difference::{BitErrors, Lowest, SampleErrors};
+pub use comparison::{Comparison, Measured, StreamReport, side_name};
+pub use difference::{Lowest, SampleErrors};
 pub use domain::{Domain, Origin};
 pub use error_map::{CellPsnr, ErrorMap, LargestError, error_map};
 pub use measure::{CompareSettings, Measure, SsimFrames, compare};
 pub use open::{SideOptions, open_both};
 pub use pairing::{Coverage, Pair, Pairing};
-pub use report::{ComparisonReport, side_name};
-pub use side::{Coding, Image, Side, SideForm, SideReader, SideStream, StreamId};
+pub use side::{Coding, Side};

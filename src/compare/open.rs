@@ -11,7 +11,7 @@ use crate::dataset::{Arrangement, SequenceLayout, Source, SourceOptions};
 use crate::decode::{Decoder, Selection};
 use crate::error::{Error, Result};
 use crate::image::{DepthKind, Pattern, Projection, StreamKind};
-use crate::streams::CodecHeader;
+use crate::streams::{CodecHeader, StreamInfo};
 
 #[derive(Debug, Clone, Default)]
 pub struct SideOptions {
@@ -34,9 +34,6 @@ enum Form {
 }
 
 /// Opens both sides; the second takes face size, probe and kind from the first, which is the one that states more.
-///
-/// # Errors
-/// A side cannot be opened, or has no selected stream.
 pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     if paths == ["-", "-"] {
         return Err(Error::Usage("standard input can be only one of the two sides".into()));
@@ -44,8 +41,8 @@ pub fn open_both(paths: [&str; 2], options: &SideOptions) -> Result<[Side; 2]> {
     let forms = [form_of(paths[0])?, form_of(paths[1])?];
     let first = usize::from(forms[1] < forms[0]);
     let other_path = paths[1 - first];
-    let one = open(paths[first], forms[first], options, &Other::Path(other_path))?;
-    let other = open(other_path, forms[1 - first], options, &Other::Open(&one))?;
+    let one = open(paths[first], forms[first], options, &Other { path: other_path, streams: &[] })?;
+    let other = open(other_path, forms[1 - first], options, &Other { path: "", streams: &one.streams })?;
     let mut sides = if first == 0 { [one, other] } else { [other, one] };
     check_selection(&sides, &options.selection)?;
     let mut selection = options.selection.clone();
@@ -83,19 +80,10 @@ fn starts_with_magic(path: &Path) -> Result<bool> {
     Ok(head == MAGIC)
 }
 
-/// The other side: its path, or the side that was opened before.
-enum Other<'a> {
-    Path(&'a str),
-    Open(&'a Side),
-}
-
-impl Other<'_> {
-    fn streams(&self) -> &[SideStream] {
-        match self {
-            Other::Path(_) => &[],
-            Other::Open(side) => &side.streams,
-        }
-    }
+/// The other side: its path, or the streams of a side that was opened before.
+struct Other<'a> {
+    path: &'a str,
+    streams: &'a [SideStream],
 }
 
 fn open(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
@@ -147,7 +135,7 @@ fn check_selection(sides: &[Side; 2], selection: &Selection) -> Result<()> {
 
 fn open_container(path: &str) -> Result<Side> {
     let decoder = Decoder::open(PathBuf::from(path))?;
-    let streams = decoder.streams().iter().enumerate().map(|(at, stream)| {
+    let stream = |(at, stream): (usize, &StreamInfo)| {
         let (coding, depth_kind) = match stream.header {
             CodecHeader::Depth(header) => (Coding::Depth(header.range), header.kind),
             CodecHeader::Color(header) => (Coding::Color(header.format, stream.entry.unit_width), DepthKind::default()),
@@ -162,14 +150,10 @@ fn open_container(path: &str) -> Result<Side> {
             depth_kind,
             place: Place::Stream(at),
         }
-    });
-    let streams = streams.collect();
-    Ok(Side {
-        path: path.to_owned(),
-        form: SideForm::Container,
-        streams,
-        content: Content::Container(Box::new(decoder)),
-    })
+    };
+    let streams = decoder.streams().iter().enumerate().map(stream).collect();
+    let content = Content::Container(Box::new(decoder));
+    Ok(Side { path: path.to_owned(), form: SideForm::Container, streams, content })
 }
 
 fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>) -> Result<Side> {
@@ -184,7 +168,7 @@ fn open_dataset(path: &str, form: Form, options: &SideOptions, other: &Other<'_>
     }
     source.frames = options.selection.frames;
     source.face_size = match form {
-        Form::Panorama => options.source.face_size.or(other.streams().first().map(|stream| stream.size[0])),
+        Form::Panorama => options.source.face_size.or(other.streams.first().map(|stream| stream.size[0])),
         _ => None,
     };
     let source = Source::open(Path::new(path), &source)?;
@@ -196,7 +180,7 @@ fn open_sequence(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     let kind = sequence_kind(path, options, other)?;
     let selection = &options.selection;
     let known: Vec<&SideStream> =
-        other.streams().iter().filter(|stream| stream.id.kind == kind && is_selected(&stream.id, selection)).collect();
+        other.streams.iter().filter(|stream| stream.id.kind == kind && is_selected(&stream.id, selection)).collect();
     let mut source = options.source.clone();
     let mut layout = options.layout.clone();
     source.frames = selection.frames;
@@ -229,28 +213,26 @@ fn sequence_kind(path: &str, options: &SideOptions, other: &Other<'_>) -> Result
     if let [kind] = options.selection.kinds.as_slice() {
         return Ok(*kind);
     }
-    let of_other = || match other {
-        Other::Path(path) => kind_in_name(path),
-        Other::Open(side) => {
-            let mut kinds = side.streams.iter().map(|stream| stream.id.kind);
-            let first = kinds.next();
-            first.filter(|&kind| kinds.all(|other| other == kind))
-        }
-    };
-    kind_in_name(path).or_else(of_other).ok_or_else(|| {
+    let of_streams = || only_one(other.streams.iter().map(|stream| stream.id.kind));
+    kind_in_name(path).or_else(|| kind_in_name(other.path)).or_else(of_streams).ok_or_else(|| {
         Error::Usage(format!("{path}: the kind of images is unknown: set `stream` to depth, color or material"))
     })
+}
+
+/// The value that all are.
+fn only_one<T: PartialEq>(mut values: impl Iterator<Item = T>) -> Option<T> {
+    let first = values.next()?;
+    values.all(|other| other == first).then_some(first)
 }
 
 /// The kind that is part of a file name, else of its folder's name.
 fn kind_in_name(path: &str) -> Option<StreamKind> {
     let lower = path.to_lowercase();
-    let words = [("depth", StreamKind::Depth), ("material", StreamKind::Material)];
-    let colors = [("color", StreamKind::Color), ("colour", StreamKind::Color)];
-    lower.rsplit(['/', std::path::MAIN_SEPARATOR]).take(2).find_map(|part| {
-        let mut found = words.iter().chain(&colors).filter(|(word, _)| part.contains(word)).map(|(_, kind)| *kind);
-        let first = found.next();
-        first.filter(|&kind| found.all(|other| other == kind))
+    let words = ["depth", "material", "color", "colour"];
+    let kinds = [StreamKind::Depth, StreamKind::Material, StreamKind::Color, StreamKind::Color];
+    let mut parts = lower.rsplit(['/', std::path::MAIN_SEPARATOR]).take(2);
+    parts.find_map(|part| {
+        only_one(words.iter().zip(kinds).filter(|(word, _)| part.contains(**word)).map(|(_, kind)| kind))
     })
 }
 

@@ -19,9 +19,9 @@ pub enum Coverage {
 
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a> {
-    pub(super) streams: [&'a SideStream; 2],
+    pub streams: [&'a SideStream; 2],
     /// Frames that both have, in the numbers of the first side.
-    pub(super) frames: FrameRange,
+    pub frames: FrameRange,
     /// Added to a frame number for the second side.
     shift: i64,
 }
@@ -29,19 +29,16 @@ pub struct Pair<'a> {
 #[derive(Debug)]
 pub struct Pairing<'a> {
     pub(super) sides: &'a [Side; 2],
-    pairs: Vec<Pair<'a>>,
+    pub pairs: Vec<Pair<'a>>,
     pub(super) missing: Vec<Missing>,
 }
 
 impl<'a> Pairing<'a> {
     /// Matches streams by kind, probe and face; single streams of a kind match whatever their names.
-    ///
-    /// # Errors
-    /// Nothing matches, or sizes or kinds of depth differ.
     pub fn new(sides: &'a [Side; 2], coverage: Coverage) -> Result<Pairing<'a>> {
         let [a, b] = sides;
-        let by_id = |side: &'a Side| side.streams.iter().map(|stream| (&stream.id, stream)).collect::<HashMap<_, _>>();
-        let (of_a, of_b) = (by_id(a), by_id(b));
+        let [of_a, of_b] =
+            [a, b].map(|side| side.streams.iter().map(|stream| (&stream.id, stream)).collect::<HashMap<_, _>>());
         let mut matches: Vec<[Option<&SideStream>; 2]> =
             a.streams.iter().map(|stream| [Some(stream), of_b.get(&stream.id).copied()]).collect();
         matches.extend(b.streams.iter().filter(|stream| !of_a.contains_key(&stream.id)).map(|b| [None, Some(b)]));
@@ -99,11 +96,9 @@ impl<'a> Pairing<'a> {
         let shift = if single { i64::from(b.frames.first) - i64::from(a.frames.first) } else { 0 };
         let common = if single { Some(a.frames) } else { a.frames.intersect(b.frames) };
         for (only_in, stream) in [a, b].into_iter().enumerate() {
-            for frames in frames_outside(stream.frames, common.filter(|_| !single)) {
-                if !single {
-                    self.missing.push(Missing { only_in, id: stream.id.clone(), frames });
-                }
-            }
+            let outside = if single { Vec::new() } else { frames_outside(stream.frames, common) };
+            let missing = outside.into_iter().map(|frames| Missing { only_in, id: stream.id.clone(), frames });
+            self.missing.extend(missing);
         }
         self.pairs.extend(common.map(|frames| Pair { streams: [a, b], frames, shift }));
         Ok(())
@@ -122,10 +117,6 @@ impl<'a> Pairing<'a> {
         Error::Usage(format!("the two have no stream and frame in common: {}; {}{hint}", list(a), list(b)))
     }
 
-    pub fn pairs(&self) -> &[Pair<'a>] {
-        &self.pairs
-    }
-
     pub fn images(&self) -> u64 {
         self.pairs.iter().map(|pair| pair.frames.count()).sum()
     }
@@ -139,19 +130,10 @@ fn frames_outside(all: FrameRange, inner: Option<FrameRange>) -> Vec<FrameRange>
     before.into_iter().chain(after).collect()
 }
 
-impl<'a> Pair<'a> {
+impl Pair<'_> {
     /// Whether files of either side are best read for both pairs at once.
     pub(super) fn shares_files(&self, next: &Pair<'_>) -> bool {
         self.streams.iter().zip(next.streams).any(|(one, next)| one.shares_files(next))
-    }
-
-    pub fn streams(&self) -> [&'a SideStream; 2] {
-        self.streams
-    }
-
-    /// Frames that both have, in the numbers of the first side.
-    pub fn frames(&self) -> FrameRange {
-        self.frames
     }
 
     /// The frame's number on the second side.

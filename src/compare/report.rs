@@ -5,14 +5,15 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::color::quality::PU_STEPS;
-use crate::compare::bounds::{Bound, Judgement};
-use crate::compare::comparison::{Comparison, Measured, SampleTotal, StreamReport};
+use crate::compare::bounds::{Bound, Judgement, Violation};
+use crate::compare::comparison::{
+    Comparison, Measured, Missing, SampleTotal, StreamReport, serialize_frames, side_name,
+};
 use crate::compare::difference::{BitErrors, SampleErrors};
 use crate::compare::domain::{Domain, Origin};
 use crate::compare::side::{Coding, Side, StreamId};
 use crate::image::StreamKind;
 use crate::image::sequence::FrameRange;
-use crate::image::transfer::Transfer;
 use crate::json::Number;
 use crate::metrics::depth_error::{DepthErrors, Spot};
 use crate::streams::ColorFormat;
@@ -27,8 +28,8 @@ pub struct ComparisonReport<'a> {
     worst: Option<Place<'a>>,
     /// Domains in use, by kind.
     domains: BTreeMap<&'static str, Vec<DomainReport<'a>>>,
-    missing: Vec<MissingReport<'a>>,
-    sides: Vec<SideReport<'a>>,
+    missing: &'a [Missing],
+    sides: &'a [Side; 2],
     streams: Vec<StreamErrors<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     depth: Option<DepthTotal<'a>>,
@@ -56,20 +57,6 @@ struct ViolationReport<'a> {
     bound: Bound,
     limit: Number,
     measured: Number,
-}
-
-#[derive(Debug, Serialize)]
-struct MissingReport<'a> {
-    #[serde(flatten)]
-    stream: &'a StreamId,
-    only_in: &'static str,
-    frames: [u32; 2],
-}
-
-#[derive(Debug, Serialize)]
-struct SideReport<'a> {
-    path: &'a str,
-    form: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -119,7 +106,8 @@ struct StreamErrors<'a> {
     exact: Option<BitErrors>,
     width: u32,
     height: u32,
-    frames: [u32; 2],
+    #[serde(serialize_with = "serialize_frames")]
+    frames: FrameRange,
     worst: Option<Spot>,
     domain: DomainReport<'a>,
 }
@@ -168,47 +156,34 @@ struct DomainReport<'a> {
 }
 
 #[derive(Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[serde(tag = "codes")]
 enum Codes {
-    Depth { codes: &'static str, near_m: f64, far_m: f64 },
-    EightBit { codes: &'static str, transfer: &'static str, exposure_ev: f64, cell: u32 },
-    Half { codes: &'static str, metric: &'static str, white_cd_m2: f64, cell: u32 },
-    Material { codes: &'static str },
-}
-
-/// `A` or `B`.
-pub fn side_name(side: usize) -> &'static str {
-    if side == 0 { "A" } else { "B" }
+    #[serde(rename = "16bit-log")]
+    Depth { near_m: f64, far_m: f64 },
+    #[serde(rename = "8bit")]
+    EightBit { transfer: &'static str, exposure_ev: f64, cell: u32 },
+    #[serde(rename = "half")]
+    Half { metric: &'static str, white_cd_m2: f64, cell: u32 },
+    #[serde(rename = "8bit")]
+    Material,
 }
 
 impl Comparison {
     pub fn report<'a>(&'a self, sides: &'a [Side; 2], judgement: &Judgement) -> ComparisonReport<'a> {
-        let bits = self.bits();
+        let broken = |violation: &Violation| ViolationReport {
+            place: Place { stream: &self.streams[violation.stream].id, spot: violation.spot },
+            bound: violation.bound,
+            limit: Number(violation.limit),
+            measured: Number(violation.measured),
+        };
         ComparisonReport {
             equal: judgement.equal,
             within_bounds: judgement.within_bounds,
-            broken: judgement
-                .violations
-                .iter()
-                .map(|violation| ViolationReport {
-                    place: Place { stream: &self.streams[violation.stream].id, spot: violation.spot },
-                    bound: violation.bound,
-                    limit: Number(violation.limit),
-                    measured: Number(violation.measured),
-                })
-                .collect(),
+            broken: judgement.violations.iter().map(broken).collect(),
             worst: self.worst().map(|(at, spot)| self.place(at, spot)),
             domains: self.domains(),
-            missing: self
-                .missing
-                .iter()
-                .map(|missing| MissingReport {
-                    stream: &missing.id,
-                    only_in: side_name(missing.only_in),
-                    frames: ends(missing.frames),
-                })
-                .collect(),
-            sides: sides.iter().map(|side| SideReport { path: &side.path, form: side.form.name() }).collect(),
+            missing: &self.missing,
+            sides,
             streams: self.streams.iter().map(StreamErrors::new).collect(),
             depth: self.depth().map(|(errors, worst)| DepthTotal {
                 errors,
@@ -217,11 +192,11 @@ impl Comparison {
             color: self.color().map(|total| self.color_total(&total)),
             material: self.material().map(|total| MaterialTotal {
                 max_error_codes: total.max_error,
-                psnr_db: Number(total.psnr_db()),
+                psnr_db: Number(total.psnr_db),
                 differing_pixels: total.differing_pixels,
                 worst: self.worst_of(&total),
             }),
-            exact: bits.map(|(differing_pixels, first)| BitsTotal {
+            exact: self.bits().map(|(differing_pixels, first)| BitsTotal {
                 differing_pixels,
                 first: first.map(|(at, spot)| self.place(at, spot)),
             }),
@@ -240,12 +215,12 @@ impl Comparison {
     fn color_total(&self, total: &SampleTotal) -> ColorTotal<'_> {
         let (frame, cell) = (total.lowest_frame, total.lowest_cell);
         ColorTotal {
-            psnr_db: Number(total.psnr_db()),
+            psnr_db: Number(total.psnr_db),
             min_psnr_db: frame.map(|(_, lowest)| Number(lowest.psnr_db)),
             min_psnr_at: frame.map(|(at, lowest)| self.place(at, lowest.spot)),
             min_cell_psnr_db: cell.map(|(_, lowest)| Number(lowest.psnr_db)),
             min_cell_psnr_at: cell.map(|(at, lowest)| self.place(at, lowest.spot)),
-            ssim: total.ssim(),
+            ssim: total.ssim,
             ssim_frames: total.ssim_frames,
             differing_pixels: total.differing_pixels,
             clipped_pixels: total.clipped_pixels,
@@ -280,7 +255,7 @@ impl<'a> StreamErrors<'a> {
             exact: stream.bits,
             width: stream.size[0],
             height: stream.size[1],
-            frames: ends(stream.frames),
+            frames: stream.frames,
             worst: stream.worst().map(|(spot, _)| spot),
             domain: DomainReport::new(&stream.domain),
         }
@@ -291,7 +266,7 @@ impl LevelErrors {
     fn new(errors: &SampleErrors, domain: &Domain) -> LevelErrors {
         let is_half = matches!(domain.coding, Coding::Color(ColorFormat::Half { .. }, _));
         LevelErrors {
-            psnr_db: Number(errors.psnr_db()),
+            psnr_db: Number(errors.error.psnr_db()),
             differing_pixels: errors.differing_pixels,
             max_error_pu21: is_half.then(|| f64::from(errors.max_error) / PU_STEPS),
             max_error_codes: (!is_half).then_some(errors.max_error),
@@ -317,19 +292,14 @@ impl ColorErrors {
 impl DomainReport<'_> {
     fn new(domain: &Domain) -> Self {
         let codes = match domain.coding {
-            Coding::Depth(range) => {
-                Codes::Depth { codes: "16bit-log", near_m: range.near_m().into(), far_m: range.far_m().into() }
+            Coding::Depth(range) => Codes::Depth { near_m: range.near_m().into(), far_m: range.far_m().into() },
+            Coding::Color(ColorFormat::EightBit(tone), cell) => {
+                Codes::EightBit { transfer: tone.transfer.name(), exposure_ev: tone.exposure_ev.into(), cell }
             }
-            Coding::Color(ColorFormat::EightBit(tone), cell) => Codes::EightBit {
-                codes: "8bit",
-                transfer: if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
-                exposure_ev: tone.exposure_ev.into(),
-                cell,
-            },
             Coding::Color(ColorFormat::Half { white_cd_m2 }, cell) => {
-                Codes::Half { codes: "half", metric: "pu21 in 64ths", white_cd_m2, cell }
+                Codes::Half { metric: "pu21 in 64ths", white_cd_m2, cell }
             }
-            Coding::Material => Codes::Material { codes: "8bit" },
+            Coding::Material => Codes::Material,
         };
         let (of, from) = match domain.origin {
             Origin::Container(side) => (Some(side_name(side)), "container"),
@@ -338,8 +308,4 @@ impl DomainReport<'_> {
         };
         DomainReport { codes, of, from, probe: None }
     }
-}
-
-fn ends(frames: FrameRange) -> [u32; 2] {
-    [frames.first, frames.last]
 }

@@ -75,20 +75,19 @@ impl SideStream {
     }
 }
 
-/// Form of a side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum SideForm {
     Container,
-    /// A dataset of files.
     Dataset,
     /// A dataset that lightfold decoded, whose manifest has the coding.
+    #[serde(rename = "decoded dataset")]
     Decoded,
     /// An image sequence.
     Sequence,
 }
 
 impl SideForm {
-    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             SideForm::Container => "container",
@@ -105,27 +104,24 @@ pub(super) enum Content {
     Files(Box<Source>),
 }
 
-/// One side of a comparison.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Side {
     /// As the user gave it.
     pub path: String,
     pub form: SideForm,
     /// The selected streams, in the side's own order.
+    #[serde(skip)]
     pub streams: Vec<SideStream>,
+    #[serde(skip)]
     pub(super) content: Content,
 }
 
-/// An image of a side.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Image {
     /// In the domain of a container's codec.
     Coded(Picture),
-    /// Metres from a file.
     Depth(DepthPlane),
-    /// Light from a file.
     Color(ColorPlane),
-    /// Weights from a file.
     Material(MaterialPlane),
 }
 
@@ -185,9 +181,6 @@ impl<'a> SideReader<'a> {
     }
 
     /// The image of a frame of stream `at` of this reader.
-    ///
-    /// # Errors
-    /// Names the file that cannot be read or decoded.
     pub fn image(&mut self, at: usize, frame: u32) -> Result<Image> {
         match (&self.side.content, self.streams[at].place) {
             (Content::Files(source), Place::Plane { group, plane }) => {

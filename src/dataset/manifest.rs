@@ -19,21 +19,6 @@ pub const MAX_MANIFEST_BYTES: u64 = 16 << 20;
 /// Longest side, in pixels, of the images that a manifest may declare.
 pub const MAX_SIDE: u32 = 65_536;
 
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "Projection", rename_all = "lowercase")]
-enum ProjectionName {
-    Cubemap,
-    Equirect,
-    Perspective,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "DepthKind", rename_all = "lowercase")]
-enum DepthKindName {
-    Distance,
-    Planar,
-}
-
 /// The whole file. Unknown keys are errors, except inside `extra`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -44,7 +29,6 @@ pub struct Manifest {
     pub fps: f64,
     /// First and last frame, inclusive.
     pub frames: [u32; 2],
-    #[serde(with = "ProjectionName")]
     pub projection: Projection,
     /// Width and height of each image file, in pixels.
     pub size: [u32; 2],
@@ -107,7 +91,7 @@ impl Unit {
 #[serde(deny_unknown_fields)]
 pub struct DepthInfo {
     /// Distance or planar Z.
-    #[serde(default, with = "DepthKindName")]
+    #[serde(default)]
     pub kind: DepthKind,
     /// Unit of the values. Metres when it and `scale` are absent, except in integer files, which need one of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -176,24 +160,7 @@ impl Background {
 #[serde(deny_unknown_fields)]
 pub struct ColorInfo {
     /// `linear-rec709` or `srgb`.
-    pub space: ManifestColorSpace,
-}
-
-/// [`ColorSpace`] as manifests spell it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ManifestColorSpace {
-    LinearRec709,
-    Srgb,
-}
-
-impl From<ManifestColorSpace> for ColorSpace {
-    fn from(space: ManifestColorSpace) -> Self {
-        match space {
-            ManifestColorSpace::LinearRec709 => ColorSpace::LinearRec709,
-            ManifestColorSpace::Srgb => ColorSpace::Srgb,
-        }
-    }
+    pub space: ColorSpace,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -177,7 +177,7 @@ impl Source {
         let kind = options.depth_kind.unwrap_or(depth.kind);
         let stated = manifest.depth.as_ref().and_then(DepthInfo::stated_scale);
         let scale = options.depth_scale.or(stated);
-        let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space.into()));
+        let space = options.color_space.or(manifest.color.as_ref().map(|color| color.space));
         let names = manifest.material.clone().map_or_else(MaterialChannels::default, |material| material.channels);
         let mut source = Source::new(content, (manifest.size[0], manifest.size[1]), kind, options)
             .map_err(|error| error.in_file(&file))?;

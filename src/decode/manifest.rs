@@ -5,9 +5,9 @@ use serde_json::json;
 use crate::dataset::manifest::{self, Manifest};
 use crate::decode::decoder::Decoder;
 use crate::decode::selection::StreamFrames;
-use crate::image::Face;
 use crate::image::sequence::FrameRange;
-use crate::image::transfer::{ToneMap, Transfer};
+use crate::image::transfer::ToneMap;
+use crate::image::{ColorSpace, Face};
 use crate::streams::{CodecHeader, ColorFormat, Projection, StreamKind};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -67,8 +67,8 @@ pub(super) fn manifest_of(decoder: &Decoder, streams: &[StreamFrames<'_>], forma
                 let srgb = header.format == ColorFormat::EightBit(ToneMap::default());
                 coding.insert("color".into(), color_coding(&header.format, stream.entry.unit_width));
                 let space = match format {
-                    FileFormat::Exr => manifest::ManifestColorSpace::LinearRec709,
-                    FileFormat::Png if srgb => manifest::ManifestColorSpace::Srgb,
+                    FileFormat::Exr => ColorSpace::LinearRec709,
+                    FileFormat::Png if srgb => ColorSpace::Srgb,
                     FileFormat::Png => continue,
                 };
                 files.color = pattern;
@@ -131,7 +131,7 @@ fn color_coding(format: &ColorFormat, cell: u32) -> serde_json::Value {
     match format {
         ColorFormat::EightBit(tone) => json!({
             "format": "8bit",
-            "transfer": if tone.transfer == Transfer::Srgb { "srgb" } else { "linear" },
+            "transfer": tone.transfer.name(),
             "exposure_ev": tone.exposure_ev,
             "cell": cell,
         }),

@@ -38,6 +38,7 @@ impl StreamKind {
 
 /// Projection of the images of a probe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Projection {
     /// Faces of an OpenGL cube map.
     Cubemap,
@@ -49,10 +50,18 @@ pub enum Projection {
 
 /// What a depth value measures.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum DepthKind {
     /// Euclidean distance from the centre of the probe.
     #[default]
     Distance,
     /// Distance along the viewing axis (Z buffer).
     Planar,
+}
+
+impl DepthKind {
+    /// `distance` or `planar`.
+    pub fn name(self) -> &'static str {
+        if self == DepthKind::Distance { "distance" } else { "planar" }
+    }
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use ::image::codecs::png::{PngDecoder, PngEncoder};
 use ::image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
 use half::f16;
+use serde::{Deserialize, Serialize};
 
 use super::limits::ReadLimits;
 use super::plane::{ColorPlane, DepthPlane, Plane};
@@ -17,7 +18,8 @@ use crate::error::{Error, Result};
 const PIXEL_FLOOR: u64 = 16 << 20;
 
 /// What the code values of an image mean.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ColorSpace {
     /// Linear Rec. 709 light; the largest code of a PNG is 1.0.
     LinearRec709,

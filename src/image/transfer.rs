@@ -9,6 +9,7 @@ use half::f16;
 
 /// Transfer function from light to codes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "encode", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Transfer {
     /// The piecewise curve of IEC 61966-2-1.
     #[default]
@@ -18,6 +19,10 @@ pub enum Transfer {
 }
 
 impl Transfer {
+    pub fn name(self) -> &'static str {
+        if self == Transfer::Srgb { "srgb" } else { "linear" }
+    }
+
     /// Linear light, where 1 is the brightest code, to a code in 0..1. Odd-symmetric below 0; NaN stays NaN.
     pub fn encode(self, linear: f64) -> f64 {
         match self {

@@ -11,16 +11,13 @@ use crate::depth::texel::Texel;
 use crate::depth::tree_chunk::TreeChunk;
 use crate::streams::{DepthChunk, MaterialChunk, StreamChunk};
 
-/// Contents and changes of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameCost {
     /// Units with a keyframe.
     pub keyframe_units: u64,
-    /// Boxes.
     pub aabbs: u64,
     /// Nodes of a quadtree, and BC4w blocks.
     pub nodes: u64,
-    /// Pixels written.
     pub updated_pixels: u64,
     /// Payload of the frame's keyframes, records and weights, before LZMA2, counted for every chunk.
     pub bytes: u64,
@@ -59,6 +56,7 @@ pub(super) struct Event {
     pub cost: FrameCost,
 }
 
+#[derive(Default)]
 pub(super) struct ChunkMeasure {
     /// In order, at least one.
     pub events: Vec<Event>,
@@ -89,17 +87,16 @@ fn count_records<T: Texel, L: Layout<T>>(chunk: &TemporalChunk<T, L>) -> ChunkMe
         cost: FrameCost {
             keyframe_units: u64::from(!matches!(record.body, Body::Boxes { .. })),
             aabbs: chunk.boxes(record.body).len() as u64,
-            nodes: 0,
             updated_pixels: chunk.updated_pixels(record.body),
             bytes: record.bytes,
+            ..FrameCost::default()
         },
     };
     let records = chunk.records();
     ChunkMeasure {
         events: records.iter().map(event).collect(),
         constant: records.iter().all(|record| matches!(record.body, Body::Constant(_))),
-        modes: ModeStatistics::default(),
-        blocks: BlockCount::default(),
+        ..ChunkMeasure::default()
     }
 }
 
@@ -121,21 +118,20 @@ fn count_nodes(chunk: &NodeChunk) -> ChunkMeasure {
         events: chunk.records().map(|record| node_event(record, record.complete)).collect(),
         constant: chunk.is_constant(),
         modes: chunk.mode_statistics(),
-        blocks: BlockCount::default(),
+        ..ChunkMeasure::default()
     }
 }
 
 fn count_tree(chunk: &TreeChunk) -> ChunkMeasure {
     let events = chunk.records().enumerate().map(|(at, record)| node_event(record, at == 0)).collect();
-    ChunkMeasure { events, constant: false, modes: chunk.mode_statistics(), blocks: BlockCount::default() }
+    ChunkMeasure { events, modes: chunk.mode_statistics(), ..ChunkMeasure::default() }
 }
 
 fn count_blocks(chunk: &BlockChunk, pixels: u64, frame_count: u32) -> ChunkMeasure {
-    let modes = chunk.mode_statistics();
     let nodes = chunk.blocks_of_frame();
     let cost = FrameCost { keyframe_units: 1, aabbs: 0, nodes, updated_pixels: pixels, bytes: 32 * nodes };
     let events = (0..frame_count).map(|frame| Event { frame, cost }).collect();
-    ChunkMeasure { events, constant: false, modes, blocks: BlockCount::default() }
+    ChunkMeasure { events, modes: chunk.mode_statistics(), ..ChunkMeasure::default() }
 }
 
 fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasure {
@@ -145,12 +141,7 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasu
     frames.extend_from_slice(chunk.keyframes());
     frames.sort_unstable();
     frames.dedup();
-    let mut measure = ChunkMeasure {
-        events: Vec::with_capacity(frames.len()),
-        constant: false,
-        modes: ModeStatistics::default(),
-        blocks: BlockCount::default(),
-    };
+    let mut measure = ChunkMeasure::default();
     if format.blocks.is_some() {
         let in_blocks = (0..chunk.keyframes().len()).filter(|&at| chunk.in_blocks(at)).count() as u64;
         measure.blocks.keyframes =
@@ -162,16 +153,13 @@ fn count_blends<S: Sample>(chunk: &CellChunk<S>, frame_count: u32) -> ChunkMeasu
         let keyframe = shown.is_none_or(|(keyframe, _)| keyframe != blend.keyframe);
         let written = shown.replace((blend.keyframe, blend.weight)) != Some((blend.keyframe, blend.weight));
         let weight_bytes = u64::from(frame < chunk.weight_count());
-        measure.events.push(Event {
-            frame,
-            cost: FrameCost {
-                keyframe_units: u64::from(keyframe),
-                aabbs: 0,
-                nodes: 0,
-                updated_pixels: if written { format.pixels() as u64 } else { 0 },
-                bytes: weight_bytes + if keyframe { chunk.keyframe_bytes(blend.keyframe) } else { 0 },
-            },
-        });
+        let cost = FrameCost {
+            keyframe_units: u64::from(keyframe),
+            updated_pixels: if written { format.pixels() as u64 } else { 0 },
+            bytes: weight_bytes + if keyframe { chunk.keyframe_bytes(blend.keyframe) } else { 0 },
+            ..FrameCost::default()
+        };
+        measure.events.push(Event { frame, cost });
     }
     measure
 }

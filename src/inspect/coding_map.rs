@@ -78,25 +78,16 @@ pub struct Survey {
     pub cells: Vec<CellKeyframes>,
 }
 
-/// Steps that [`survey`] advances its monitor by: one for each chunk.
-pub fn survey_steps(decoder: &Decoder, stream: &StreamInfo) -> u64 {
-    decoder.reader().index().stream_chunks(stream.index).len() as u64
-}
-
-/// Parses all chunks of a stream, units in parallel.
-///
-/// # Errors
-/// [`Error::Invalid`] names a damaged chunk.
+/// Parses all chunks of a stream, units in parallel. The monitor advances by one for each chunk.
 pub fn survey(decoder: &Decoder, stream: &StreamInfo, monitor: &dyn Monitor) -> Result<Survey> {
-    let (reader, index) = (decoder.reader(), decoder.reader().index());
+    let index = decoder.reader().index();
     let surveyed = try_map_ordered((0..stream.entry.unit_count()).collect(), |unit| {
         let rect = stream.entry.unit_rect(unit);
         let mut cell = CellKeyframes { rect, blocks: 0, samples: 0 };
         let (mut changed, mut keyframes) = (Frames::new(), Frames::new());
         for chunk in index.unit_chunks(stream.index, unit) {
             monitor.check()?;
-            let parsed = reader.fetch(chunk).and_then(|payload| StreamChunk::parse(stream, index, chunk, payload));
-            let counted = survey_chunk(&parsed.map_err(|error| reader.blame(chunk, error))?);
+            let counted = survey_chunk(&parsed(decoder, stream, chunk)?);
             cell.blocks += counted.keyframes_in_blocks;
             cell.samples += counted.keyframes_in_samples;
             add(&mut changed, chunk.key.first_frame, counted.changed);
@@ -127,21 +118,19 @@ fn busiest(frames: &Frames) -> Option<u32> {
     frames.iter().find(|(_, pixels)| **pixels == most).map(|(&frame, _)| frame)
 }
 
-/// The coding map of a frame.
-///
-/// # Errors
-/// [`Error::Usage`] for a frame that the stream does not have; [`Error::Invalid`] names a damaged chunk.
-pub fn coding_map(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<CodingMap> {
+fn parsed(decoder: &Decoder, stream: &StreamInfo, chunk: &ChunkEntry) -> Result<StreamChunk> {
     let reader = decoder.reader();
+    let parsed = reader.fetch(chunk).and_then(|payload| StreamChunk::parse(stream, reader.index(), chunk, payload));
+    parsed.map_err(|error| reader.blame(chunk, error))
+}
+
+pub fn coding_map(decoder: &Decoder, stream: &StreamInfo, frame: u32) -> Result<CodingMap> {
     let units = try_map_ordered((0..stream.entry.unit_count()).collect(), |unit| {
         let rect = stream.entry.unit_rect(unit);
-        let chunk = chunk_of(reader.index().unit_chunks(stream.index, unit), frame)
+        let chunk = chunk_of(decoder.reader().index().unit_chunks(stream.index, unit), frame)
             .ok_or_else(|| Error::Usage(format!("frame {frame} is not one of the stream's frames")))?;
         let at = frame - chunk.key.first_frame;
-        let parsed = reader.fetch(chunk).and_then(|payload| StreamChunk::parse(stream, reader.index(), chunk, payload));
-        parsed
-            .map(|parsed| (rect, unit_map(&parsed, [rect[2], rect[3]], at)))
-            .map_err(|error| reader.blame(chunk, error))
+        Ok((rect, unit_map(&parsed(decoder, stream, chunk)?, [rect[2], rect[3]], at)))
     })?;
     let mut map = CodingMap { frame, patches: vec![], parts: 0, written_units: 0, keyframe_units: 0 };
     for ([left, top, _, _], unit) in units {

@@ -23,9 +23,6 @@ pub fn steps(decoder: &Decoder, streams: &[&StreamInfo]) -> u64 {
 }
 
 /// Statistics of some streams of a container.
-///
-/// # Errors
-/// A damaged chunk with [`Check::StopAtFirst`]; frames that no stream has; a stop by the monitor.
 pub fn inspect<'a>(
     decoder: &'a Decoder,
     streams: &[&'a StreamInfo],
@@ -56,11 +53,11 @@ pub fn inspect<'a>(
     let measured = try_map_at_once(streams.to_vec(), streams_at_once, |stream| {
         let measure = Measure { reader: decoder.reader(), stream, settings, monitor };
         let units = try_map_at_once((0..stream.entry.unit_count()).collect(), at_once, |unit| measure.unit(unit))?;
-        Ok(StreamMeasure::new(stream, listed(stream), storage[stream.index as usize], units))
+        Ok(Inspection::of_stream(stream, listed(stream), storage[stream.index as usize], units))
     })?;
     let mut inspection = Inspection { streams: vec![], rows: vec![], damaged: vec![], unreferenced_bytes };
-    for StreamMeasure { stats, rows, damaged } in measured {
-        inspection.streams.push(stats);
+    for Inspection { streams, rows, damaged, .. } in measured {
+        inspection.streams.extend(streams);
         inspection.rows.extend(rows);
         inspection.damaged.extend(damaged);
     }
@@ -121,7 +118,7 @@ fn storage_of(reader: &Reader) -> (Vec<StorageStats>, u64) {
     (storage, unreferenced + area.end.saturating_sub(covered))
 }
 
-#[derive(Debug)]
+#[derive(Default)]
 struct UnitMeasure {
     total: FrameCost,
     modes: ModeStatistics,
@@ -145,17 +142,9 @@ impl Measure<'_> {
     fn unit(&self, unit: u32) -> Result<UnitMeasure> {
         let [_, _, width, height] = self.stream.entry.unit_rect(unit);
         let chunks = self.reader.index().unit_chunks(self.stream.index, unit);
-        let mut measure = UnitMeasure {
-            total: FrameCost::default(),
-            modes: ModeStatistics::default(),
-            blocks: BlockCount::default(),
-            is_static: true,
-            constant: true,
-            events: vec![],
-            damaged: vec![],
-        };
         let identity = |chunk: &ChunkEntry| (chunk.crc32, chunk.stored_bytes, chunk.raw_bytes);
-        measure.is_static = chunks.iter().all(|chunk| identity(chunk) == identity(&chunks[0]));
+        let is_static = chunks.iter().all(|chunk| identity(chunk) == identity(&chunks[0]));
+        let mut measure = UnitMeasure { is_static, constant: true, ..UnitMeasure::default() };
         for chunk in chunks {
             self.monitor.check()?;
             let counted = self.chunk(chunk, u64::from(width) * u64::from(height));
@@ -163,9 +152,7 @@ impl Measure<'_> {
             match (counted, self.settings.check) {
                 (Ok(counted), _) => measure.add(counted, self.settings.rows),
                 (Err(error), Check::StopAtFirst) => return Err(self.reader.blame(chunk, error)),
-                (Err(error), Check::ListAll) => {
-                    measure.damaged.push(DamagedChunk::new(chunk, &error));
-                }
+                (Err(error), Check::ListAll) => measure.damaged.push(DamagedChunk::new(chunk, &error)),
             }
         }
         Ok(measure)
@@ -216,35 +203,30 @@ impl UnitMeasure {
     }
 }
 
-struct StreamMeasure<'a> {
-    stats: StreamStats<'a>,
-    rows: Vec<FrameRow<'a>>,
-    damaged: Vec<DamagedChunk>,
-}
-
-impl<'a> StreamMeasure<'a> {
-    fn new(
+impl<'a> Inspection<'a> {
+    /// That of one stream alone.
+    fn of_stream(
         stream: &'a StreamInfo,
         listed: Option<FrameRange>,
         storage: StorageStats,
         units: Vec<UnitMeasure>,
-    ) -> StreamMeasure<'a> {
+    ) -> Inspection<'a> {
+        let mut damaged = Vec::new();
         let blank = |frame| FrameRow { stream, frame, cost: FrameCost::default() };
         let mut rows: Vec<_> = listed.map(|frames| frames.iter().map(blank).collect()).unwrap_or_default();
-        let (mut total, mut modes) = (FrameCost::default(), ModeStatistics::default());
-        let mut blocks = BlockCount::default();
-        let (mut static_units, mut constant_units) = (0, 0);
+        let (mut total, mut modes, mut blocks) =
+            (FrameCost::default(), ModeStatistics::default(), BlockCount::default());
         let keyframes = || units.iter().map(|unit| unit.total.keyframe_units);
-        let spread = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
-        let mut damaged = Vec::new();
+        let (min, max) = (keyframes().min().unwrap_or(0), keyframes().max().unwrap_or(0));
+        let count = |is_such: fn(&UnitMeasure) -> bool| {
+            units.iter().filter(|unit| unit.damaged.is_empty() && is_such(unit)).count() as u64
+        };
+        let (static_units, constant_units) = (count(|unit| unit.is_static), count(|unit| unit.constant));
         let unit_count = units.len() as u64;
         for unit in units {
             total.add(unit.total);
             modes.add(&unit.modes);
             blocks.add(unit.blocks);
-            let sound = unit.damaged.is_empty();
-            static_units += u64::from(sound && unit.is_static);
-            constant_units += u64::from(sound && unit.constant);
             damaged.extend(unit.damaged);
             if let Some(frames) = listed {
                 for event in unit.events.iter().filter(|event| frames.contains(event.frame)) {
@@ -252,17 +234,14 @@ impl<'a> StreamMeasure<'a> {
                 }
             }
         }
+        let mean = total.keyframe_units as f64 / unit_count.max(1) as f64;
         let mut stats = StreamStats {
             stream,
             raw_bytes: 0,
             storage,
             units: unit_count,
             keyframes: total.keyframe_units,
-            keyframes_per_unit: Spread {
-                min: spread.0,
-                mean: total.keyframe_units as f64 / unit_count.max(1) as f64,
-                max: spread.1,
-            },
+            keyframes_per_unit: Spread { min, mean, max },
             aabbs: total.aabbs,
             nodes: modes,
             blocks,
@@ -271,6 +250,6 @@ impl<'a> StreamMeasure<'a> {
             constant_units,
         };
         stats.raw_bytes = stats.pixels() * stream.header.raw_pixel_bytes();
-        StreamMeasure { stats, rows, damaged }
+        Inspection { streams: vec![stats], rows, damaged, unreferenced_bytes: 0 }
     }
 }

@@ -11,12 +11,8 @@ mod statistics;
 mod unit_map;
 
 pub use chunk_counts::{BlockCount, FrameCost};
-pub use coding_map::{CellKeyframes, CodingMap, Extent, Survey, coding_map, survey, survey_steps};
+pub use coding_map::{CodingMap, Survey, coding_map, survey};
 pub use measure::{inspect, statistics, steps};
 pub use patch::{Patch, Writing};
-pub use report::{
-    ChunksReport, ContainerReport, FrameReport, StreamReport, depth_kind_name, percent, projection_name, transfer_name,
-};
-pub use statistics::{
-    Check, FrameRow, FrameRows, InspectSettings, Inspection, MAX_ROWS, Spread, StorageStats, StreamStats, Totals,
-};
+pub use report::{ChunksReport, ContainerReport, FrameReport, percent, projection_name};
+pub use statistics::{Check, FrameRows, InspectSettings, Inspection, StreamStats, Totals};

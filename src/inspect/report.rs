@@ -131,7 +131,7 @@ struct DepthReport {
     near_m: Number,
     far_m: Number,
     background: Number,
-    depth_kind: &'static str,
+    depth_kind: DepthKind,
 }
 
 #[derive(Debug, Serialize)]
@@ -181,7 +181,7 @@ struct ColorReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     keyframes_raw: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    transfer: Option<&'static str>,
+    transfer: Option<Transfer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     exposure_ev: Option<Number>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -343,7 +343,7 @@ impl DepthReport {
             near_m: Number::shortest(header.range.near_m()),
             far_m: Number::shortest(header.range.far_m()),
             background: Number::shortest(header.background),
-            depth_kind: depth_kind_name(header.kind),
+            depth_kind: header.kind,
         }
     }
 }
@@ -394,7 +394,7 @@ impl ColorReport {
             min_psnr_db: Number(header.min_psnr_db),
             keyframes_blocks: keyframes.map(|count| count.blocks),
             keyframes_raw: keyframes.map(|count| count.raw),
-            transfer: tone.map(|tone| transfer_name(tone.transfer)),
+            transfer: tone.map(|tone| tone.transfer),
             exposure_ev: tone.map(|tone| Number::shortest(tone.exposure_ev)),
             white_cd_m2,
         }
@@ -413,20 +413,4 @@ pub fn percent(part: u64, whole: u64) -> f64 {
 /// `cubemap` or `perspective`.
 pub fn projection_name(projection: u8) -> &'static str {
     if projection == 0 { "cubemap" } else { "perspective" }
-}
-
-/// `distance` or `planar`.
-pub fn depth_kind_name(kind: DepthKind) -> &'static str {
-    match kind {
-        DepthKind::Distance => "distance",
-        DepthKind::Planar => "planar",
-    }
-}
-
-/// `srgb` or `linear`.
-pub fn transfer_name(transfer: Transfer) -> &'static str {
-    match transfer {
-        Transfer::Srgb => "srgb",
-        Transfer::Linear => "linear",
-    }
 }

@@ -17,7 +17,7 @@ use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::image::StreamKind;
 use crate::image::png;
-use crate::inspect::{Survey, coding_map, survey, survey_steps};
+use crate::inspect::{self, Survey, coding_map, survey};
 use crate::monitor::Monitor;
 use crate::ordered::try_map_ordered;
 
@@ -52,7 +52,7 @@ pub struct Request<'a> {
 
 /// Steps that [`plot`] advances its monitor by.
 pub fn steps(request: &Request<'_>) -> u64 {
-    let chunks = |stream: &&StreamInfo| survey_steps(request.decoder, stream) + 1;
+    let chunks = |stream: &&StreamInfo| inspect::steps(request.decoder, &[stream]) + 1;
     request.streams.iter().map(chunks).sum()
 }
 
@@ -111,7 +111,7 @@ fn plot_stream<'a>(
         };
         save(what, sheet)?;
         if let Some((sides, pairing)) = request.source
-            && let Some(pair) = pair_of(pairing, stream, probe).filter(|pair| pair.frames().contains(frame))
+            && let Some(pair) = pair_of(pairing, stream, probe).filter(|pair| pair.frames.contains(frame))
         {
             let map = error_map(sides, pair, frame)?;
             save(What::Error, errors::sheet(&subject, &map, &sides[1].path, frame)?)?;
@@ -123,10 +123,10 @@ fn plot_stream<'a>(
 /// The pair that a stream of the container is the first of.
 fn pair_of<'a>(pairing: &'a Pairing<'_>, stream: &StreamInfo, probe: &str) -> Option<&'a Pair<'a>> {
     let is_it = |pair: &&Pair<'_>| {
-        let id = &pair.streams()[0].id;
+        let id = &pair.streams[0].id;
         (id.kind, id.probe.as_str(), id.face) == (stream.kind, probe, stream.face)
     };
-    pairing.pairs().iter().find(is_it)
+    pairing.pairs.iter().find(is_it)
 }
 
 /// The frames of a stream that are drawn, ascending.

@@ -7,7 +7,7 @@ use half::f16;
 use lightfold::compare::{CompareSettings, Coverage, Measured, Pairing, SideOptions, compare, error_map, open_both};
 use lightfold::decode::{Decoder, Picture, StreamInfo};
 use lightfold::image::{DepthPlane, Face, Plane};
-use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, survey, survey_steps};
+use lightfold::inspect::{CodingMap, FrameRows, InspectSettings, Writing, coding_map, inspect, steps, survey};
 use lightfold::monitor::Silent;
 use lightfold::report::coding_map::{Request, plot};
 use serde_json::Value;
@@ -134,7 +134,7 @@ fn surveys_agree_with_counts_of_all_frames() {
                     assert!(stream.frames.contains(frame) && plain.max().unwrap_or(0) <= most, "{}", path.display());
                 }
             }
-            assert!(survey_steps(&decoder, stream) >= u64::from(stream.entry.unit_count()));
+            assert!(steps(&decoder, &[stream]) >= u64::from(stream.entry.unit_count()));
         }
     }
 }
@@ -349,8 +349,8 @@ fn errors_of_pixels_and_cells_are_those_of_a_comparison() {
         let pairing = Pairing::new(&sides, Coverage::Whole).unwrap();
         let comparison = compare(&pairing, &CompareSettings::default(), &Silent).unwrap();
         assert_eq!(comparison.streams.len(), 2);
-        for (report, pair) in comparison.streams.iter().zip(pairing.pairs()) {
-            let maps: Vec<_> = pair.frames().iter().map(|frame| error_map(&sides, pair, frame).unwrap()).collect();
+        for (report, pair) in comparison.streams.iter().zip(&pairing.pairs) {
+            let maps: Vec<_> = pair.frames.iter().map(|frame| error_map(&sides, pair, frame).unwrap()).collect();
             let largest = maps.iter().map(|map| map.largest().steps).max().unwrap();
             let differing: u64 = maps.iter().map(|map| map.differing_pixels()).sum();
             match &report.measured {

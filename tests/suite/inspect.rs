@@ -7,12 +7,12 @@ use half::f16;
 use lightfold::color::cells::builder::CellBuilder;
 use lightfold::container::header::Foot;
 use lightfold::container::{ChunkKey, PackedChunk, Reader, Storage, Writer};
-use lightfold::dataset::manifest::{ColorInfo, Files, ManifestColorSpace, MaterialChannels, MaterialInfo, Probe};
+use lightfold::dataset::manifest::{ColorInfo, Files, MaterialChannels, MaterialInfo, Probe};
 use lightfold::dataset::{Manifest, Projection, Source, SourceOptions, StreamKind};
 use lightfold::decode::{Decoder, Picture, Request, StreamFrames, check_windows};
 use lightfold::depth::TemporalSettings;
 use lightfold::encode::{DepthCodec, EncodeSettings, encode};
-use lightfold::image::{ColorPlane, DepthPlane, FrameRange, Plane, exr};
+use lightfold::image::{ColorPlane, ColorSpace, DepthPlane, FrameRange, Plane, exr};
 use lightfold::inspect::{Check, FrameRows, InspectSettings, Inspection, inspect};
 use lightfold::memory::Budget;
 use lightfold::monitor::Silent;
@@ -86,7 +86,7 @@ fn dataset(kinds: &[StreamKind]) -> TempDir {
         faces: None,
         faces_present: Some(vec!["px".into(), "nz".into()]),
         depth: None,
-        color: Some(ColorInfo { space: ManifestColorSpace::LinearRec709 }),
+        color: Some(ColorInfo { space: ColorSpace::LinearRec709 }),
         material: files.material.is_some().then(|| MaterialInfo { channels: MaterialChannels::default() }),
         files,
         probes: vec![Probe {

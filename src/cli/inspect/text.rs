@@ -13,7 +13,7 @@ use crate::depth::nodes::Function;
 use crate::depth::settings::TemporalSettings;
 use crate::error::escaped;
 use crate::image::StreamKind;
-use crate::inspect::{BlockCount, StreamStats, Totals, depth_kind_name, percent, projection_name, transfer_name};
+use crate::inspect::{BlockCount, StreamStats, Totals, percent, projection_name};
 use crate::report::{Column, Table};
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding, NodeHeader};
 
@@ -349,7 +349,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
                 ),
                 DepthCoding::Blocks => format!("BC4w blocks without a bound, tile {units}"),
             };
-            format!("{coding}, {}", depth_kind_name(header.kind))
+            format!("{coding}, {}", header.kind.name())
         }
         CodecHeader::Material(header) => {
             format!("{}{}", temporal(&header.temporal), if header.in_blocks { ", BC1" } else { "" })
@@ -357,7 +357,7 @@ fn setting(stats: &StreamStats<'_>) -> String {
         CodecHeader::Color(header) => {
             let format = match header.format {
                 ColorFormat::EightBit(tone) => {
-                    format!("8 bits, {}, exposure {} EV", transfer_name(tone.transfer), tone.exposure_ev)
+                    format!("8 bits, {}, exposure {} EV", tone.transfer.name(), tone.exposure_ev)
                 }
                 ColorFormat::Half { white_cd_m2 } => format!("half floats, white at {white_cd_m2} cd/m²"),
             };

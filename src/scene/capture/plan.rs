@@ -11,14 +11,13 @@ use super::samples::SamplePattern;
 use super::view::{MAX_FACE_SIZE, Pass, Viewpoint};
 use crate::dataset::cameras::CameraSet;
 use crate::dataset::manifest::{
-    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, ManifestColorSpace, MaterialInfo, Probe,
-    intrinsics_of,
+    ColorInfo, DepthInfo, FaceFiles, Files, MANIFEST_VERSION, Manifest, MaterialInfo, Probe, intrinsics_of,
 };
 use crate::error::{Error, Result};
 use crate::fingerprint::digest;
 use crate::image::ImageProjection;
+use crate::image::{ColorSpace, Face, FrameRange, Pattern};
 use crate::image::{DepthKind, Projection};
-use crate::image::{Face, FrameRange, Pattern};
 use crate::math::camera::rotation;
 
 /// Channels of files of normals, half floats.
@@ -90,7 +89,7 @@ impl CapturePlan {
             faces: (self.projection == Projection::Cubemap).then_some(FaceFiles::Six),
             faces_present: None,
             depth: wants(Pass::Depth).then(|| DepthInfo { kind: self.depth, ..DepthInfo::default() }),
-            color: wants(Pass::Color).then_some(ColorInfo { space: ManifestColorSpace::LinearRec709 }),
+            color: wants(Pass::Color).then_some(ColorInfo { space: ColorSpace::LinearRec709 }),
             material: wants(Pass::Material).then(|| MaterialInfo { channels: Default::default() }),
             files: Files { color: files(Pass::Color), depth: files(Pass::Depth), material: files(Pass::Material) },
             probes,
