@@ -64,8 +64,6 @@ impl ToneMap {
 
 /// Bit of an entry of [`EncodeTable`]: the value did not fit.
 const CLIPPED: u16 = 0x100;
-/// Bit of an entry of [`EncodeTable`]: the value is not a number.
-const NAN: u16 = 0x200;
 
 /// The 8-bit code of each of the 65,536 half floats.
 #[derive(Debug, Clone)]
@@ -79,7 +77,7 @@ impl EncodeTable {
         let entry = |bits: u16| {
             let value = f16::from_bits(bits).to_f64() * gain;
             if value.is_nan() {
-                return NAN;
+                return 0;
             }
             let code = tone.transfer.encode(value) * 255.0;
             // Above 1 by no more than a half float rounds is still the brightest code, which decoding may have made.
@@ -99,10 +97,6 @@ impl EncodeTable {
         self.entries[value.to_bits() as usize] & CLIPPED != 0
     }
 
-    /// Whether the value is not a number. Callers refuse such pixels.
-    pub fn is_nan(&self, value: f16) -> bool {
-        self.entries[value.to_bits() as usize] & NAN != 0
-    }
 }
 
 /// The linear light of each of the 256 codes.
@@ -146,7 +140,7 @@ mod tests {
                     let value = decode.value(code);
                     assert_eq!(encode.code(value), code, "{tone:?}");
                     assert_eq!(tone.code(value.to_f32()), code, "{tone:?}");
-                    assert!(!encode.is_clipped(value) && !encode.is_nan(value), "{tone:?} {code}");
+                    assert!(!encode.is_clipped(value), "{tone:?} {code}");
                 }
             }
         }
@@ -157,17 +151,17 @@ mod tests {
         let table = EncodeTable::new(&ToneMap::default());
         let flags = |value: f32| {
             let value = f16::from_f32(value);
-            (table.code(value), table.is_clipped(value), table.is_nan(value))
+            (table.code(value), table.is_clipped(value))
         };
-        assert_eq!(flags(1.0), (255, false, false));
-        assert_eq!(flags(1.01), (255, true, false));
-        assert_eq!(flags(f32::INFINITY), (255, true, false));
-        assert_eq!(flags(-1e-5), (0, false, false));
-        assert_eq!(flags(-0.01), (0, true, false));
-        assert_eq!(flags(f32::NAN), (0, false, true));
-        assert_eq!(flags(0.0), (0, false, false));
+        assert_eq!(flags(1.0), (255, false));
+        assert_eq!(flags(1.01), (255, true));
+        assert_eq!(flags(f32::INFINITY), (255, true));
+        assert_eq!(flags(-1e-5), (0, false));
+        assert_eq!(flags(-0.01), (0, true));
+        assert_eq!(flags(f32::NAN), (0, false));
+        assert_eq!(flags(0.0), (0, false));
         // Code 128 of the curve, from its published table.
-        assert_eq!(flags(0.215_86), (128, false, false));
+        assert_eq!(flags(0.215_86), (128, false));
         let codes = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.215_86].map(|v| ToneMap::default().code(v));
         assert_eq!(codes, [0, 255, 0, 0, 128]);
     }

@@ -69,8 +69,9 @@ fn hard_cases() -> Result<(), Failed> {
         match differs {
             None if pictures > 10_000 && rendered > 10 => Ok(()),
             differs => {
-                Err(format!("{pictures} pictures, {rendered} of them rendered, on {}: {differs:?}", gpu.info.name)
-                    .into())
+                let differs = differs.map(|(case, figures)| (&case.name, figures));
+                let device = &gpu.info.name;
+                Err(format!("{pictures} pictures, {rendered} of them rendered, on {device}: {differs:?}").into())
             }
         }
     })
