@@ -96,7 +96,6 @@ impl EncodeTable {
     pub fn is_clipped(&self, value: f16) -> bool {
         self.entries[value.to_bits() as usize] & CLIPPED != 0
     }
-
 }
 
 /// The linear light of each of the 256 codes.
