@@ -4,6 +4,7 @@
 
 use half::f16;
 
+use crate::error::Result;
 use crate::image::plane::Plane;
 use crate::image::transfer::ToneMap;
 
@@ -27,6 +28,12 @@ pub struct RenderedImage {
 }
 
 impl RenderedImage {
+    /// An image of these pixels, row by row: linear light, then alpha.
+    pub fn of_pixels([width, height]: [u32; 2], pixels: impl Iterator<Item = [f32; 4]>) -> Result<RenderedImage> {
+        let (color, alpha) = pixels.map(|[r, g, b, alpha]| ([r, g, b], alpha)).unzip();
+        Ok(RenderedImage { color: Plane::new(width, height, color)?, alpha: Plane::new(width, height, alpha)? })
+    }
+
     /// 8-bit codes, without alpha.
     pub fn codes(&self, tone: ToneMap) -> Plane<[u8; 3]> {
         self.color.map(|light| light.map(|light| tone.code(light)))

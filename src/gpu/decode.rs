@@ -19,9 +19,9 @@ use crate::depth::record_table;
 use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, Pipeline};
 use crate::gpu::family::{Family, PixelWords};
-use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, words_of};
+use crate::gpu::layout::{Dispatch, Item, Job, LIST_HEAD_WORDS, NONE, State, Unit, list_of, words_of};
 use crate::gpu::prepare::{self, Prepared, Timeline};
-use crate::gpu::resident::{Growing, Resident, Slot};
+use crate::gpu::resident::{Growing, Resident, ResidentChunk};
 use crate::monitor::{Monitor, Silent};
 use crate::ordered::try_map_ordered;
 
@@ -58,11 +58,10 @@ struct Shown {
 }
 
 /// Decodes streams of one family.
-#[derive(Debug)]
 pub struct GpuDecoder<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
-    streams: Vec<&'a StreamInfo>,
+    pub streams: Vec<&'a StreamInfo>,
     family: Family,
     /// Position of each stream's first unit among all units.
     first_units: Vec<usize>,
@@ -71,26 +70,18 @@ pub struct GpuDecoder<'a> {
     resident: Resident,
     calls: u64,
     most_work: u64,
-    /// Words of chunks that are kept from call to call.
-    kept_words: usize,
+    /// Most words of chunks that are kept from call to call, so that a long playback does not fill the device.
+    pub kept_words: usize,
     /// Pixels that the last call wrote, by unit.
     written: Vec<u64>,
     buffers: Buffers,
     plan: Arc<Pipeline>,
     kernel: Arc<Pipeline>,
-    cost: DecodeCost,
-    wanted_pixels: u64,
-    watch: Watch<'a>,
-}
-
-/// Monitors a stop request.
-#[derive(Clone, Copy)]
-struct Watch<'a>(&'a dyn Monitor);
-
-impl std::fmt::Debug for Watch<'_> {
-    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.write_str("Watch")
-    }
+    /// Cost so far; the time of the device counts where it was waited for.
+    pub cost: DecodeCost,
+    /// Pixels of the units of all calls so far.
+    pub wanted_pixels: u64,
+    monitor: &'a dyn Monitor,
 }
 
 #[derive(Debug)]
@@ -134,7 +125,7 @@ pub fn buffer_words(streams: &[&StreamInfo], row_words: u32) -> u64 {
 
 /// Words of a row of a picture. Only rows of 8-bit colours are copied into textures.
 fn stride_of(family: Family, width: u32, row_words: u32) -> u32 {
-    let is_padded = family.is_color() && family.words() == PixelWords::Bytes;
+    let is_padded = family.is_color && family.words == PixelWords::Bytes;
     family.stride(width).next_multiple_of(if is_padded { row_words.max(1) } else { 1 })
 }
 
@@ -151,11 +142,10 @@ impl<'a> GpuDecoder<'a> {
         streams: &[&'a StreamInfo],
         row_words: u32,
     ) -> Result<GpuDecoder<'a>> {
-        let families: Vec<_> = streams.iter().map(|stream| Family::of(&stream.header)).collect();
-        let family = families.first().copied().unwrap_or(Family::Nodes);
-        if families.iter().any(|&other| other != family) {
+        let mut families = streams.iter().map(|stream| Family::of(&stream.header));
+        let Some(family) = families.next().filter(|family| families.all(|other| other == *family)) else {
             return Err(Error::Usage("streams of different families cannot be decoded together".into()));
-        }
+        };
         let total: u64 = streams.iter().map(|stream| picture_words(stream, row_words)).sum();
         // The error of a buffer that is too large names both sizes.
         let picture_words = usize::try_from(total).unwrap_or(usize::MAX / 8);
@@ -171,17 +161,12 @@ impl<'a> GpuDecoder<'a> {
                 at += stride * height;
             }
         }
-        let filled = |label: &str, words: &[u32]| {
-            let buffer = gpu.buffer(label, words.len(), none)?;
-            gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
-            Ok::<_, Error>(buffer)
-        };
         let buffers = Buffers {
-            units: filled("units", &words_of(&units))?,
+            units: gpu.filled("units", &words_of(&units))?,
             states: gpu.buffer("states", units.len() * State::WORDS, none)?,
             pictures,
             picture_words,
-            log2_table: filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
+            log2_table: gpu.filled("log2_table", &crate::depth::domain::LOG2_TABLE)?,
             dispatch: gpu.buffer("dispatch", Dispatch::WORDS, wgpu::BufferUsages::INDIRECT)?,
             items: Growing::new(gpu, "items")?,
             jobs: gpu.buffer("jobs", 4, none)?,
@@ -202,17 +187,17 @@ impl<'a> GpuDecoder<'a> {
             kept_words: usize::MAX,
             buffers,
             plan: gpu.pipeline(family.plan())?,
-            kernel: gpu.pipeline(family.kernel())?,
+            kernel: gpu.pipeline(family.kernel)?,
             cost: DecodeCost::default(),
             wanted_pixels: 0,
-            watch: Watch(&Silent),
+            monitor: &Silent,
         })
     }
 
     /// The same with a monitor, whose stop request ends a call in [`Error::Interrupted`].
     #[must_use]
     pub fn watched_by(self, monitor: &'a dyn Monitor) -> Self {
-        GpuDecoder { watch: Watch(monitor), ..self }
+        GpuDecoder { monitor, ..self }
     }
 
     /// Sets the most words of chunks in a buffer: for tests.
@@ -224,11 +209,6 @@ impl<'a> GpuDecoder<'a> {
     /// Sets the most invocations of a list: for tests.
     pub fn limit_work(&mut self, invocations: u64) {
         self.most_work = invocations.min(MOST_WORK);
-    }
-
-    /// Keeps at most `words` words of chunks from call to call, so that a long playback does not fill the device.
-    pub fn limit_kept(&mut self, words: usize) {
-        self.kept_words = words;
     }
 
     /// Decodes a frame of each stream that has it.
@@ -275,7 +255,7 @@ impl<'a> GpuDecoder<'a> {
             let (key, entry) = self.chunk(one)?;
             self.resident.needed(key, self.calls);
             let frame = one.frame - entry.key.first_frame;
-            if self.resident.slot(key).is_some_and(|slot| slot.timeline.blend(frame).1) {
+            if self.resident.chunk(key).is_some_and(|chunk| chunk.timeline.blend(frame).1) {
                 self.resident.needed(key + 1, self.calls);
             }
         }
@@ -287,7 +267,7 @@ impl<'a> GpuDecoder<'a> {
     /// Lists units whose chunks are resident; submits the list where more do not fit.
     fn list(&mut self, mut wanted: &[UnitFrame], batch: &mut Batch) -> Result<()> {
         while !wanted.is_empty() {
-            self.watch.0.check()?;
+            self.monitor.check()?;
             let start = Instant::now();
             let (count, mut fetched) = self.fetch_missing(wanted)?;
             self.cost.fetching += start.elapsed();
@@ -305,10 +285,8 @@ impl<'a> GpuDecoder<'a> {
                 }
                 self.resident.clear();
                 if !self.add(one, &mut fetched, batch)? {
-                    let most = self.gpu.info.max_binding_bytes;
-                    return Err(self
-                        .gpu
-                        .failed("a chunk", &format!("it takes more than the {most} bytes of a buffer")));
+                    let why = format!("it takes more than the {} bytes of a buffer", self.gpu.info.max_binding_bytes);
+                    return Err(self.gpu.failed("a chunk", &why));
                 }
             }
         }
@@ -331,7 +309,7 @@ impl<'a> GpuDecoder<'a> {
         let Ok((key, entry)) = self.chunk(one) else { return false };
         let frame = one.frame - entry.key.first_frame;
         let blend = |frame: u32| shown.timeline.blend(frame).0;
-        let alike = || self.family.is_color() && blend(shown.frame) == blend(frame);
+        let alike = || self.family.is_color && blend(shown.frame) == blend(frame);
         shown.key == key && (shown.frame == frame || alike())
     }
 
@@ -350,30 +328,16 @@ impl<'a> GpuDecoder<'a> {
         &self.buffers.pictures
     }
 
-    pub fn streams(&self) -> &[&'a StreamInfo] {
-        &self.streams
-    }
-
     /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
-        self.resident.bytes_sent() + self.buffers.items.bytes_sent()
+        self.resident.bytes_sent() + self.buffers.items.bytes_sent
     }
 
     /// Bytes of the device that it takes.
     pub fn bytes(&self) -> u64 {
         let Buffers { units, states, pictures, log2_table, dispatch, items, jobs, .. } = &self.buffers;
-        let buffers = [units, states, pictures, log2_table, dispatch, items.buffer(), jobs];
+        let buffers = [units, states, pictures, log2_table, dispatch, &items.buffer, jobs];
         self.resident.bytes() + buffers.into_iter().map(wgpu::Buffer::size).sum::<u64>()
-    }
-
-    /// Pixels of the units of all calls so far.
-    pub fn wanted_pixels(&self) -> u64 {
-        self.wanted_pixels
-    }
-
-    /// What decoding cost so far; the time of the device counts where it was waited for.
-    pub fn cost(&self) -> DecodeCost {
-        self.cost
     }
 
     /// The chunk that holds a frame of a unit, and its key: its place in the index, counted from 1.
@@ -419,7 +383,7 @@ impl<'a> GpuDecoder<'a> {
         for &one in wanted.iter().take(FETCH_TOGETHER) {
             let (key, entry) = self.chunk(one)?;
             let is_shown = self.frame_of(self.number(one), key) == Some(one.frame - entry.key.first_frame);
-            if !is_shown && self.resident.slot(key).is_none() {
+            if !is_shown && self.resident.chunk(key).is_none() {
                 bytes += u64::from(entry.raw_bytes);
                 if bytes > FETCH_BYTES && !missing.is_empty() {
                     break;
@@ -436,7 +400,7 @@ impl<'a> GpuDecoder<'a> {
 
     /// Makes a chunk resident; `false` where there is no room.
     fn make_resident(&mut self, key: u32, entry: &ChunkEntry, fetched: &mut HashMap<u32, Prepared>) -> Result<bool> {
-        if self.resident.slot(key).is_some() {
+        if self.resident.chunk(key).is_some() {
             self.resident.needed(key, self.calls);
             return Ok(true);
         }
@@ -468,20 +432,20 @@ impl<'a> GpuDecoder<'a> {
             return Ok(false);
         }
         let mut next = NONE;
-        if self.resident.slot(key).is_some_and(|slot| slot.timeline.blend(frame).1) {
+        if self.resident.chunk(key).is_some_and(|chunk| chunk.timeline.blend(frame).1) {
             let after = self.chunk_after(key, &entry)?;
             if !self.make_resident(key + 1, &after, fetched)? {
                 return Ok(false);
             }
-            next = self.resident.slot(key + 1).map_or(NONE, |slot| slot.chunk);
+            next = self.resident.chunk(key + 1).map_or(NONE, |next| next.row);
         }
         let (rounds, pixels) = self.work(unit, key, frame);
         if rounds > MAX_ROUNDS {
             let why = format!("frame {} is {rounds} steps behind, at most {MAX_ROUNDS} are taken", one.frame);
             return Err(self.gpu.failed("a tile", &why));
         }
-        let Some(Slot { chunk, most_work, timeline, .. }) = self.resident.slot(key) else { return Ok(false) };
-        let (chunk, most_work, timeline) = (*chunk, *most_work, Arc::clone(timeline));
+        let Some(ResidentChunk { row, most_work, timeline, .. }) = self.resident.chunk(key) else { return Ok(false) };
+        let (chunk, most_work, timeline) = (*row, *most_work, Arc::clone(timeline));
         if batch.work + u64::from(most_work) > self.most_work {
             self.submit(batch)?;
         }
@@ -496,15 +460,15 @@ impl<'a> GpuDecoder<'a> {
 
     /// Rounds of a unit to a frame of a resident chunk, at least one, and the pixels that it writes.
     fn work(&self, unit: usize, key: u32, frame: u32) -> (u32, u64) {
-        let Some(slot) = self.resident.slot(key) else { return (1, 0) };
+        let Some(ResidentChunk { timeline, .. }) = self.resident.chunk(key) else { return (1, 0) };
         let at = self.frame_of(unit, key);
         let pixels = u64::from(self.units[unit].width) * u64::from(self.units[unit].height);
-        if self.family.is_color() {
-            let same = at.is_some_and(|at| slot.timeline.blend(at).0 == slot.timeline.blend(frame).0);
+        if self.family.is_color {
+            let same = at.is_some_and(|at| timeline.blend(at).0 == timeline.blend(frame).0);
             return (1, if same { 0 } else { pixels });
         }
         let Ok(window @ 1..) = u8::try_from(self.units[unit].window) else { return (1, pixels) };
-        let records = slot.timeline.records();
+        let records = timeline.records();
         let steps = record_table::steps(records, |record| record.0, at, frame, window);
         let (rounds, pixels) = steps.fold((0, 0), |(rounds, sum), step| (rounds + 1, sum + records[step].1));
         (rounds.max(1), pixels)
@@ -522,12 +486,11 @@ impl<'a> GpuDecoder<'a> {
         self.cost.fetching += start.elapsed();
         let start = Instant::now();
         self.buffers.list(gpu, &items)?;
-        let [plan, kernel] = self.bind();
+        let [plan, kernel] = [&self.plan, &self.kernel].map(|pipeline| self.bind(pipeline));
         let mut left = rounds;
         while left > 0 {
             let now = left.min(ROUNDS_TOGETHER);
-            gpu.guard(self.family.kernel().name, || {
-                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            gpu.submit(self.family.kernel.name, |encoder| {
                 for _ in 0..now {
                     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
                     pass.set_pipeline(&self.plan.pipeline);
@@ -537,38 +500,33 @@ impl<'a> GpuDecoder<'a> {
                     pass.set_bind_group(0, &kernel, &[]);
                     pass.dispatch_workgroups_indirect(&self.buffers.dispatch, 0);
                 }
-                gpu.queue.submit([encoder.finish()]);
             })?;
             left -= now;
             // Else a long chunk would queue all its rounds at once.
             if left > 0 {
                 gpu.wait()?;
-                self.watch.0.check()?;
+                self.monitor.check()?;
             }
         }
         self.cost.applying += start.elapsed();
         Ok(())
     }
 
-    /// Bind groups of the planning and of the decoding kernel.
-    fn bind(&self) -> [wgpu::BindGroup; 2] {
-        let of = |name: &str| match name {
+    fn bind(&self, pipeline: &Pipeline) -> wgpu::BindGroup {
+        let buffer_of = |name: &str| match name {
             "units" => &self.buffers.units,
-            "chunks" => self.resident.chunks.buffer(),
-            "records" => self.resident.records.buffer(),
-            "boxes" => self.resident.boxes.buffer(),
-            "stream" => self.resident.stream.buffer(),
-            "items" => self.buffers.items.buffer(),
+            "chunks" => &self.resident.chunks.buffer,
+            "records" => &self.resident.records.buffer,
+            "boxes" => &self.resident.boxes.buffer,
+            "stream" => &self.resident.stream.buffer,
+            "items" => &self.buffers.items.buffer,
             "states" => &self.buffers.states,
             "jobs" => &self.buffers.jobs,
             "dispatch" => &self.buffers.dispatch,
             "log2_table" => &self.buffers.log2_table,
             _ => &self.buffers.pictures,
         };
-        [(self.family.plan(), &self.plan), (self.family.kernel(), &self.kernel)].map(|(row, pipeline)| {
-            let buffers: Vec<_> = row.bindings.iter().map(|binding| of(binding.name)).collect();
-            self.gpu.bind(pipeline, &buffers)
-        })
+        self.gpu.bind(pipeline, |name| Some(buffer_of(name).as_entire_binding()))
     }
 
     /// Waits for the device.
@@ -584,8 +542,7 @@ impl Buffers {
     /// Sends the list, and makes room for its jobs.
     fn list(&mut self, gpu: &Gpu, items: &[Item]) -> Result<()> {
         self.items.clear();
-        self.items.push(&[items.len() as u32, 0]);
-        self.items.push(&words_of(items));
+        self.items.push(list_of([items.len() as u32, 0], items));
         self.items.flush(gpu)?;
         let job_words = LIST_HEAD_WORDS + items.len() * Job::WORDS;
         if job_words > self.job_words {

@@ -62,6 +62,7 @@ impl DeviceInfo {
     fn of(index: usize, adapter: &wgpu::Adapter) -> DeviceInfo {
         let (info, limits) = (adapter.get_info(), adapter.limits());
         let driver = [info.driver.as_str(), info.driver_info.as_str()];
+        let largest = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         DeviceInfo {
             index,
             name: info.name.clone(),
@@ -74,7 +75,7 @@ impl DeviceInfo {
             },
             driver: driver.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(" "),
             backend: info.backend.to_string(),
-            max_binding_bytes: binding_bytes(&limits),
+            max_binding_bytes: largest.min(MAX_BUFFER_BYTES) / 16 * 16,
             max_invocations: limits.max_compute_invocations_per_workgroup,
         }
     }
@@ -87,11 +88,6 @@ impl DeviceInfo {
     fn rank(&self) -> usize {
         ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind).unwrap_or(usize::MAX)
     }
-}
-
-fn binding_bytes(limits: &wgpu::Limits) -> u64 {
-    let least = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-    least.min(MAX_BUFFER_BYTES) / 16 * 16
 }
 
 fn binding_type(binding: Binding) -> wgpu::BindingType {
@@ -127,29 +123,24 @@ pub fn choose(choice: DeviceChoice, pick: &Pick) -> Result<(Option<Gpu>, Option<
         DeviceChoice::Cpu => Ok((None, None)),
         DeviceChoice::Gpu => Gpu::open(pick).map(|gpu| (Some(gpu), None)),
         DeviceChoice::Auto => {
-            let picked = *pick != Pick::Best;
-            let refused = |why: String| Ok((None, Some(format!("{why}; going on with the CPU"))));
-            let found = if picked { Vec::new() } else { list() };
-            if !picked && found.iter().all(DeviceInfo::is_software) {
-                let why = match found.is_empty() {
-                    true => "no graphics device was found",
-                    false => "the only graphics device is a software one; `device` gpu selects it",
-                };
-                return refused(why.to_owned());
+            let refused = |why: &str| Ok((None, Some(format!("{why}; going on with the CPU"))));
+            let found = if *pick == Pick::Best { list() } else { Vec::new() };
+            if *pick == Pick::Best && found.is_empty() {
+                return refused("no graphics device was found");
             }
-            match Gpu::open(pick) {
-                Ok(gpu) => Ok((Some(gpu), None)),
-                Err(error) => refused(error.to_string()),
+            if *pick == Pick::Best && found.iter().all(DeviceInfo::is_software) {
+                return refused("the only graphics device is a software one; `device` gpu selects it");
             }
+            Gpu::open(pick).map(|gpu| (Some(gpu), None)).or_else(|error| refused(&error.to_string()))
         }
     }
 }
 
-/// A pipeline with the layout of its bindings.
 #[derive(Debug)]
 pub struct Pipeline {
     pub pipeline: wgpu::ComputePipeline,
-    pub layout: wgpu::BindGroupLayout,
+    layout: wgpu::BindGroupLayout,
+    bindings: &'static [Binding],
 }
 
 /// An open graphics device, and the kernels that were compiled for it so far.
@@ -251,14 +242,40 @@ impl Gpu {
 
     /// A zeroed storage buffer of `words` words.
     pub fn buffer(&self, label: &str, words: usize, more: wgpu::BufferUsages) -> Result<wgpu::Buffer> {
-        let bytes = (words.max(4) * 4) as u64;
-        if bytes > self.info.max_binding_bytes {
+        let size = (words.max(4) * 4) as u64;
+        if size > self.info.max_binding_bytes {
             let most = self.info.max_binding_bytes;
-            return Err(self.failed(label, &format!("{bytes} bytes are needed at once, {most} are allowed")));
+            return Err(self.failed(label, &format!("{size} bytes are needed at once, {most} are allowed")));
         }
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC | more;
-        let descriptor = wgpu::BufferDescriptor { label: Some(label), size: bytes, usage, mapped_at_creation: false };
+        let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
         self.guard(label, || self.device.create_buffer(&descriptor))
+    }
+
+    /// A storage buffer that begins with these words.
+    pub fn filled(&self, label: &str, words: &[u32]) -> Result<wgpu::Buffer> {
+        let buffer = self.buffer(label, words.len(), wgpu::BufferUsages::empty())?;
+        self.write(label, &buffer, words)?;
+        Ok(buffer)
+    }
+
+    /// Writes the first words of a buffer.
+    pub fn write(&self, label: &str, buffer: &wgpu::Buffer, words: &[u32]) -> Result<()> {
+        self.guard(label, || self.queue.write_buffer(buffer, 0, bytemuck::cast_slice(words)))
+    }
+
+    /// Submits commands.
+    pub fn submit(&self, what: &str, record: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<()> {
+        self.guard(what, || {
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            record(&mut encoder);
+            self.queue.submit([encoder.finish()]);
+        })
+    }
+
+    /// Submits a compute pass.
+    pub fn compute(&self, what: &str, record: impl FnOnce(&mut wgpu::ComputePass<'_>)) -> Result<()> {
+        self.submit(what, |encoder| record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default())))
     }
 
     /// The first words of a buffer, after all submitted work.
@@ -266,20 +283,14 @@ impl Gpu {
         if words == 0 {
             return Ok(Vec::new());
         }
-        let bytes = (words * 4) as u64;
+        let (what, size) = ("reading back", (words * 4) as u64);
         let usage = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let descriptor =
-            wgpu::BufferDescriptor { label: Some("reading back"), size: bytes, usage, mapped_at_creation: false };
-        let target = self.guard("reading back", || {
-            let target = self.device.create_buffer(&descriptor);
-            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_buffer_to_buffer(buffer, 0, &target, 0, bytes);
-            self.queue.submit([encoder.finish()]);
-            target.map_async(wgpu::MapMode::Read, .., |_| {});
-            target
-        })?;
+        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
+        let target = self.guard(what, || self.device.create_buffer(&descriptor))?;
+        self.submit(what, |encoder| encoder.copy_buffer_to_buffer(buffer, 0, &target, 0, size))?;
+        self.guard(what, || target.map_async(wgpu::MapMode::Read, .., |_| {}))?;
         self.wait()?;
-        let view = target.get_mapped_range(..).map_err(|error| self.failed("reading back", &error.to_string()))?;
+        let view = target.get_mapped_range(..).map_err(|error| self.failed(what, &error.to_string()))?;
         Ok(bytemuck::pod_collect_to_vec(&view))
     }
 
@@ -294,7 +305,7 @@ impl Gpu {
         Ok(made)
     }
 
-    fn compile(&self, kernel: &Kernel) -> Pipeline {
+    fn compile(&self, kernel: &'static Kernel) -> Pipeline {
         let label = Some(kernel.name);
         let source = wgpu::ShaderSource::Wgsl(kernel.source().into());
         let module = self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label, source });
@@ -318,35 +329,20 @@ impl Gpu {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
-        Pipeline { pipeline, layout }
+        Pipeline { pipeline, layout, bindings: kernel.bindings }
     }
 
-    /// Buffers in the order of a kernel's bindings.
-    pub fn bind(&self, pipeline: &Pipeline, buffers: &[&wgpu::Buffer]) -> wgpu::BindGroup {
-        self.bind_resources(pipeline, buffers.iter().map(|buffer| buffer.as_entire_binding()))
-    }
-
-    /// Buffers and textures in the order of a kernel's bindings.
-    pub fn bind_resources<'r>(
+    /// The resources of a kernel by the names of its bindings.
+    pub fn bind<'r>(
         &self,
         pipeline: &Pipeline,
-        resources: impl IntoIterator<Item = wgpu::BindingResource<'r>>,
+        resource: impl Fn(&str) -> Option<wgpu::BindingResource<'r>>,
     ) -> wgpu::BindGroup {
-        let entries: Vec<_> =
-            (0..).zip(resources).map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        let entry = |(binding, row): (u32, &Binding)| {
+            Some(wgpu::BindGroupEntry { binding, resource: resource(row.name)? })
+        };
+        let entries: Vec<_> = (0..).zip(pipeline.bindings).filter_map(entry).collect();
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
         self.device.create_bind_group(&descriptor)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_pick_a_device() {
-        assert_eq!(Pick::parse(" "), Pick::Best);
-        assert_eq!(Pick::parse("2"), Pick::Index(2));
-        assert_eq!(Pick::parse("nvidia"), Pick::Named("nvidia".to_owned()));
     }
 }

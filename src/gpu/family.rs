@@ -3,32 +3,8 @@
 use crate::gpu::kernels::{self, Kernel};
 use crate::gpu::layout::Unit;
 use crate::gpu::pictures::code_stride;
+use crate::image::StreamKind;
 use crate::streams::{CodecHeader, ColorBlocks, ColorFormat, DepthCoding};
-
-/// Streams of one kernel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
-    /// `DQPN`, `DQTR`, `DB4W`.
-    Nodes,
-    /// `DAAB`.
-    Codes,
-    /// `DAB5`.
-    CodesBc5,
-    /// `MAAB`.
-    Material,
-    /// `MAB1`.
-    MaterialBc1,
-    /// `CCL8`.
-    Cells8,
-    /// `CCB1`.
-    CellsBc1,
-    /// `CCB7`.
-    CellsBc7,
-    /// `CCLH`.
-    CellsHalf,
-    /// `CCB6`.
-    CellsBc6h,
-}
 
 /// What the words of a picture are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,82 +17,50 @@ pub enum PixelWords {
     Halves,
 }
 
-impl Family {
-    pub const ALL: [Family; 10] = [
-        Family::Nodes,
-        Family::Codes,
-        Family::CodesBc5,
-        Family::Material,
-        Family::MaterialBc1,
-        Family::Cells8,
-        Family::CellsBc1,
-        Family::CellsBc7,
-        Family::CellsHalf,
-        Family::CellsBc6h,
-    ];
+use PixelWords::{Bytes, Codes, Halves};
 
-    /// The family of a stream.
-    pub fn of(header: &CodecHeader) -> Family {
-        match header {
-            CodecHeader::Depth(header) => match header.coding {
-                DepthCoding::Boxes(_) => Family::Codes,
-                DepthCoding::BoxesInBlocks(_) => Family::CodesBc5,
-                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => Family::Nodes,
-            },
-            CodecHeader::Material(header) if header.in_blocks => Family::MaterialBc1,
-            CodecHeader::Material(_) => Family::Material,
-            CodecHeader::Color(header) => match (header.format, header.blocks) {
-                (ColorFormat::EightBit(_), None) => Family::Cells8,
-                (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => Family::CellsBc1,
-                (ColorFormat::EightBit(_), Some(_)) => Family::CellsBc7,
-                (ColorFormat::Half { .. }, None) => Family::CellsHalf,
-                (ColorFormat::Half { .. }, Some(_)) => Family::CellsBc6h,
-            },
-        }
-    }
-
+/// Streams of one kernel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Family {
     /// The kernel that writes pixels.
-    pub fn kernel(self) -> &'static Kernel {
-        match self {
-            Family::Nodes => &kernels::NODES,
-            Family::Codes => &kernels::BOXES_CODES,
-            Family::CodesBc5 => &kernels::BOXES_BC5,
-            Family::Material => &kernels::BOXES_MATERIAL,
-            Family::MaterialBc1 => &kernels::BOXES_BC1,
-            Family::Cells8 => &kernels::CELLS_8BIT,
-            Family::CellsBc1 => &kernels::CELLS_BC1,
-            Family::CellsBc7 => &kernels::CELLS_BC7,
-            Family::CellsHalf => &kernels::CELLS_HALF,
-            Family::CellsBc6h => &kernels::CELLS_BC6H,
-        }
+    pub kernel: &'static Kernel,
+    pub words: PixelWords,
+    /// Whether frames are blended of keyframes; else they are reached by changing a picture.
+    pub is_color: bool,
+}
+
+impl Family {
+    pub fn of(header: &CodecHeader) -> Family {
+        let (kernel, words) = match header {
+            CodecHeader::Depth(header) => match header.coding {
+                DepthCoding::Boxes(_) => (&kernels::BOXES_CODES, Codes),
+                DepthCoding::BoxesInBlocks(_) => (&kernels::BOXES_BC5, Codes),
+                DepthCoding::Nodes(_) | DepthCoding::Tree(_) | DepthCoding::Blocks => (&kernels::NODES, Codes),
+            },
+            CodecHeader::Material(header) if header.in_blocks => (&kernels::BOXES_BC1, Bytes),
+            CodecHeader::Material(_) => (&kernels::BOXES_MATERIAL, Bytes),
+            CodecHeader::Color(header) => match (header.format, header.blocks) {
+                (ColorFormat::EightBit(_), None) => (&kernels::CELLS_8BIT, Bytes),
+                (ColorFormat::EightBit(_), Some(ColorBlocks::Bc1)) => (&kernels::CELLS_BC1, Bytes),
+                (ColorFormat::EightBit(_), Some(_)) => (&kernels::CELLS_BC7, Bytes),
+                (ColorFormat::Half { .. }, None) => (&kernels::CELLS_HALF, Halves),
+                (ColorFormat::Half { .. }, Some(_)) => (&kernels::CELLS_BC6H, Halves),
+            },
+        };
+        Family { kernel, words, is_color: header.kind() == StreamKind::Color }
     }
 
     /// The kernel that plans its work.
     pub fn plan(self) -> &'static Kernel {
-        if self.is_color() { &kernels::PLAN_CELLS } else { &kernels::PLAN_RECORDS }
-    }
-
-    /// Whether frames are blended of keyframes; else they are reached by changing a picture.
-    pub fn is_color(self) -> bool {
-        use Family::{Cells8, CellsBc1, CellsBc6h, CellsBc7, CellsHalf};
-        matches!(self, Cells8 | CellsBc1 | CellsBc7 | CellsHalf | CellsBc6h)
-    }
-
-    /// What the words of its pictures are.
-    pub fn words(self) -> PixelWords {
-        match self {
-            Family::Nodes | Family::Codes | Family::CodesBc5 => PixelWords::Codes,
-            Family::CellsHalf | Family::CellsBc6h => PixelWords::Halves,
-            _ => PixelWords::Bytes,
-        }
+        if self.is_color { &kernels::PLAN_CELLS } else { &kernels::PLAN_RECORDS }
     }
 
     /// Words of a row of a picture.
     pub fn stride(self, width: u32) -> u32 {
-        match self.words() {
-            PixelWords::Codes => code_stride(width),
-            PixelWords::Bytes => width,
-            PixelWords::Halves => 2 * width,
+        match self.words {
+            Codes => code_stride(width),
+            Bytes => width,
+            Halves => 2 * width,
         }
     }
 
@@ -135,9 +79,24 @@ impl Family {
                         Unit { window, domain: parts.kind as u32, base: parts.base, scale: parts.scale, ..plain }
                     }
                     // Each frame is whole: none is needed before another.
-                    DepthCoding::Blocks => Unit { window: 0, ..plain },
+                    DepthCoding::Blocks => plain,
                 }
             }
         }
     }
+}
+
+/// Items with equal keys, group after group; the sizes of a group add up to at most `most`, unless one item alone has more.
+pub fn groups<T, K: PartialEq>(items: impl Iterator<Item = (T, K, u64)>, most: u64) -> Vec<Vec<T>> {
+    let mut groups: Vec<(K, u64, Vec<T>)> = Vec::new();
+    for (item, key, size) in items {
+        match groups.iter_mut().find(|(other, used, _)| *other == key && *used + size <= most) {
+            Some((_, used, group)) => {
+                *used += size;
+                group.push(item);
+            }
+            None => groups.push((key, size, vec![item])),
+        }
+    }
+    groups.into_iter().map(|(.., group)| group).collect()
 }

@@ -1,41 +1,31 @@
 //! Runs one kernel over given words, and compares its output with the expected words.
 
-use std::time::Instant;
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
 
 use crate::error::{Error, Result};
 use crate::gpu::device::Gpu;
 use crate::gpu::kernels::Kernel;
 use crate::gpu::layout::MAX_GROUPS;
 
-/// One dispatch with its expected output.
+/// One dispatch with its expected output; words by the names of bindings.
 #[derive(Debug, Clone, Default)]
 pub struct Case {
     pub label: String,
-    /// The words of each binding, in order; written ones start with these.
-    pub buffers: Vec<Vec<u32>>,
+    /// Bindings that a kernel does not have count for nothing.
+    pub buffers: HashMap<&'static str, Vec<u32>>,
     /// Invocations, rounded up to whole workgroups.
     pub invocations: u32,
-    /// Bindings, and the words that must be in them afterwards.
-    pub expected: Vec<(usize, Vec<u32>)>,
+    /// The words that bindings begin with afterwards.
+    pub expected: Vec<(&'static str, Vec<u32>)>,
     /// Inputs that it stands for: nodes, boxes, cells, blocks.
     pub inputs: u64,
     /// Pixels that it writes.
     pub pixels: u64,
 }
 
-/// The result of a case.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct CaseResult {
-    /// Words that are not as expected.
-    pub mismatches: u64,
-    /// The first of them, in words.
-    pub first: Option<String>,
-    /// Seconds of one dispatch, timed over several; 0 where it was not timed.
-    pub seconds: f64,
-}
-
 /// The result of a kernel.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct KernelReport {
     pub name: &'static str,
     /// Nodes, boxes, cells or blocks that it decoded; pictures that it rendered.
@@ -45,7 +35,7 @@ pub struct KernelReport {
     /// The first of them, in words.
     #[serde(rename = "first_mismatch")]
     pub first: Option<String>,
-    /// Pixels written in a microsecond, without transfers.
+    /// Pixels written in a microsecond, without transfers; of the last case that was timed.
     pub megapixels_per_second: f64,
 }
 
@@ -55,75 +45,55 @@ pub fn groups(count: u32) -> [u32; 2] {
     [x, count.div_ceil(x).max(1)]
 }
 
-/// Whether a case is also timed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Clock {
-    Off,
-    /// Repeated for about this many milliseconds.
-    Milliseconds(u32),
-}
-
 /// Most dispatches that are timed together.
 const MOST_REPEATS: f64 = 100.0;
 
-pub fn run(gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Clock) -> Result<CaseResult> {
-    let pipeline = gpu.pipeline(kernel)?;
-    let mut buffers = Vec::new();
-    for (binding, words) in kernel.bindings.iter().zip(&case.buffers) {
-        let buffer = gpu.buffer(binding.name, words.len(), wgpu::BufferUsages::empty())?;
-        gpu.guard(binding.name, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
-        buffers.push(buffer);
+impl KernelReport {
+    pub fn new(name: &'static str) -> KernelReport {
+        KernelReport { name, ..KernelReport::default() }
     }
-    let dispatch = |times: u32| {
-        gpu.guard(kernel.name, || {
-            let group = gpu.bind(&pipeline, &buffers.iter().collect::<Vec<_>>());
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline.pipeline);
-            pass.set_bind_group(0, &group, &[]);
-            let [x, y] = groups(case.invocations.div_ceil(kernel.workgroup));
-            (0..times).for_each(|_| pass.dispatch_workgroups(x, y, 1));
-            drop(pass);
-            gpu.queue.submit([encoder.finish()]);
-        })
-    };
-    dispatch(1)?;
-    let mut result = CaseResult::default();
-    for (at, expected) in &case.expected {
-        let found = gpu.read(&buffers[*at], expected.len())?;
-        let differing = || found.iter().zip(expected).enumerate().filter(|(_, (found, expected))| found != expected);
-        result.mismatches += differing().count() as u64;
-        if let (None, Some((word, (found, expected)))) = (&result.first, differing().next()) {
-            let (label, name) = (&case.label, kernel.bindings[*at].name);
-            result.first = Some(format!("{label}: word {word} of {name} is {found:#010x} and not {expected:#010x}"));
+
+    /// Runs a case and adds its result. With a `clock` it is repeated for about so long, and timed.
+    pub fn run(&mut self, gpu: &Gpu, kernel: &'static Kernel, case: &Case, clock: Option<Duration>) -> Result<()> {
+        let pipeline = gpu.pipeline(kernel)?;
+        let mut buffers = HashMap::new();
+        for binding in kernel.bindings {
+            let words = case.buffers.get(binding.name).map_or(&[][..], Vec::as_slice);
+            buffers.insert(binding.name, gpu.filled(binding.name, words)?);
         }
-    }
-    if let Clock::Milliseconds(most) = clock {
+        let dispatch = |times: u32| {
+            gpu.compute(kernel.name, |pass| {
+                let group = gpu.bind(&pipeline, |name| buffers.get(name).map(wgpu::Buffer::as_entire_binding));
+                pass.set_pipeline(&pipeline.pipeline);
+                pass.set_bind_group(0, &group, &[]);
+                let [x, y] = groups(case.invocations.div_ceil(kernel.workgroup));
+                (0..times).for_each(|_| pass.dispatch_workgroups(x, y, 1));
+            })
+        };
+        dispatch(1)?;
+        self.inputs += case.inputs;
+        for (name, expected) in &case.expected {
+            let found = gpu.read(&buffers[name], expected.len())?;
+            let differing = || found.iter().zip(expected).enumerate().filter(|(_, (found, expected))| found != expected);
+            self.mismatches += differing().count() as u64;
+            if let (None, Some((word, (found, expected)))) = (&self.first, differing().next()) {
+                let label = &case.label;
+                self.first = Some(format!("{label}: word {word} of {name} is {found:#010x} and not {expected:#010x}"));
+            }
+        }
+        let Some(clock) = clock else { return Ok(()) };
         let timed = |times: u32| {
             let start = Instant::now();
             dispatch(times)?;
             gpu.wait()?;
             Ok::<_, Error>(start.elapsed().as_secs_f64() / f64::from(times))
         };
-        result.seconds = timed(1)?;
-        let repeats = (f64::from(most) / 1e3 / result.seconds.max(1e-6)).min(MOST_REPEATS) as u32;
+        let mut seconds = timed(1)?;
+        let repeats = (clock.as_secs_f64() / seconds.max(1e-6)).min(MOST_REPEATS) as u32;
         if repeats > 1 {
-            result.seconds = timed(repeats)?;
+            seconds = timed(repeats)?;
         }
-    }
-    Ok(result)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn many_workgroups_lie_in_two_directions() {
-        assert_eq!(groups(0), [1, 1]);
-        assert_eq!(groups(65535), [65535, 1]);
-        assert_eq!(groups(65536), [65535, 2]);
-        let [x, y] = groups(1 << 22);
-        assert!(x * y >= 1 << 22 && x <= 65535 && y <= 65535);
+        self.megapixels_per_second = case.pixels as f64 / 1e6 / seconds.max(1e-9);
+        Ok(())
     }
 }

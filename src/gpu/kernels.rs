@@ -50,6 +50,13 @@ pub struct Kernel {
     pub workgroup: u32,
 }
 
+/// Kernels have different names.
+impl PartialEq for Kernel {
+    fn eq(&self, other: &Kernel) -> bool {
+        self.name == other.name
+    }
+}
+
 impl Kernel {
     /// The whole WGSL source.
     pub fn source(&self) -> String {

@@ -76,6 +76,11 @@ include!(concat!(env!("OUT_DIR"), "/layout.rs"));
 /// Words before the rows of a list: of `Items` and of all kinds of jobs.
 pub const LIST_HEAD_WORDS: usize = 2;
 
+/// A list: of jobs, the head is the sum of their work and their number; of items, their number and 0.
+pub fn list_of<T: Words>(head: [u32; LIST_HEAD_WORDS], rows: &[T]) -> Vec<u32> {
+    [head.to_vec(), words_of(rows)].concat()
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;

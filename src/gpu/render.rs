@@ -25,7 +25,6 @@ use crate::gpu::render::backend::{GpuBackend, UnitCost};
 use crate::gpu::render::scene::{FIRST_ROW_WORD, ImageId, ROWS_WORD, SceneRows};
 use crate::gpu::render::texels::{DeviceTexels, Transferred};
 use crate::image::StreamKind;
-use crate::image::plane::Plane;
 use crate::march::active_views::ActiveViews;
 use crate::march::counters::Counters;
 use crate::march::pyramid::LEAST_M;
@@ -36,8 +35,7 @@ use crate::march::specular::secondary_rays::{LEAST_SHARE, MAX_BOUNCES};
 use crate::march::specular::sphere_fit::SphereFit;
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::light_field::{ColorCoding, FaceTexels, LightField};
-use crate::views::rects::Rect;
+use crate::views::light_field::{ColorCoding, FaceTexels};
 
 /// Rows and columns of pixels of a workgroup.
 const TILE: u32 = 8;
@@ -84,12 +82,11 @@ pub struct RenderCost {
 }
 
 /// Renders on a device.
-#[derive(Debug)]
 pub struct GpuRenderer<'a> {
     gpu: &'a Gpu,
-    texels: DeviceTexels,
+    pub texels: DeviceTexels,
     /// What decodes depth and colour, unless the CPU does.
-    backend: Option<GpuBackend<'a>>,
+    pub backend: Option<GpuBackend<'a>>,
     /// Buffers of the last picture by name, for pictures that need the same size.
     buffers: HashMap<&'static str, wgpu::Buffer>,
     cost: RenderCost,
@@ -104,44 +101,16 @@ struct Target {
 }
 
 impl<'a> GpuRenderer<'a> {
-    /// A renderer of views of this light field. Nothing is sent until a picture needs it.
-    pub fn new(gpu: &'a Gpu, field: &LightField) -> GpuRenderer<'a> {
-        Self::of_coding(gpu, field.coding, None)
-    }
-
-    /// A renderer of a light field whose depth and colour the device decodes.
-    pub fn decoding(gpu: &'a Gpu, coding: ColorCoding, backend: GpuBackend<'a>) -> GpuRenderer<'a> {
-        Self::of_coding(gpu, coding, Some(backend))
-    }
-
-    fn of_coding(gpu: &'a Gpu, coding: ColorCoding, backend: Option<GpuBackend<'a>>) -> GpuRenderer<'a> {
+    /// A renderer of views in this coding. Nothing is sent until a picture needs it.
+    pub fn new(gpu: &'a Gpu, coding: ColorCoding) -> GpuRenderer<'a> {
         let (texels, cost) = (DeviceTexels::new(coding), RenderCost::default());
-        GpuRenderer { gpu, texels, backend, buffers: HashMap::new(), cost }
-    }
-
-    /// Whether the device decodes depth and colour.
-    pub fn decodes(&self) -> bool {
-        self.backend.is_some()
-    }
-
-    /// What decodes depth and colour, unless the CPU does.
-    pub fn backend(&mut self) -> Option<&mut GpuBackend<'a>> {
-        self.backend.as_mut()
-    }
-
-    pub fn texels(&self) -> &DeviceTexels {
-        &self.texels
+        GpuRenderer { gpu, texels, backend: None, buffers: HashMap::new(), cost }
     }
 
     /// Cost so far.
     pub fn cost(&self) -> RenderCost {
         let units = self.backend.as_ref().map(GpuBackend::cost).unwrap_or_default();
         RenderCost { units, bytes_sent: self.cost.bytes_sent + units.bytes_sent, ..self.cost }
-    }
-
-    /// Marks texels of one kind as changed since the last picture.
-    pub fn change(&mut self, image: ImageId, kind: StreamKind, rect: Rect) {
-        self.texels.change(image, kind, rect);
     }
 
     /// The kernel that renders with these settings.
@@ -154,9 +123,9 @@ impl<'a> GpuRenderer<'a> {
     }
 
     /// Sends the texels of these views, as [`GpuRenderer::render`] does if they are missing.
-    pub fn bring(&mut self, views: &ActiveViews<'_>) -> Result<()> {
+    pub fn upload(&mut self, views: &ActiveViews<'_>) -> Result<()> {
         let start = Instant::now();
-        let Transferred { bytes_sent, bytes_copied } = self.texels.bring(self.gpu, views, self.backend.as_ref())?;
+        let Transferred { bytes_sent, bytes_copied } = self.texels.update(self.gpu, views, self.backend.as_ref())?;
         if bytes_sent + bytes_copied > 0 {
             // Else the transfer would run with the first dispatch, and count as marching.
             self.gpu.queue.submit([]);
@@ -168,8 +137,8 @@ impl<'a> GpuRenderer<'a> {
         Ok(())
     }
 
-    /// Brings the texels of these views, and of environment maps, which are new for each picture.
-    fn bring_all(&mut self, views: &ActiveViews<'_>, proxies: &Proxies) -> Result<()> {
+    /// Sends the texels of these views, and of environment maps, which are new for each picture.
+    fn upload_all(&mut self, views: &ActiveViews<'_>, proxies: &Proxies) -> Result<()> {
         for view in proxies.proxies.iter().map(|proxy| &proxy.environment) {
             for (face, texels) in view.faces.iter().enumerate() {
                 let Some(FaceTexels { size: [width, height], .. }) = texels else { continue };
@@ -180,7 +149,7 @@ impl<'a> GpuRenderer<'a> {
         }
         let environments = proxies.proxies.iter().map(Proxy::environment_view);
         let all = views.views.iter().cloned().chain(environments).collect();
-        self.bring(&ActiveViews { views: all, coding: views.coding })
+        self.upload(&ActiveViews { views: all, coding: views.coding })
     }
 
     /// Renders. The monitor advances by one for each row.
@@ -198,7 +167,7 @@ impl<'a> GpuRenderer<'a> {
             false => Proxies::none(views.coding),
         };
         self.cost.proxies += start.elapsed();
-        self.bring_all(views, &proxies)?;
+        self.upload_all(views, &proxies)?;
         let origin = |image| self.texels.origin(image);
         let rows = SceneRows::new(views, &proxies, camera, settings, self.texels.pyramid_rows(), origin);
         let [width, height] = settings.size;
@@ -220,14 +189,13 @@ impl<'a> GpuRenderer<'a> {
         start = Instant::now();
         let pixels = self.gpu.read(&target.pixels, 4 * width as usize * height as usize)?;
         let counts = self.gpu.read(&target.counts, count_words(settings.size))?;
-        let floats = |at: usize| f32::from_bits(pixels[at]);
-        let colors = (0..pixels.len() / 4).map(|at| [0, 1, 2].map(|channel| floats(4 * at + channel))).collect();
-        let alpha = (0..pixels.len() / 4).map(|at| floats(4 * at + 3)).collect();
-        let image =
-            RenderedImage { color: Plane::new(width, height, colors)?, alpha: Plane::new(width, height, alpha)? };
+        let pixels = pixels.as_chunks::<4>().0.iter().map(|rgba| rgba.map(f32::from_bits));
+        let image = RenderedImage::of_pixels(settings.size, pixels)?;
         let rendered = Rendered { image, counters: counters(&counts) };
         self.cost.reading += start.elapsed();
-        let [rays, asked] = [rendered.counters.primary_rays, rays_from_eye(settings)];
+        let samples = u64::from(settings.samples.max(1));
+        let asked = u64::from(width) * u64::from(height) * samples * samples;
+        let rays = rendered.counters.primary_rays;
         match rays == asked {
             true => Ok(rendered),
             false => Err(Error::unsupported(format!(
@@ -256,30 +224,23 @@ impl<'a> GpuRenderer<'a> {
         let gpu = self.gpu;
         let mut filled = |label: &'static str, words: &[u32], least: usize| {
             let buffer = self.buffer(label, words.len().max(least))?;
-            gpu.guard(label, || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
-            Ok::<_, crate::Error>(buffer)
+            gpu.write(label, &buffer, words)?;
+            Ok::<_, Error>(buffer)
         };
         let scene = filled("scene", &words_of(&[rows.scene]), 0)?;
-        let views = filled("views", &words_of(&rows.views), View::WORDS)?;
-        let faces = filled("faces", &words_of(&rows.faces), Face::WORDS)?;
-        let distances_m = filled("distances_m", &words_of(&rows.distances_m), 1)?;
+        filled("views", &words_of(&rows.views), View::WORDS)?;
+        filled("faces", &words_of(&rows.faces), Face::WORDS)?;
+        filled("distances_m", &words_of(&rows.distances_m), 1)?;
         let pixels = self.buffer("pixels", 4 * width as usize * height as usize)?;
         let counts = self.buffer("counts", count_words([width, height]))?;
-        let textures = self.texels.views();
         let pipeline = gpu.pipeline(kernel)?;
-        let resources = kernel.bindings.iter().filter_map(|binding| match binding.name {
-            "scene" => Some(scene.as_entire_binding()),
-            "views" => Some(views.as_entire_binding()),
-            "faces" => Some(faces.as_entire_binding()),
-            "distances_m" => Some(distances_m.as_entire_binding()),
-            "inverse_depths" => textures.first().map(wgpu::BindingResource::TextureView),
-            "colors" => textures.get(1).map(wgpu::BindingResource::TextureView),
-            "pyramids" => textures.get(2).map(wgpu::BindingResource::TextureView),
-            "materials" => textures.get(3).map(wgpu::BindingResource::TextureView),
-            "pixels" => Some(pixels.as_entire_binding()),
-            _ => Some(counts.as_entire_binding()),
-        });
-        let group = gpu.guard(kernel.name, || gpu.bind_resources(&pipeline, resources))?;
+        let view = |name| Some((name, self.texels.view(name)?));
+        let textures: HashMap<&str, _> = kernel.bindings.iter().filter_map(|binding| view(binding.name)).collect();
+        let resource = |name: &str| match textures.get(name) {
+            Some(texture) => Some(wgpu::BindingResource::TextureView(texture)),
+            None => self.buffers.get(name).map(wgpu::Buffer::as_entire_binding),
+        };
+        let group = gpu.guard(kernel.name, || gpu.bind(&pipeline, resource))?;
         Ok(Target { scene, pixels, counts, group })
     }
 
@@ -290,14 +251,12 @@ impl<'a> GpuRenderer<'a> {
             let planes = backend.planes(active.view.probe)?;
             (planes.has_greatest() && active.view.near_m >= LEAST_M).then_some((at, planes))
         });
-        self.gpu.guard("views", || {
-            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.gpu.submit("views", |encoder| {
             for (at, planes) in decoded {
                 let from = 4 * u64::from(depth_planes::GREATEST_WORD);
                 let to = 4 * (at * View::WORDS + scene::GREATEST_WORD) as u64;
-                encoder.copy_buffer_to_buffer(planes.buffer(), from, words, to, 4);
+                encoder.copy_buffer_to_buffer(&planes.planes, from, words, to, 4);
             }
-            self.gpu.queue.submit([encoder.finish()]);
         })
     }
 
@@ -311,17 +270,13 @@ impl<'a> GpuRenderer<'a> {
     ) -> Result<()> {
         let (gpu, rows) = (self.gpu, rows.min(height - first_row));
         let pipeline = gpu.pipeline(kernel)?;
-        gpu.guard(kernel.name, || {
+        gpu.compute(kernel.name, |pass| {
             for (word, value) in [(FIRST_ROW_WORD, first_row), (ROWS_WORD, rows)] {
                 gpu.queue.write_buffer(&target.scene, 4 * word as u64, &value.to_le_bytes());
             }
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&pipeline.pipeline);
             pass.set_bind_group(0, &target.group, &[]);
             pass.dispatch_workgroups(width.div_ceil(TILE), rows.div_ceil(TILE), 1);
-            drop(pass);
-            gpu.queue.submit([encoder.finish()]);
         })?;
         gpu.wait()
     }
@@ -354,18 +309,10 @@ fn most_secondary_rays(max_bounces: u32) -> u64 {
     (0..max_bounces.min(MAX_BOUNCES)).map(|bounce| 3 * surfaces(bounce) + surfaces(bounce + 1)).sum()
 }
 
-/// Camera rays of a picture.
-fn rays_from_eye(settings: &RenderSettings) -> u64 {
-    let samples = u64::from(settings.samples.max(1));
-    settings.size.map(u64::from).iter().product::<u64>() * samples * samples
-}
-
 fn counters(counts: &[u32]) -> Counters {
     let mut sums = Counters::default();
-    for group in counts.chunks_exact(COUNTERS) {
-        for (&count, (_, counter)) in group.iter().zip(COUNTED) {
-            *counter(&mut sums) += u64::from(count);
-        }
+    for (&count, (_, counter)) in counts.iter().zip(COUNTED.iter().cycle()) {
+        *counter(&mut sums) += u64::from(count);
     }
     sums
 }

@@ -3,7 +3,7 @@
 //! Chunks are loaded when they are needed, and stay. Dropped ones leave gaps, which later ones fill; resident chunks never move.
 //! Where a buffer is full nonetheless, all are dropped at once.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -19,68 +19,51 @@ const FIRST_WORDS: usize = 1 << 14;
 #[derive(Debug)]
 pub struct Growing {
     label: &'static str,
-    buffer: wgpu::Buffer,
+    /// With all words once they were flushed.
+    pub buffer: wgpu::Buffer,
     words: usize,
     /// Words up to the last that is taken.
     len: usize,
     gaps: Gaps,
     /// Words that are not yet on the device, and the place of the first.
     pending: Vec<(usize, Vec<u32>)>,
-    /// Bytes sent so far.
-    sent: u64,
+    pub bytes_sent: u64,
 }
 
-/// Ranges that are free, none beside another.
+/// Ranges that are free, none beside another: words by where they begin.
 #[derive(Debug, Default)]
-struct Gaps {
-    /// Words of those that begin somewhere.
-    by_place: BTreeMap<usize, usize>,
-    /// Words, and where they begin.
-    by_words: BTreeSet<(usize, usize)>,
-    words: usize,
-}
+struct Gaps(BTreeMap<usize, usize>);
 
 impl Gaps {
-    /// Start of the smallest gap with room for so many words.
+    fn words(&self) -> usize {
+        self.0.values().sum()
+    }
+
+    /// Start of the smallest gap with room for so many words, the first of several.
     fn find(&self, words: usize) -> Option<usize> {
-        self.by_words.range((words, 0)..).next().map(|gap| gap.1)
-    }
-
-    fn insert(&mut self, at: usize, words: usize) {
-        if words > 0 {
-            self.by_place.insert(at, words);
-            self.by_words.insert((words, at));
-            self.words += words;
-        }
-    }
-
-    /// Removes the gap that begins here; answers its words, none where there is no gap.
-    fn remove(&mut self, at: usize) -> usize {
-        let words = self.by_place.remove(&at).unwrap_or(0);
-        self.by_words.remove(&(words, at));
-        self.words -= words;
-        words
+        let large = self.0.iter().filter(|(_, gap)| **gap >= words);
+        large.min_by_key(|(at, gap)| (**gap, **at)).map(|(at, _)| *at)
     }
 
     /// Takes words from the front of the gap that begins here.
     fn take(&mut self, at: usize, words: usize) {
-        let all = self.remove(at);
-        self.insert(at + words, all.saturating_sub(words));
+        let left = self.0.remove(&at).unwrap_or(0).saturating_sub(words);
+        if left > 0 {
+            self.0.insert(at + words, left);
+        }
     }
 
     /// Adds a range, joined with the gaps beside it; answers the gap that it is part of.
-    fn add(&mut self, range: Range<usize>) -> Range<usize> {
-        let before = self.by_place.range(..range.start).next_back().map(|(at, words)| *at..at + words);
-        let start = match before.filter(|gap| gap.end == range.start) {
-            Some(gap) => {
-                self.remove(gap.start);
-                gap.start
-            }
-            None => range.start,
-        };
-        let end = range.end + self.remove(range.end);
-        self.insert(start, end - start);
-        start..end
+    fn add(&mut self, mut range: Range<usize>) -> Range<usize> {
+        let before = self.0.range(..range.start).next_back().map(|(at, words)| *at..at + words);
+        if let Some(gap) = before.filter(|gap| gap.end == range.start) {
+            range.start = gap.start;
+        }
+        range.end += self.0.remove(&range.end).unwrap_or(0);
+        if !range.is_empty() {
+            self.0.insert(range.start, range.len());
+        }
+        range
     }
 }
 
@@ -89,22 +72,12 @@ impl Growing {
     pub fn new(gpu: &Gpu, label: &'static str) -> Result<Growing> {
         let buffer = gpu.buffer(label, FIRST_WORDS, wgpu::BufferUsages::empty())?;
         let (words, gaps) = (FIRST_WORDS, Gaps::default());
-        Ok(Growing { label, buffer, words, len: 0, gaps, pending: Vec::new(), sent: 0 })
+        Ok(Growing { label, buffer, words, len: 0, gaps, pending: Vec::new(), bytes_sent: 0 })
     }
 
     /// Words in it, gaps apart.
     pub fn taken(&self) -> usize {
-        self.len - self.gaps.words
-    }
-
-    /// Bytes sent so far.
-    pub fn bytes_sent(&self) -> u64 {
-        self.sent
-    }
-
-    /// The buffer, with all words once they were flushed.
-    pub fn buffer(&self) -> &wgpu::Buffer {
-        &self.buffer
+        self.len - self.gaps.words()
     }
 
     /// Whether so many words fit, with at most `most` in all.
@@ -135,17 +108,17 @@ impl Growing {
     }
 
     /// Appends words.
-    pub fn push(&mut self, words: &[u32]) {
+    pub fn push(&mut self, words: Vec<u32>) {
         let at = self.len;
         self.len += words.len();
-        self.put(at, words.to_vec());
+        self.put(at, words);
     }
 
     /// Frees words that are on the device.
     fn free(&mut self, range: Range<usize>) {
         let gap = self.gaps.add(range);
         if gap.end == self.len {
-            self.gaps.remove(gap.start);
+            self.gaps.0.remove(&gap.start);
             self.len = gap.start;
         }
     }
@@ -163,10 +136,8 @@ impl Growing {
         if needed > self.words {
             let words = needed.next_power_of_two().min(most).max(needed);
             let larger = gpu.buffer(self.label, words, wgpu::BufferUsages::empty())?;
-            gpu.guard(self.label, || {
-                let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            gpu.submit(self.label, |encoder| {
                 encoder.copy_buffer_to_buffer(&self.buffer, 0, &larger, 0, self.buffer.size());
-                gpu.queue.submit([encoder.finish()]);
             })?;
             (self.buffer, self.words) = (larger, words);
         }
@@ -176,7 +147,7 @@ impl Growing {
                     gpu.queue.write_buffer(&self.buffer, 4 * *at as u64, bytemuck::cast_slice(words));
                 }
             })?;
-            self.sent += self.pending.iter().map(|(_, words)| 4 * words.len() as u64).sum::<u64>();
+            self.bytes_sent += self.pending.iter().map(|(_, words)| 4 * words.len() as u64).sum::<u64>();
             self.pending.clear();
         }
         Ok(())
@@ -185,9 +156,9 @@ impl Growing {
 
 /// A resident chunk.
 #[derive(Debug)]
-pub struct Slot {
+pub struct ResidentChunk {
     /// Its row of the table of chunks.
-    pub chunk: u32,
+    pub row: u32,
     /// Invocations that the largest of its records takes.
     pub most_work: u32,
     /// What the host knows of it.
@@ -206,7 +177,7 @@ pub struct Resident {
     pub records: Growing,
     pub boxes: Growing,
     pub chunks: Growing,
-    slots: HashMap<u32, Slot>,
+    resident: HashMap<u32, ResidentChunk>,
     most_words: usize,
 }
 
@@ -218,20 +189,20 @@ impl Resident {
             records: Growing::new(gpu, "records")?,
             boxes: Growing::new(gpu, "boxes")?,
             chunks: Growing::new(gpu, "chunks")?,
-            slots: HashMap::new(),
+            resident: HashMap::new(),
             most_words,
         })
     }
 
     /// The chunk of a key, where it is there.
-    pub fn slot(&self, key: u32) -> Option<&Slot> {
-        self.slots.get(&key)
+    pub fn chunk(&self, key: u32) -> Option<&ResidentChunk> {
+        self.resident.get(&key)
     }
 
     /// Marks a chunk as needed by a call; chunks of earlier calls are dropped first.
     pub fn needed(&mut self, key: u32, call: u64) {
-        if let Some(slot) = self.slots.get_mut(&key) {
-            slot.last_used = call;
+        if let Some(chunk) = self.resident.get_mut(&key) {
+            chunk.last_used = call;
         }
     }
 
@@ -242,7 +213,7 @@ impl Resident {
 
     /// Bytes sent so far.
     pub fn bytes_sent(&self) -> u64 {
-        self.all().map(Growing::bytes_sent).sum()
+        self.all().map(|growing| growing.bytes_sent).sum()
     }
 
     /// Bytes of the device that the buffers take.
@@ -266,15 +237,15 @@ impl Resident {
     /// Drops chunks that a call does not need, the least recently needed first, until at most `words` words of chunks are left.
     /// All chunks must have been flushed.
     pub fn drop_unneeded(&mut self, call: u64, words: usize) {
-        let unneeded = self.slots.iter().filter(|(_, slot)| slot.last_used != call);
-        let mut unneeded: Vec<(u64, u32)> = unneeded.map(|(key, slot)| (slot.last_used, *key)).collect();
+        let unneeded = self.resident.iter().filter(|(_, chunk)| chunk.last_used != call);
+        let mut unneeded: Vec<(u64, u32)> = unneeded.map(|(key, chunk)| (chunk.last_used, *key)).collect();
         unneeded.sort_unstable();
         for (_, key) in unneeded {
             if self.stream_words() <= words {
                 break;
             }
-            let Some(slot) = self.slots.remove(&key) else { continue };
-            for (growing, place) in self.all_mut().into_iter().zip(slot.places) {
+            let Some(chunk) = self.resident.remove(&key) else { continue };
+            for (growing, place) in self.all_mut().into_iter().zip(chunk.places) {
                 growing.free(place);
             }
         }
@@ -283,7 +254,7 @@ impl Resident {
     /// Drops all chunks.
     pub fn clear(&mut self) {
         self.all_mut().into_iter().for_each(Growing::clear);
-        self.slots.clear();
+        self.resident.clear();
     }
 
     /// Allocates and writes a chunk for a call that needs it.
@@ -292,9 +263,9 @@ impl Resident {
         let mut sizes = words.into_iter();
         let starts = self.all_mut().map(|growing| growing.place(sizes.next().unwrap_or(0)));
         let [word, records_at, boxes_at, chunk_at] = starts;
-        let [first_record, first_box, slot] =
-            [(records_at, Record::WORDS), (boxes_at, BoxRow::WORDS), (chunk_at, Chunk::WORDS)]
-                .map(|(at, words)| (at / words) as u32);
+        let first_record = (records_at / Record::WORDS) as u32;
+        let first_box = (boxes_at / BoxRow::WORDS) as u32;
+        let number = (chunk_at / Chunk::WORDS) as u32;
         let at = word as u32;
         // Nodes are found by words, all else by bytes.
         let start = if chunk.is_nodes() { at } else { 4 * at };
@@ -313,7 +284,7 @@ impl Resident {
         self.stream.put(word, stream);
         let places = [0, 1, 2, 3].map(|table| starts[table]..starts[table] + words[table]);
         let timeline = Arc::new(chunk.timeline);
-        self.slots.insert(key, Slot { chunk: slot, most_work, timeline, last_used: call, places });
+        self.resident.insert(key, ResidentChunk { row: number, most_work, timeline, last_used: call, places });
     }
 
     /// Sends pending chunks.
@@ -346,12 +317,12 @@ mod tests {
         // Between the two, beside the first.
         assert_eq!(gaps.add(12..14), 8..14);
         assert_eq!(gaps.add(14..20), 8..30);
-        assert_eq!((gaps.words, gaps.by_place.len(), gaps.by_words.len()), (22, 1, 1));
+        assert_eq!((gaps.words(), gaps.0.len()), (22, 1));
         gaps.take(8, 22);
-        assert_eq!((gaps.words, gaps.find(1)), (0, None));
+        assert_eq!((gaps.words(), gaps.find(1)), (0, None));
         gaps.add(4..6);
         gaps.add(2..4);
         gaps.take(2, 1);
-        assert_eq!((gaps.words, gaps.find(3)), (3, Some(3)));
+        assert_eq!((gaps.words(), gaps.find(3)), (3, Some(3)));
     }
 }

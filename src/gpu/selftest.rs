@@ -3,18 +3,21 @@
 mod blocks;
 mod boxes;
 mod cells;
+mod gathered;
 mod nodes;
 pub mod pictures;
 mod plans;
 pub mod streams;
 mod texels;
 
+use std::time::Duration;
+
 use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
 pub use crate::gpu::harness::KernelReport;
-use crate::gpu::harness::{self, Case, Clock};
+use crate::gpu::harness::Case;
 use crate::gpu::kernels::{self, Kernel};
 
 use Inputs::Words;
@@ -22,16 +25,14 @@ use Inputs::Words;
 /// Default seed of the inputs.
 pub const SEED: u64 = 1;
 /// Time for measuring the speed of a kernel.
-const CLOCK: Clock = Clock::Milliseconds(200);
+const CLOCK: Duration = Duration::from_millis(200);
 
-/// Inputs of a kernel.
 #[derive(Debug)]
 pub struct Row {
     pub kernel: &'static Kernel,
     pub inputs: Inputs,
 }
 
-/// Inputs of a kernel.
 #[derive(Debug)]
 pub enum Inputs {
     /// Words, with the expected words; made from a seed. The last case is timed.
@@ -40,7 +41,6 @@ pub enum Inputs {
     Pictures,
 }
 
-/// Inputs of all kernels.
 pub static ROWS: &[Row] = &[
     Row { kernel: &kernels::NODES, inputs: Words(nodes::cases) },
     Row { kernel: &kernels::BOXES_CODES, inputs: Words(boxes::cases::<u16, Values>) },
@@ -72,17 +72,10 @@ pub fn test_kernel(gpu: &Gpu, row: &Row, seed: u64) -> Result<KernelReport> {
         Words(cases) => cases(seed),
         Inputs::Pictures => return pictures::test(gpu, row.kernel),
     };
-    let mut report =
-        KernelReport { name: row.kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
+    let mut report = KernelReport::new(row.kernel.name);
     for (at, case) in cases.iter().enumerate() {
-        let timed = at + 1 == cases.len();
-        let result = harness::run(gpu, row.kernel, case, if timed { CLOCK } else { Clock::Off })?;
-        report.inputs += case.inputs;
-        report.mismatches += result.mismatches;
-        report.first = report.first.or(result.first);
-        if timed {
-            report.megapixels_per_second = case.pixels as f64 / 1e6 / result.seconds.max(1e-9);
-        }
+        let clock = (at + 1 == cases.len()).then_some(CLOCK);
+        report.run(gpu, row.kernel, case, clock)?;
     }
     Ok(report)
 }
@@ -101,11 +94,11 @@ mod tests {
             let cases = cases(SEED);
             assert!(cases.len() > 1, "{}", kernel.name);
             for case in cases {
-                assert_eq!(case.buffers.len(), kernel.bindings.len(), "{}: {}", kernel.name, case.label);
-                assert!(!case.expected.is_empty() && case.inputs > 0, "{}: {}", kernel.name, case.label);
-                for (at, _) in &case.expected {
-                    assert!(kernel.bindings[*at].is_written(), "{}: {}", kernel.name, case.label);
-                }
+                let has_words = kernel.bindings.iter().all(|binding| case.buffers.contains_key(binding.name));
+                assert!(has_words && case.inputs > 0, "{}: {}", kernel.name, case.label);
+                let written = kernel.bindings.iter().filter(|binding| binding.is_written()).map(|binding| binding.name);
+                let expected = case.expected.iter().map(|(name, _)| *name);
+                assert!(written.eq(expected), "{}: {}", kernel.name, case.label);
             }
         }
         assert_eq!(ROWS.len(), KERNELS.len());

@@ -7,7 +7,7 @@ use crate::decode::{
 use crate::error::{Error, Result};
 use crate::gpu::decode::{GpuDecoder, UnitFrame, picture_words};
 use crate::gpu::device::Gpu;
-use crate::gpu::family::Family;
+use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
 use crate::image::sequence::FrameRange;
 use crate::monitor::Monitor;
@@ -23,19 +23,8 @@ pub struct Verification {
 
 /// Streams of one family whose pictures fit into one buffer, group after group.
 fn groups<'a>(gpu: &Gpu, chosen: &[StreamFrames<'a>]) -> Vec<Vec<StreamFrames<'a>>> {
-    let most = gpu.info.max_binding_bytes / 4;
-    let mut groups: Vec<(Family, u64, Vec<StreamFrames<'a>>)> = Vec::new();
-    for &StreamFrames { stream, frames } in chosen {
-        let (family, words) = (Family::of(&stream.header), picture_words(stream, 1));
-        match groups.iter_mut().find(|(other, used, _)| *other == family && *used + words <= most) {
-            Some((_, used, streams)) => {
-                *used += words;
-                streams.push(StreamFrames { stream, frames });
-            }
-            None => groups.push((family, words, vec![StreamFrames { stream, frames }])),
-        }
-    }
-    groups.into_iter().map(|(_, _, streams)| streams).collect()
+    let sized = |part: &StreamFrames<'a>| (*part, Family::of(&part.stream.header), picture_words(part.stream, 1));
+    family::groups(chosen.iter().map(sized), gpu.info.max_binding_bytes / 4)
 }
 
 /// Decodes the requested frames, all streams of a kernel together, and drops them. The monitor advances by one per image.
@@ -54,9 +43,6 @@ pub fn decode_to_nothing(
 }
 
 /// Decodes the requested frames on the device and on the CPU, and compares all words. The monitor advances by one per image.
-///
-/// # Errors
-/// A chunk is damaged or breaks the window rule (depth.md 4), or the device fails.
 pub fn verify(
     gpu: &Gpu,
     decoder: &Decoder,
@@ -116,16 +102,15 @@ fn decode_group(
         monitor.advance(now.len() as u64);
     }
     monitor.check()?;
-    let cost = on_gpu.cost();
+    let cost = on_gpu.cost;
     Ok(DecodeSummary {
         frames: group.iter().map(|part| part.frames.count()).sum(),
-        pixels: on_gpu.wanted_pixels(),
+        pixels: on_gpu.wanted_pixels,
         bytes_out: cost.updated_pixels * streams.first().map_or(0, |stream| decoded_pixel_bytes(&stream.header)),
         cost,
     })
 }
 
-/// Images are decoded on a graphics device.
 impl ImageSource for Gpu {
     fn open<'a>(&'a self, decoder: &'a Decoder, stream: &'a StreamInfo) -> Result<Box<dyn Images + 'a>> {
         Ok(Box::new(GpuDecoder::new(self, decoder, &[stream])?))
@@ -141,10 +126,10 @@ impl Images for GpuDecoder<'_> {
     }
 
     fn selected_pixels(&self) -> u64 {
-        GpuDecoder::wanted_pixels(self)
+        self.wanted_pixels
     }
 
     fn cost(&self) -> DecodeCost {
-        GpuDecoder::cost(self)
+        self.cost
     }
 }

@@ -5,7 +5,7 @@ use crate::decode::StreamInfo;
 use crate::error::{Error, Result};
 use crate::gpu::decode::GpuDecoder;
 use crate::gpu::device::Gpu;
-use crate::gpu::family::Family;
+use crate::gpu::family::{self, Family};
 use crate::gpu::pictures::mismatched_words;
 use crate::gpu::selftest::pictures;
 use crate::hard_cases::case::Inputs;
@@ -78,20 +78,9 @@ pub fn compare(gpu: &Gpu, inputs: &[Inputs], monitor: &dyn Monitor) -> Result<Ve
 
 /// Groups clips of one kernel and one length.
 fn groups<'a>(clips: impl Iterator<Item = Numbered<'a>>) -> Vec<Vec<Numbered<'a>>> {
-    let mut groups: Vec<(Family, u64, Vec<Numbered<'a>>)> = Vec::new();
-    for (case, clip) in clips {
-        let (family, pixels) = (Family::of(&clip.header), clip.pixels() / u64::from(clip.frame_count.max(1)));
-        let fits = |(other, used, group): &&mut (Family, u64, Vec<Numbered<'a>>)| {
-            let frames = group.first().map(|(_, clip)| clip.frame_count);
-            *other == family && frames == Some(clip.frame_count) && *used + pixels <= PIXELS_TOGETHER
-        };
-        match groups.iter_mut().find(fits) {
-            Some((_, used, group)) => {
-                *used += pixels;
-                group.push((case, clip));
-            }
-            None => groups.push((family, pixels, vec![(case, clip)])),
-        }
-    }
-    groups.into_iter().map(|(_, _, group)| group).collect()
+    let keyed = clips.map(|(case, clip)| {
+        let pixels = clip.pixels() / u64::from(clip.frame_count.max(1));
+        ((case, clip), (Family::of(&clip.header), clip.frame_count), pixels)
+    });
+    family::groups(keyed, PIXELS_TOGETHER)
 }

@@ -126,12 +126,12 @@ fn measure(gpu: &Gpu, path: &str, count: usize) -> Result<()> {
     let (mut key_pixels, mut later_pixels) = (0, 0);
     for turn in 0..=TURNS {
         for frame in frames.iter() {
-            let before = on_gpu.cost().updated_pixels;
+            let before = on_gpu.cost.updated_pixels;
             let start = Instant::now();
             on_gpu.decode(frame)?;
             on_gpu.wait()?;
             let seconds = start.elapsed().as_secs_f64();
-            let updated = on_gpu.cost().updated_pixels - before;
+            let updated = on_gpu.cost.updated_pixels - before;
             // The first turn brings the chunks onto the device and builds kernels.
             if turn == 0 {
                 continue;
@@ -243,7 +243,7 @@ fn measure_updates(gpu: &Gpu, decoder: &Decoder) -> Result<()> {
     let eye = field.views.iter().map(|view| view.position).sum::<glam::DVec3>() / field.views.len() as f64;
     decodes = decodes.decoding(decoder, field.coding);
     match decodes.gpu_backend() {
-        Some(units) => units.wait_for_parts(),
+        Some(units) => units.waits = true,
         None => return Err(Error::Usage("the device does not decode this container".into())),
     }
     let camera = Camera::look_at(eye, eye + glam::DVec3::NEG_Z, glam::DVec3::Y, Lens::new(90.0))?;

@@ -10,7 +10,7 @@ use lightfold::evaluate::frame_requests::FrameRequest;
 use lightfold::gpu::render::backend::{GpuBackend, buffer_bytes};
 use lightfold::gpu::render::depth_planes::ROW_WORDS;
 use lightfold::gpu::render::scene::{ImageId, Origin};
-use lightfold::gpu::render::texels::DeviceTexels;
+use lightfold::gpu::render::texels::{DeviceTexels, Textures};
 use lightfold::gpu::{DeviceRenderer, Gpu};
 use lightfold::march::playback::frames::{CpuRenderer, PictureOptions, Playback, PlaybackOptions};
 use lightfold::march::playback::selection::SelectionSettings;
@@ -64,7 +64,7 @@ fn differing(
     face: &FaceTexels,
     pyramid: &DepthPyramid,
 ) -> Result<Option<String>> {
-    let Some([inverse_depths, colors, pyramids, materials]) = texels.textures() else {
+    let Some(Textures { inverse_depths, colors, pyramids, materials, .. }) = &texels.textures else {
         return Ok(Some("no textures".into()));
     };
     let [x, y] = origin.texels;
@@ -119,7 +119,7 @@ struct Walked {
 
 /// Compares all images of the views that took part.
 fn compare(gpu: &Gpu, renderer: &DeviceRenderer<'_>, field: &LightField, probes: &[usize]) -> Result<Walked, Failed> {
-    let texels = renderer.gpu_renderer().ok_or("nothing was rendered")?.texels();
+    let texels = &renderer.renderer.as_ref().ok_or("nothing was rendered")?.texels;
     let mut walked = Walked::default();
     for view in field.views.iter().filter(|view| probes.contains(&view.probe)) {
         let pyramids = ViewPyramids::of(view);
@@ -159,7 +159,7 @@ fn compare_walk(
         return Err("the device does not decode it".into());
     }
     if let (Some(words), Some(units)) = (kept_words, decodes.gpu_backend()) {
-        units.limit_kept(words);
+        units.kept_words = words;
     }
     let mut is_sent = DeviceRenderer::new(gpu, options.clone());
     let mut on_cpu = CpuRenderer::new(options);
@@ -279,7 +279,7 @@ pub fn chunks_that_are_needed() -> Result<(), Failed> {
         let mut read = Vec::new();
         for kept_words in [usize::MAX, 0] {
             let mut backend = GpuBackend::new(gpu, &decoder);
-            backend.limit_kept(kept_words);
+            backend.kept_words = kept_words;
             let mut player = Player::new(&decoder, &ProbeChoice::default()).map_err(said)?;
             let views: Vec<usize> = (0..player.field().views.len()).collect();
             let request = UnitRequest { visible: &AllUnits, secondary_rays: false };

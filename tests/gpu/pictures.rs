@@ -31,8 +31,8 @@ struct Both<'a> {
 }
 
 impl Renderer for Both<'_> {
-    fn effects(&self) -> SpecularMode {
-        self.on_cpu.effects()
+    fn specular(&self) -> SpecularMode {
+        self.on_cpu.specular()
     }
 
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
@@ -142,7 +142,7 @@ pub fn refusals() -> Result<(), Failed> {
     with_gpu(|gpu| {
         let said = |error: Error| error.to_string();
         let mut case = pictures::cases().map_err(said)?.swap_remove(0);
-        let mut renderer = GpuRenderer::new(gpu, &case.field);
+        let mut renderer = GpuRenderer::new(gpu, case.field.coding);
         match renderer.render(&case.active(), &case.camera, &case.settings, &Stopped) {
             Err(Error::Interrupted) => {}
             other => return Err(format!("{:?}", other.map(|picture| picture.counters)).into()),
@@ -150,7 +150,7 @@ pub fn refusals() -> Result<(), Failed> {
         let face = case.field.views[0].faces.iter_mut().flatten().next().ok_or("no image")?;
         face.size = [gpu.device.limits().max_texture_dimension_2d + 1, 1];
         face.inverse_depth = vec![BACKGROUND; face.size[0] as usize];
-        let refused = GpuRenderer::new(gpu, &case.field).bring(&case.active()).map_err(said).err().unwrap_or_default();
+        let refused = GpuRenderer::new(gpu, case.field.coding).upload(&case.active()).map_err(said).err().unwrap_or_default();
         match refused.contains(&gpu.info.name) && refused.contains("`device` cpu") {
             true => Ok(()),
             false => Err(format!("it said '{refused}'").into()),
@@ -171,7 +171,7 @@ pub fn larger_images() -> Result<(), Failed> {
             start.views.truncate(1);
             start.field.views[1..].iter_mut().for_each(|view| view.faces = Default::default());
             start.field.views[0].faces.iter_mut().flatten().for_each(|face| face.material = None);
-            let mut renderer = GpuRenderer::new(gpu, &start.field);
+            let mut renderer = GpuRenderer::new(gpu, start.field.coding);
             for case in [&start, &case] {
                 let views = case.active();
                 let on_device = renderer.render(&views, &case.camera, &case.settings, &Silent).map_err(said)?;

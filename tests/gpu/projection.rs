@@ -121,7 +121,10 @@ pub fn agrees_with_the_model(gpu: &Gpu) -> Result<(), Failed> {
         buffers.push(buffer);
     }
     gpu.guard("projection", || {
-        let group = gpu.bind(&pipeline, &buffers.iter().collect::<Vec<_>>());
+        let group = gpu.bind(&pipeline, |name| {
+            let at = PROJECT.bindings.iter().position(|binding| binding.name == name)?;
+            Some(buffers[at].as_entire_binding())
+        });
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline.pipeline);

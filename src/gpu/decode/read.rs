@@ -33,9 +33,9 @@ impl GpuDecoder<'_> {
     }
 
     fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
-        match self.family.words() {
+        match self.family.words {
             PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
-            PixelWords::Bytes if self.family.is_color() => {
+            PixelWords::Bytes if self.family.is_color => {
                 Picture::Color8(self.assemble(stream, first, words, bytes_of))
             }
             PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),

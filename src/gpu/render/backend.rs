@@ -12,9 +12,10 @@ use crate::decode::{Decoder, StreamInfo};
 use crate::error::{Error, Result};
 use crate::gpu::decode::{self, GpuDecoder, UnitFrame};
 use crate::gpu::device::Gpu;
-use crate::gpu::family::{Family, PixelWords};
+use crate::gpu::family::{self, Family, PixelWords};
+use crate::gpu::kernels;
 use crate::gpu::layout::Unit;
-use crate::gpu::render::depth_planes::{self, DepthImage, DepthPlanes, ROW_WORDS, TilePart, TileParts};
+use crate::gpu::render::depth_planes::{self, DepthPlanes, ROW_WORDS, TilePart, TileParts};
 use crate::gpu::render::scene::ImageId;
 use crate::image::{DepthKind, StreamKind};
 use crate::streams::CodecHeader;
@@ -27,8 +28,7 @@ const KEPT_WORDS: usize = 16 << 20;
 /// Depths in metres whose inverses stay normal floats when multiplied by a ray length.
 const MULTIPLIED_M: [f32; 2] = [1e-15, 1e15];
 
-/// Cost of decoding on the device. Times cover the device's work after [`GpuBackend::wait_for_parts`]; without it, only the
-/// host's.
+/// Cost of decoding on the device. Times cover the device's work with [`GpuBackend::waits`]; without it, only the host's.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct UnitCost {
     /// Stored bytes that were read.
@@ -58,16 +58,16 @@ pub struct CellPart<'p> {
 }
 
 /// Units of all loaded probes.
-#[derive(Debug)]
 pub struct GpuBackend<'a> {
     gpu: &'a Gpu,
     decoder: &'a Decoder,
     probes: HashMap<usize, ProbeUnits<'a>>,
     /// The cost of unloaded probes, and of all but decoding.
     cost: UnitCost,
-    waits: bool,
-    /// See [`KEPT_WORDS`].
-    kept_words: usize,
+    /// Waits for the device after each part of the work, so that times are those of the parts.
+    pub waits: bool,
+    /// Words of chunks that decoders of probes loaded later keep.
+    pub kept_words: usize,
 }
 
 /// Parts of a face whose depths are to be written.
@@ -76,7 +76,6 @@ struct FaceParts {
     parts: Vec<DepthPart>,
 }
 
-#[derive(Debug)]
 struct ProbeUnits<'a> {
     decoders: Vec<GpuDecoder<'a>>,
     /// By stream index: the decoder, and the position there.
@@ -89,7 +88,7 @@ struct ProbeUnits<'a> {
 impl ProbeUnits<'_> {
     fn cost(&self) -> UnitCost {
         let add = |sum: UnitCost, decoder: &GpuDecoder<'_>| {
-            let cost = decoder.cost();
+            let cost = decoder.cost;
             UnitCost {
                 bytes_read: sum.bytes_read + cost.bytes_read,
                 bytes_sent: sum.bytes_sent + decoder.bytes_sent(),
@@ -110,21 +109,12 @@ impl ProbeUnits<'_> {
     fn unit(&self, stream: u32, unit: u32) -> Option<(&GpuDecoder<'_>, &StreamInfo, Unit)> {
         let [decoder, position] = *self.places.get(&stream)?;
         let decoder = self.decoders.get(decoder)?;
-        Some((decoder, decoder.streams().get(position)?, *decoder.unit(position, unit)))
+        Some((decoder, decoder.streams.get(position)?, *decoder.unit(position, unit)))
     }
 }
 
-/// Streams grouped by family.
 fn by_family<'s>(streams: impl Iterator<Item = &'s StreamInfo>) -> Vec<Vec<&'s StreamInfo>> {
-    let mut families: Vec<(Family, Vec<&StreamInfo>)> = Vec::new();
-    for stream in streams {
-        let family = Family::of(&stream.header);
-        match families.iter_mut().find(|(other, _)| *other == family) {
-            Some((_, streams)) => streams.push(stream),
-            None => families.push((family, vec![stream])),
-        }
-    }
-    families.into_iter().map(|(_, streams)| streams).collect()
+    family::groups(streams.map(|stream| (stream, Family::of(&stream.header), 0)), 0)
 }
 
 /// Whether a device whose buffers hold at most `most_bytes` can decode the depth and colour of a container for rendering: every
@@ -135,7 +125,7 @@ pub fn can_decode(decoder: &Decoder, most_bytes: u64) -> bool {
             let [least_m, most_m] = MULTIPLIED_M;
             header.kind == DepthKind::Planar || (header.range.near_m() >= least_m && header.range.far_m() <= most_m)
         }
-        CodecHeader::Color(_) => Family::of(&stream.header).words() == PixelWords::Bytes,
+        CodecHeader::Color(_) => Family::of(&stream.header).words == PixelWords::Bytes,
         CodecHeader::Material(_) => true,
     };
     decoder.streams().iter().all(is_apt) && buffer_bytes(decoder) <= most_bytes
@@ -149,16 +139,11 @@ pub fn buffer_bytes(decoder: &Decoder) -> u64 {
         probes.entry(stream.probe).or_default().push(stream);
     }
     let of_probe = |streams: &Vec<&StreamInfo>| {
-        let faces: Vec<_> = streams
-            .iter()
-            .filter_map(|stream| match stream.header {
-                CodecHeader::Depth(header) => {
-                    let size = [stream.entry.width, stream.entry.height];
-                    Some(DepthImage { size, range: header.range, kind: header.kind })
-                }
-                _ => None,
-            })
-            .collect();
+        let depth = streams.iter().filter_map(|stream| match stream.header {
+            CodecHeader::Depth(header) => Some(([stream.entry.width, stream.entry.height], header)),
+            _ => None,
+        });
+        let faces: Vec<_> = depth.collect();
         let families = by_family(streams.iter().copied());
         let words = families.iter().map(|streams| decode::buffer_words(streams, ROW_WORDS));
         words.fold(depth_planes::buffer_words(&faces), u64::max)
@@ -176,16 +161,6 @@ impl<'a> GpuBackend<'a> {
     pub fn new(gpu: &'a Gpu, decoder: &'a Decoder) -> GpuBackend<'a> {
         let (probes, cost) = (HashMap::new(), UnitCost::default());
         GpuBackend { gpu, decoder, probes, cost, waits: false, kept_words: KEPT_WORDS }
-    }
-
-    /// Waits for the device after each part of the work, so that times are those of the parts.
-    pub fn wait_for_parts(&mut self) {
-        self.waits = true;
-    }
-
-    /// Sets the words of chunks that decoders of probes loaded later keep: for tests.
-    pub fn limit_kept(&mut self, words: usize) {
-        self.kept_words = words;
     }
 
     /// Cost so far.
@@ -222,7 +197,6 @@ impl<'a> GpuBackend<'a> {
 }
 
 impl UnitCost {
-    /// The sum of two.
     #[must_use]
     pub fn plus(self, other: UnitCost) -> UnitCost {
         UnitCost {
@@ -247,7 +221,7 @@ impl<'a> GpuBackend<'a> {
                 places.insert(stream.index, [decoders.len(), position]);
             }
             let mut decoder = GpuDecoder::with_rows(self.gpu, self.decoder, streams, ROW_WORDS)?;
-            decoder.limit_kept(self.kept_words);
+            decoder.kept_words = self.kept_words;
             decoders.push(decoder);
         }
         let (planes, sent) = DepthPlanes::new(self.gpu, faces)?;
@@ -274,9 +248,8 @@ impl TexelBackend for GpuBackend<'_> {
     }
 
     fn bytes(&self, probe: usize) -> u64 {
-        let bytes =
-            |units: &ProbeUnits<'_>| units.decoders.iter().map(GpuDecoder::bytes).sum::<u64>() + units.planes.bytes();
-        self.probes.get(&probe).map_or(0, bytes)
+        let Some(ProbeUnits { decoders, planes, .. }) = self.probes.get(&probe) else { return 0 };
+        decoders.iter().map(GpuDecoder::bytes).sum::<u64>() + planes.bytes()
     }
 
     fn unload(&mut self, probe: usize) {
@@ -344,7 +317,7 @@ impl GpuBackend<'_> {
         for FaceParts { face, parts } in faces {
             let Some([depth, _]) = streams.get(face) else { continue };
             let Some(&[decoder, position]) = places.get(depth) else { continue };
-            let stream = decoders[decoder].streams()[position];
+            let stream = decoders[decoder].streams[position];
             debug_assert_eq!(stream.kind, StreamKind::Depth);
             for part in parts {
                 let [left, top, ..] = stream.entry.unit_rect(part.unit);
@@ -352,15 +325,14 @@ impl GpuBackend<'_> {
                 tiles[decoder].parts.push(TilePart { face: *face, part: *part, unit, corner: [left, top] });
             }
         }
-        let (mut start, mut took) = (Instant::now(), Vec::new());
-        let sent = planes.write(self.gpu, &tiles, || {
-            took.push(self.after(start)?);
-            start = Instant::now();
-            Ok(())
-        })?;
-        self.cost.bytes_sent += sent;
-        self.cost.texels += took.first().copied().unwrap_or_default();
-        self.cost.pyramids += took.get(1).copied().unwrap_or_default();
+        let jobs = planes.list(&tiles);
+        self.cost.bytes_sent += planes.send(self.gpu, &jobs)?;
+        let start = Instant::now();
+        planes.run(self.gpu, &kernels::TEXELS, &jobs.texels)?;
+        self.cost.texels += self.after(start)?;
+        let start = Instant::now();
+        planes.run(self.gpu, &kernels::SQUARES, &jobs.squares)?;
+        self.cost.pyramids += self.after(start)?;
         Ok(())
     }
 }

@@ -4,19 +4,19 @@
 //! The words equal those of `views::face_cache` and `march::pyramid` on the CPU: inverse depths come from a table, and are
 //! multiplied at most once.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::depth::quantise::DepthRange;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::device::Gpu;
 use crate::gpu::harness::groups;
-use crate::gpu::kernels::{self, Kernel};
-use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, words_of};
+use crate::gpu::kernels::Kernel;
+use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Unit, Words, list_of};
 use crate::gpu::render::scene::NO_BOUND;
 use crate::image::DepthKind;
 use crate::image::cube::Face;
 use crate::march::pyramid::DepthPyramid;
+use crate::streams::DepthHeader;
 use crate::views::backend::NewFace;
 use crate::views::face_cache::DepthPart;
 use crate::views::inverse_depth::InverseDepth;
@@ -74,7 +74,7 @@ pub struct TilePart {
 /// Planes of a probe.
 #[derive(Debug)]
 pub struct DepthPlanes {
-    planes: wgpu::Buffer,
+    pub planes: wgpu::Buffer,
     tables: wgpu::Buffer,
     jobs: Option<wgpu::Buffer>,
     faces: BTreeMap<usize, FacePlanes>,
@@ -89,85 +89,71 @@ fn plane_words([width, height]: [u32; 2]) -> u64 {
     u64::from(width.next_multiple_of(ROW_WORDS)) * u64::from(height)
 }
 
-/// The depth stream of a face.
-#[derive(Debug, Clone, Copy)]
-pub struct DepthImage {
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-    pub range: DepthRange,
-    /// Planar depth or distance.
-    pub kind: DepthKind,
-}
-
-/// Most words of the larger buffer of a probe: the planes of its faces, or the tables.
-pub fn buffer_words(faces: &[DepthImage]) -> u64 {
-    let planes = faces.iter().flat_map(|face| plane_sizes(face.size)).map(plane_words).sum::<u64>();
+/// Most words of the larger buffer of a probe, given the sizes and headers of its depth streams: planes, or tables.
+pub fn buffer_words(faces: &[([u32; 2], DepthHeader)]) -> u64 {
+    let planes = faces.iter().flat_map(|(size, _)| plane_sizes(*size)).map(plane_words).sum::<u64>();
     let mut ranges = Vec::new();
     let mut tables = 0;
-    for face in faces {
-        if !ranges.contains(&(face.range, face.kind)) {
-            ranges.push((face.range, face.kind));
+    for ([width, height], header) in faces {
+        if !ranges.contains(&(header.range, header.kind)) {
+            ranges.push((header.range, header.kind));
             tables += 1 << u16::BITS;
         }
-        if face.kind == DepthKind::Distance {
-            tables += u64::from(face.size[0]) * u64::from(face.size[1]);
+        if header.kind == DepthKind::Distance {
+            tables += u64::from(*width) * u64::from(*height);
         }
     }
     tables.max(u64::from(HEAD_WORDS) + planes)
 }
 
-/// A dispatch: its kernel, and its list among the jobs.
+/// A dispatch with its list among the jobs.
 #[derive(Debug)]
-struct Step<'p> {
-    kernel: &'static Kernel,
+pub struct Step<'p> {
     pictures: Option<&'p wgpu::Buffer>,
-    words: [usize; 2],
+    /// First word of the list, and words.
+    at: u64,
+    words: u64,
     invocations: u32,
+}
+
+/// Lists of jobs that write inverse depths, then their pyramids, one after the other.
+#[derive(Debug, Default)]
+pub struct Jobs<'p> {
+    words: Vec<u32>,
+    pub texels: Vec<Step<'p>>,
+    pub squares: Vec<Step<'p>>,
 }
 
 /// Tables with their first words: inverse depths by code, once per range, and ray lengths, once per projection.
 #[derive(Default)]
 struct Tables<'f> {
-    words: usize,
-    inverse: Vec<(&'f Arc<InverseDepth>, usize)>,
-    ray_lengths: Vec<(&'f FaceTexels, usize)>,
+    words: Vec<u32>,
+    inverse: Vec<(&'f Arc<InverseDepth>, u32)>,
+    ray_lengths: Vec<(&'f FaceTexels, u32)>,
 }
 
 impl<'f> Tables<'f> {
     fn inverse(&mut self, table: &'f Arc<InverseDepth>) -> u32 {
         if let Some((_, at)) = self.inverse.iter().find(|(other, _)| Arc::ptr_eq(other, table)) {
-            return *at as u32;
+            return *at;
         }
-        let at = self.words;
-        self.words += table.of_codes().len();
+        let at = self.words.len() as u32;
+        self.words.extend(table.of_codes().iter().map(|inverse| inverse.to_bits()));
         self.inverse.push((table, at));
-        at as u32
+        at
     }
 
     fn ray_lengths(&mut self, face: &'f FaceTexels) -> u32 {
         let alike = |other: &FaceTexels| (other.size, other.map) == (face.size, face.map);
         if let Some((_, at)) = self.ray_lengths.iter().find(|(other, _)| alike(other)) {
-            return *at as u32;
+            return *at;
         }
-        let at = self.words;
-        self.words += face.size[0] as usize * face.size[1] as usize;
+        let at = self.words.len() as u32;
+        let [width, height] = face.size;
+        let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
+        self.words.extend(texels.map(|[column, row]| face.map.ray_length_factor(column, row).to_bits()));
         self.ray_lengths.push((face, at));
-        at as u32
-    }
-
-    /// All their words.
-    fn values(&self) -> Vec<u32> {
-        let mut words = vec![0; self.words];
-        for (table, at) in &self.inverse {
-            words[*at..].iter_mut().zip(table.of_codes()).for_each(|(word, inverse)| *word = inverse.to_bits());
-        }
-        for (face, at) in &self.ray_lengths {
-            let [width, height] = face.size;
-            let texels = (0..height).flat_map(|row| (0..width).map(move |column| [column, row]));
-            let lengths = texels.map(|[column, row]| face.map.ray_length_factor(column, row).to_bits());
-            words[*at..].iter_mut().zip(lengths).for_each(|(word, length)| *word = length);
-        }
-        words
+        at
     }
 }
 
@@ -191,28 +177,18 @@ impl DepthPlanes {
         }
         // The error of a buffer that is too large names both sizes.
         let words = usize::try_from(at).unwrap_or(usize::MAX / 8);
-        let none = wgpu::BufferUsages::empty();
-        let planes = gpu.buffer("planes", words, none)?;
-        let buffer = gpu.buffer("tables", tables.words, none)?;
-        let values = tables.values();
+        let planes = gpu.buffer("planes", words, wgpu::BufferUsages::empty())?;
         let mut start = vec![UNKNOWN.to_bits(); words];
         start[GREATEST_WORD as usize] = NO_BOUND.to_bits();
-        gpu.guard("planes", || {
-            gpu.queue.write_buffer(&planes, 0, bytemuck::cast_slice(&start));
-            gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(&values));
-        })?;
-        let sent = 4 * (words + values.len()) as u64;
-        Ok((DepthPlanes { planes, tables: buffer, jobs: None, faces: known }, sent))
+        gpu.write("planes", &planes, &start)?;
+        let sent = 4 * (words + tables.words.len()) as u64;
+        let tables = gpu.filled("tables", &tables.words)?;
+        Ok((DepthPlanes { planes, tables, jobs: None, faces: known }, sent))
     }
 
     /// Bytes of the device that they take.
     pub fn bytes(&self) -> u64 {
         self.planes.size() + self.tables.size() + self.jobs.as_ref().map_or(0, wgpu::Buffer::size)
-    }
-
-    /// All planes.
-    pub fn buffer(&self) -> &wgpu::Buffer {
-        &self.planes
     }
 
     /// The texels of a face, and the levels of its pyramid.
@@ -226,12 +202,9 @@ impl DepthPlanes {
             && !self.faces.contains_key(&(Face::View as usize))
     }
 
-    /// Writes inverse depths and their pyramids; answers the bytes that were sent. `done` is called after the texels, and after
-    /// the pyramids.
-    pub fn write(&mut self, gpu: &Gpu, tiles: &[TileParts<'_>], mut done: impl FnMut() -> Result<()>) -> Result<u64> {
-        let mut words = Vec::new();
-        let mut changed: BTreeMap<usize, Rect> = BTreeMap::new();
-        let mut texels = Vec::new();
+    /// Lists the jobs that write these tiles.
+    pub fn list<'p>(&self, tiles: &[TileParts<'p>]) -> Jobs<'p> {
+        let (mut all, mut changed) = (Jobs::default(), BTreeMap::<usize, Rect>::new());
         for tile in tiles {
             let mut jobs: Vec<DepthJob> = Vec::new();
             for TilePart { face, part, unit, corner } in &tile.parts {
@@ -241,33 +214,14 @@ impl DepthPlanes {
                 let box_of = bounds(changed.get(face).copied(), part.rect);
                 changed.insert(*face, box_of);
             }
-            let invocations = jobs.last().map_or(0, |job| job.end);
-            texels.extend(list(&mut words, &jobs, invocations).map(|words| Step {
-                kernel: &kernels::TEXELS,
-                pictures: Some(tile.pictures),
-                words,
-                invocations,
-            }));
+            let end = jobs.last().map_or(0, |job| job.end);
+            all.texels.extend(list(&mut all.words, &jobs, end, Some(tile.pictures)));
         }
-        let mut squares = Vec::new();
         for jobs in self.pyramid_jobs(&changed) {
-            let invocations = jobs.last().map_or(0, |job| job.end);
-            squares.extend(list(&mut words, &jobs, invocations).map(|words| Step {
-                kernel: &kernels::SQUARES,
-                pictures: None,
-                words,
-                invocations,
-            }));
+            let end = jobs.last().map_or(0, |job| job.end);
+            all.squares.extend(list(&mut all.words, &jobs, end, None));
         }
-        if texels.is_empty() {
-            return Ok(0);
-        }
-        self.send_jobs(gpu, &words)?;
-        for steps in [texels, squares] {
-            self.run(gpu, &steps)?;
-            done()?;
-        }
-        Ok(4 * words.len() as u64)
+        all
     }
 
     /// The jobs of each level, from the texels up, and of the reductions.
@@ -294,51 +248,42 @@ impl DepthPlanes {
         all
     }
 
-    /// Brings lists of jobs onto the device.
-    fn send_jobs(&mut self, gpu: &Gpu, words: &[u32]) -> Result<()> {
-        let buffer = match self.jobs.take().filter(|buffer| buffer.size() >= 4 * words.len() as u64) {
+    /// Sends lists of jobs; answers the bytes.
+    pub fn send(&mut self, gpu: &Gpu, jobs: &Jobs<'_>) -> Result<u64> {
+        let (words, bytes) = (jobs.words.len(), 4 * jobs.words.len() as u64);
+        if words == 0 {
+            return Ok(0);
+        }
+        let buffer = match self.jobs.take().filter(|buffer| buffer.size() >= bytes) {
             Some(buffer) => buffer,
             None => {
                 let most = gpu.info.max_binding_bytes as usize / 4;
-                let room = words.len().next_power_of_two().min(most).max(words.len());
-                gpu.buffer("jobs", room, wgpu::BufferUsages::empty())?
+                gpu.buffer("jobs", words.next_power_of_two().min(most).max(words), wgpu::BufferUsages::empty())?
             }
         };
-        gpu.guard("jobs", || gpu.queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words)))?;
+        gpu.write("jobs", &buffer, &jobs.words)?;
         self.jobs = Some(buffer);
-        Ok(())
+        Ok(bytes)
     }
 
-    fn run(&self, gpu: &Gpu, steps: &[Step<'_>]) -> Result<()> {
-        let Some(jobs) = &self.jobs else { return Ok(()) };
-        let pipelines: HashMap<&str, _> = steps
-            .iter()
-            .map(|step| Ok((step.kernel.name, gpu.pipeline(step.kernel)?)))
-            .collect::<Result<_, Error>>()?;
-        gpu.guard("planes", || {
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pub fn run(&self, gpu: &Gpu, kernel: &'static Kernel, steps: &[Step<'_>]) -> Result<()> {
+        let Some(jobs) = self.jobs.as_ref().filter(|_| !steps.is_empty()) else { return Ok(()) };
+        let pipeline = gpu.pipeline(kernel)?;
+        gpu.compute("planes", |pass| {
             for step in steps {
-                let Some(pipeline) = pipelines.get(step.kernel.name) else { continue };
-                let list = wgpu::BufferBinding {
-                    buffer: jobs,
-                    offset: 4 * step.words[0] as u64,
-                    size: wgpu::BufferSize::new(4 * step.words[1] as u64),
-                };
-                let resources = step.kernel.bindings.iter().filter_map(|binding| match binding.name {
+                let size = wgpu::BufferSize::new(4 * step.words);
+                let list = wgpu::BufferBinding { buffer: jobs, offset: 4 * step.at, size };
+                let group = gpu.bind(&pipeline, |name| match name {
                     "pictures" => step.pictures.map(wgpu::Buffer::as_entire_binding),
                     "tables" => Some(self.tables.as_entire_binding()),
                     "jobs" => Some(wgpu::BindingResource::Buffer(list.clone())),
                     _ => Some(self.planes.as_entire_binding()),
                 });
-                let group = gpu.bind_resources(pipeline, resources);
                 pass.set_pipeline(&pipeline.pipeline);
                 pass.set_bind_group(0, &group, &[]);
-                let [x, y] = groups(step.invocations.div_ceil(step.kernel.workgroup));
+                let [x, y] = groups(step.invocations.div_ceil(kernel.workgroup));
                 pass.dispatch_workgroups(x, y, 1);
             }
-            drop(pass);
-            gpu.queue.submit([encoder.finish()]);
         })
     }
 }
@@ -393,14 +338,18 @@ fn pyramid_job([below, plane]: [&Plane; 2], [left, top, width, height]: Rect, en
     }
 }
 
-/// Appends a list of jobs where a binding may begin; answers its first word and its words. None of an empty list.
-fn list<T: Words>(words: &mut Vec<u32>, jobs: &[T], total: u32) -> Option<[usize; 2]> {
+/// Appends a list of jobs where a binding may begin; no step of an empty one.
+fn list<'p, T: Words>(
+    words: &mut Vec<u32>,
+    jobs: &[T],
+    invocations: u32,
+    pictures: Option<&'p wgpu::Buffer>,
+) -> Option<Step<'p>> {
     if jobs.is_empty() {
         return None;
     }
     words.resize(words.len().next_multiple_of(ROW_WORDS as usize), 0);
     let at = words.len();
-    words.extend([total, jobs.len() as u32]);
-    words.extend(words_of(jobs));
-    Some([at, words.len() - at])
+    words.extend(list_of([invocations, jobs.len() as u32], jobs));
+    Some(Step { pictures, at: at as u64, words: (words.len() - at) as u64, invocations })
 }

@@ -22,13 +22,12 @@ use crate::views::light_field::ColorCoding;
 use crate::views::player::Change;
 
 /// Makes the pictures of a playback on a device.
-#[derive(Debug)]
 pub struct DeviceRenderer<'a> {
     pub options: PictureOptions,
     gpu: &'a Gpu,
     pyramids: Pyramids,
     /// Made for the first frame request.
-    renderer: Option<GpuRenderer<'a>>,
+    pub renderer: Option<GpuRenderer<'a>>,
 }
 
 impl<'a> DeviceRenderer<'a> {
@@ -44,24 +43,21 @@ impl<'a> DeviceRenderer<'a> {
         let gpu = self.gpu;
         let has_material = decoder.streams().iter().any(|stream| stream.kind == StreamKind::Material);
         let is_apart = self.options.specular == SpecularMode::None || !has_material;
-        let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes))
-            .then(|| GpuRenderer::decoding(gpu, coding, GpuBackend::new(gpu, decoder)));
+        let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes)).then(|| GpuRenderer {
+            backend: Some(GpuBackend::new(gpu, decoder)),
+            ..GpuRenderer::new(gpu, coding)
+        });
         DeviceRenderer { renderer, ..self }
     }
 
     /// Whether the device decodes depth and colour.
     pub fn decodes(&self) -> bool {
-        self.renderer.as_ref().is_some_and(GpuRenderer::decodes)
+        self.renderer.as_ref().is_some_and(|renderer| renderer.backend.is_some())
     }
 
     /// What decodes depth and colour, unless the CPU does.
     pub fn gpu_backend(&mut self) -> Option<&mut GpuBackend<'a>> {
-        self.renderer.as_mut().and_then(GpuRenderer::backend)
-    }
-
-    /// The renderer, once there is one.
-    pub fn gpu_renderer(&self) -> Option<&GpuRenderer<'a>> {
-        self.renderer.as_ref()
+        self.renderer.as_mut()?.backend.as_mut()
     }
 
     /// Cost so far.
@@ -71,7 +67,7 @@ impl<'a> DeviceRenderer<'a> {
 }
 
 impl Renderer for DeviceRenderer<'_> {
-    fn effects(&self) -> SpecularMode {
+    fn specular(&self) -> SpecularMode {
         self.options.specular
     }
 
@@ -81,19 +77,19 @@ impl Renderer for DeviceRenderer<'_> {
 
     fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()> {
         self.pyramids.update(stage.field, changes);
-        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field));
+        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field.coding));
         for change in changes {
             let probe = stage.field.views[change.view].probe;
-            renderer.change(ImageId { probe, face: change.face }, change.kind, change.rect);
+            renderer.texels.change(ImageId { probe, face: change.face }, change.kind, change.rect);
         }
         // Which texels are needed does not depend on the eye.
-        renderer.bring(&ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, DVec3::ZERO))
+        renderer.upload(&ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, DVec3::ZERO))
     }
 
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let views = ActiveViews::with_pyramids(stage.field, &self.pyramids, stage.views, camera.eye());
         let settings = self.options.settings(&views);
-        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field));
+        let renderer = self.renderer.get_or_insert_with(|| GpuRenderer::new(self.gpu, stage.field.coding));
         renderer.render(&views, camera, &settings, monitor)
     }
 }

@@ -32,19 +32,19 @@ pub struct DeviceTexels {
     coding: ColorCoding,
     /// Whether an image that was needed so far has a material.
     has_material: bool,
-    textures: Option<Textures>,
+    pub textures: Option<Textures>,
     resident: HashMap<ImageId, Resident>,
 }
 
 /// Texture arrays that share an atlas of tiles.
 #[derive(Debug)]
-struct Textures {
+pub struct Textures {
     capacity: usize,
     atlas: Atlas,
-    inverse_depths: wgpu::Texture,
-    pyramids: wgpu::Texture,
-    colors: wgpu::Texture,
-    materials: wgpu::Texture,
+    pub inverse_depths: wgpu::Texture,
+    pub pyramids: wgpu::Texture,
+    pub colors: wgpu::Texture,
+    pub materials: wgpu::Texture,
 }
 
 /// An image that has a tile.
@@ -110,8 +110,8 @@ impl DeviceTexels {
         kinds.map(|kind| (kind, [0, 0, width, height])).to_vec()
     }
 
-    /// Brings the images of these views into textures of the device, as they are now.
-    pub fn bring(
+    /// Updates the textures to the images of these views.
+    pub fn update(
         &mut self,
         gpu: &Gpu,
         views: &ActiveViews<'_>,
@@ -137,24 +137,18 @@ impl DeviceTexels {
         for image in &images {
             bytes_sent += self.send(gpu, image)?;
         }
-        let mut in_backend = Vec::new();
-        for image in images.iter().filter(|image| backend.is_some() && image.texels.is_in_backend()) {
-            let stale = self.resident.get_mut(&image.id).map(|resident| std::mem::take(&mut resident.stale));
-            in_backend.push((image.id, stale.unwrap_or_default()));
-        }
         let mut copies = Vec::new();
-        for (backend, (id, stale)) in in_backend.into_iter().filter_map(|image| Some((backend?, image))) {
-            self.list_copies(id, stale, backend, &mut copies);
-        }
-        if copies.is_empty() {
-            return Ok(Transferred { bytes_sent, bytes_copied: 0 });
+        let in_backend = || images.iter().filter(|image| image.texels.is_in_backend()).map(|image| image.id);
+        for (backend, id) in in_backend().filter_map(|id| Some((backend?, id))) {
+            self.list_copies(id, backend, &mut copies);
         }
         let bytes_copied = copies.iter().map(|copy| 4 * u64::from(copy.rect[2]) * u64::from(copy.rect[3])).sum();
-        gpu.guard("texels", || {
-            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            copies.iter().for_each(|copy| copy.encode(&mut encoder));
-            gpu.queue.submit([encoder.finish()]);
-        })?;
+        if !copies.is_empty() {
+            gpu.submit("texels", |encoder| copies.iter().for_each(|copy| copy.encode(encoder)))?;
+        }
+        for id in in_backend().filter(|_| backend.is_some()) {
+            self.resident.get_mut(&id).into_iter().for_each(|resident| resident.stale.clear());
+        }
         Ok(Transferred { bytes_sent, bytes_copied })
     }
 
@@ -289,13 +283,12 @@ impl DeviceTexels {
                 };
                 if !bytes.is_empty() {
                     let place = Place { texture, origin: [x, y, origin.layer] };
-                    sent += write(gpu, place, TexelBytes { bytes, size: texels.size }, rect);
+                    sent += write(gpu, place, bytes, texels.size, rect);
                 }
                 for level in (0..image.pyramid.levels()).filter(|_| kind == StreamKind::Depth) {
                     let Some((size, values)) = image.pyramid.level(level) else { continue };
                     let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
-                    let source = TexelBytes { bytes: bytemuck::cast_slice(values), size };
-                    sent += write(gpu, place, source, above(rect, level));
+                    sent += write(gpu, place, bytemuck::cast_slice(values), size, above(rect, level));
                 }
             }
             sent
@@ -303,25 +296,20 @@ impl DeviceTexels {
     }
 
     /// Lists copies of stale texels of an image from the buffers of the backend.
-    fn list_copies<'u>(
-        &'u self,
-        id: ImageId,
-        stale: Vec<Stale>,
-        backend: &'u GpuBackend<'_>,
-        copies: &mut Vec<TexelCopy<'u>>,
-    ) {
+    fn list_copies<'u>(&'u self, id: ImageId, backend: &'u GpuBackend<'_>, copies: &mut Vec<TexelCopy<'u>>) {
         let (Some(textures), Some(planes)) = (&self.textures, backend.planes(id.probe)) else { return };
         let [texels, levels @ ..] = planes.levels(id.face) else { return };
         let origin = self.origin(id);
         let ([x, y], [width, height]) = (origin.texels, texels.size);
         let origin_of_texels = [x, y, origin.layer];
         let mut changed = None;
-        for (kind, rect) in stale {
+        let stale = self.resident.get(&id).map_or(&[][..], |resident| &resident.stale);
+        for &(kind, rect) in stale {
             let Some(rect) = overlap(rect, [0, 0, width, height]) else { continue };
             if kind == StreamKind::Depth {
                 changed = Some(bounds(changed, rect));
                 let place = Place { texture: &textures.inverse_depths, origin: origin_of_texels };
-                copies.push(TexelCopy::of_plane(planes.buffer(), texels, place, rect));
+                copies.push(TexelCopy::of_plane(&planes.planes, texels, place, rect));
             } else {
                 let place = Place { texture: &textures.colors, origin: origin_of_texels };
                 copies.extend(backend.cells(id, rect).into_iter().map(|cell| TexelCopy {
@@ -336,30 +324,22 @@ impl DeviceTexels {
         let Some(changed) = changed else { return };
         for (level, plane) in levels.iter().enumerate() {
             let place = Place { texture: &textures.pyramids, origin: self.level_origin(origin, level) };
-            copies.push(TexelCopy::of_plane(planes.buffer(), plane, place, above(changed, level)));
+            copies.push(TexelCopy::of_plane(&planes.planes, plane, place, above(changed, level)));
         }
     }
 
-    /// The textures of inverse depths, colours, pyramids and materials, where there are any: for tests, which read them back.
-    pub fn textures(&self) -> Option<[&wgpu::Texture; 4]> {
-        self.textures.as_ref().map(|textures| {
-            let Textures { inverse_depths, colors, pyramids, materials, .. } = textures;
-            [inverse_depths, colors, pyramids, materials]
-        })
-    }
-
-    /// Views of the textures of inverse depths, colours, pyramids and materials.
-    pub fn views(&self) -> Vec<wgpu::TextureView> {
-        let view = |texture: &wgpu::Texture| {
-            texture.create_view(&wgpu::TextureViewDescriptor {
-                dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..wgpu::TextureViewDescriptor::default()
-            })
+    /// A view of the texture of a binding.
+    pub fn view(&self, binding: &str) -> Option<wgpu::TextureView> {
+        let Textures { inverse_depths, pyramids, colors, materials, .. } = self.textures.as_ref()?;
+        let texture = match binding {
+            "inverse_depths" => inverse_depths,
+            "pyramids" => pyramids,
+            "colors" => colors,
+            "materials" => materials,
+            _ => return None,
         };
-        let Some(Textures { inverse_depths, pyramids, colors, materials, .. }) = &self.textures else {
-            return Vec::new();
-        };
-        [inverse_depths, colors, pyramids, materials].map(view).to_vec()
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        Some(texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() }))
     }
 }
 
@@ -399,12 +379,6 @@ impl<'u> TexelCopy<'u> {
     }
 }
 
-/// Texels of an image of `size`, row by row.
-struct TexelBytes<'t> {
-    bytes: &'t [u8],
-    size: [u32; 2],
-}
-
 fn color_bytes(texels: &ColorTexels) -> &[u8] {
     match texels {
         ColorTexels::Codes(codes) => codes.as_flattened(),
@@ -412,8 +386,8 @@ fn color_bytes(texels: &ColorTexels) -> &[u8] {
     }
 }
 
-/// Sends a rectangle of an image; answers its bytes.
-fn write(gpu: &Gpu, place: Place<'_>, TexelBytes { bytes, size }: TexelBytes<'_>, rect: Rect) -> u64 {
+/// Sends a rectangle of an image of `size`, whose bytes are all given; answers the bytes sent.
+fn write(gpu: &Gpu, place: Place<'_>, bytes: &[u8], size: [u32; 2], rect: Rect) -> u64 {
     // The rectangle may be that of a tile, and larger than the image.
     let Some(rect) = overlap(rect, [0, 0, size[0], size[1]]) else { return 0 };
     let [left, top, width, height] = rect;

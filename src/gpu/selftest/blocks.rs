@@ -4,6 +4,7 @@ use crate::block::{Bc1, Bc4, Bc5, Bc6h, Bc7, BlockEncoder, bc1, bc4, bc5, bc6h, 
 use crate::effort::Effort;
 use crate::gpu::harness::Case;
 use crate::gpu::pictures::{pack_bytes, pack_halves};
+use crate::gpu::prepare::words_from;
 use crate::math::random::Random;
 
 /// Random blocks of each mode.
@@ -103,13 +104,13 @@ fn cases<const BYTES: usize>(
 
 fn case<const BYTES: usize>(label: &str, blocks: &[[u8; BYTES]], decode: impl Fn(&[u8; BYTES]) -> Vec<u32>) -> Case {
     let expected: Vec<u32> = blocks.iter().flat_map(decode).collect();
-    let words = blocks.as_flattened().as_chunks().0.iter().map(|&bytes| u32::from_le_bytes(bytes)).collect();
+    let words = words_from(blocks.as_flattened());
     Case {
         label: label.to_owned(),
-        buffers: vec![words, vec![0xdead_beef; expected.len()]],
+        buffers: [("blocks", words), ("texels", vec![0xdead_beef; expected.len()])].into(),
         invocations: blocks.len() as u32,
         inputs: blocks.len() as u64,
         pixels: 16 * blocks.len() as u64,
-        expected: vec![(1, expected)],
+        expected: vec![("texels", expected)],
     }
 }

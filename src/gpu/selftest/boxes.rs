@@ -1,5 +1,5 @@
 //! Inputs of the kernels of boxes: columns that share words, units of odd sizes, whole and constant records,
-//! pieces in blocks.
+//! block tiles.
 
 use crate::depth::block_tiles::{BlockTexel, BlockTiles, stored_tiles, tiles_of};
 use crate::depth::boxes::PixelBox;
@@ -7,16 +7,14 @@ use crate::depth::records::builder::ChunkBuilder;
 use crate::depth::records::{TemporalChunk, Values};
 use crate::depth::texel::Texel;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{BoxRow, Job, Record, Unit, words_of};
-use crate::gpu::pictures::{code_stride, pack_bytes, pack_codes};
+use crate::gpu::layout::{BoxRow, Record, Unit};
+use crate::gpu::pictures::{pack_bytes, pack_codes};
 use crate::gpu::prepare::{self, Parts, Prepared};
+use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
 /// A pixel that boxes hold.
 pub trait BoxTexel: Texel {
-    /// Words of a row of this width.
-    fn stride(width: u32) -> u32;
-
     /// A random one, often one that others are like.
     fn random(random: &mut Random) -> Self;
 
@@ -48,12 +46,12 @@ impl<T: BoxTexel + BlockTexel> RandomLayout<T> for BlockTiles {
         let size = size.map(|side| side as usize);
         let count = tiles_of(size).count();
         let mut map = vec![0; count.div_ceil(8)];
-        (0..count).filter(|_| !random.one_in(3)).for_each(|piece| map[piece / 8] |= 1 << (piece % 8));
-        let bytes = stored_tiles::<T>(&map, size).map(|piece| piece.bytes).sum();
-        let mut pieces = vec![0; bytes];
-        random.fill(&mut pieces);
+        (0..count).filter(|_| !random.one_in(3)).for_each(|tile| map[tile / 8] |= 1 << (tile % 8));
+        let bytes = stored_tiles::<T>(&map, size).map(|tile| tile.bytes).sum();
+        let mut tiles = vec![0; bytes];
+        random.fill(&mut tiles);
         data.extend(map);
-        data.extend(pieces);
+        data.extend(tiles);
     }
 
     fn boxes([width, height]: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
@@ -70,10 +68,6 @@ impl<T: BoxTexel + BlockTexel> RandomLayout<T> for BlockTiles {
 }
 
 impl BoxTexel for u16 {
-    fn stride(width: u32) -> u32 {
-        code_stride(width)
-    }
-
     fn random(random: &mut Random) -> u16 {
         if random.one_in(4) { 65535 } else { random.word() as u16 }
     }
@@ -84,10 +78,6 @@ impl BoxTexel for u16 {
 }
 
 impl BoxTexel for [u8; 3] {
-    fn stride(width: u32) -> u32 {
-        width
-    }
-
     fn random(random: &mut Random) -> [u8; 3] {
         if random.one_in(4) { [0; 3] } else { std::array::from_fn(|_| random.word() as u8) }
     }
@@ -129,116 +119,55 @@ pub fn random_boxes(size: [u32; 2], random: &mut Random) -> Vec<PixelBox> {
     parts
 }
 
-#[derive(Default)]
-struct Gathered {
-    units: Vec<Unit>,
-    records: Vec<Record>,
-    boxes: Vec<BoxRow>,
-    jobs: Vec<Job>,
-    stream: Vec<u32>,
-    before: Vec<u32>,
-    expected: Vec<u32>,
-    inputs: u64,
-    pixels: u64,
-}
-
-impl Gathered {
-    /// Adds a unit to which record `at` of a chunk is applied, over a random picture.
-    fn push<T, L>(&mut self, chunk: &TemporalChunk<T, L>, at: usize, size: [u32; 2], random: &mut Random)
-    where
-        T: BoxTexel,
-        L: RandomLayout<T>,
-    {
-        let mut picture = random_picture::<T>((size[0] * size[1]) as usize, random);
-        let width = size[0] as usize;
-        let unit = Unit {
-            picture: self.before.len() as u32,
-            width: size[0],
-            height: size[1],
-            stride: T::stride(size[0]),
-            ..Unit::default()
-        };
-        self.before.extend(T::pack(&picture, width));
-        self.pixels += chunk.apply(&mut picture, chunk.records()[at].body);
-        self.expected.extend(T::pack(&picture, width));
-        let Prepared { stream, records, boxes, .. } = prepare::of_boxes(chunk, size);
-        let (bytes, rows) = (4 * self.stream.len() as u32, self.boxes.len() as u32);
-        self.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));
-        let record = Record { first: records[at].first + rows, ..records[at] };
-        self.inputs += u64::from(record.count);
-        let end = self.jobs.last().map_or(0, |job| job.end) + record.work;
-        let number = self.units.len() as u32;
-        self.jobs.push(Job { unit: number, end, record: self.records.len() as u32, ..Job::default() });
-        self.units.push(unit);
-        self.records.push(record);
-        self.stream.extend(stream);
-    }
-
-    fn case(self, label: &str) -> Case {
-        let invocations = self.jobs.last().map_or(0, |job| job.end);
-        let mut jobs = vec![invocations, self.jobs.len() as u32];
-        jobs.extend(words_of(&self.jobs));
-        Case {
-            label: label.to_owned(),
-            buffers: vec![
-                words_of(&self.units),
-                words_of(&self.records),
-                jobs,
-                words_of(&self.boxes),
-                self.stream,
-                self.before,
-            ],
-            invocations,
-            expected: vec![(5, self.expected)],
-            inputs: self.inputs,
-            pixels: self.pixels,
-        }
-    }
-}
-
-/// A chunk with a keyframe and a record of boxes.
-fn chunk<T, L>(size: [u32; 2], boxes: &[PixelBox], random: &mut Random) -> Option<TemporalChunk<T, L>>
-where
-    T: BoxTexel,
-    L: RandomLayout<T>,
-{
-    let keyframe = random_picture::<T>((size[0] * size[1]) as usize, random);
+/// Adds units to which the first records of a random chunk are applied: a keyframe, then these boxes.
+fn push<T: BoxTexel, L: RandomLayout<T>>(
+    all: &mut Gathered,
+    size: [u32; 2],
+    boxes: &[PixelBox],
+    records: usize,
+    random: &mut Random,
+) {
+    let pixels = (size[0] * size[1]) as usize;
+    let keyframe = random_picture::<T>(pixels, random);
     let mut builder = ChunkBuilder::starting_with(&keyframe, |data| L::put(size, random, data));
     builder.put_boxes(1, boxes, |b, data| L::put([b.width, b.height].map(u32::from), random, data));
-    TemporalChunk::parse(builder.finish().ok()?, size, 2).ok()
+    let Some(chunk) = builder.finish().ok().and_then(|bytes| TemporalChunk::<T, L>::parse(bytes, size, 2).ok()) else {
+        return;
+    };
+    for at in 0..records {
+        let mut picture = random_picture::<T>(pixels, random);
+        let Prepared { stream, records, boxes, .. } = prepare::of_boxes(&chunk, size);
+        let (bytes, rows) = (4 * all.stream.len() as u32, all.boxes.len() as u32);
+        let record = Record { first: records[at].first + rows, ..records[at] };
+        all.before.extend(T::pack(&picture, size[0] as usize));
+        all.pixels += chunk.apply(&mut picture, chunk.records()[at].body);
+        all.inputs += u64::from(record.count);
+        all.boxes.extend(boxes.iter().map(|row| BoxRow { at: row.at + bytes, ..*row }));
+        all.stream.extend(stream);
+        let unit = Unit { width: size[0], height: size[1], ..Unit::default() };
+        all.push(unit, record, T::pack(&picture, size[0] as usize));
+    }
 }
 
 /// All cases of one kind of pixel, stored in one way.
 pub(super) fn cases<T: BoxTexel, L: RandomLayout<T>>(seed: u64) -> Vec<Case> {
     let random = &mut Random::new(seed);
-    let mut small = Gathered::default();
-    for width in 1..=9 {
-        for height in 1..=3 {
-            let size = [width, height];
-            // Boxes of one column each, where that is allowed: every word is shared.
-            let column = |x| PixelBox { x, y: 0, width: 1, height: height as u16 };
-            let columns: Vec<_> = (0..width as u16).filter(|_| !random.one_in(3)).map(column).collect();
-            let boxes = if columns.is_empty() || L::GRID > 1 { L::boxes(size, random) } else { columns };
-            if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
-                (0..2).for_each(|record| small.push(&chunk, record, size, random));
-            }
-        }
+    let [mut small, mut odd, mut large] = [(); 3].map(|()| Gathered::default());
+    for size in (1..=9).flat_map(|width| (1..=3).map(move |height| [width, height])) {
+        // Boxes of one column each, where that is allowed: every word is shared.
+        let column = |x| PixelBox { x, y: 0, width: 1, height: size[1] as u16 };
+        let columns: Vec<_> = (0..size[0] as u16).filter(|_| !random.one_in(3)).map(column).collect();
+        let boxes = if columns.is_empty() || L::GRID > 1 { L::boxes(size, random) } else { columns };
+        push::<T, L>(&mut small, size, &boxes, 2, random);
     }
-    let mut odd = Gathered::default();
     for _ in 0..150 {
         let size = [1 + random.below(70), 1 + random.below(70)];
         let boxes = L::boxes(size, random);
-        if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
-            (0..2).for_each(|record| odd.push(&chunk, record, size, random));
-        }
+        push::<T, L>(&mut odd, size, &boxes, 2, random);
     }
-    let mut large = Gathered::default();
-    let size = [1024, 1024];
     for _ in 0..4 {
-        let boxes = L::boxes(size, random);
-        if let Some(chunk) = chunk::<T, L>(size, &boxes, random) {
-            large.push(&chunk, 0, size, random);
-        }
+        let boxes = L::boxes([1024; 2], random);
+        push::<T, L>(&mut large, [1024; 2], &boxes, 1, random);
     }
     vec![small.case("columns that share words"), odd.case("random boxes"), large.case("units of 1024x1024")]
 }

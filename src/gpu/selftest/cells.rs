@@ -6,9 +6,10 @@ use crate::color::cells::builder::CellBuilder;
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::color::keyframe_blocks::KeyframeBlocks;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{Job, Record, Unit, words_of};
+use crate::gpu::layout::{Job, Record, Unit};
 use crate::gpu::pictures::{pack_bytes, pack_halves};
 use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
 /// A sample that cells hold.
@@ -88,117 +89,75 @@ struct Between<S> {
 }
 
 impl<S: CellSample> Between<S> {
-    fn random([width, height]: [usize; 2], blocks: Option<KeyframeBlocks<S>>, random: &mut Random) -> Between<S> {
-        let format = CellFormat { size: [width, height], blocks };
+    fn random(size: [usize; 2], blocks: Option<KeyframeBlocks<S>>, random: &mut Random) -> Between<S> {
+        let format = CellFormat { size, blocks };
         let mut keyframe = || Keyframe::random(&format, random);
         let keyframes = [keyframe(), keyframe()];
         Between { format, keyframes }
     }
 }
 
-#[derive(Default)]
-struct Gathered {
-    units: Vec<Unit>,
-    records: Vec<Record>,
-    jobs: Vec<Job>,
-    stream: Vec<u32>,
-    expected: Vec<u32>,
-    pixels: u64,
-}
-
-impl Gathered {
-    /// Adds cells that show the same pair of keyframes, one for each weight. `lead` weights come before the samples, so
-    /// that these start at any byte.
-    fn push<S: CellSample>(&mut self, cell: &Between<S>, weights: &[u8], lead: u32) {
-        let mut builder = CellBuilder::default();
-        cell.keyframes[0].push(&cell.format, &mut builder);
-        builder.push_weight(1, lead);
-        cell.keyframes[1].push(&cell.format, &mut builder);
-        let frames = builder.frame_count();
-        let pixels = cell.format.pixels();
-        let Ok(payload) = builder.finish() else { return };
-        let Ok(chunk) = CellChunk::parse(payload, cell.format, frames) else { return };
-        let [a, b] = [0, 1].map(|keyframe| {
-            let mut samples = vec![S::default(); 3 * pixels];
-            chunk.read_keyframe(keyframe, &mut samples);
-            samples
-        });
-        let Prepared { stream, records, .. } = prepare::of_cells(&chunk);
-        let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
-        self.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
-        self.stream.extend(stream);
-        for &weight in weights {
-            let shown: Vec<S> = a.iter().zip(&b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
-            let end = self.jobs.last().map_or(0, |job| job.end) + records[0].work;
-            self.pixels += pixels as u64;
-            let (unit, next) = (self.units.len() as u32, first + u32::from(weight > 0));
-            self.jobs.push(Job { unit, end, record: first, next, weight: weight.into() });
-            self.units.push(Unit {
-                picture: self.expected.len() as u32,
-                width: cell.format.size[0] as u32,
-                height: cell.format.size[1] as u32,
-                stride: (cell.format.size[0] * S::BYTES) as u32,
-                ..Unit::default()
-            });
-            self.expected.extend(S::pack(&shown));
-        }
-    }
-
-    fn case(self, label: &str) -> Case {
-        let invocations = self.jobs.last().map_or(0, |job| job.end);
-        let mut jobs = vec![invocations, self.jobs.len() as u32];
-        jobs.extend(words_of(&self.jobs));
-        let pictures = vec![0; self.expected.len()];
-        Case {
-            label: label.to_owned(),
-            inputs: self.units.len() as u64,
-            buffers: vec![words_of(&self.units), words_of(&self.records), jobs, self.stream, pictures],
-            invocations,
-            expected: vec![(4, self.expected)],
-            pixels: self.pixels,
-        }
+/// Adds cells that show the same pair of keyframes, one for each weight. `lead` weights come before the samples, so that these
+/// start at any byte.
+fn push<S: CellSample>(all: &mut Gathered, cell: &Between<S>, weights: &[u8], lead: u32) {
+    let mut builder = CellBuilder::default();
+    cell.keyframes[0].push(&cell.format, &mut builder);
+    builder.push_weight(1, lead);
+    cell.keyframes[1].push(&cell.format, &mut builder);
+    let frames = builder.frame_count();
+    let pixels = cell.format.pixels();
+    let Ok(payload) = builder.finish() else { return };
+    let Ok(chunk) = CellChunk::parse(payload, cell.format, frames) else { return };
+    let [a, b] = [0, 1].map(|keyframe| {
+        let mut samples = vec![S::default(); 3 * pixels];
+        chunk.read_keyframe(keyframe, &mut samples);
+        samples
+    });
+    let Prepared { stream, records, .. } = prepare::of_cells(&chunk);
+    let (bytes, first) = (4 * all.stream.len() as u32, all.records.len() as u32);
+    all.records.extend(records.iter().map(|row| Record { at: row.at + bytes, ..*row }));
+    all.stream.extend(stream);
+    let [width, height] = cell.format.size.map(|side| side as u32);
+    for &weight in weights {
+        let shown: Vec<S> = a.iter().zip(&b).map(|(&a, &b)| S::lerp(a, b, weight)).collect();
+        let unit = all.push_unit(Unit { width, height, ..Unit::default() }, S::pack(&shown));
+        let job = Job { unit, record: first, next: first + u32::from(weight > 0), weight: weight.into(), end: 0 };
+        all.push_job(job, records[0].work);
+        all.pixels += pixels as u64;
+        all.inputs += 1;
     }
 }
 
-fn all_weights() -> Vec<u8> {
-    (0..=u8::MAX).collect()
+/// A case of one pair of keyframes at every weight, then random ones.
+fn cases<S: CellSample>(seed: u64, label: &str, cell: &Between<S>, lead: u32) -> Vec<Case> {
+    let mut pairs = Gathered::default();
+    push(&mut pairs, cell, &(0..=u8::MAX).collect::<Vec<_>>(), lead);
+    [vec![pairs.case(label)], random_cases::<S>(seed, None)].concat()
 }
 
-/// 8-bit samples.
 pub(super) fn bytes(seed: u64) -> Vec<Case> {
     // Every pair of bytes; the last sample fills up the pixel.
     let pair = |half: u32| Keyframe::Samples((0..65_538u32).map(|at| (at >> (8 * half)) as u8).collect());
-    let mut pairs = Gathered::default();
-    let format = CellFormat::of_samples(21_846, 1);
-    pairs.push(&Between { format, keyframes: [pair(1), pair(0)] }, &all_weights(), 0);
-    let mut cases = vec![pairs.case("every pair of bytes at every weight")];
-    cases.extend(random_cases::<u8>(seed, None));
-    cases
+    let cell = Between { format: CellFormat::of_samples(21_846, 1), keyframes: [pair(1), pair(0)] };
+    cases(seed, "every pair of bytes at every weight", &cell, 0)
 }
 
-/// Half floats.
 pub(super) fn halves(seed: u64) -> Vec<Case> {
-    let mut edges = Gathered::default();
     let half = |at: usize| HalfKey::from_bits(HALVES[at % HALVES.len()]);
     let a = Keyframe::Samples((0..258).map(half).collect());
     let b = Keyframe::Samples((0..258).map(|at| half(at / HALVES.len())).collect());
-    edges.push(&Between { format: CellFormat::of_samples(43, 2), keyframes: [a, b] }, &all_weights(), 1);
-    let mut cases = vec![edges.case("every pair of edges at every weight")];
-    cases.extend(random_cases::<HalfKey>(seed, None));
-    cases
+    let cell = Between { format: CellFormat::of_samples(43, 2), keyframes: [a, b] };
+    cases(seed, "every pair of edges at every weight", &cell, 1)
 }
 
-/// Keyframes in blocks of BC1.
 pub(super) fn bc1(seed: u64) -> Vec<Case> {
     random_cases(seed, Some(KeyframeBlocks::BC1))
 }
 
-/// Keyframes in blocks of BC7.
 pub(super) fn bc7(seed: u64) -> Vec<Case> {
     random_cases(seed, Some(KeyframeBlocks::BC7))
 }
 
-/// Keyframes in blocks of BC6H.
 pub(super) fn bc6h(seed: u64) -> Vec<Case> {
     random_cases(seed, Some(KeyframeBlocks::BC6H))
 }
@@ -209,10 +168,10 @@ fn random_cases<S: CellSample>(seed: u64, blocks: Option<KeyframeBlocks<S>>) -> 
     for lead in 0..60 {
         let size = [1 + random.below(33) as usize, 1 + random.below(33) as usize];
         let weights = [0, 255, random.word() as u8, random.word() as u8];
-        odd.push(&Between::<S>::random(size, blocks, random), &weights, lead);
+        push(&mut odd, &Between::<S>::random(size, blocks, random), &weights, lead);
     }
     let mut large = Gathered::default();
     let side = if blocks.is_some() { 256 } else { 1024 };
-    large.push(&Between::<S>::random([side, side], blocks, random), &[17, 254], 1);
+    push(&mut large, &Between::<S>::random([side, side], blocks, random), &[17, 254], 1);
     vec![odd.case("odd sizes and offsets"), large.case("large cells")]
 }

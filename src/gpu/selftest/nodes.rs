@@ -1,75 +1,37 @@
 //! Inputs of the kernel of nodes: all functions on all levels, in units of odd sizes, in all domains.
 
-use crate::depth::domain::{Domain, DomainKind, LOG2_TABLE};
+use crate::depth::domain::{Domain, DomainKind};
 use crate::depth::nodes::{COEFFICIENT_BYTES, Function, Grid, Node, Place, function_of};
 use crate::depth::runtime::{LEVELS, Runtime};
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{Job, Record, Unit, words_of};
-use crate::gpu::pictures::{code_stride, pack_codes};
+use crate::gpu::layout::{Record, Unit};
+use crate::gpu::pictures::pack_codes;
+use crate::gpu::prepare::words_from;
+use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
-/// Units of one dispatch, gathered.
-#[derive(Default)]
-struct Gathered {
-    units: Vec<Unit>,
-    records: Vec<Record>,
-    jobs: Vec<Job>,
-    stream: Vec<u32>,
-    expected: Vec<u32>,
-    nodes: u64,
-    pixels: u64,
-}
-
-impl Gathered {
-    /// Adds a unit that shows these nodes.
-    fn push(&mut self, grid: Grid, domain: &Domain, nodes: &[Node]) {
-        let mut runtime = Runtime::new(grid);
-        runtime.push(0, nodes);
-        let mut picture = vec![0u16; grid.pixel_count() as usize];
-        for &frame in runtime.frames() {
-            self.pixels += runtime.apply(&mut picture, frame, domain);
-        }
-        let work: u32 = nodes.iter().map(|node| 1u32 << (2 * node.place.level)).sum();
-        let (unit, record) = (self.units.len() as u32, self.records.len() as u32);
-        self.units.push(Unit {
-            picture: self.expected.len() as u32,
-            width: grid.width,
-            height: grid.height,
-            stride: code_stride(grid.width),
-            window: 1,
-            domain: domain.kind() as u32,
-            base: domain.base(),
-            scale: domain.scale(),
-        });
-        self.records.push(Record { at: self.stream.len() as u32, work, ..Record::default() });
-        let end = self.jobs.last().map_or(0, |job| job.end) + work;
-        self.jobs.push(Job { unit, end, record, ..Job::default() });
-        self.stream.extend(runtime.buffer().as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)));
-        self.expected.extend(pack_codes(&picture, grid.width as usize));
-        self.nodes += nodes.len() as u64;
+/// Adds a unit that shows these nodes.
+fn push(all: &mut Gathered, grid: Grid, domain: &Domain, nodes: &[Node]) {
+    let mut runtime = Runtime::new(grid);
+    runtime.push(0, nodes);
+    let mut picture = vec![0u16; grid.pixel_count() as usize];
+    for &frame in runtime.frames() {
+        all.pixels += runtime.apply(&mut picture, frame, domain);
     }
-
-    fn case(self, label: &str) -> Case {
-        let invocations = self.jobs.last().map_or(0, |job| job.end);
-        let mut jobs = vec![invocations, self.jobs.len() as u32];
-        jobs.extend(words_of(&self.jobs));
-        let pictures = vec![0; self.expected.len()];
-        Case {
-            label: label.to_owned(),
-            buffers: vec![
-                words_of(&self.units),
-                words_of(&self.records),
-                jobs,
-                self.stream,
-                LOG2_TABLE.to_vec(),
-                pictures,
-            ],
-            invocations,
-            expected: vec![(5, self.expected)],
-            inputs: self.nodes,
-            pixels: self.pixels,
-        }
-    }
+    let work: u32 = nodes.iter().map(|node| 1u32 << (2 * node.place.level)).sum();
+    let unit = Unit {
+        width: grid.width,
+        height: grid.height,
+        window: 1,
+        domain: domain.kind() as u32,
+        base: domain.base(),
+        scale: domain.scale(),
+        ..Unit::default()
+    };
+    let record = Record { at: all.stream.len() as u32, work, ..Record::default() };
+    all.push(unit, record, pack_codes(&picture, grid.width as usize));
+    all.stream.extend(words_from(runtime.buffer()));
+    all.inputs += nodes.len() as u64;
 }
 
 /// Numbers at which sums wrap, signs change and codes are clamped.
@@ -192,7 +154,7 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
         for domain in &domains() {
             let grid = Grid { width: size[0], height: size[1] };
             let holes = random.one_in(2);
-            sizes.push(grid, domain, &random_nodes(grid, holes, random));
+            push(&mut sizes, grid, domain, &random_nodes(grid, holes, random));
         }
     }
     cases.push(sizes.case("odd sizes"));
@@ -201,12 +163,12 @@ pub(super) fn cases(seed: u64) -> Vec<Case> {
     for at in 0..48 {
         let grid = Grid { width: 1 + random.below(200), height: 1 + random.below(200) };
         let nodes = random_nodes(grid, at % 3 == 0, random);
-        many.push(grid, &domains[at % domains.len()], &nodes);
+        push(&mut many, grid, &domains[at % domains.len()], &nodes);
     }
     cases.push(many.case("random units"));
     let mut large = Gathered::default();
     let grid = Grid { width: 1024, height: 1024 };
-    (0..4).for_each(|_| large.push(grid, &Domain::log(), &random_nodes(grid, false, random)));
+    (0..4).for_each(|_| push(&mut large, grid, &Domain::log(), &random_nodes(grid, false, random)));
     cases.push(large.case("units of 1024x1024"));
     cases
 }
@@ -220,7 +182,7 @@ fn roots(random: &mut Random) -> Case {
             for &function in functions_of(level) {
                 let place = Place { level, x: 0, y: 0 };
                 let node = Node { place, coefficients: coefficients(function, random) };
-                gathered.push(Grid { width: side - u32::from(level) % 2, height: side }, domain, &[node]);
+                push(&mut gathered, Grid { width: side - u32::from(level) % 2, height: side }, domain, &[node]);
             }
         }
     }
@@ -234,7 +196,7 @@ fn lines() -> Case {
         for edge in EDGES {
             let place = Place { level: 1, x: 0, y: 0 };
             let coefficients = words_into(&[0, 0, 0, 0, 0, edge], [[0xff; 4]; 2]);
-            gathered.push(Grid { width: 8, height: 8 }, domain, &[Node { place, coefficients }]);
+            push(&mut gathered, Grid { width: 8, height: 8 }, domain, &[Node { place, coefficients }]);
         }
     }
     for level in 1..LEVELS as u8 {
@@ -242,7 +204,7 @@ fn lines() -> Case {
             let place = Place { level, x: 0, y: 0 };
             let coefficients = words_into(&[0, 0, 1 << 20, 0, 0, 2 << 20], [line, [0xff; 4]]);
             let side = 4 << level;
-            gathered.push(Grid { width: side, height: side }, &Domain::log(), &[Node { place, coefficients }]);
+            push(&mut gathered, Grid { width: side, height: side }, &Domain::log(), &[Node { place, coefficients }]);
         }
     }
     gathered.case("edges and lines")

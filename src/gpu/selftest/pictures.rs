@@ -114,7 +114,7 @@ pub struct PictureResult {
 /// Renders a case on a device and on the CPU.
 pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
     let views = case.active();
-    let mut renderer = GpuRenderer::new(gpu, &case.field);
+    let mut renderer = GpuRenderer::new(gpu, case.field.coding);
     let on_device = renderer.render(&views, &case.camera, &case.settings, &Silent)?;
     let on_cpu = render(&views, &case.camera, &case.settings, &Silent)?;
     Ok(PictureResult { agreement: Agreement::of(&on_device, &on_cpu)?, on_device, on_cpu })
@@ -122,8 +122,7 @@ pub fn run(gpu: &Gpu, case: &PictureCase) -> Result<PictureResult> {
 
 /// Runs those cases that a kernel renders.
 pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
-    let mut report =
-        KernelReport { name: kernel.name, inputs: 0, mismatches: 0, first: None, megapixels_per_second: 0.0 };
+    let mut report = KernelReport::new(kernel.name);
     let mut cases = cases()?;
     if kernel.name == kernels::RENDER_EFFECTS.name {
         cases.retain(|case| case.settings.specular != SpecularMode::None);
@@ -142,8 +141,8 @@ pub(super) fn test(gpu: &Gpu, kernel: &'static Kernel) -> Result<KernelReport> {
         }
     }
     if let Some(case) = cases.last() {
-        let (views, mut renderer) = (case.active(), GpuRenderer::new(gpu, &case.field));
-        renderer.bring(&views)?;
+        let (views, mut renderer) = (case.active(), GpuRenderer::new(gpu, case.field.coding));
+        renderer.upload(&views)?;
         let start = Instant::now();
         renderer.render(&views, &case.camera, &case.settings, &Silent)?;
         let pixels = f64::from(case.settings.size[0]) * f64::from(case.settings.size[1]);

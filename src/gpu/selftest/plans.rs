@@ -4,59 +4,54 @@ use crate::color::cells::builder::CellBuilder;
 use crate::color::cells::{CellChunk, CellFormat};
 use crate::depth::record_table;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, words_of};
+use crate::gpu::layout::{
+    Chunk, Dispatch, Item, Job, MAX_GROUPS, NONE, Record, State, Unit, WORKGROUP, list_of, words_of,
+};
 use crate::gpu::prepare::{self, Prepared};
+use crate::gpu::selftest::gathered::Gathered;
 use crate::math::random::Random;
 
 /// What a plan reads, and what must come of it.
 #[derive(Default)]
-struct Gathered {
-    units: Vec<Unit>,
+struct Planned {
+    all: Gathered,
     chunks: Vec<Chunk>,
-    records: Vec<Record>,
-    stream: Vec<u32>,
     items: Vec<Item>,
     before: Vec<State>,
     after: Vec<State>,
-    jobs: Vec<Job>,
 }
 
-impl Gathered {
-    /// Adds the job of an item, whose work follows the jobs before.
+impl Planned {
+    /// Adds an item with its job.
     fn push(&mut self, item: Item, states: [State; 2], job: Job, work: u32) {
-        let end = self.jobs.last().map_or(0, |job| job.end) + work;
-        self.jobs.push(Job { end, ..job });
+        self.all.push_job(job, work);
         self.items.push(item);
         self.before.push(states[0]);
         self.after.push(states[1]);
     }
 
-    fn case(self, label: &str, colour: bool) -> Case {
-        let count = self.items.len() as u32;
-        let total = self.jobs.last().map_or(0, |job| job.end);
-        let mut items = vec![count, 0];
-        items.extend(words_of(&self.items));
-        let mut jobs = vec![total, count];
-        jobs.extend(words_of(&self.jobs));
+    fn case(self, label: &str) -> Case {
+        let (count, total) = (self.items.len() as u32, self.all.work());
         let groups = total.div_ceil(WORKGROUP);
         let x = groups.clamp(1, MAX_GROUPS);
         let dispatch = words_of(&[Dispatch { x, y: groups.div_ceil(x), z: 1 }]);
-        let mut buffers = vec![words_of(&self.chunks), words_of(&self.records), items];
-        if colour {
-            buffers.push(self.stream);
-        } else {
-            buffers.insert(0, words_of(&self.units));
-        }
-        let first = buffers.len();
-        let expected = [words_of(&self.after), jobs, dispatch];
-        buffers.push(words_of(&self.before));
-        buffers.extend(expected[1..].iter().map(|words| vec![0; words.len()]));
+        let jobs = self.all.job_words();
         Case {
             label: label.to_owned(),
-            buffers,
             // One workgroup plans everything.
             invocations: 1,
-            expected: (first..).zip(expected).collect(),
+            buffers: [
+                ("units", words_of(&self.all.units)),
+                ("chunks", words_of(&self.chunks)),
+                ("records", words_of(&self.all.records)),
+                ("items", list_of([count, 0], &self.items)),
+                ("stream", self.all.stream),
+                ("states", words_of(&self.before)),
+                ("jobs", vec![0; jobs.len()]),
+                ("dispatch", vec![0; dispatch.len()]),
+            ]
+            .into(),
+            expected: vec![("states", words_of(&self.after)), ("jobs", jobs), ("dispatch", dispatch)],
             inputs: u64::from(count),
             pixels: u64::from(total),
         }
@@ -71,7 +66,7 @@ impl Gathered {
         let whole = random.one_in(6);
         let window = if whole { 0 } else { random.pick(&[1, 2, 3, 4, 17, 255]).unwrap_or(1) };
         let frames = if whole { (0..=last).collect() } else { frames };
-        let number = self.units.len() as u32;
+        let number = self.all.units.len() as u32;
         let (key, frame) = (1 + number, random.below(if whole { last + 1 } else { far }));
         let at = match random.below(4) {
             0 => None,
@@ -88,12 +83,12 @@ impl Gathered {
             (true, _) => vec![frame as usize],
             (false, at) => record_table::steps(&frames, |&frame| frame, at, frame, window as u8).take(2).collect(),
         };
-        let first = self.records.len() as u32;
+        let first = self.all.records.len() as u32;
         let works: Vec<u32> = frames.iter().map(|_| random.below(2000)).collect();
         let rows = frames.iter().zip(&works).map(|(&frame, &work)| Record { frame, work, ..Record::default() });
-        self.records.extend(rows);
+        self.all.records.extend(rows);
         let shown = if steps.len() > 1 { frames[steps[0]] } else { frame };
-        self.units.push(Unit { window, ..Unit::default() });
+        self.all.units.push(Unit { window, ..Unit::default() });
         let chunk = self.chunks.len() as u32;
         self.chunks.push(Chunk { first_record: first, record_count: frames.len() as u32, ..Chunk::default() });
         let record = steps.first().map_or(NONE, |&step| first + step as u32);
@@ -115,15 +110,15 @@ impl Gathered {
         let Ok(payload) = builder.finish() else { return };
         let Ok(chunk) = CellChunk::<u8>::parse(payload, CellFormat::of_samples(1, 1), frames) else { return };
         let Prepared { stream, records, weights, .. } = prepare::of_cells(&chunk);
-        let (bytes, first) = (4 * self.stream.len() as u32, self.records.len() as u32);
+        let (bytes, first) = (4 * self.all.stream.len() as u32, self.all.records.len() as u32);
         let works: Vec<u32> = records.iter().map(|_| random.below(2000)).collect();
         let rows = records.iter().zip(&works).map(|(row, &work)| Record { at: row.at + bytes, work, ..*row });
-        self.records.extend(rows);
-        let next_chunk = Chunk { first_record: self.records.len() as u32, record_count: 1, ..Chunk::default() };
-        self.records.push(Record::default());
-        self.stream.extend(stream);
-        let number = self.units.len() as u32;
-        self.units.push(Unit::default());
+        self.all.records.extend(rows);
+        let next_chunk = Chunk { first_record: self.all.records.len() as u32, record_count: 1, ..Chunk::default() };
+        self.all.records.push(Record::default());
+        self.all.stream.extend(stream);
+        let number = self.all.units.len() as u32;
+        self.all.units.push(Unit::default());
         let (slot, key) = (self.chunks.len() as u32, 1 + number);
         let [weights_at, weight_count] = weights;
         let record_count = records.len() as u32;
@@ -161,22 +156,23 @@ fn ascending(random: &mut Random) -> Vec<u32> {
     frames
 }
 
-fn gathered(label: &str, count: usize, random: &mut Random, colour: bool) -> Case {
-    let mut gathered = Gathered::default();
-    for _ in 0..count {
-        if colour { gathered.push_cell(random) } else { gathered.push_records(random) }
-    }
-    gathered.case(label, colour)
+/// Plans of few and many items, each added by `push`.
+fn cases(seed: u64, push: fn(&mut Planned, &mut Random)) -> Vec<Case> {
+    let random = &mut Random::new(seed);
+    let case = |count: usize| {
+        let mut planned = Planned::default();
+        (0..count).for_each(|_| push(&mut planned, random));
+        planned.case(&format!("{count} items"))
+    };
+    [1, 255, 256, 257, 3000].map(case).into()
 }
 
 /// Items of depth and material.
 pub(super) fn records(seed: u64) -> Vec<Case> {
-    let random = &mut Random::new(seed);
-    [1, 255, 256, 257, 3000].map(|count| gathered(&format!("{count} items"), count, random, false)).into()
+    cases(seed, Planned::push_records)
 }
 
 /// Items of colour.
 pub(super) fn cells(seed: u64) -> Vec<Case> {
-    let random = &mut Random::new(seed);
-    [1, 255, 256, 257, 3000].map(|count| gathered(&format!("{count} items"), count, random, true)).into()
+    cases(seed, Planned::push_cell)
 }

@@ -2,7 +2,7 @@
 
 use crate::depth::DepthRange;
 use crate::gpu::harness::Case;
-use crate::gpu::layout::{DepthJob, NONE, PyramidJob, Words, words_of};
+use crate::gpu::layout::{DepthJob, NONE, PyramidJob, list_of};
 use crate::gpu::pictures::{code_stride, pack_codes};
 use crate::image::DepthKind;
 use crate::image::TexelMap;
@@ -11,13 +11,6 @@ use crate::march::pyramid::DepthPyramid;
 use crate::math::random::Random;
 use crate::views::inverse_depth::InverseDepth;
 use crate::views::light_field::{BACKGROUND, ColorCoding, FaceTexels, UNKNOWN};
-
-/// A list: the sum of all work and the count, then the rows.
-fn listed<T: Words>(jobs: &[T], total: u32) -> Vec<u32> {
-    let mut words = vec![total, jobs.len() as u32];
-    words.extend(words_of(jobs));
-    words
-}
 
 /// A code: near, far and background are as likely as others.
 fn code(random: &mut Random) -> u16 {
@@ -101,9 +94,15 @@ pub(super) fn depths(seed: u64) -> Vec<Case> {
         cases.push(Case {
             label: label.to_owned(),
             inputs: jobs.len() as u64,
-            buffers: vec![pictures, tables, listed(&jobs, total), before],
+            buffers: [
+                ("pictures", pictures),
+                ("tables", tables),
+                ("jobs", list_of([total, jobs.len() as u32], &jobs)),
+                ("planes", before),
+            ]
+            .into(),
             invocations: total,
-            expected: vec![(3, planes)],
+            expected: vec![("planes", planes)],
             pixels: u64::from(total),
         });
     }
@@ -158,9 +157,9 @@ pub(super) fn squares(seed: u64) -> Vec<Case> {
             };
             cases.push(Case {
                 label: format!("level {level} of {} x {} texels", size[0], size[1]),
-                buffers: vec![listed(&[job], job.end), planes],
+                buffers: [("jobs", list_of([job.end, 1], &[job])), ("planes", planes)].into(),
                 invocations: job.end,
-                expected: vec![(1, after)],
+                expected: vec![("planes", after)],
                 inputs: 1,
                 pixels: u64::from(job.end),
             });

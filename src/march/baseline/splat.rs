@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use crate::error::Result;
 use crate::evaluate::rendered_image::{HoleFill, RenderedImage};
 use crate::image::cube::Face;
-use crate::image::plane::Plane;
 use crate::march::active_views::{ActiveView, ActiveViews};
 use crate::march::clip::ClipPlanes;
 use crate::march::counters::Counters;
@@ -31,9 +30,6 @@ struct Point {
 /// Splats. Of the settings, `size`, `holes`, and the first and last of the distances count: a point is one pixel, however
 /// many samples a pixel has. Of points at the same distance the first wins, in the order of views, faces and texels. The
 /// monitor advances by one for each row of the picture, when all points are drawn.
-///
-/// # Errors
-/// When the monitor says to stop.
 pub fn splat(
     views: &ActiveViews<'_>,
     camera: &Camera,
@@ -68,14 +64,13 @@ pub fn splat(
         background_rays: shown.iter().flatten().filter(|point| point.distance_m.is_infinite()).count() as u64,
         ..Counters::default()
     };
-    let alpha = Plane::new(width, height, shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect())?;
+    let alpha: Vec<f32> = shown.iter().map(|point| f32::from(u8::from(point.is_some()))).collect();
     if settings.holes == HoleFill::Nearest {
         fill(&mut shown, settings.size);
     }
-    let light =
-        |point: &Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color)).to_array();
-    let image = RenderedImage { color: Plane::new(width, height, shown.iter().map(light).collect())?, alpha };
-    Ok(Rendered { image, counters })
+    let light = |point: Option<Point>| point.map_or(Vec3::ZERO, |point| light_of(views.coding, point.color));
+    let pixels = shown.into_iter().zip(alpha).map(|(point, alpha)| light(point).extend(alpha).to_array());
+    Ok(Rendered { image: RenderedImage::of_pixels(settings.size, pixels)?, counters })
 }
 
 /// An image of an active view.
@@ -102,8 +97,8 @@ impl Image<'_> {
         } else {
             let from_eye = view.from_eye + direction / inverse_depth;
             let distance_m = from_eye.length();
-            let [near_m, far_m] = limits(settings);
-            if !(near_m..=far_m).contains(&distance_m) {
+            let distances_m = &settings.steps.distances_m;
+            if !(*distances_m.first()?..=*distances_m.last()?).contains(&distance_m) {
                 return None;
             }
             (from_eye, distance_m)
@@ -119,12 +114,6 @@ impl Image<'_> {
         let at = pixel(y, settings.size[1])? * settings.size[0] as usize + pixel(x, settings.size[0])?;
         Some((at, Point { distance_m, color: face.color.get(texel) }))
     }
-}
-
-/// First and last distance of the steps.
-fn limits(settings: &RenderSettings) -> [f32; 2] {
-    let distances = &settings.steps.distances_m;
-    [distances.first(), distances.last()].map(|distance| distance.copied().unwrap_or(0.0))
 }
 
 /// Fills holes from adjacent pixels, breadth first.

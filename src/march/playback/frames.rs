@@ -117,7 +117,9 @@ pub struct Stage<'s> {
 /// A rendering method, on the CPU or a device.
 pub trait Renderer {
     /// Secondary rays, which decide what is decoded.
-    fn effects(&self) -> SpecularMode;
+    fn specular(&self) -> SpecularMode {
+        SpecularMode::None
+    }
 
     /// What decodes and keeps depth and colour, unless the CPU does; always the same.
     fn backend(&mut self) -> Option<&mut dyn TexelBackend> {
@@ -125,7 +127,9 @@ pub trait Renderer {
     }
 
     /// Takes over changes since the last call. Called once per frame request, before its pictures.
-    fn update(&mut self, stage: &Stage<'_>, changes: &[Change]) -> Result<()>;
+    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
+        Ok(())
+    }
 
     /// Renders a picture. The monitor advances by one per row.
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered>;
@@ -139,19 +143,13 @@ pub struct CpuRenderer {
 }
 
 impl CpuRenderer {
-    /// A renderer without pyramids.
     pub fn new(options: PictureOptions) -> CpuRenderer {
         CpuRenderer { options, pyramids: Pyramids::default() }
-    }
-
-    /// The pyramids of the last frame.
-    pub fn pyramids(&self) -> &Pyramids {
-        &self.pyramids
     }
 }
 
 impl Renderer for CpuRenderer {
-    fn effects(&self) -> SpecularMode {
+    fn specular(&self) -> SpecularMode {
         self.options.specular
     }
 
@@ -241,7 +239,7 @@ impl<'a> Playback<'a> {
         let eye = request.cameras.iter().map(Camera::eye).sum::<DVec3>() / request.cameras.len() as f64;
         let selection = self.selector.select(&self.player.candidates(request.frame), eye);
         let views = selection.views();
-        let secondary_rays = renderer.effects() != SpecularMode::None && self.player.has_material();
+        let secondary_rays = renderer.specular() != SpecularMode::None && self.player.has_material();
         let units = if self.options.decode == DecodeScope::All {
             UnitRequest { visible: &AllUnits, secondary_rays: false }
         } else {

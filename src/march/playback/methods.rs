@@ -10,10 +10,8 @@ use crate::march::baseline::splat::splat;
 use crate::march::playback::frames::{PictureOptions, Renderer, Stage};
 use crate::march::pyramid::Pyramids;
 use crate::march::render::Rendered;
-use crate::march::settings::SpecularMode;
 use crate::math::Camera;
 use crate::monitor::Monitor;
-use crate::views::player::Change;
 
 /// Draws every texel as a point.
 #[derive(Debug, Clone, Default)]
@@ -22,14 +20,6 @@ pub struct SplatRenderer {
 }
 
 impl Renderer for SplatRenderer {
-    fn effects(&self) -> SpecularMode {
-        SpecularMode::None
-    }
-
-    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
-        Ok(())
-    }
-
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let views = ActiveViews::with_pyramids(stage.field, &Pyramids::default(), stage.views, camera.eye());
         splat(&views, camera, &self.options.settings(&views), monitor)
@@ -45,14 +35,6 @@ pub struct ReprojectRenderer {
 }
 
 impl Renderer for ReprojectRenderer {
-    fn effects(&self) -> SpecularMode {
-        SpecularMode::None
-    }
-
-    fn update(&mut self, _stage: &Stage<'_>, _changes: &[Change]) -> Result<()> {
-        Ok(())
-    }
-
     fn render(&mut self, stage: &Stage<'_>, camera: &Camera, monitor: &dyn Monitor) -> Result<Rendered> {
         let distance_m = self.distances_m.pop_front();
         let distance_m = distance_m.ok_or_else(|| Error::Usage("no true distances for this picture".into()))?;

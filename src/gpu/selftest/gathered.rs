@@ -1,0 +1,72 @@
+//! Units of one dispatch, gathered one by one into the buffers of a decoding kernel.
+
+use crate::depth::domain::LOG2_TABLE;
+use crate::gpu::harness::Case;
+use crate::gpu::layout::{BoxRow, Job, Record, Unit, list_of, words_of};
+
+#[derive(Default)]
+pub struct Gathered {
+    pub units: Vec<Unit>,
+    pub records: Vec<Record>,
+    pub boxes: Vec<BoxRow>,
+    pub jobs: Vec<Job>,
+    pub stream: Vec<u32>,
+    /// Pictures before the dispatch, as far as they are not 0.
+    pub before: Vec<u32>,
+    /// Pictures after it.
+    pub expected: Vec<u32>,
+    pub inputs: u64,
+    pub pixels: u64,
+}
+
+impl Gathered {
+    /// Adds a unit whose picture becomes `shown`; answers its number.
+    pub fn push_unit(&mut self, unit: Unit, shown: Vec<u32>) -> u32 {
+        let (picture, stride) = (self.expected.len() as u32, shown.len() as u32 / unit.height);
+        self.units.push(Unit { picture, stride, ..unit });
+        self.expected.extend(shown);
+        self.units.len() as u32 - 1
+    }
+
+    /// Adds a job, whose work follows that of the jobs before.
+    pub fn push_job(&mut self, job: Job, work: u32) {
+        self.jobs.push(Job { end: self.work() + work, ..job });
+    }
+
+    /// Adds a unit to which a record is applied.
+    pub fn push(&mut self, unit: Unit, record: Record, shown: Vec<u32>) {
+        let job = Job { unit: self.push_unit(unit, shown), record: self.records.len() as u32, ..Job::default() };
+        self.push_job(job, record.work);
+        self.records.push(record);
+    }
+
+    /// The sum of the work of all jobs.
+    pub fn work(&self) -> u32 {
+        self.jobs.last().map_or(0, |job| job.end)
+    }
+
+    pub fn job_words(&self) -> Vec<u32> {
+        list_of([self.work(), self.jobs.len() as u32], &self.jobs)
+    }
+
+    pub fn case(mut self, label: &str) -> Case {
+        self.before.resize(self.expected.len(), 0);
+        Case {
+            label: label.to_owned(),
+            invocations: self.work(),
+            buffers: [
+                ("units", words_of(&self.units)),
+                ("records", words_of(&self.records)),
+                ("boxes", words_of(&self.boxes)),
+                ("jobs", self.job_words()),
+                ("stream", self.stream),
+                ("log2_table", LOG2_TABLE.to_vec()),
+                ("pictures", self.before),
+            ]
+            .into(),
+            expected: vec![("pictures", self.expected)],
+            inputs: self.inputs,
+            pixels: self.pixels,
+        }
+    }
+}
