@@ -338,9 +338,8 @@ impl Gpu {
         pipeline: &Pipeline,
         resource: impl Fn(&str) -> Option<wgpu::BindingResource<'r>>,
     ) -> wgpu::BindGroup {
-        let entry = |(binding, row): (u32, &Binding)| {
-            Some(wgpu::BindGroupEntry { binding, resource: resource(row.name)? })
-        };
+        let entry =
+            |(binding, row): (u32, &Binding)| Some(wgpu::BindGroupEntry { binding, resource: resource(row.name)? });
         let entries: Vec<_> = (0..).zip(pipeline.bindings).filter_map(entry).collect();
         let descriptor = wgpu::BindGroupDescriptor { label: None, layout: &pipeline.layout, entries: &entries };
         self.device.create_bind_group(&descriptor)

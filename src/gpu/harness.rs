@@ -74,7 +74,8 @@ impl KernelReport {
         self.inputs += case.inputs;
         for (name, expected) in &case.expected {
             let found = gpu.read(&buffers[name], expected.len())?;
-            let differing = || found.iter().zip(expected).enumerate().filter(|(_, (found, expected))| found != expected);
+            let differing =
+                || found.iter().zip(expected).enumerate().filter(|(_, (found, expected))| found != expected);
             self.mismatches += differing().count() as u64;
             if let (None, Some((word, (found, expected)))) = (&self.first, differing().next()) {
                 let label = &case.label;

@@ -16,8 +16,8 @@ use crate::depth::block_tiles::BlockTiles;
 use crate::depth::records::Values;
 use crate::error::Result;
 use crate::gpu::device::Gpu;
-pub use crate::gpu::harness::KernelReport;
 use crate::gpu::harness::Case;
+pub use crate::gpu::harness::KernelReport;
 use crate::gpu::kernels::{self, Kernel};
 
 use Inputs::Words;

@@ -150,7 +150,8 @@ pub fn refusals() -> Result<(), Failed> {
         let face = case.field.views[0].faces.iter_mut().flatten().next().ok_or("no image")?;
         face.size = [gpu.device.limits().max_texture_dimension_2d + 1, 1];
         face.inverse_depth = vec![BACKGROUND; face.size[0] as usize];
-        let refused = GpuRenderer::new(gpu, case.field.coding).upload(&case.active()).map_err(said).err().unwrap_or_default();
+        let refused =
+            GpuRenderer::new(gpu, case.field.coding).upload(&case.active()).map_err(said).err().unwrap_or_default();
         match refused.contains(&gpu.info.name) && refused.contains("`device` cpu") {
             true => Ok(()),
             false => Err(format!("it said '{refused}'").into()),

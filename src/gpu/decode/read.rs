@@ -35,9 +35,7 @@ impl GpuDecoder<'_> {
     fn picture(&self, stream: &StreamInfo, first: usize, words: &[u32]) -> Picture {
         match self.family.words {
             PixelWords::Codes => Picture::Depth(self.assemble(stream, first, words, unpack_codes)),
-            PixelWords::Bytes if self.family.is_color => {
-                Picture::Color8(self.assemble(stream, first, words, bytes_of))
-            }
+            PixelWords::Bytes if self.family.is_color => Picture::Color8(self.assemble(stream, first, words, bytes_of)),
             PixelWords::Bytes => Picture::Material(self.assemble(stream, first, words, bytes_of)),
             PixelWords::Halves => Picture::ColorHalf(self.assemble(stream, first, words, halves_of)),
         }

@@ -43,10 +43,8 @@ impl<'a> DeviceRenderer<'a> {
         let gpu = self.gpu;
         let has_material = decoder.streams().iter().any(|stream| stream.kind == StreamKind::Material);
         let is_apart = self.options.specular == SpecularMode::None || !has_material;
-        let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes)).then(|| GpuRenderer {
-            backend: Some(GpuBackend::new(gpu, decoder)),
-            ..GpuRenderer::new(gpu, coding)
-        });
+        let renderer = (is_apart && can_decode(decoder, gpu.info.max_binding_bytes))
+            .then(|| GpuRenderer { backend: Some(GpuBackend::new(gpu, decoder)), ..GpuRenderer::new(gpu, coding) });
         DeviceRenderer { renderer, ..self }
     }
 
